@@ -1,0 +1,44 @@
+"""What the package raises: one base class, each kind carrying the offending value and the valid ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+
+class SpearError(Exception):
+    """Base class of every error this package raises on purpose; its text is one line."""
+
+
+class UnknownName(SpearError):
+    """A name that is not among the valid ones."""
+
+    def __init__(self, kind: str, value: object, valid: Iterable[str]) -> None:
+        self.kind, self.value, self.valid = kind, value, tuple(valid)
+        choices = ", ".join(self.valid) if self.valid else "none"
+        super().__init__(f"unknown {kind} {value!r}; valid: {choices}")
+
+
+class BadValue(SpearError):
+    """A value outside what is valid, with the name of the argument or field it was given for."""
+
+    def __init__(self, name: str, value: object, expected: str) -> None:
+        self.name, self.value, self.expected = name, value, expected
+        super().__init__(f"{name} is {value!r}; expected {expected}")
+
+
+class BadFile(SpearError):
+    """A file that cannot be read as what it should be: a URDF, a gait, a trajectory."""
+
+    def __init__(self, path: str | Path, problem: str, line: int | None = None) -> None:
+        self.path, self.problem, self.line = str(path), problem, line
+        where = self.path if line is None else f"{self.path}:{line}"
+        super().__init__(f"{where}: {problem}")
+
+
+class NoGait(SpearError):
+    """No periodic gait was found; carries the reason and the best residual reached."""
+
+    def __init__(self, reason: str, residual: float) -> None:
+        self.reason, self.residual = reason, residual
+        super().__init__(f"no gait found: {reason} (best residual {residual:.3g})")

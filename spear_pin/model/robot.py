@@ -1,0 +1,203 @@
+"""The robot: mass matrix, bias, toe Jacobians and drift, by Pinocchio's CRBA and RNEA."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from spear_pin.errors import BadValue, UnknownName
+
+Array = NDArray[np.float64]
+WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+
+
+class Robot:
+    """A robot read from a URDF: D(q) v̇ + C(q, v) v + G(q) = B u + Σ Jᵀ F, (3.16).
+
+    Build one with `spear_pin.load`. Queries take and return float64 arrays in SI units and radians;
+    what they return is a copy. Rotor inertias enter D through `model.armature`, as N² J.
+    A robot holds scratch memory of Pinocchio's, so give each thread its own.
+
+    Attributes:
+        name: name of the robot.
+        model: the `pinocchio.Model`, its armature set.
+        coordinates: nv names, in the order of v.
+        toes: frame names of the points that touch the ground.
+        actuated: names of the joints that have a motor, in the order of u.
+        locked: names of the joints that are held at zero.
+        planar: whether everything moves in the x-z plane; toe queries are then two-dimensional.
+        source: what the robot was loaded from, a registered name or a path.
+    """
+
+    def __init__(
+        self,
+        model: pin.Model,
+        *,
+        name: str,
+        toes: Iterable[str],
+        actuated: Sequence[str],
+        locked: Sequence[str] = (),
+        source: str = "",
+    ) -> None:
+        self.name, self.model, self.source = name, model, source or name
+        self.toes, self.actuated, self.locked = tuple(toes), tuple(actuated), tuple(locked)
+        self.nq, self.nv, self.nu = int(model.nq), int(model.nv), len(self.actuated)
+        self.coordinates = _coordinates(model)
+        self._data = model.createData()
+        self._toe_ids = {toe: _frame_id(model, toe) for toe in self.toes}
+        self.planar = _is_planar(model, self._data)
+        self._rows = np.array([0, 2]) if self.planar else np.array([0, 1, 2])
+
+    def __repr__(self) -> str:
+        held = f", locked={list(self.locked)}" if self.locked else ""
+        return f"Robot({self.name!r}, nq={self.nq}, nv={self.nv}, nu={self.nu}, toes={list(self.toes)}{held})"
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _rebuild, (self.model, self.name, self.toes, self.actuated, self.locked, self.source)
+
+    @property
+    def mass(self) -> float:
+        """Total mass, in kg."""
+        return float(pin.computeTotalMass(self.model))
+
+    @property
+    def actuation_matrix(self) -> Array:
+        """B of (3.16), (nv, nu): the motor of column j acts on the coordinate of row i."""
+        matrix = np.zeros((self.nv, self.nu))
+        for column, joint in enumerate(self.actuated):
+            matrix[self.index(joint), column] = 1.0
+        return matrix
+
+    def index(self, coordinate: str) -> int:
+        """Row of a coordinate in v.
+
+        Raises:
+            UnknownName: there is no such coordinate.
+        """
+        if coordinate not in self.coordinates:
+            raise UnknownName("joint", coordinate, self.coordinates)
+        return self.coordinates.index(coordinate)
+
+    def toe_id(self, toe: str) -> int:
+        """Index of a toe's frame in `model.frames`.
+
+        Raises:
+            UnknownName: there is no such toe.
+        """
+        if toe not in self._toe_ids:
+            raise UnknownName("toe", toe, self.toes)
+        return self._toe_ids[toe]
+
+    def mass_matrix(self, q: ArrayLike) -> Array:
+        """D(q), (nv, nv), symmetric positive definite, by CRBA; reflected rotors included.
+
+        Raises:
+            BadValue: q has the wrong length or is not finite (as in every query).
+        """
+        return np.array(pin.crba(self.model, self._data, self._q(q)))
+
+    def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """C(q, v), (nv, nv), of (3.16), with Ḋ - 2C skew-symmetric."""
+        return np.array(pin.computeCoriolisMatrix(self.model, self._data, self._q(q), self._v(v)))
+
+    def gravity(self, q: ArrayLike) -> Array:
+        """G(q), (nv,), of (3.16), in N or N·m."""
+        return np.array(pin.computeGeneralizedGravity(self.model, self._data, self._q(q)))
+
+    def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """C(q, v) v + G(q), (nv,), by RNEA, in N or N·m."""
+        return np.array(pin.nonLinearEffects(self.model, self._data, self._q(q), self._v(v)))
+
+    def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
+        """½ vᵀ D v, in J, rotors included (Pinocchio's own energy leaves them out for some joints)."""
+        rates = self._v(v)
+        return float(0.5 * rates @ self.mass_matrix(q) @ rates)
+
+    def potential_energy(self, q: ArrayLike) -> float:
+        """Energy of gravity, in J, zero where every centre of mass is at height zero."""
+        return float(pin.computePotentialEnergy(self.model, self._data, self._q(q)))
+
+    def frame_position(self, q: ArrayLike, frame: str) -> Array:
+        """Position of any frame of the URDF in the world, in m: (2,) x, z for planar robots, else (3,).
+
+        Raises:
+            UnknownName: there is no such frame.
+        """
+        index = _frame_id(self.model, frame)
+        pin.forwardKinematics(self.model, self._data, self._q(q))
+        return np.array(pin.updateFramePlacement(self.model, self._data, index).translation[self._rows])
+
+    def toe_position(self, q: ArrayLike, toe: str) -> Array:
+        """Position of a toe in the world, in m: (2,) x, z for planar robots, else (3,)."""
+        self.toe_id(toe)
+        return self.frame_position(q, toe)
+
+    def toe_jacobian(self, q: ArrayLike, toe: str) -> Array:
+        """J(q) of (3.16), (2, nv) for planar robots, else (3, nv): the toe's velocity is J v."""
+        index = self.toe_id(toe)
+        jacobian = pin.computeFrameJacobian(self.model, self._data, self._q(q), index, WORLD_ALIGNED)
+        return np.array(jacobian[self._rows])
+
+    def toe_drift(self, q: ArrayLike, v: ArrayLike, toe: str) -> Array:
+        """J̇ v of (3.17)-(3.18), in m/s²: the toe's acceleration at v̇ = 0."""
+        index = self.toe_id(toe)
+        pin.forwardKinematics(self.model, self._data, self._q(q), self._v(v), np.zeros(self.nv))
+        acceleration = pin.getFrameClassicalAcceleration(self.model, self._data, index, WORLD_ALIGNED)
+        return np.array(acceleration.linear[self._rows])
+
+    def _q(self, q: ArrayLike) -> Array:
+        return _vector("q", q, self.nq, self.coordinates)
+
+    def _v(self, v: ArrayLike) -> Array:
+        return _vector("v", v, self.nv, self.coordinates)
+
+
+def _rebuild(
+    model: pin.Model, name: str, toes: Sequence[str], actuated: Sequence[str], locked: Sequence[str], source: str
+) -> Robot:
+    return Robot(model, name=name, toes=toes, actuated=actuated, locked=locked, source=source)
+
+
+def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]) -> Array:
+    try:
+        vector = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise BadValue(name, value, f"{length} numbers ({', '.join(coordinates)})") from None
+    if vector.shape != (length,):
+        raise BadValue(name, value, f"{length} numbers ({', '.join(coordinates)}), not the shape {vector.shape}")
+    if not np.isfinite(vector).all():
+        index = int(np.flatnonzero(~np.isfinite(vector))[0])
+        raise BadValue(f"{name}[{index}]", float(vector[index]), "a finite number")
+    return vector
+
+
+def _frame_id(model: pin.Model, frame: str) -> int:
+    # an unknown name gives nframes, not an error
+    if not model.existFrame(frame):
+        raise UnknownName("frame", frame, [f.name for f in model.frames if f.name != "universe"])
+    return int(model.getFrameId(frame))
+
+
+def _coordinates(model: pin.Model) -> tuple[str, ...]:
+    names: list[str] = []
+    for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
+        names += [name] if joint.nv == 1 else [f"{name}_{i}" for i in range(joint.nv)]
+    return tuple(names)
+
+
+def _is_planar(model: pin.Model, data: pin.Data) -> bool:
+    """Whether, wherever the robot is, no joint can move any body out of the x-z plane."""
+    if model.nv == 0:
+        return False
+    rng = np.random.default_rng(0)
+    for _ in range(3):
+        q = pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv))
+        pin.computeJointJacobians(model, data, q)
+        for joint in range(1, model.njoints):
+            jacobian = pin.getJointJacobian(model, data, joint, WORLD_ALIGNED)
+            if np.abs(jacobian[[1, 3, 5]]).max() > 1e-12:
+                return False
+    return True
