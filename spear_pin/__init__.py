@@ -1,0 +1,62 @@
+"""Switchable parallel elastic legs on Pinocchio: dynamics, hybrid simulation, periodic gaits.
+
+The public names are imported when first used, so that `import spear_pin` costs next to nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from spear_pin.errors import SpearError
+    from spear_pin.gaits.gait import Gait
+    from spear_pin.gaits.hopping import HoppingLaw, hopping
+    from spear_pin.gaits.search import find_gait
+    from spear_pin.hybrid.contact import Contact
+    from spear_pin.hybrid.simulate import simulate
+    from spear_pin.hybrid.trajectory import Trajectory
+    from spear_pin.model.loading import load
+    from spear_pin.model.robot import Robot
+    from spear_pin.model.spring import Spring
+
+__version__ = "0.1.0"
+__all__ = [
+    "Contact",
+    "Gait",
+    "HoppingLaw",
+    "Robot",
+    "SpearError",
+    "Spring",
+    "Trajectory",
+    "find_gait",
+    "hopping",
+    "load",
+    "simulate",
+]
+
+_HOMES = {
+    "SpearError": "errors",
+    "Robot": "model.robot",
+    "load": "model.loading",
+    "Spring": "model.spring",
+    "Contact": "hybrid.contact",
+    "simulate": "hybrid.simulate",
+    "Trajectory": "hybrid.trajectory",
+    "hopping": "gaits.hopping",
+    "HoppingLaw": "gaits.hopping",
+    "Gait": "gaits.gait",
+    "find_gait": "gaits.search",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        value = getattr(import_module(f"spear_pin.{_HOMES[name]}"), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module 'spear_pin' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

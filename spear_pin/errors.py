@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -42,3 +43,9 @@ class NoGait(SpearError):
     def __init__(self, reason: str, residual: float) -> None:
         self.reason, self.residual = reason, residual
         super().__init__(f"no gait found: {reason} (best residual {residual:.3g})")
+
+
+def require(name: str, value: object, valid: object, expected: str) -> None:
+    """Raise `BadValue` unless `valid`; a comparison of symbols is neither true nor false and passes."""
+    if valid is False or (isinstance(value, float) and not math.isfinite(value)):
+        raise BadValue(name, value, expected)

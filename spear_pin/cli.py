@@ -1,0 +1,279 @@
+"""The command line: `spear robots | dynamics | hop | doctor`. Imports stand inside the commands."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from spear_pin.errors import BadValue, SpearError
+
+
+class Parser(argparse.ArgumentParser):
+    """Errors take one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Exit with status 2."""
+        print(f"{self.prog}: {message} (see {self.prog} --help)", file=sys.stderr)
+        raise SystemExit(2)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command; 0, or 2 with one line on stderr."""
+    arguments = _parser().parse_args(argv)
+    try:
+        result: dict[str, Any] = arguments.run(arguments)
+    except (SpearError, OSError) as error:
+        print(f"spear: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("spear: interrupted", file=sys.stderr)
+        return 2
+    status = 2 if result.pop("failed", False) else 0
+    try:
+        if arguments.json:
+            result.pop("text", None)
+            print(json.dumps(_plain(result), allow_nan=False))
+        else:
+            print(result["text"])
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader has seen enough
+        sys.stderr.close()
+    return status
+
+
+def _parser() -> Parser:
+    parser = Parser(prog="spear", description="Switchable parallel elastic legs: dynamics and gaits of SPEAR-II.")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)
+
+    def add(name: str, run: Any, summary: str) -> argparse.ArgumentParser:
+        command = commands.add_parser(name, help=summary, description=summary)
+        command.add_argument("--json", action="store_true", help="print one JSON object")
+        command.set_defaults(run=run)
+        return command
+
+    add("robots", _robots, "list the robots that ship")
+
+    dynamics = add("dynamics", _dynamics, "print D, C, G, J and J̇v of a robot at a state")
+    dynamics.add_argument("robot", help="a robot's name, or the path of a URDF")
+    dynamics.add_argument("--q", type=float, nargs="+", metavar="RAD", help="configuration (default: zero)")
+    dynamics.add_argument("--v", type=float, nargs="+", metavar="RAD/S", help="velocity (default: zero)")
+    dynamics.add_argument("--lock", nargs="+", default=[], metavar="JOINT", help="joints held at zero")
+    dynamics.add_argument("--toes", nargs="+", metavar="FRAME", help="toe frames of a URDF")
+
+    hop = add("hop", _hop, "solve SPEAR-II's hop in place, simulate it, write hop.html and hop.npz")
+    wanted = hop.add_mutually_exclusive_group()
+    wanted.add_argument("--flight-time", type=float, metavar="S", help="solve the stance torque for it (default: 0.2)")
+    wanted.add_argument("--stance-torque", type=float, metavar="N·m", help="given; solve the fixed point only")
+    hop.add_argument("--knee", type=float, default=1.0, metavar="RAD", help="commanded knee angle (default: 1.0)")
+    hop.add_argument("--frequency", type=float, default=2.56, metavar="HZ", help="of the square wave (default: 2.56)")
+    hop.add_argument("--stiffness", type=float, metavar="N·m/RAD", help="of the knee spring (default: 48.84)")
+    hop.add_argument("--friction", type=float, metavar="MU", help="of the ground (default: 0.8, an assumption)")
+    hop.add_argument("--free-x", action="store_true", help="let the boom slide along x as well")
+    hop.add_argument("--foot-placement", type=float, default=0.0, metavar="RAD·S/M", help="gain, with --free-x")
+    hop.add_argument("--cycles", type=int, default=11, metavar="N", help="hops to simulate (default: 11)")
+    hop.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance (default: 1e-9)")
+    hop.add_argument("--out", type=Path, default=Path(), metavar="DIR", help="folder for the files (default: here)")
+    hop.add_argument("--open", action="store_true", help="open hop.html in the browser")
+
+    add("doctor", _doctor, "show what is installed, and whether it works")
+    return parser
+
+
+def _robots(arguments: argparse.Namespace) -> dict[str, Any]:
+    from spear_pin.model.loading import ROBOTS, load
+
+    rows = []
+    for name, shipped in ROBOTS.items():
+        robot = load(name)
+        rows.append(
+            {
+                "name": name,
+                "degrees_of_freedom": robot.nv,
+                "motors": robot.nu,
+                "mass": robot.mass,
+                "coordinates": robot.coordinates,
+                "toes": robot.toes,
+                "summary": shipped.summary,
+                "source": shipped.provenance,
+            }
+        )
+    lines = [f"{'robot':<10}{'DoF':>4}{'motors':>8}{'mass':>11}  what it is"]
+    for row in rows:
+        head = f"{row['name']:<10}{row['degrees_of_freedom']:>4}{row['motors']:>8}{row['mass']:>8.2f} kg"
+        lines.append(f"{head}  {row['summary']} ({row['source']})")
+    return {"robots": rows, "text": "\n".join(lines)}
+
+
+def _dynamics(arguments: argparse.Namespace) -> dict[str, Any]:
+    import numpy as np
+    import pinocchio as pin
+
+    from spear_pin.model.loading import load
+
+    robot = load(arguments.robot, toes=arguments.toes, locked=arguments.lock)
+    q = pin.neutral(robot.model) if arguments.q is None else np.array(arguments.q)
+    v = np.zeros(robot.nv) if arguments.v is None else np.array(arguments.v)
+    result: dict[str, Any] = {
+        "robot": robot.name,
+        "coordinates": robot.coordinates,
+        "q": q,
+        "v": v,
+        "D": robot.mass_matrix(q),
+        "C": robot.coriolis_matrix(q, v),
+        "G": robot.gravity(q),
+        "bias": robot.bias(q, v),
+        "B": robot.actuation_matrix,
+        "J": {toe: robot.toe_jacobian(q, toe) for toe in robot.toes},
+        "J_dot_v": {toe: robot.toe_drift(q, v, toe) for toe in robot.toes},
+        "toe_position": {toe: robot.toe_position(q, toe) for toe in robot.toes},
+    }
+    lines = [f"{robot.name}: {', '.join(robot.coordinates)}  (SI units, radians)"]
+    with np.printoptions(precision=6, suppress=True):
+        for key, value in list(result.items())[2:]:
+            for label, array in ({f" {toe}": a for toe, a in value.items()} if isinstance(value, dict) else {"": value}).items():
+                lines.append(f"{key}{label} =\n{array}" if array.ndim == 2 else f"{key}{label} = {array}")
+    return result | {"text": "\n".join(lines)}
+
+
+def _hop(arguments: argparse.Namespace) -> dict[str, Any]:
+    from spear_pin import Contact, HoppingLaw, Spring, find_gait, hopping, load, simulate
+    from spear_pin.studies.hop import summarize
+    from spear_pin.viz.player import record
+
+    if arguments.flight_time is not None and not arguments.flight_time > 0:
+        raise BadValue("--flight-time", arguments.flight_time, "a number > 0, in s")
+    if not arguments.out.is_dir():
+        raise BadValue("--out", str(arguments.out), "an existing folder")
+    robot = load("spear_ii", locked=[] if arguments.free_x else ["boom_x"])
+    law = HoppingLaw(
+        knee_touchdown=arguments.knee,
+        frequency=arguments.frequency,
+        foot_placement=arguments.foot_placement,
+        **{} if arguments.stance_torque is None else {"stance_torque": arguments.stance_torque},
+    )
+    spring = Spring() if arguments.stiffness is None else Spring(stiffness=arguments.stiffness)
+    contact = Contact() if arguments.friction is None else Contact(friction=arguments.friction)
+    system = hopping(robot, law, spring, contact)
+    tell = _progress("solving", arguments)
+    if arguments.stance_torque is None:
+        target = {"flight_time": arguments.flight_time or 0.2}
+        gait = find_gait(system, vary=["stance_torque"], target=target, on_iteration=tell)
+    else:
+        gait = find_gait(system, on_iteration=tell)
+    trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol)
+    page = record(robot, trajectory, arguments.out / "hop.html", title="SPEAR-II hopping in place")
+    data = trajectory.save(arguments.out / "hop.npz")
+    if arguments.open:
+        import webbrowser
+
+        webbrowser.open(page.resolve().as_uri())
+    summary = summarize(gait, trajectory)
+    return summary | {"files": [str(page), str(data)], "text": _hop_text(summary, page, data)}
+
+
+def _hop_text(summary: dict[str, Any], page: Path, data: Path) -> str:
+    largest = abs(summary["multipliers"][0])
+    rows = [
+        ("stance torque", f"{summary['stance_torque']:.4f} N·m"),
+        ("flight, stance", f"{summary['flight_time']:.4f} s, {summary['stance_time']:.4f} s"),
+        ("apex of the hip", f"{summary['apex_height']:.4f} m"),
+        ("peak ground force", f"{summary['peak_force']:.1f} N"),
+        ("spring's share", f"{100 * summary['spring_share']:.1f} % of the push"),
+        ("multipliers", ", ".join(f"{value:.4f}" for value in summary["multipliers"])),
+        ("", f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"),
+        ("fixed point", f"residual {summary['residual']:.1e}"),
+        ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a hop"),
+        ("simulated", f"{summary['cycles']} hops ({summary['reason']})"),
+        ("files", f"{page}, {data}"),
+    ]
+    return "\n".join(f"{name:<18}{value}" for name, value in rows)
+
+
+def _doctor(arguments: argparse.Namespace) -> dict[str, Any]:
+    import importlib.metadata as metadata
+    import platform
+    import shutil
+
+    required = ("pin", "numpy", "scipy", "lxml", "yourdfpy", "meshcat", "matplotlib", "tqdm")
+    optional = ("casadi", "heyoka", "mujoco", "drake")
+
+    def version(name: str) -> str | None:
+        try:
+            return metadata.version(name)
+        except metadata.PackageNotFoundError:
+            return None
+
+    installed = {name: version(name) for name in (*required, *optional)}
+    programs = {name: shutil.which(name) for name in ("chromium", "google-chrome", "ffmpeg")}
+    checks = {name: _works(check) for name, check in _CHECKS.items()}
+    failed = any(installed[name] is None for name in required) or any(value != "ok" for value in checks.values())
+    lines = [f"python {platform.python_version()} on {platform.system()} {platform.machine()}"]
+    lines += [f"  {name:<12}{installed[name] or 'MISSING'}" for name in required]
+    lines += [f"  {name:<12}{installed[name] or 'not installed (optional)'}" for name in optional]
+    lines += [f"  {name:<14}{'found' if path else 'not found (optional)'}" for name, path in programs.items()]
+    lines += [f"  {name}: {result}" for name, result in checks.items()]
+    return {
+        "python": platform.python_version(),
+        "packages": installed,
+        "programs": {name: path is not None for name, path in programs.items()},
+        "checks": checks,
+        "failed": failed,
+        "text": "\n".join(lines),
+    }
+
+
+def _check_dynamics() -> None:
+    from spear_pin import load
+
+    robot = load("spear_ii")
+    if abs(robot.mass_matrix([0.0, 0.5, 0.5, 1.0])[2, 2] - 0.1471) > 1e-4:
+        raise BadValue("D[2, 2] of spear_ii", robot.mass_matrix([0.0, 0.5, 0.5, 1.0])[2, 2], "0.1471 kg·m²")
+
+
+def _check_hop() -> None:
+    from spear_pin import hopping, load, simulate
+
+    system = hopping(load("spear_ii", locked=["boom_x"]))
+    trajectory = simulate(system, system.guess(), cycles=1, rtol=1e-8)
+    if not trajectory.complete or abs(trajectory.ledger.residual).max() > 1e-6:
+        raise BadValue("one hop", trajectory.reason, "complete, with its energy ledger closed")
+
+
+_CHECKS = {"dynamics of spear_ii": _check_dynamics, "one hop": _check_hop}
+
+
+def _works(check: Any) -> str:
+    try:
+        check()
+    except Exception as error:  # a broken installation may fail in any way, and saying so is the point
+        return f"FAILED: {type(error).__name__}: {error}"
+    return "ok"
+
+
+def _progress(what: str, arguments: argparse.Namespace) -> Any:
+    """Tell of iterations on a terminal's stderr."""
+
+    def tell(iteration: int, residual: float) -> None:
+        if sys.stderr.isatty():
+            print(f"\r{what}: iteration {iteration}, residual {residual:.1e}   ", end="", file=sys.stderr, flush=True)
+            if residual <= 1e-10:
+                print(file=sys.stderr)
+
+    return tell
+
+
+def _plain(value: Any) -> Any:
+    """Numbers, lists and objects that JSON has; complex numbers as [re, im]."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, complex):
+        return [value.real, value.imag]
+    return value

@@ -1,0 +1,141 @@
+"""A periodic gait: its system with the solved parameters in it, its fixed point, its multipliers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
+from spear_pin.files import atomic
+from spear_pin.gaits.hopping import HoppingLaw, hopping
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.run import State
+from spear_pin.model.loading import load
+from spear_pin.model.spring import Spring
+
+FORMAT = "spear_pin gait 1"
+PARTS = ("law", "spring", "contact")
+KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {"hopping": (hopping, HoppingLaw)}
+
+
+@dataclass(frozen=True)
+class Gait:
+    """A fixed point of the return map.
+
+    Attributes:
+        system: the system, solved parameters in it.
+        state: (q, v) on the section.
+        parameters: the parameters that were solved for.
+        residual: ‖P(x) - x‖∞.
+        multipliers: Floquet multipliers, by decreasing modulus.
+        durations: seconds in each phase.
+    """
+
+    system: HybridSystem
+    state: State
+    parameters: Mapping[str, float]
+    residual: float
+    multipliers: NDArray[np.complex128]
+    durations: Mapping[str, float]
+
+    @property
+    def stable(self) -> bool:
+        """Whether every multiplier lies inside the unit circle."""
+        return bool(np.abs(self.multipliers).max() < 1.0)
+
+    @property
+    def period(self) -> float:
+        """Seconds of one cycle."""
+        return float(sum(self.durations.values()))
+
+    def save(self, path: str | Path) -> Path:
+        """Write as JSON."""
+        robot = self.system.robot
+        data = {
+            "format": FORMAT,
+            "kind": self.system.kind,
+            "robot": {"source": robot.source, "toes": robot.toes, "locked": robot.locked},
+            **{part: asdict(getattr(self.system, part)) for part in PARTS},
+            "state": {"q": self.state[0].tolist(), "v": self.state[1].tolist()},
+            "parameters": dict(self.parameters),
+            "residual": self.residual,
+            "multipliers": [[value.real, value.imag] for value in self.multipliers],
+            "durations": dict(self.durations),
+        }
+        with atomic(path) as temporary:
+            temporary.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        return Path(path)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Gait:
+        """Read what `save` wrote, and rebuild the system.
+
+        Raises:
+            BadFile: it cannot be read, or is not a gait.
+        """
+        try:
+            data = json.loads(Path(path).read_text(encoding="utf-8"))
+            if data["format"] != FORMAT:
+                raise KeyError("format")
+            if data["kind"] not in KINDS:
+                raise UnknownName("kind of gait", data["kind"], KINDS)
+            build, law = KINDS[data["kind"]]
+            robot = load(data["robot"]["source"], toes=data["robot"]["toes"], locked=data["robot"]["locked"])
+            system = build(robot, law(**data["law"]), Spring(**data["spring"]), Contact(**data["contact"]))
+            state = np.array(data["state"]["q"], dtype=float), np.array(data["state"]["v"], dtype=float)
+            if [part.shape for part in state] != [(robot.nq,), (robot.nv,)]:
+                raise ValueError(f"the state has the shapes {[part.shape for part in state]}")
+            multipliers = np.array([complex(*pair) for pair in data["multipliers"]])
+            return cls(
+                system, state, data["parameters"], float(data["residual"]), multipliers, data["durations"]
+            )
+        except OSError as error:
+            raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
+        except (KeyError, TypeError, ValueError, SpearError) as error:
+            raise BadFile(path, f"is not a saved gait ({type(error).__name__}: {error})") from None
+
+
+def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
+    """The same system with other parameters, named as fields of its law, spring or contact.
+
+    Raises:
+        UnknownName: no part has a numeric field of that name.
+        BadValue: a value is not valid for its field.
+    """
+    parts = {part: getattr(system, part) for part in PARTS}
+    for name, value in values.items():
+        owner = _owner(system, name)
+        parts[owner] = replace(parts[owner], **{name: value})
+    return system.build(system.robot, **parts)
+
+
+def parameter(system: HybridSystem, name: str) -> float:
+    """Value of a parameter named as a field of the law, spring or contact.
+
+    Raises:
+        UnknownName: no part has a numeric field of that name.
+        BadValue: the field has no number in it to begin from.
+    """
+    value = getattr(getattr(system, _owner(system, name)), name)
+    if value is None:
+        raise BadValue(name, value, "a number to begin from: set it first")
+    return float(value)
+
+
+def _owner(system: HybridSystem, name: str) -> str:
+    owners = {
+        field.name: part
+        for part in PARTS
+        for field in fields(getattr(system, part))
+        if not isinstance(getattr(getattr(system, part), field.name), bool)
+    }
+    if name not in owners:
+        raise UnknownName("parameter", name, owners)
+    return owners[name]

@@ -1,0 +1,217 @@
+"""SPEAR-II hopping in place: the control law (4.9)-(4.10) with corrected signs, and its automaton."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from spear_pin.errors import BadValue, require
+from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem, Mount, Reset, Switch
+from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.phases import contact_domains, fall, rate, spring_switches, touchdown
+from spear_pin.model.robot import Robot
+from spear_pin.model.spring import Spring
+
+
+@dataclass(frozen=True)
+class HoppingLaw:
+    """Parameters of the hopping controller.
+
+    In flight each joint is driven to its touchdown angle, τ = K (θ_des - θ) - K_D θ̇: (4.9)-(4.10)
+    with the sign of the proportional term corrected and the printed K_D taken by its magnitude.
+    In stance the knee motor flexes with τ̄ through the first half period of the square wave, so
+    that it helps to compress the spring, and extends through the second.
+
+    Attributes:
+        knee_touchdown: commanded knee angle in flight, in rad (assumption; the latched one differs).
+        hip_touchdown: commanded hip angle in flight, in rad; None means half of the knee's.
+        stance_torque: τ̄_knee, in N·m (not in the source; solved for).
+        frequency: f of the square wave, in Hz (source).
+        hip_gain: K_hip, in N·m/rad (source).
+        hip_damping: |K_D,hip|, in N·m·s/rad (source).
+        knee_gain: K_knee, in N·m/rad (source).
+        knee_damping: |K_D,knee|, in N·m·s/rad (source).
+        hip_stance_torque: τ̄_hip, in N·m (source: negligible).
+        hold_extension: keep extending after the first period, where the printed square wave would
+            flex again.
+        minimum_force: if not None, flexion in stance is limited so that the normal force stays at
+            or above this, in N.
+        foot_placement: K of the term K (ẋ_lo - ẋ*) added to the commanded hip angle, in rad·s/m,
+            ẋ_lo being the hip's forward speed latched at lift-off; needs a free boom_x.
+        speed: ẋ*, in m/s.
+    """
+
+    knee_touchdown: float = 1.0
+    hip_touchdown: float | None = None
+    stance_torque: float = 8.0
+    frequency: float = 2.56
+    hip_gain: float = 54.77
+    hip_damping: float = 1.37
+    knee_gain: float = 63.25
+    knee_damping: float = 0.52
+    hip_stance_torque: float = 0.0
+    hold_extension: bool = False
+    minimum_force: float | None = None
+    foot_placement: float = 0.0
+    speed: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        require("HoppingLaw.frequency", self.frequency, self.frequency > 0, "a number > 0, in Hz")
+        require("HoppingLaw.knee_touchdown", self.knee_touchdown, abs(self.knee_touchdown) < math.pi, "within ±π rad")
+        for name in ("stance_torque", "hip_gain", "hip_damping", "knee_gain", "knee_damping"):
+            require(f"HoppingLaw.{name}", getattr(self, name), getattr(self, name) >= 0, "a number >= 0")
+        for name in ("hip_stance_torque", "foot_placement", "speed", "hip_touchdown"):
+            require(f"HoppingLaw.{name}", getattr(self, name), True, "a finite number")
+
+
+def flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
+    """Hip and knee torque in flight, (4.9)-(4.10) with corrected signs, in N·m."""
+    hip, knee = -2, -1
+    hip_touchdown = 0.5 * p.knee_touchdown if p.hip_touchdown is None else p.hip_touchdown
+    hip_desired = hip_touchdown + p.foot_placement * (held["speed"] - p.speed)
+    return (
+        p.hip_gain * (hip_desired - q[hip]) - p.hip_damping * v[hip],
+        p.knee_gain * (p.knee_touchdown - q[knee]) - p.knee_damping * v[knee],
+    )
+
+
+def stance_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
+    """Hip and knee torque in stance: the square wave of (4.10), flexion positive, in N·m.
+
+    `held["flexing"]` is its sign; where `held["limited"]` is 1 the torque is the one that gives the
+    normal force `minimum_force`.
+    """
+    knee = p.stance_torque * held["flexing"]
+    if p.minimum_force is not None:
+        limit = limited_torque(p, dyn)
+        knee = knee + held["limited"] * (limit - knee)
+    return (p.hip_stance_torque, knee)
+
+
+def limited_torque(p: HoppingLaw, dyn: Any) -> Any:
+    """Knee torque at which the normal force is `minimum_force`, in N·m."""
+    unloaded = dyn.normal_force("toe", (p.hip_stance_torque, 0.0))
+    per_torque = dyn.normal_force("toe", (p.hip_stance_torque, 1.0)) - unloaded
+    return (p.minimum_force - unloaded) / per_torque
+
+
+def hopping(
+    robot: Robot, law: HoppingLaw | None = None, spring: Spring | None = None, contact: Contact | None = None
+) -> HybridSystem:
+    """The hopping automaton: stance (sticking or slipping) and flight.
+
+    Touchdown latches the spring at the knee's angle and starts the square wave; lift-off, where the
+    normal force falls to zero, releases it and latches the forward speed.
+
+    Args:
+        robot: SPEAR-II, with boom_x locked or free.
+        law: parameters of the controller.
+        spring: the knee spring.
+        contact: the ground.
+
+    Raises:
+        BadValue: the robot is not a planar one with a toe "toe" and motors on "hip" and "knee" last.
+    """
+    law, spring, contact = law or HoppingLaw(), spring or Spring(), contact or Contact()
+    if not robot.planar or robot.toes != ("toe",) or robot.coordinates[-2:] != ("hip", "knee"):
+        raise BadValue("robot", robot, "a planar robot with the toe 'toe' whose last joints are 'hip' and 'knee'")
+    if robot.actuated != ("hip", "knee"):
+        raise BadValue("robot.actuated", robot.actuated, "motors on 'hip' and 'knee'")
+    knee, rise = robot.index("knee"), robot.index("boom_z")
+    forward = robot.index("boom_x") if "boom_x" in robot.coordinates else None
+    if forward is None and law.foot_placement != 0.0:
+        raise BadValue("HoppingLaw.foot_placement", law.foot_placement, "0 while boom_x is locked")
+
+    def latch_touchdown(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
+        return {"knee_touchdown": q[knee], "taut": 1.0, "flexing": 1.0, "limited": 0.0}
+
+    def latch_lift_off(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
+        return {"speed": 0.0 if forward is None else v[forward]}
+
+    mount = Mount("knee", spring, rest="knee_touchdown", taut="taut")
+    lift_off = Reset(release=("knee",), latch=latch_lift_off, phase="flight")
+    flip = Reset(latch=lambda q, v, held, p: {"flexing": -held["flexing"], "limited": 0.0})
+    fallen = fall(["hip", "knee"])
+    stance = Domain(
+        "stance",
+        "stance",
+        (STICK,),
+        stance_law,
+        mounts=(mount,),
+        guards=(*spring_switches(mount, knee), *_limit_guards(law), *fallen),
+        switch=Switch("torque_switch", _half_periods, flip),
+    )
+    flight = Domain(
+        "flight",
+        "flight",
+        (OPEN,),
+        flight_law,
+        guards=(
+            touchdown("toe", Reset(impact=("toe",), latch=latch_touchdown, phase="stance")),
+            *fallen,
+            Guard("apex", rate(rise)),
+        ),
+    )
+    return HybridSystem(
+        kind="hopping",
+        robot=robot,
+        law=law,
+        spring=spring,
+        contact=contact,
+        domains=(*contact_domains(stance, robot.toes, contact, lift_off), flight),
+        section="touchdown",
+        cyclic=() if forward is None else ("boom_x",),
+        build=hopping,
+        guess=lambda: _guess(robot, law),
+        measures=_MEASURES,
+    )
+
+
+def _half_periods(n: int, p: HoppingLaw) -> float:
+    return math.inf if p.hold_extension and n > 1 else 0.5 * n / p.frequency
+
+
+def _limit_guards(law: HoppingLaw) -> tuple[Guard, ...]:
+    """Enter and leave the limit on flexion, if there is one."""
+    if law.minimum_force is None:
+        return ()
+
+    def margin(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+        # torque to spare below the limit while free, above it while limited
+        spare = limited_torque(p, dyn) - p.stance_torque * held["flexing"]
+        return (1.0 - 2.0 * held["limited"]) * spare
+
+    toggle = Reset(latch=lambda q, v, held, p: {"limited": 1.0 - held["limited"]})
+    return (Guard("force_limit", margin, toggle),)
+
+
+def _guess(robot: Robot, law: HoppingLaw) -> tuple[Any, Any]:
+    """Just after touchdown at the commanded angles, falling as from a few centimetres."""
+    hip = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown
+    q = np.zeros(robot.nq)
+    q[robot.index("hip")], q[robot.index("knee")] = hip, law.knee_touchdown
+    q[robot.index("boom_z")] = -robot.toe_position(q, "toe")[1]
+    v = np.zeros(robot.nv)
+    v[robot.index("boom_z")] = -0.8
+    jacobian = robot.toe_jacobian(q, "toe")
+    rows = [robot.index("hip"), robot.index("knee")]
+    v[rows] = np.linalg.lstsq(jacobian[:, rows], -jacobian @ v, rcond=None)[0]
+    return q, v
+
+
+_MEASURES: Mapping[str, Any] = {
+    "flight_time": lambda run: run.durations["flight"],
+    "stance_time": lambda run: run.durations["stance"],
+    "period": lambda run: run.durations["flight"] + run.durations["stance"],
+    "apex_height": lambda run: run.event("apex").q[-3],
+    "knee_at_touchdown": lambda run: run.event("touchdown").q[-1],
+    "knee_rate_at_touchdown": lambda run: run.event("touchdown").v_before[-1],
+    "hip_at_touchdown": lambda run: run.event("touchdown").q[-2],
+    "hip_rate_at_touchdown": lambda run: run.event("touchdown").v_before[-2],
+    "forward_speed": lambda run: run.event("lift_off").v_before[0] if run.nv > 3 else 0.0,
+}

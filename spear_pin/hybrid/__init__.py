@@ -1,0 +1,1 @@
+"""How the robot moves: contact, the automaton as data, event-exact simulation, periodic orbits."""

@@ -1,0 +1,189 @@
+"""The hybrid automaton as data: domains, guards, resets. Engines assemble right-hand sides from it.
+
+Control laws and guards share one signature, `f(t, q, v, held, p, dyn, ops)`:
+
+    t: time since the phase began, in s.
+    q, v: configuration and velocity, sequences of scalars.
+    held: what was latched at events, by name.
+    p: the law's parameters, a frozen dataclass.
+    dyn: the dynamics at (q, v): `mass_matrix`, `bias`, `jacobian(toe)`, `height(frame)`,
+        `toe_velocity(toe)`, `force(toe)`, `normal_force(toe, u)`, `pivot(toe)`.
+    ops: elementary functions for whatever scalars are used (`sin`, `cos`, `tanh`, `sqrt`, `solve`).
+
+They are pure and never branch on a value: what switches is a domain or something held.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from spear_pin.errors import UnknownName
+from spear_pin.hybrid.contact import Contact
+from spear_pin.model.robot import Robot
+from spear_pin.model.spring import Spring
+
+Held = Mapping[str, float]
+Law = Callable[[Any, Sequence[Any], Sequence[Any], Mapping[str, Any], Any, Any, Any], Sequence[Any]]
+GuardValue = Callable[[Any, Sequence[Any], Sequence[Any], Mapping[str, Any], Any, Any, Any], Any]
+Latch = Callable[[Sequence[float], Sequence[float], Held, Any], Held]
+
+OPEN, STICK, SLIP_FORWARD, SLIP_BACKWARD = "open", "stick", "slip+", "slip-"
+
+
+@dataclass(frozen=True)
+class Mount:
+    """A spring on a joint, while engaged.
+
+    Attributes:
+        joint: the joint it spans.
+        spring: its stiffness and damping.
+        rest: name in `held` of the latched angle.
+        taut: name in `held` of 1 where it pulls and 0 where it is slack.
+        side: +1 if flexion is positive, -1 if negative.
+    """
+
+    joint: str
+    spring: Spring
+    rest: str
+    taut: str
+    side: float = 1.0
+
+
+@dataclass(frozen=True)
+class Reset:
+    """What an event does to the state, in this order.
+
+    Attributes:
+        impact: toes that strike the ground, plastically.
+        release: engaged joints whose springs let go; what they still store is lost.
+        latch: what is newly held, from (q, v, held, p) after the impact.
+        phase: the phase entered; None stays in the present one, its clock running on.
+    """
+
+    impact: tuple[str, ...] = ()
+    release: tuple[str, ...] = ()
+    latch: Latch | None = None
+    phase: str | None = None
+
+
+@dataclass(frozen=True)
+class Guard:
+    """An event, when `value` falls through zero.
+
+    Attributes:
+        name: name of the event.
+        value: the function watched.
+        reset: what happens; None with no `ends` only records the event.
+        ends: reason for which the run ends here, if it does.
+        tolerance: values this close to zero count as on the guard when a domain is entered.
+    """
+
+    name: str
+    value: GuardValue
+    reset: Reset | None = None
+    ends: str | None = None
+    tolerance: float = 1e-9
+
+    @property
+    def observes(self) -> bool:
+        """Whether the event is only recorded."""
+        return self.reset is None and self.ends is None
+
+
+@dataclass(frozen=True)
+class Switch:
+    """A scheduled event: the n-th happens `time(n, p)` after the phase began, n = 1, 2, ...
+
+    Attributes:
+        name: name of the event.
+        time: the schedule, increasing in n; infinite for no further one.
+        reset: what happens.
+    """
+
+    name: str
+    time: Callable[[int, Any], float]
+    reset: Reset
+
+
+@dataclass(frozen=True)
+class Domain:
+    """One mode of continuous motion.
+
+    Attributes:
+        name: its name.
+        phase: the phase it belongs to; phases have clocks and durations, slip being part of stance.
+        contacts: for each toe of the robot, "open", "stick", "slip+" or "slip-".
+        law: motor torques, one per actuated joint.
+        mounts: the springs that are engaged.
+        guards: the events that can happen, the first winning a tie.
+        switch: the scheduled event, if there is one.
+    """
+
+    name: str
+    phase: str
+    contacts: tuple[str, ...]
+    law: Law
+    mounts: tuple[Mount, ...] = ()
+    guards: tuple[Guard, ...] = ()
+    switch: Switch | None = None
+
+
+@dataclass(frozen=True)
+class HybridSystem:
+    """A robot, its domains, and the numbers in them.
+
+    Attributes:
+        kind: name of the gait's automaton.
+        robot: the robot.
+        law: parameters of the control law.
+        spring: parameters of the springs.
+        contact: parameters of the ground.
+        domains: those of one phase together, sticking before slipping.
+        section: name of the event that closes a cycle.
+        cyclic: coordinates on which nothing depends: translation along the ground.
+        build: makes the same system from other (robot, law, spring, contact).
+        guess: a state (q, v) on the section to search from.
+        measures: quantities of one cycle that a gait can be asked for.
+        phase_limit: longest a phase may last, in s.
+    """
+
+    kind: str
+    robot: Robot
+    law: Any
+    spring: Spring
+    contact: Contact
+    domains: tuple[Domain, ...]
+    section: str
+    cyclic: tuple[str, ...]
+    build: Callable[..., HybridSystem] = field(repr=False)
+    guess: Callable[[], tuple[Any, Any]] = field(repr=False)
+    measures: Mapping[str, Callable[[Any], float]] = field(default_factory=dict, repr=False)
+    phase_limit: float = 5.0
+
+    @property
+    def phases(self) -> tuple[str, ...]:
+        """Names of the phases, in the order of the domains."""
+        return tuple(dict.fromkeys(domain.phase for domain in self.domains))
+
+    def of_phase(self, phase: str) -> tuple[Domain, ...]:
+        """Domains of a phase."""
+        return tuple(domain for domain in self.domains if domain.phase == phase)
+
+    def reset_into(self, phase: str) -> Reset:
+        """The reset that leads into a phase."""
+        for domain in self.domains:
+            for guard in domain.guards:
+                if guard.reset is not None and guard.reset.phase == phase:
+                    return guard.reset
+        raise UnknownName("phase", phase, self.phases)
+
+    @property
+    def section_phase(self) -> str:
+        """The phase that begins at the section."""
+        for domain in self.domains:
+            for guard in domain.guards:
+                if guard.name == self.section and guard.reset is not None and guard.reset.phase is not None:
+                    return guard.reset.phase
+        raise UnknownName("section", self.section, [g.name for d in self.domains for g in d.guards])

@@ -1,0 +1,229 @@
+"""The reference engine: Pinocchio's dynamics, one domain at a time, the energy ledger in the state.
+
+The state is y = (q, v, w), w holding the work done so far by each flow of the ledger.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem
+from spear_pin.hybrid.contact import constrained
+from spear_pin.hybrid.phases import SIGN
+from spear_pin.model.robot import WORLD_ALIGNED
+
+Array = NDArray[np.float64]
+OPS = SimpleNamespace(
+    sin=math.sin, cos=math.cos, tan=math.tan, tanh=math.tanh, sqrt=math.sqrt, exp=math.exp, solve=np.linalg.solve
+)
+
+
+def flow_names(system: HybridSystem) -> tuple[str, ...]:
+    """Names of the flows that are integrated with the state: motors, damping, friction, slip."""
+    return (*(f"motor_{joint}" for joint in system.robot.actuated), "damping", "friction", "slip")
+
+
+class Flow:
+    """Motion in one domain: `flow(t, y)` is dy/dt, t counted from the beginning of the phase.
+
+    It is also the `dyn` of laws and guards. After a call, `u`, `tau`, `friction`, `a` and
+    `force(toe)` are those of the state it was called with; they are overwritten by the next call.
+    """
+
+    def __init__(self, system: HybridSystem, domain: Domain, held: Held) -> None:
+        robot = system.robot
+        self.system, self.domain, self.held = system, domain, held
+        self.evaluations = 0
+        self._model, self._data, self._nv = robot.model, robot.model.createData(), robot.nv
+        self._law, self._p = domain.law, system.law
+        self._actuated = [robot.index(joint) for joint in robot.actuated]
+        self._springs = [_spring(mount, robot.index(mount.joint), held) for mount in domain.mounts]
+        self._joint_damping = np.array(robot.model.damping)
+        self._has_friction = bool(self._joint_damping.any())
+        self._zeros = np.zeros(robot.nv)
+        self._applied = np.zeros(robot.nv)
+        self._nw = len(self._actuated) + 3
+        self._toe_ids = {toe: robot.toe_id(toe) for toe in robot.toes}
+        self._frame_ids: dict[str, int] = {}
+        self._closed = [
+            (toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN
+        ]
+        self._slips = [(toe, SIGN[mode]) for toe, mode in self._closed if mode in SIGN]
+        self._forces: dict[str, tuple[float, float]] = dict.fromkeys(robot.toes, (0.0, 0.0))
+        self._pivots: dict[str, float] = {}
+        self._accelerate: Callable[[Array], Array] = (
+            self._open if not self._closed else self._slip if self._slips else self._stick
+        )
+        self.q = self.v = self.a = self.friction = self._zeros
+        self.u: Sequence[float] = ()
+
+    def __call__(self, t: float, y: Array) -> Array:
+        """dy/dt; not a number where a law or the dynamics has no value."""
+        self.evaluations += 1
+        try:
+            return self._derivative(t, y)
+        except (ArithmeticError, ValueError, np.linalg.LinAlgError):
+            return np.full_like(y, np.nan)
+
+    def _derivative(self, t: float, y: Array) -> Array:
+        nv = self._nv
+        self.q, self.v = q, v = y[:nv], y[nv : 2 * nv]
+        pin.computeAllTerms(self._model, self._data, q, v)
+        angles, rates = q.tolist(), v.tolist()
+        self.u = u = self._law(t, angles, rates, self.held, self._p, self, OPS)
+        applied, powers = self._applied, []
+        for index, torque in zip(self._actuated, u, strict=True):
+            applied[index] = torque
+            powers.append(torque * rates[index])
+        damped = 0.0
+        for index, stiffness, rest, damping in self._springs:
+            drag = damping * rates[index]
+            applied[index] += stiffness * (rest - angles[index]) - drag
+            damped -= drag * rates[index]
+        rubbed = 0.0
+        if self._has_friction:
+            self.friction = -self._joint_damping * v
+            rubbed = float(self.friction @ v)
+        self.a = a = self._accelerate(applied + self.friction if self._has_friction else applied)
+        slipped = 0.0
+        for toe, _ in self._slips:
+            slipped += self._forces[toe][0] * self.toe_velocity(toe)[0]
+        derivative = np.empty(2 * nv + self._nw)
+        derivative[:nv] = v
+        derivative[nv : 2 * nv] = a
+        derivative[2 * nv :] = (*powers, damped, rubbed, slipped)
+        return derivative
+
+    @property
+    def tau(self) -> list[float]:
+        """Total torque at each actuated joint in the last call: motor, spring and damping."""
+        return [float(self._applied[index]) for index in self._actuated]
+
+    def value(self, guard: Guard, t: float, y: Array) -> float:
+        """A guard's value; the flow has to have been called with the same (t, y)."""
+        nv = self._nv
+        return float(guard.value(t, y[:nv], y[nv : 2 * nv], self.held, self._p, self, OPS))
+
+    # what laws and guards may ask for
+
+    @property
+    def mass_matrix(self) -> Array:
+        """D, (nv, nv)."""
+        return np.array(self._data.M)
+
+    @property
+    def bias(self) -> Array:
+        """C v + G, (nv,)."""
+        return np.array(self._data.nle)
+
+    def jacobian(self, toe: str) -> Array:
+        """J of a toe, rows x and z, (2, nv)."""
+        return np.array(pin.getFrameJacobian(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED)[0:3:2])
+
+    def toe_velocity(self, toe: str) -> tuple[float, float]:
+        """Velocity of a toe, x and z, in m/s."""
+        x, _, z = pin.getFrameVelocity(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED).linear.tolist()
+        return x, z
+
+    def toe_acceleration(self, toe: str) -> tuple[float, float]:
+        """Acceleration of a toe under the last call's `a`, x and z, in m/s²."""
+        pin.forwardKinematics(self._model, self._data, self.q, self.v, self.a)
+        linear = pin.getFrameClassicalAcceleration(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED).linear
+        return float(linear[0]), float(linear[2])
+
+    def height(self, frame: str) -> float:
+        """Height of a frame above the ground, in m."""
+        if frame not in self._frame_ids:
+            self._frame_ids[frame] = self._model.getFrameId(frame)
+        return float(pin.updateFramePlacement(self._model, self._data, self._frame_ids[frame]).translation[2])
+
+    def force(self, toe: str) -> tuple[float, float]:
+        """Ground force on a toe in the last call, F_x and F_z, in N."""
+        return self._forces[toe]
+
+    def pivot(self, toe: str) -> float:
+        """Effective inverse mass of the normal force of a slipping toe in the last call, in 1/kg."""
+        return self._pivots[toe]
+
+    @property
+    def ill_posed(self) -> bool:
+        """Whether some slipping toe's pivot was not positive in the last call (Painlevé)."""
+        return any(not self._pivots.get(toe, 1.0) > 0.0 for toe, _ in self._slips)
+
+    def normal_force(self, toe: str, u: Sequence[float]) -> float:
+        """F_z that the motor torques `u` would give here, in N: affine in `u`."""
+        kept = self._forces.copy(), self._pivots.copy()
+        applied = self.friction.copy() if self._has_friction else np.zeros(self._nv)
+        for index, torque in zip(self._actuated, u, strict=True):
+            applied[index] += torque
+        for index, stiffness, rest, damping in self._springs:
+            applied[index] += stiffness * (rest - self.q[index]) - damping * self.v[index]
+        self._accelerate(applied)
+        normal = self._forces[toe][1]
+        self._forces, self._pivots = kept
+        return normal
+
+    # accelerations, by what is in contact
+
+    def _open(self, applied: Array) -> Array:
+        return pin.aba(self._model, self._data, self.q, self.v, applied)
+
+    def _stick(self, applied: Array) -> Array:
+        rows, drifts = self._rows()
+        if len(rows) == 1:
+            jacobian, drift = rows[0], drifts[0]
+        else:
+            jacobian, drift = np.concatenate(rows), np.concatenate(drifts)
+        a = pin.forwardDynamics(self._model, self._data, applied, jacobian, drift)
+        multipliers = self._data.lambda_c.tolist()
+        for i, (toe, _) in enumerate(self._closed):
+            self._forces[toe] = multipliers[2 * i], multipliers[2 * i + 1]
+        return a
+
+    def _slip(self, applied: Array) -> Array:
+        friction = self.system.contact.friction
+        A, G, drift = [], [], []
+        for (_, mode), jacobian, toe_drift in zip(self._closed, *self._rows(), strict=True):
+            if mode == STICK:
+                A += [jacobian[0], jacobian[1]]
+                G += [jacobian[0], jacobian[1]]
+                drift += toe_drift.tolist()
+            else:
+                A.append(jacobian[1])
+                G.append(jacobian[1] - friction * SIGN[mode] * jacobian[0])
+                drift.append(toe_drift[1])
+        a, multiplier, schur = constrained(
+            self._data.M, applied - self._data.nle, np.array(A), np.array(G).T, np.array(drift)
+        )
+        inverse_pivots = np.diag(np.linalg.inv(schur))
+        row = 0
+        for toe, mode in self._closed:
+            if mode == STICK:
+                self._forces[toe] = float(multiplier[row]), float(multiplier[row + 1])
+            else:
+                normal = float(multiplier[row])
+                self._forces[toe] = -friction * SIGN[mode] * normal, normal
+                self._pivots[toe] = 1.0 / float(inverse_pivots[row])
+            row += 2 if mode == STICK else 1
+        return a
+
+    def _rows(self) -> tuple[list[Array], list[Array]]:
+        model, data = self._model, self._data
+        pin.forwardKinematics(model, data, self.q, self.v, self._zeros)
+        rows, drifts = [], []
+        for toe, _ in self._closed:
+            index = self._toe_ids[toe]
+            rows.append(pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[0:3:2])
+            drifts.append(pin.getFrameClassicalAcceleration(model, data, index, WORLD_ALIGNED).linear[0:3:2])
+        return rows, drifts
+
+
+def _spring(mount: Any, index: int, held: Held) -> tuple[int, float, float, float]:
+    return index, mount.spring.stiffness * held[mount.taut], held[mount.rest], mount.spring.damping

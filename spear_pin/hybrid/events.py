@@ -1,0 +1,121 @@
+"""Find events in a domain: which guard is first to fall through zero, and when.
+
+Between two integration steps a guard may fall and rise again; a value halfway, from the cubic
+Hermite interpolant, and the parabola through the three tell where to look more closely.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq, minimize_scalar
+
+from spear_pin.hybrid.engines.pinocchio import Flow
+
+Array = NDArray[np.float64]
+Interpolant = Callable[[float], Array]
+GLIMPSE = 1e-5  # s: how far a guard on zero is followed to tell whether it rises or falls
+
+
+class Watch:
+    """The guards of one domain, followed step by step.
+
+    A guard can only be crossed once it has been positive. One that is on zero when the domain is
+    entered is an event at once if it falls from there, and waits to become positive if it rises.
+
+    Attributes:
+        at_once: index of the guard that is an event on entering, or None.
+    """
+
+    def __init__(self, flow: Flow, t: float, y: Array) -> None:
+        self._flow, self._guards = flow, flow.domain.guards
+        self._values = self._at(t, y)
+        self._armed = [value > guard.tolerance for value, guard in zip(self._values, self._guards, strict=True)]
+        waiting = [i for i, armed in enumerate(self._armed) if not armed and not self._guards[i].observes]
+        ahead = self._glimpse(t, y) if waiting else []
+        self.at_once = next(
+            (i for i in waiting if self._values[i] < -self._guards[i].tolerance or ahead[i] <= self._values[i]), None
+        )
+
+    def step(
+        self, ends: tuple[float, float], states: tuple[Array, Array], slopes: tuple[Array, Array],
+        interpolate: Callable[[], Interpolant],
+    ) -> list[tuple[float, int]]:
+        """Crossings within one integration step, earliest first, as (time, guard index).
+
+        Args:
+            ends: beginning and end of the step.
+            states: y there.
+            slopes: dy/dt there.
+            interpolate: makes the step's interpolant; called only if there is something to locate.
+        """
+        (t0, t1), (y0, y1), (f0, f1) = ends, states, slopes
+        at_middle = self._at(0.5 * (t0 + t1), 0.5 * (y0 + y1) + (t1 - t0) / 8.0 * (f0 - f1))
+        after = self._at(t1, y1)
+        crossings: list[tuple[float, int]] = []
+        solution: Interpolant | None = None
+        for i, (before, middle, end) in enumerate(zip(self._values, at_middle, after, strict=True)):
+            if self._armed[i]:
+                if min(middle, end) > 0.0 and not _dips(before, middle, end):
+                    continue
+            elif end > 0.0 or (self._guards[i].observes and middle <= 0.0):
+                self._armed[i] = end > 0.0
+                continue
+            solution = solution or interpolate()
+            nodes = [(t0, self._values[i]), (0.5 * (t0 + t1), middle), (t1, end)]
+            time = self._locate(i, nodes, solution)
+            self._armed[i] = end > 0.0
+            if time is not None:
+                crossings.append((time, i))
+        self._values = after
+        return sorted(crossings)
+
+    def _at(self, t: float, y: Array) -> list[float]:
+        self._flow(t, y)
+        return [self._flow.value(guard, t, y) for guard in self._guards]
+
+    def _glimpse(self, t: float, y: Array) -> list[float]:
+        """Guard values a little later, to second order: a toe at rest leaves by its acceleration."""
+        slope = self._flow(t, y)
+        slope_ahead = self._flow(t + GLIMPSE, y + GLIMPSE * slope)
+        return self._at(t + GLIMPSE, y + 0.5 * GLIMPSE * (slope + slope_ahead))
+
+    def _locate(self, i: int, nodes: list[tuple[float, float]], solution: Interpolant) -> float | None:
+        """When guard i first falls through zero, given (time, value) at both ends and halfway."""
+
+        def value(t: float) -> float:
+            y = solution(t)
+            self._flow(t, y)
+            return self._flow.value(self._guards[i], t, y)
+
+        begin, end = nodes[0][0], nodes[-1][0]
+        if not self._armed[i]:  # it waits at zero: it may rise and fall again soon after
+            nodes = [nodes[0], *((t, value(t)) for t in begin + (end - begin) * np.geomspace(1e-4, 1.0, 25))]
+            if all(g <= 0.0 for _, g in nodes):
+                return begin
+        rising = next(k for k, (_, g) in enumerate(nodes) if g > 0.0)
+        for (left, _), (right, g) in pairwise(nodes[rising:]):
+            if g <= 0.0:
+                return _root(value, left, right)
+        dip = minimize_scalar(value, bounds=(begin, end), method="bounded")
+        return _root(value, begin, float(dip.x)) if dip.fun <= 0.0 else None
+
+
+def _root(value: Callable[[float], float], left: float, right: float) -> float:
+    # the interpolant may differ from the values that bracketed the root in the last digits
+    if value(left) <= 0.0:
+        return left
+    if value(right) > 0.0:
+        return right
+    return float(brentq(value, left, right, xtol=1e-15, rtol=8.9e-16))
+
+
+def _dips(before: float, middle: float, end: float) -> bool:
+    """Whether the parabola through three positive values comes close to zero between them."""
+    curvature, fall = 2.0 * (before - 2.0 * middle + end), 3.0 * before - 4.0 * middle + end
+    if curvature <= 0.0 or not 0.0 < fall < 2.0 * curvature:
+        return False
+    return before - fall**2 / (4.0 * curvature) <= 0.05 * max(before, middle, end)

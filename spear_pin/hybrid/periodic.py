@@ -1,0 +1,195 @@
+"""Periodic orbits: the section and its chart, the return map, Newton's method, Floquet multipliers.
+
+The Poincaré section lies just after the section's event (4.11). Points on it satisfy the closed
+toes' constraints, so the chart has fewer coordinates than the state: three for a hop with boom_x
+locked, four with it free, translation along the ground being left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import null_space
+
+from spear_pin.errors import NoGait
+from spear_pin.hybrid.automaton import OPEN, STICK, HybridSystem
+from spear_pin.hybrid.phases import AT_REST
+from spear_pin.hybrid.run import Options, Run, State, run
+
+Array = NDArray[np.float64]
+STEP = 1e-5  # of central differences: errors of order STEP² and rtol / STEP
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Coordinates ξ of the section near a state: displacements along its tangent space.
+
+    Attributes:
+        system: the system.
+        origin: the state (q, v) with ξ = 0.
+        q_basis: tangent directions of q, orthonormal, (nq, dq).
+        v_basis: tangent directions of v, orthonormal, (nv, dv).
+    """
+
+    system: HybridSystem
+    origin: State
+    q_basis: Array
+    v_basis: Array
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates."""
+        return int(self.q_basis.shape[1] + self.v_basis.shape[1])
+
+    def state(self, xi: Array) -> State:
+        """The state on the section with coordinates ξ."""
+        dq = self.q_basis.shape[1]
+        q = self.origin[0] + self.q_basis @ xi[:dq]
+        v = self.origin[1] + self.v_basis @ xi[dq:]
+        for _ in range(8):
+            heights, rows = _section_rows(self.system, q)
+            if np.abs(heights).max(initial=0.0) < 1e-15:
+                break
+            q = q - np.linalg.pinv(rows) @ heights
+        velocity_rows = _velocity_rows(self.system, q, self.origin)
+        return q, v - np.linalg.pinv(velocity_rows) @ (velocity_rows @ v)
+
+    def coordinates(self, state: State) -> Array:
+        """ξ of a state on the section."""
+        q, v = state
+        return np.concatenate([self.q_basis.T @ (q - self.origin[0]), self.v_basis.T @ (v - self.origin[1])])
+
+
+def chart(system: HybridSystem, state: State) -> Chart:
+    """The chart of the section around a state on it."""
+    q, v = state
+    fixed = np.eye(system.robot.nq)[[system.robot.index(name) for name in system.cyclic]]
+    _, height_rows = _section_rows(system, q)
+    q_basis = null_space(np.vstack([height_rows, fixed]))
+    return Chart(system, (q.copy(), v.copy()), q_basis, null_space(_velocity_rows(system, q, state)))
+
+
+def _closed_toes(system: HybridSystem) -> list[str]:
+    contacts = system.of_phase(system.section_phase)[0].contacts
+    return [toe for toe, mode in zip(system.robot.toes, contacts, strict=True) if mode != OPEN]
+
+
+def _section_rows(system: HybridSystem, q: Array) -> tuple[Array, Array]:
+    """Heights of the closed toes and their gradients."""
+    toes = _closed_toes(system)
+    heights = np.array([system.robot.toe_position(q, toe)[1] for toe in toes])
+    return heights, np.array([system.robot.toe_jacobian(q, toe)[1] for toe in toes])
+
+
+def _velocity_rows(system: HybridSystem, q: Array, origin: State) -> Array:
+    """Rows of the closed toes' Jacobians along which the velocity vanishes: not along a slipping toe's path."""
+    rows = []
+    for toe in _closed_toes(system):
+        jacobian = system.robot.toe_jacobian(q, toe)
+        slides = abs((system.robot.toe_jacobian(origin[0], toe) @ origin[1])[0]) > AT_REST
+        rows += [jacobian[1]] if slides else [jacobian[0], jacobian[1]]
+    return np.array(rows)
+
+
+def return_map(system: HybridSystem, state: State, rtol: float = 1e-10) -> Run:
+    """One cycle from a state on the section, P of (4.11); a result with a reason if it does not return."""
+    return run(system, state, 1, Options(rtol=rtol))
+
+
+def displacement(system: HybridSystem, before: State, after: State) -> Array:
+    """P(x) - x over (q, v), cyclic coordinates left out."""
+    kept = [i for i, name in enumerate(system.robot.coordinates) if name not in system.cyclic]
+    return np.concatenate([(after[0] - before[0])[kept], after[1] - before[1]])
+
+
+def residual(system: HybridSystem, state: State, rtol: float = 1e-10) -> float:
+    """‖P(x) - x‖∞ of (4.12), in m, rad, m/s, rad/s; infinite if the cycle does not close."""
+    result = return_map(system, state, rtol)
+    return float(np.abs(displacement(system, state, result.state)).max()) if result.cycles else np.inf
+
+
+def differentiate(function: Callable[[Array], Array | None], x: Array, step: Array) -> Array | None:
+    """Jacobian by central differences; None where the function has no value."""
+    columns = []
+    for i, h in enumerate(step):
+        offset = np.zeros_like(x)
+        offset[i] = h
+        ahead, behind = function(x + offset), function(x - offset)
+        if ahead is None or behind is None:
+            return None
+        columns.append((ahead - behind) / (2.0 * h))
+    return np.array(columns).T
+
+
+def newton(
+    function: Callable[[Array], Array | None],
+    x: Array,
+    step: Array,
+    tolerance: float,
+    iterations: int = 25,
+    on_iteration: Callable[[int, float], object] = lambda n, norm: None,
+) -> tuple[Array, float]:
+    """Damped Newton's method with central differences, for a function that may have no value somewhere.
+
+    Args:
+        function: the residual, or None where it is undefined.
+        x: start.
+        step: difference step for each unknown.
+        tolerance: on the residual's largest component.
+        iterations: at most so many.
+        on_iteration: called with the iteration and the residual.
+
+    Returns:
+        the root and its residual.
+
+    Raises:
+        NoGait: it does not converge; the text says why.
+    """
+    value = function(x)
+    if value is None:
+        raise NoGait("the cycle does not close at the starting point", np.inf)
+    norm = float(np.abs(value).max())
+    for n in range(iterations):
+        on_iteration(n, norm)
+        if norm <= tolerance:
+            return x, norm
+        jacobian = differentiate(function, x, step)
+        if jacobian is None:
+            raise NoGait("the cycle does not close near an iterate", norm)
+        direction = np.linalg.lstsq(jacobian, -value, rcond=None)[0]
+        for damping in 0.5 ** np.arange(10):
+            trial = function(x + damping * direction)
+            if trial is not None and float(np.abs(trial).max()) < (1.0 - 0.1 * damping) * norm:
+                x, value, norm = x + damping * direction, trial, float(np.abs(trial).max())
+                break
+        else:
+            if norm <= 10.0 * tolerance:
+                return x, norm  # as close as the integration's noise allows
+            raise NoGait("Newton's method makes no progress", norm)
+    raise NoGait(f"Newton's method did not converge in {iterations} iterations", norm)
+
+
+def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10, step: float = STEP) -> NDArray[np.complex128]:
+    """Floquet multipliers of a periodic orbit, by decreasing modulus.
+
+    Eigenvalues of the return map's Jacobian in the section's chart, by central differences.
+
+    Raises:
+        NoGait: a perturbed cycle does not close.
+    """
+    local = chart(system, state)
+
+    def mapped(xi: Array) -> Array | None:
+        result = return_map(system, local.state(xi), rtol)
+        return local.coordinates(result.state) if result.cycles else None
+
+    jacobian = differentiate(mapped, np.zeros(local.dimension), np.full(local.dimension, step))
+    if jacobian is None:
+        raise NoGait("a perturbed cycle does not close", residual(system, state, rtol))
+    values = np.linalg.eigvals(jacobian).astype(np.complex128)
+    # by modulus; of a pair, the one above the real axis first, however rounding falls
+    order = sorted(range(len(values)), key=lambda i: (-round(abs(values[i]), 9), -values[i].imag))
+    return values[order]

@@ -1,0 +1,113 @@
+"""Domains of a phase with toes on the ground: sticking, and slipping either way, with their guards."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import product
+from typing import Any
+
+from spear_pin.hybrid.automaton import (
+    OPEN,
+    SLIP_BACKWARD,
+    SLIP_FORWARD,
+    STICK,
+    Domain,
+    Guard,
+    GuardValue,
+    Mount,
+    Reset,
+)
+from spear_pin.hybrid.contact import Contact
+
+SIGN = {SLIP_FORWARD: 1.0, SLIP_BACKWARD: -1.0}
+ON_GROUND = 1e-8  # m: more than integration leaves of the constraint, less than any foot clearance
+AT_REST = 1e-7  # m/s
+UNLOADED = 1e-7  # N
+
+
+def height(frame: str) -> GuardValue:
+    """Height of a frame above the ground, in m."""
+    return lambda t, q, v, held, p, dyn, ops: dyn.height(frame)
+
+
+def normal_force(toe: str) -> GuardValue:
+    """F_z of a toe, in N."""
+    return lambda t, q, v, held, p, dyn, ops: dyn.force(toe)[1]
+
+
+def cone_margin(toe: str, friction: float, side: float) -> GuardValue:
+    """μ F_z + side F_x, in N: zero where the toe begins to slide to that side, (3.18)."""
+    return lambda t, q, v, held, p, dyn, ops: friction * dyn.force(toe)[1] + side * dyn.force(toe)[0]
+
+
+def slip_speed(toe: str, side: float) -> GuardValue:
+    """Sliding speed of a toe to one side, in m/s."""
+    return lambda t, q, v, held, p, dyn, ops: side * dyn.toe_velocity(toe)[0]
+
+
+def pivot(toe: str) -> GuardValue:
+    """J_z D⁻¹ (J_z - μ s J_x)ᵀ of a slipping toe, in 1/kg: not positive means Painlevé's paradox."""
+    return lambda t, q, v, held, p, dyn, ops: dyn.pivot(toe)
+
+
+def rate(index: int, side: float = 1.0) -> GuardValue:
+    """A coordinate's rate, times `side`."""
+    return lambda t, q, v, held, p, dyn, ops: side * v[index]
+
+
+def touchdown(toe: str, reset: Reset) -> Guard:
+    """The toe reaches the ground from above."""
+    return Guard("touchdown", height(toe), reset, tolerance=ON_GROUND)
+
+
+def fall(frames: Sequence[str]) -> tuple[Guard, ...]:
+    """The run ends when one of these frames reaches the ground."""
+    return tuple(Guard(f"fall:{frame}", height(frame), ends="fall") for frame in frames)
+
+
+def spring_switches(mount: Mount, index: int) -> tuple[Guard, ...]:
+    """A unilateral spring goes slack, or taut again, when the joint passes the latched angle."""
+    if not mount.spring.unilateral:
+        return ()
+
+    def deflection(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+        return (2.0 * held[mount.taut] - 1.0) * mount.side * (q[index] - held[mount.rest])
+
+    toggle = Reset(latch=lambda q, v, held, p: {mount.taut: 1.0 - held[mount.taut]})
+    return (Guard("spring_switch", deflection, toggle, tolerance=1e-12),)
+
+
+def contact_domains(domain: Domain, toes: Sequence[str], contact: Contact, lift_off: Reset) -> tuple[Domain, ...]:
+    """The domains of a phase in which the toes marked "stick" in `domain` are on the ground.
+
+    Sticking comes first, then every combination with slip; each gets the guards of its contacts
+    ahead of its own: lift-off, slip, stick, and the end of the slip equation's validity.
+
+    Args:
+        domain: the phase with its toes sticking.
+        toes: names of the robot's toes.
+        contact: the ground.
+        lift_off: what happens when a toe's normal force falls to zero.
+    """
+    choices = [(STICK, SLIP_FORWARD, SLIP_BACKWARD) if mode == STICK else (OPEN,) for mode in domain.contacts]
+    domains = []
+    for contacts in product(*choices):
+        guards: list[Guard] = []
+        for toe, mode in zip(toes, contacts, strict=True):
+            guards += _guards(toe, mode, contact, lift_off)
+        slips = [mode for mode in contacts if mode in SIGN]
+        name = " ".join([domain.name, *slips])
+        domains.append(replace(domain, name=name, contacts=contacts, guards=(*guards, *domain.guards)))
+    return tuple(domains)
+
+
+def _guards(toe: str, mode: str, contact: Contact, lift_off: Reset) -> list[Guard]:
+    if mode == OPEN:
+        return []
+    leave = Guard("lift_off", normal_force(toe), lift_off, tolerance=UNLOADED)
+    if mode == STICK:
+        slip = [Guard("slip", cone_margin(toe, contact.friction, side), Reset(), tolerance=UNLOADED) for side in (1, -1)]
+        return [leave, *slip]
+    ill_posed = Guard("painleve", pivot(toe), ends="painleve")
+    return [ill_posed, leave, Guard("stick", slip_speed(toe, SIGN[mode]), Reset(), tolerance=AT_REST)]

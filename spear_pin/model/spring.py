@@ -1,0 +1,42 @@
+"""The switchable parallel spring (Sw-PEA): latched at touchdown, released at lift-off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from spear_pin.errors import require
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A rotational spring and damper in parallel with a joint, in action while its switch is engaged.
+
+    The torque on the joint is -k (θ - θ_td) - b θ̇, the corrected (3.24)-(3.25), θ_td being the angle
+    latched at touchdown. The physical spring is a chain in tension: it pulls only beyond θ_td.
+
+    Attributes:
+        stiffness: k_rot, in N·m/rad (source: Table 4.2, with motor).
+        damping: b, in N·m·s/rad, acting in stance only (source: Table 4.2, with motor).
+        unilateral: whether it pulls only beyond the latched angle; False is the linear idealisation.
+    """
+
+    stiffness: float = 48.84
+    damping: float = 1.3
+    unilateral: bool = True
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        require("Spring.stiffness", self.stiffness, self.stiffness >= 0, "a number >= 0, in N·m/rad")
+        require("Spring.damping", self.damping, self.damping >= 0, "a number >= 0, in N·m·s/rad")
+
+
+def rotational_stiffness(spring: float, spacer_radius: float, belt: float = 0.0, pulley_radius: float = 0.0) -> float:
+    """k_rot = 2 k_belt r_pulley² + k_S1 r_spacer², (3.5)-(3.6), in N·m/rad.
+
+    Args:
+        spring: k_S1, in N/m.
+        spacer_radius: r_spacer, in m.
+        belt: k_belt, in N/m.
+        pulley_radius: r_pulley, in m.
+    """
+    return 2.0 * belt * pulley_radius**2 + spring * spacer_radius**2

@@ -1,0 +1,46 @@
+"""What ships: every file of the tree, and the two folders that live beside it."""
+
+import os
+import subprocess
+import sys
+import tomllib
+from fnmatch import fnmatch
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+from spear_pin.model.loading import ROBOTS
+
+ROOT = Path(__file__).parents[1]
+SETUPTOOLS = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+
+
+def test_every_file_is_in_a_listed_package_and_matches_its_data():
+    found = set()
+    for folder, _, names in os.walk(ROOT / "spear_pin", followlinks=True):
+        package = ".".join(Path(folder).relative_to(ROOT).parts)
+        shown = [name for name in names if not name.startswith(".") and "__pycache__" not in package]
+        for name in shown:
+            patterns = ["*.py", *SETUPTOOLS["package-data"].get(package, [])]
+            assert any(fnmatch(name, pattern) for pattern in patterns), f"{package}: {name} would not ship"
+            found.add(package)
+    assert found == set(SETUPTOOLS["packages"])
+
+
+@pytest.mark.parametrize(("package", "folder"), SETUPTOOLS["package-dir"].items())
+def test_the_symlink_of_a_folder_leads_where_its_package_comes_from(package, folder):
+    link = ROOT.joinpath(*package.split("."))
+    assert link.is_symlink() and not os.path.isabs(os.readlink(link))
+    assert link.resolve() == (ROOT / folder).resolve()
+
+
+def test_the_urdfs_are_reached_as_resources():
+    shipped = {file.name for file in files("spear_pin.urdf").iterdir() if file.name.endswith(".urdf")}
+    assert shipped == {robot.file for robot in ROBOTS.values()}
+
+
+def test_the_package_runs_as_a_module():
+    run = subprocess.run([sys.executable, "-m", "spear_pin", "--help"], cwd=ROOT, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    assert "usage" in run.stdout

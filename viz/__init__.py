@@ -1,0 +1,1 @@
+"""Playback: a recorded page that needs nothing but a browser, and a live viewer."""

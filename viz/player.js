@@ -1,0 +1,142 @@
+"use strict";
+(function () {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  const at = (id) => document.getElementById(id);
+  const COLORS = new Map([["stance", "#2f5fa8"], ["flight", "#7b96ad"], ["slip+", "#c2873a"], ["slip-", "#a8632c"]]);
+  const OTHERS = ["#2f5fa8", "#2a8c86", "#6d5bb0", "#a65f94", "#5c7f4c", "#8a7340"];
+  let named = 0;
+
+  function colorOf(name) {
+    if (!COLORS.has(name)) COLORS.set(name, OTHERS[named++ % OTHERS.length]);
+    return COLORS.get(name);
+  }
+
+  function openViewer() {
+    const viewer = new MeshCat.Viewer(at("pane"));
+    for (const command of data.commands)
+      viewer.handle_command_bytearray(Uint8Array.from(atob(command), (char) => char.charCodeAt(0)));
+    viewer.animator.pause(); // this page drives the time
+    viewer.scene.fog = new MeshCat.THREE.Fog(data.horizon, data.distance * 1.4, data.distance + 9);
+    const sun = viewer.scene_tree.find(["Lights", "FillLight", "<object>"]).object;
+    const reach = data.distance / 2.2;
+    Object.assign(sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.1, far: 12 });
+    sun.shadow.mapSize.set(2048, 2048);
+    sun.shadow.bias = -0.0005;
+    sun.shadow.radius = 3;
+    viewer.controls.maxPolarAngle = 1.54; // not below the ground
+    viewer.controls.maxDistance = 4 * data.distance;
+    return viewer;
+  }
+
+  let viewer;
+  try {
+    viewer = openViewer();
+  } catch (problem) {
+    at("pane").innerHTML = '<p class="failed">This page needs WebGL, which this browser does not offer.</p>';
+    throw problem;
+  }
+
+  function fit() {
+    viewer.camera.zoom = Math.min(1, innerWidth / innerHeight / data.aspect);
+    viewer.set_dirty();
+  }
+  addEventListener("resize", fit);
+  fit();
+
+  const player = { time: 0, speed: 1, playing: false };
+
+  player.seek = function (time) {
+    player.time = Math.max(0, Math.min(data.duration, time));
+    viewer.animator.seek(player.time);
+    const span = data.spans.filter((span) => span[1] <= player.time).pop() || data.spans[0];
+    at("domain").textContent = span[0];
+    at("domain").style.background = colorOf(span[0]);
+    at("time").textContent = (data.start + player.time).toFixed(3) + " s";
+    at("scrubber").value = player.time;
+  };
+
+  player.setPlaying = function (playing) {
+    player.playing = playing;
+    at("play").classList.toggle("playing", playing);
+    at("play").setAttribute("aria-label", playing ? "Pause" : "Play");
+  };
+
+  player.setSpeed = function (speed) {
+    player.speed = speed;
+    for (const button of at("speeds").children) button.setAttribute("aria-pressed", Number(button.value) === speed);
+  };
+
+  function buildBar() {
+    const percent = (time) => (100 * time) / data.duration + "%";
+    const stops = data.spans.map(([name, begin, end]) => `${colorOf(name)} ${percent(begin)} ${percent(end)}`);
+    at("spans").style.background = `linear-gradient(to right, ${stops.join(", ")})`;
+    for (const [name, time] of data.events) {
+      const tick = document.createElement("i");
+      tick.style.left = percent(time);
+      tick.title = name;
+      at("spans").append(tick);
+    }
+    at("scrubber").max = data.duration;
+    at("scrubber").addEventListener("input", () => {
+      player.setPlaying(false);
+      player.seek(Number(at("scrubber").value));
+    });
+    at("play").addEventListener("click", () => player.setPlaying(!player.playing));
+    for (const speed of data.speeds) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.value = speed;
+      button.textContent = speed + "×";
+      button.addEventListener("click", () => player.setSpeed(speed));
+      at("speeds").append(button);
+    }
+  }
+
+  function buildLegend() {
+    for (const [text, color] of data.legend) {
+      const item = document.createElement("li");
+      const swatch = document.createElement("i");
+      swatch.style.background = color;
+      item.append(swatch, text);
+      at("legend").append(item);
+    }
+    for (const note of data.notes) {
+      const item = document.createElement("li");
+      item.textContent = note;
+      at("notes").append(item);
+    }
+  }
+
+  function startFromAddress() {
+    const wanted = /[#&]t=([-+.\deE]+)/.exec(location.hash);
+    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    player.setPlaying(!wanted && !calm);
+    player.seek(wanted ? Number(wanted[1]) - data.start : 0);
+  }
+
+  addEventListener("hashchange", startFromAddress);
+  addEventListener("keydown", (event) => {
+    const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (event.key === " " && event.target.tagName !== "BUTTON") player.setPlaying(!player.playing);
+    else if (step) {
+      player.setPlaying(false);
+      player.seek(player.time + step / 120);
+    } else return;
+    event.preventDefault();
+  });
+
+  let last = performance.now();
+  function tick(now) {
+    const passed = Math.min(0.1, Math.max(0, (now - last) / 1000)) * player.speed;
+    last = now;
+    if (player.playing) player.seek((player.time + passed) % data.duration);
+    requestAnimationFrame(tick);
+  }
+
+  buildBar();
+  buildLegend();
+  player.setSpeed(data.speeds[0]);
+  startFromAddress();
+  requestAnimationFrame(tick);
+  window.player = player;
+})();

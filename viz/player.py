@@ -1,0 +1,214 @@
+"""Record a trajectory as one HTML page that plays from disk, or play it in a live viewer."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import os
+import re
+from importlib.resources import files
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spear_pin.errors import BadValue
+from spear_pin.model.robot import Robot
+from spear_pin.viz import commands as c
+from spear_pin.viz.marks import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
+from spear_pin.viz.motion import Motion, TrajectoryLike, resample
+from spear_pin.viz.scene import Scene, moving, still
+from spear_pin.viz.stage import HORIZON
+
+MOST_BYTES = 2_000_000
+# frames per second; more frames than this never fit
+BEST_RATE, WORST_RATE, MOST_FRAMES = 120.0, 10.0, 10_000
+SPEEDS = (1.0, 0.25, 0.1)
+
+
+def record(robot: Robot, trajectory: TrajectoryLike, path: str | Path, *, title: str = "") -> Path:
+    """Write one HTML file that plays a trajectory in any browser, without server or network.
+
+    The file is written whole or not at all. Appending `#t=0.12` to its address opens it paused at
+    that time, in s.
+
+    Args:
+        robot: the robot that moves.
+        trajectory: what it does, see `TrajectoryLike`.
+        path: the file to write; its folder must exist.
+        title: shown above; by default the robot's name.
+
+    Returns:
+        The path of the file.
+
+    Raises:
+        BadValue: the trajectory cannot be played or is too long for a file of 2 MB, or there is no
+            such folder.
+        UnknownName: a spring's joint is not one of the robot's.
+    """
+    path = Path(path)
+    if path.is_dir() or not path.parent.is_dir():
+        raise BadValue("path", str(path), "a file in an existing folder")
+    _write(path, page(robot, trajectory, title=title).encode())
+    return path
+
+
+def page(robot: Robot, trajectory: TrajectoryLike, *, title: str = "") -> str:
+    """The text of the page that `record` writes, with as many frames as it may hold."""
+    rate = _first_rate(trajectory)
+    while rate >= WORST_RATE:
+        motion = resample(robot, trajectory, rate)
+        scene = moving(robot, motion)
+        animation = _base64(c.set_animation(scene.clips, motion.duration))
+        text = _page(motion, scene, animation, title or robot.name)
+        room = MOST_BYTES - (len(text.encode()) - len(animation))
+        if room >= len(animation):
+            return text
+        rate *= min(0.95 * room / len(animation), 0.95)
+    problem = f"{np.ptp(np.asarray(trajectory.t)):.4g} s long"
+    raise BadValue("trajectory", problem, f"a shorter piece, that fits into a page of {MOST_BYTES} bytes")
+
+
+def live(robot: Robot, trajectory: TrajectoryLike, *, speed: float = 1.0) -> Any:
+    """Play a trajectory over and over in a meshcat viewer, in real time or slower.
+
+    Args:
+        robot: the robot that moves.
+        trajectory: what it does, see `TrajectoryLike`.
+        speed: 1 for real time, less for slower.
+
+    Returns:
+        The `meshcat.Visualizer`: `.open()` opens a browser, `.url()` is its address. Its server is a
+        child process that stays until this process ends.
+
+    Raises:
+        BadValue: the trajectory cannot be played, or the speed is not positive.
+    """
+    if not (np.isfinite(speed) and speed > 0):
+        raise BadValue("speed", speed, "a positive number")
+    motion = resample(robot, trajectory, _first_rate(trajectory))
+    scene = moving(robot, motion)
+    return _show([*scene.commands, c.set_animation(scene.clips, motion.duration, speed)])
+
+
+def viewer(robot: Robot, q: ArrayLike) -> Any:
+    """Show a robot in a configuration, (nq,), in a meshcat viewer; returns and stays as `live`."""
+    configuration = np.asarray(q, dtype=np.float64)
+    if configuration.shape != (robot.nq,) or not np.isfinite(configuration).all():
+        raise BadValue("q", q, f"{robot.nq} finite numbers ({', '.join(robot.coordinates)})")
+    return _show(list(still(robot, configuration).commands))
+
+
+def _first_rate(trajectory: TrajectoryLike) -> float:
+    """Frames per second to try first."""
+    t = np.asarray(trajectory.t, dtype=np.float64).ravel()
+    duration = float(np.ptp(t)) if len(t) else 0.0
+    if not (np.isfinite(duration) and duration > 0):
+        return BEST_RATE
+    return min(BEST_RATE, max(MOST_FRAMES / duration, WORST_RATE))
+
+
+def _page(motion: Motion, scene: Scene, animation: str, title: str) -> str:
+    viewer = _meshcat_folder() / "viewer" / "dist"
+    parts = {
+        "title": html.escape(title),
+        "style": _asset("player.css"),
+        "licences": _comment(_licences(viewer)),
+        "library": (viewer / "main.min.js").read_text(encoding="utf-8"),
+        "data": _script_json(_data(motion, scene, animation, title)),
+        "script": _asset("player.js"),
+    }
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _asset("player.html"))
+
+
+def _data(motion: Motion, scene: Scene, animation: str, title: str) -> dict[str, Any]:
+    legend = [["ground force" + f", peak {scene.peak_force:.0f} N" * (scene.peak_force > 0), _css(ARROW_COLOR)]]
+    if motion.springs:
+        legend.insert(0, ["spring engaged", _css(COIL_COLOR)])
+    legend.append(["toe path", _css(TRAIL_COLOR)])
+    return {
+        "title": title,
+        "start": motion.start,
+        "duration": motion.duration,
+        "spans": [[span.name, span.begin, span.end] for span in motion.spans],
+        "events": [[name, time] for name, time in motion.events],
+        "speeds": SPEEDS,
+        "legend": legend,
+        "notes": scene.notes,
+        "aspect": scene.view.aspect,
+        "distance": scene.view.distance,
+        "horizon": _css(HORIZON),
+        "commands": [*map(_base64, scene.commands), animation],
+    }
+
+
+def _base64(command: c.Command) -> str:
+    return base64.b64encode(c.pack(command)).decode()
+
+
+def _css(color: tuple[float, float, float]) -> str:
+    return "#" + "".join(f"{round(255 * value):02x}" for value in color)
+
+
+def _script_json(data: dict[str, Any]) -> str:
+    # a title may hold the end of the script or of a comment
+    return json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def _asset(name: str) -> str:
+    return files("spear_pin.viz").joinpath(name).read_text(encoding="utf-8")
+
+
+def _meshcat_folder() -> Path:
+    # importing meshcat takes a second and warns; only its files are needed
+    spec = find_spec("meshcat")
+    if spec is None or not spec.submodule_search_locations:
+        raise ImportError("playback needs the package meshcat")
+    return Path(spec.submodule_search_locations[0])
+
+
+def _licences(viewer: Path) -> str:
+    paths = (
+        viewer.parent / "LICENSE",
+        viewer / "main.min.js.LICENSE.txt",
+        viewer / "main.min.js.THIRD_PARTY_LICENSES.json",
+    )
+    return "\n\n".join(path.read_text(encoding="utf-8") for path in paths if path.is_file())
+
+
+def _comment(text: str) -> str:
+    return text.replace("--", "- -").replace("<", "&lt;").replace(">", "&gt;")
+
+
+def _write(path: Path, text: bytes) -> None:
+    temporary = path.parent / f".{uuid4().hex}.part"
+    try:
+        temporary.write_bytes(text)
+        os.replace(temporary, path)
+    except OSError as error:
+        raise BadValue("path", str(path), f"a file that can be written ({error.strerror})") from None
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+class _Raw:
+    """A finished command, in the form meshcat's window sends."""
+
+    def __init__(self, command: c.Command) -> None:
+        self._command = command
+
+    def lower(self) -> c.Command:
+        return self._command
+
+
+def _show(commands: list[c.Command]) -> Any:
+    import meshcat
+
+    visualizer = meshcat.Visualizer()
+    for command in commands:
+        visualizer.window.send(_Raw(command))
+    return visualizer
