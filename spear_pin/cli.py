@@ -134,7 +134,8 @@ def _dynamics(arguments: argparse.Namespace) -> dict[str, Any]:
     lines = [f"{robot.name}: {', '.join(robot.coordinates)}  (SI units, radians)"]
     with np.printoptions(precision=6, suppress=True):
         for key, value in list(result.items())[2:]:
-            for label, array in ({f" {toe}": a for toe, a in value.items()} if isinstance(value, dict) else {"": value}).items():
+            by_toe = {f" {toe}": array for toe, array in value.items()} if isinstance(value, dict) else {"": value}
+            for label, array in by_toe.items():
                 lines.append(f"{key}{label} =\n{array}" if array.ndim == 2 else f"{key}{label} = {array}")
     return result | {"text": "\n".join(lines)}
 
@@ -160,8 +161,8 @@ def _hop(arguments: argparse.Namespace) -> dict[str, Any]:
     system = hopping(robot, law, spring, contact)
     tell = _progress("solving", arguments)
     if arguments.stance_torque is None:
-        target = {"flight_time": arguments.flight_time or 0.2}
-        gait = find_gait(system, vary=["stance_torque"], target=target, on_iteration=tell)
+        flight_time = arguments.flight_time or 0.2
+        gait = find_gait(system, ["stance_torque"], {"flight_time": flight_time}, on_iteration=tell)
     else:
         gait = find_gait(system, on_iteration=tell)
     trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol)

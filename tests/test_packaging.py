@@ -16,15 +16,19 @@ ROOT = Path(__file__).parents[1]
 SETUPTOOLS = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
 
 
-def test_every_file_is_in_a_listed_package_and_matches_its_data():
+def test_every_file_ships_with_a_listed_package():
+    packages = {package.replace(".", "/"): package for package in SETUPTOOLS["packages"]}
     found = set()
     for folder, _, names in os.walk(ROOT / "spear_pin", followlinks=True):
-        package = ".".join(Path(folder).relative_to(ROOT).parts)
-        shown = [name for name in names if not name.startswith(".") and "__pycache__" not in package]
-        for name in shown:
-            patterns = ["*.py", *SETUPTOOLS["package-data"].get(package, [])]
-            assert any(fnmatch(name, pattern) for pattern in patterns), f"{package}: {name} would not ship"
+        for name in names if "__pycache__" not in folder else []:
+            path = (Path(folder) / name).relative_to(ROOT)
+            home = next(parent for parent in path.parents if parent.as_posix() in packages)
+            package = packages[home.as_posix()]
             found.add(package)
+            is_module = path.parent == home and path.suffix == ".py"
+            patterns = SETUPTOOLS["package-data"].get(package, [])
+            inside = path.relative_to(home).as_posix()
+            assert is_module or any(fnmatch(inside, pattern) for pattern in patterns), f"{path} would not ship"
     assert found == set(SETUPTOOLS["packages"])
 
 

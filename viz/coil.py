@@ -70,13 +70,13 @@ def fit_coil(robot: Robot, joint: str, q: Array, shapes: tuple[Shape, ...]) -> C
     axis = _axis(model, index, pose)
     origin, behind = np.array(model.jointPlacements[index].translation), _behind(robot, index)
     if axis is None:
-        reach = pose[:3, :3] @ behind + pose[:3, 3] - origin
+        reach = np.asarray(pose[:3, :3] @ behind + pose[:3, 3] - origin)
         length = max(float(np.linalg.norm(reach)), 1e-3)
         side = frame_along(reach)[:, 0]
         return Coil(index, origin, behind, origin, behind, side, (0.0,), 1.5 * RADIUS * length, WIRE * length)
     before = -origin if np.linalg.norm(origin) > 1e-3 else pose[:3, :3] @ -behind
     length = float(min(np.linalg.norm(before), np.linalg.norm(behind)))
-    upper, lower = _unit(before), _unit(pose[:3, :3] @ behind)
+    upper, lower = _unit(before), _unit(np.asarray(pose[:3, :3] @ behind))
     inward = upper + lower
     if np.linalg.norm(inward) < 0.05:
         inward = np.cross(axis, upper)
@@ -107,7 +107,8 @@ def tube(line: Array, radius: float, sides: int) -> tuple[Array, NDArray[np.intp
     tangent = np.gradient(line, axis=0)
     frames = []
     side = np.array([0.0, 1.0, 0.0])
-    for direction in tangent:
+    for row in tangent:
+        direction = np.asarray(row)
         if np.linalg.norm(direction) > 0:
             side = frame_along(direction, side)[:, 0]
         frames.append((side, np.cross(_unit(direction), side)))

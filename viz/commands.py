@@ -110,7 +110,8 @@ def set_animation(clips: Mapping[str, Sequence[Track]], duration: float, speed: 
     """Animate paths by their tracks, over and over; duration in s of the motion, played at a speed."""
     return {
         "type": "set_animation",
-        "path": "",
+        # a server sends what it keeps in the order of the paths' first use: the objects come first
+        "path": "/animation",
         "animations": [
             {
                 "path": path,

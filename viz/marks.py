@@ -68,9 +68,11 @@ def arrow_mark(toe: str, t: Array, position: Array, force: Array, scale: float, 
     """
     path = arrow_path(toe)
     length = scale * np.linalg.norm(force, axis=1)
-    visible = length > 1e-3
-    shown = np.flatnonzero(visible)
-    rotations = np.array([frame_along(vector) for vector in force[shown]]).reshape(-1, 3, 3)
+    there = length > 1e-3 * length.max(initial=0.0)
+    # a force that sets in between two frames grows from the first of them
+    visible = there | np.r_[there[1:], False]
+    shown = np.flatnonzero(visible | np.r_[False, visible[:-1]])
+    rotations = np.array([frame_along(vector) for vector in force[_nearest(shown, there)]]).reshape(-1, 3, 3)
     head = np.minimum(5.0 * width, 0.5 * length[shown])
     shaft = length[shown] - head
     look = c.material(ARROW_COLOR, "MeshBasicMaterial", depthTest=False, transparent=True)
@@ -158,8 +160,19 @@ def _moves(t: Array, position: Array | None, rotations: Array | None = None) -> 
 
 def _stretch(t: Array, across: Array, along: Array) -> tuple[c.Track, ...]:
     """The track of a scale across and along z; never quite zero, which has no inverse."""
-    scale = np.column_stack((across, across, along)) + 1e-6
+    scale = np.maximum(np.column_stack((across, across, along)), 1e-6)
     return (c.Track("scale", "vector3", t, scale),) if len(t) else ()
+
+
+def _nearest(frames: NDArray[np.intp], chosen: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """For each frame the nearest of those that are chosen."""
+    among = np.flatnonzero(chosen)
+    if not len(among):
+        return frames[:0]
+    after = np.searchsorted(among, frames).clip(0, len(among) - 1)
+    before = np.maximum(after - 1, 0)
+    closer = np.abs(among[before] - frames) < np.abs(among[after] - frames)
+    return np.asarray(among[np.where(closer, before, after)])
 
 
 def _during(t: Array, switch: Switch) -> NDArray[np.bool_]:

@@ -106,9 +106,7 @@ def resample(robot: Robot, trajectory: TrajectoryLike, rate: float) -> Motion:
         BadValue: the trajectory has the wrong shape, is not finite, runs backward or lasts no time.
         UnknownName: a spring's joint is not one of the robot's.
     """
-    t = np.asarray(trajectory.t, dtype=np.float64)
-    if t.ndim != 1 or len(t) < 2 or not np.isfinite(t).all() or np.diff(t).min() < 0 or t[-1] == t[0]:
-        raise BadValue("trajectory.t", trajectory.t, "two or more finite nondecreasing times, in s")
+    t = read_times(trajectory)
     n, toes = len(t), len(robot.toes)
     q = _table("trajectory.q", trajectory.q, [(n, robot.nq)])
     force = _table("trajectory.force", trajectory.force, [(n, toes, 2), (n, toes, 3)])
@@ -125,9 +123,35 @@ def resample(robot: Robot, trajectory: TrajectoryLike, rate: float) -> Motion:
         q=_blend(robot.model, q, row, weight),
         force=force[row] + weight[:, None, None] * (force[np.minimum(row + 1, n - 1)] - force[row]),
         spans=_spans(local, domain),
-        events=tuple((event.name, float(event.time) - float(t[0])) for event in trajectory.events),
+        events=tuple((str(event.name), _event_time(event) - float(t[0])) for event in trajectory.events),
         springs=_springs(robot, trajectory, local),
     )
+
+
+def read_times(trajectory: TrajectoryLike) -> Array:
+    """The times of a trajectory's samples, (n,), in s.
+
+    Raises:
+        BadValue: they are no times, run backward, or are all the same.
+    """
+    expected = "two or more finite nondecreasing times, in s"
+    try:
+        t = np.asarray(trajectory.t, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise BadValue("trajectory.t", trajectory.t, expected) from None
+    if t.ndim != 1 or len(t) < 2 or not np.isfinite(t).all() or np.diff(t).min() < 0 or t[-1] == t[0]:
+        raise BadValue("trajectory.t", trajectory.t, expected)
+    return t
+
+
+def _event_time(event: EventLike) -> float:
+    try:
+        time = float(event.time)
+    except (TypeError, ValueError):
+        time = float("nan")
+    if not np.isfinite(time):
+        raise BadValue("trajectory.events", event.time, "events with a finite time, in s")
+    return time
 
 
 def _table(name: str, value: ArrayLike, shapes: list[tuple[int, ...]]) -> Array:

@@ -2,12 +2,13 @@
 (function () {
   const data = JSON.parse(document.getElementById("data").textContent);
   const at = (id) => document.getElementById(id);
-  const COLORS = new Map([["stance", "#2f5fa8"], ["flight", "#7b96ad"], ["slip+", "#c2873a"], ["slip-", "#a8632c"]]);
-  const OTHERS = ["#2f5fa8", "#2a8c86", "#6d5bb0", "#a65f94", "#5c7f4c", "#8a7340"];
+  const COLORS = new Map([["stance", "#2f5fa8"], ["flight", "#7b96ad"]]);
+  const SLIPPING = "#c2873a";
+  const OTHERS = ["#2a8c86", "#6d5bb0", "#a65f94", "#5c7f4c", "#8a5a40"];
   let named = 0;
 
   function colorOf(name) {
-    if (!COLORS.has(name)) COLORS.set(name, OTHERS[named++ % OTHERS.length]);
+    if (!COLORS.has(name)) COLORS.set(name, name.includes("slip") ? SLIPPING : OTHERS[named++ % OTHERS.length]);
     return COLORS.get(name);
   }
 
@@ -20,9 +21,7 @@
     const sun = viewer.scene_tree.find(["Lights", "FillLight", "<object>"]).object;
     const reach = data.distance / 2.2;
     Object.assign(sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.1, far: 12 });
-    sun.shadow.mapSize.set(2048, 2048);
     sun.shadow.bias = -0.0005;
-    sun.shadow.radius = 3;
     viewer.controls.maxPolarAngle = 1.54; // not below the ground
     viewer.controls.maxDistance = 4 * data.distance;
     return viewer;
@@ -43,7 +42,7 @@
   addEventListener("resize", fit);
   fit();
 
-  const player = { time: 0, speed: 1, playing: false };
+  const player = { viewer, time: 0, speed: 1, playing: false };
 
   player.seek = function (time) {
     player.time = Math.max(0, Math.min(data.duration, time));

@@ -20,7 +20,7 @@ from spear_pin.errors import BadValue
 from spear_pin.model.robot import Robot
 from spear_pin.viz import commands as c
 from spear_pin.viz.marks import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
-from spear_pin.viz.motion import Motion, TrajectoryLike, resample
+from spear_pin.viz.motion import Motion, TrajectoryLike, read_times, resample
 from spear_pin.viz.scene import Scene, moving, still
 from spear_pin.viz.stage import HORIZON
 
@@ -69,7 +69,7 @@ def page(robot: Robot, trajectory: TrajectoryLike, *, title: str = "") -> str:
         if room >= len(animation):
             return text
         rate *= min(0.95 * room / len(animation), 0.95)
-    problem = f"{np.ptp(np.asarray(trajectory.t)):.4g} s long"
+    problem = f"{np.ptp(read_times(trajectory)):.4g} s long"
     raise BadValue("trajectory", problem, f"a shorter piece, that fits into a page of {MOST_BYTES} bytes")
 
 
@@ -83,7 +83,7 @@ def live(robot: Robot, trajectory: TrajectoryLike, *, speed: float = 1.0) -> Any
 
     Returns:
         The `meshcat.Visualizer`: `.open()` opens a browser, `.url()` is its address. Its server is a
-        child process that stays until this process ends.
+        child process that stays until this process ends, or `.window.server_proc.terminate()`.
 
     Raises:
         BadValue: the trajectory cannot be played, or the speed is not positive.
@@ -105,11 +105,8 @@ def viewer(robot: Robot, q: ArrayLike) -> Any:
 
 def _first_rate(trajectory: TrajectoryLike) -> float:
     """Frames per second to try first."""
-    t = np.asarray(trajectory.t, dtype=np.float64).ravel()
-    duration = float(np.ptp(t)) if len(t) else 0.0
-    if not (np.isfinite(duration) and duration > 0):
-        return BEST_RATE
-    return min(BEST_RATE, max(MOST_FRAMES / duration, WORST_RATE))
+    duration = float(np.ptp(read_times(trajectory)))
+    return min(BEST_RATE, MOST_FRAMES / duration)
 
 
 def _page(motion: Motion, scene: Scene, animation: str, title: str) -> str:

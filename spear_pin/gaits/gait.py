@@ -6,7 +6,6 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from spear_pin.files import atomic
 from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
-from spear_pin.hybrid.run import State
+from spear_pin.hybrid.record import State
 from spear_pin.model.loading import load
 from spear_pin.model.spring import Spring
 
@@ -93,9 +92,7 @@ class Gait:
             if [part.shape for part in state] != [(robot.nq,), (robot.nv,)]:
                 raise ValueError(f"the state has the shapes {[part.shape for part in state]}")
             multipliers = np.array([complex(*pair) for pair in data["multipliers"]])
-            return cls(
-                system, state, data["parameters"], float(data["residual"]), multipliers, data["durations"]
-            )
+            return cls(system, state, data["parameters"], float(data["residual"]), multipliers, data["durations"])
         except OSError as error:
             raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
         except (KeyError, TypeError, ValueError, SpearError) as error:

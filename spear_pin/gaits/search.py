@@ -12,11 +12,12 @@ from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName
 from spear_pin.gaits.gait import Gait, parameter, with_parameters
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.periodic import STEP, chart, displacement, multipliers, newton, return_map
-from spear_pin.hybrid.run import Options, State, run
+from spear_pin.hybrid.record import Options, State
+from spear_pin.hybrid.run import run
 
 Array = NDArray[np.float64]
 SETTLE = 12  # cycles of simulation before Newton's method
-TOLERANCE = 1e-10  # of Newton's method
+TOLERANCE = 1e-10  # of Newton's method, or the integrator's where that is finer
 RESIDUAL = 1e-9
 
 
@@ -48,11 +49,11 @@ def find_gait(
     target = dict(target or {})
     if len(vary) != len(target):
         raise BadValue("target", target, f"as many targets as parameters to vary, {len(vary)}")
-    for name, wanted in target.items():
+    for name, value in target.items():
         if not callable(name) and name not in system.measures:
             raise UnknownName("target", name, system.measures)
-        if not np.isfinite(wanted):
-            raise BadValue(f"target {name}", wanted, "a finite number")
+        if not np.isfinite(value):
+            raise BadValue(f"target {name}", value, "a finite number")
     measures = [name if callable(name) else system.measures[name] for name in target]
     wanted = np.array(list(target.values()))
     start = np.array([parameter(system, name) for name in vary])
@@ -77,7 +78,7 @@ def find_gait(
         return np.concatenate([local.coordinates(result.state) - local.coordinates(state), measured - wanted])
 
     z = np.concatenate([np.zeros(d), start / scale])
-    z, _ = newton(function, z, np.full(len(z), STEP), TOLERANCE, on_iteration=on_iteration)
+    z, _ = newton(function, z, np.full(len(z), STEP), min(TOLERANCE, rtol), on_iteration=on_iteration)
     solved, state = unknowns(z)
     result = return_map(solved, state, rtol)
     error = float(np.abs(displacement(solved, state, result.state)).max())

@@ -25,8 +25,8 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
 Held = Mapping[str, float]
-Law = Callable[[Any, Sequence[Any], Sequence[Any], Mapping[str, Any], Any, Any, Any], Sequence[Any]]
-GuardValue = Callable[[Any, Sequence[Any], Sequence[Any], Mapping[str, Any], Any, Any, Any], Any]
+Law = Callable[[Any, Any, Any, Mapping[str, Any], Any, Any, Any], Sequence[Any]]
+GuardValue = Callable[[Any, Any, Any, Mapping[str, Any], Any, Any, Any], Any]
 Latch = Callable[[Sequence[float], Sequence[float], Held, Any], Held]
 
 OPEN, STICK, SLIP_FORWARD, SLIP_BACKWARD = "open", "stick", "slip+", "slip-"
@@ -119,6 +119,7 @@ class Domain:
         mounts: the springs that are engaged.
         guards: the events that can happen, the first winning a tie.
         switch: the scheduled event, if there is one.
+        between: for motion on the switching surface between two domains, those two.
     """
 
     name: str
@@ -128,6 +129,26 @@ class Domain:
     mounts: tuple[Mount, ...] = ()
     guards: tuple[Guard, ...] = ()
     switch: Switch | None = None
+    between: Alternation | None = None
+
+
+@dataclass(frozen=True)
+class Alternation:
+    """Two domains that alternate infinitely fast, because each drives the toe into the other.
+
+    Attributes:
+        grounded: the one with the toe on the ground, whose law unloads it.
+        airborne: the one with the toe in the air, whose law presses it down.
+        touch: the reset into `grounded`.
+        leave: the reset into `airborne`.
+        toe: the toe.
+    """
+
+    grounded: Domain
+    airborne: Domain
+    touch: Reset
+    leave: Reset
+    toe: str
 
 
 @dataclass(frozen=True)

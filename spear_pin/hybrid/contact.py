@@ -66,7 +66,8 @@ def constrained(D: Array, force: Array, A: Array, G: Array, drift: Array) -> tup
     free, response = solved[:, 0], solved[:, 1:]
     schur = A @ response
     multiplier = np.linalg.solve(schur, -(drift + A @ free))
-    return free + response @ multiplier, multiplier, schur
+    a = free + response @ multiplier
+    return np.asarray(a, np.float64), np.asarray(multiplier, np.float64), np.asarray(schur, np.float64)
 
 
 def plastic_impact(D: Array, J: Array, v: Array, friction: float) -> Impact:

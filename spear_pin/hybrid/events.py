@@ -41,7 +41,10 @@ class Watch:
         )
 
     def step(
-        self, ends: tuple[float, float], states: tuple[Array, Array], slopes: tuple[Array, Array],
+        self,
+        ends: tuple[float, float],
+        states: tuple[Array, Array],
+        slopes: tuple[Array, Array],
         interpolate: Callable[[], Interpolant],
     ) -> list[tuple[float, int]]:
         """Crossings within one integration step, earliest first, as (time, guard index).
@@ -78,10 +81,13 @@ class Watch:
         return [self._flow.value(guard, t, y) for guard in self._guards]
 
     def _glimpse(self, t: float, y: Array) -> list[float]:
-        """Guard values a little later, to second order: a toe at rest leaves by its acceleration."""
-        slope = self._flow(t, y)
-        slope_ahead = self._flow(t + GLIMPSE, y + GLIMPSE * slope)
-        return self._at(t + GLIMPSE, y + 0.5 * GLIMPSE * (slope + slope_ahead))
+        """Guard values a little later, by a Runge-Kutta step: a toe at rest leaves by its acceleration or jerk."""
+        h = GLIMPSE
+        k1 = self._flow(t, y)
+        k2 = self._flow(t + 0.5 * h, y + 0.5 * h * k1)
+        k3 = self._flow(t + 0.5 * h, y + 0.5 * h * k2)
+        k4 = self._flow(t + h, y + h * k3)
+        return self._at(t + h, y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4))
 
     def _locate(self, i: int, nodes: list[tuple[float, float]], solution: Interpolant) -> float | None:
         """When guard i first falls through zero, given (time, value) at both ends and halfway."""

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 
 from spear_pin.errors import NoGait
-from spear_pin.hybrid.automaton import OPEN, STICK, HybridSystem
+from spear_pin.hybrid.automaton import OPEN, HybridSystem
 from spear_pin.hybrid.phases import AT_REST
-from spear_pin.hybrid.run import Options, Run, State, run
+from spear_pin.hybrid.record import Options, Run, State
+from spear_pin.hybrid.run import run
 
 Array = NDArray[np.float64]
 STEP = 1e-5  # of central differences: errors of order STEP² and rtol / STEP
@@ -191,5 +192,4 @@ def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10, step: f
         raise NoGait("a perturbed cycle does not close", residual(system, state, rtol))
     values = np.linalg.eigvals(jacobian).astype(np.complex128)
     # by modulus; of a pair, the one above the real axis first, however rounding falls
-    order = sorted(range(len(values)), key=lambda i: (-round(abs(values[i]), 9), -values[i].imag))
-    return values[order]
+    return np.array(sorted(values.tolist(), key=lambda value: (-round(abs(value), 9), -value.imag)))

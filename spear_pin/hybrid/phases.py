@@ -107,7 +107,7 @@ def _guards(toe: str, mode: str, contact: Contact, lift_off: Reset) -> list[Guar
         return []
     leave = Guard("lift_off", normal_force(toe), lift_off, tolerance=UNLOADED)
     if mode == STICK:
-        slip = [Guard("slip", cone_margin(toe, contact.friction, side), Reset(), tolerance=UNLOADED) for side in (1, -1)]
-        return [leave, *slip]
+        margins = [cone_margin(toe, contact.friction, side) for side in SIGN.values()]
+        return [leave, *(Guard("slip", margin, Reset(), tolerance=UNLOADED) for margin in margins)]
     ill_posed = Guard("painleve", pivot(toe), ends="painleve")
     return [ill_posed, leave, Guard("stick", slip_speed(toe, SIGN[mode]), Reset(), tolerance=AT_REST)]

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
-from spear_pin.hybrid.run import Options, Run, Segment, State, run
+from spear_pin.hybrid.engines.pinocchio import flow_names
+from spear_pin.hybrid.filippov import flow_of
+from spear_pin.hybrid.record import Options, Run, Segment, State
+from spear_pin.hybrid.run import run
 from spear_pin.hybrid.trajectory import Ledger, Trajectory
 
 Array = NDArray[np.float64]
-SAMPLES = 120  # a phase
+SAMPLES = 100  # a phase, at least
 
 
 def simulate(
@@ -53,36 +57,28 @@ def sample(system: HybridSystem, result: Run) -> Trajectory:
     """Sample a kept run: at least 100 samples a phase, both sides of every event."""
     robot = system.robot
     nq, nv = robot.nq, robot.nv
-    rows: dict[str, list[object]] = {name: [] for name in (*_NUMERIC, "domain", "phase", "cycle")}
     springs = list(dict.fromkeys(mount.joint for domain in system.domains for mount in domain.mounts))
-    for segment, times in _times(result):
-        flow = Flow(system, segment.domain, segment.held)
+    rows: dict[str, list[object]] = {name: [] for name in (*_NUMERIC, "domain", "phase", "cycle")}
+    for segment, times, states in _samples(result):
+        flow = flow_of(system, segment.domain, segment.held)
         mounts = {mount.joint: mount for mount in segment.domain.mounts}
-        for t, y in times:
+        engaged = [joint in mounts for joint in springs]
+        for t, y in zip(times, states, strict=True):
             flow(t, y)
-            q, v = y[:nq], y[nq : nq + nv]
-            rows["t"].append(segment.began + t)
-            rows["q"].append(q)
-            rows["v"].append(v)
             rows["a"].append(np.array(flow.a))
             rows["u"].append(tuple(flow.u))
             rows["tau"].append(flow.tau)
-            rows["friction"].append(np.array(flow.friction))
+            rows["friction"].append(flow.friction)
             rows["force"].append([flow.force(toe) for toe in robot.toes])
-            rows["spring"].append(
-                [
-                    mounts[j].spring.stiffness
-                    * segment.held[mounts[j].taut]
-                    * (segment.held[mounts[j].rest] - q[robot.index(j)])
-                    if j in mounts
-                    else 0.0
-                    for j in springs
-                ]
-            )
-            rows["engaged"].append([j in mounts for j in springs])
-            rows["domain"].append(segment.domain.name)
-            rows["phase"].append(segment.domain.phase)
-            rows["cycle"].append(segment.cycle)
+            rows["spring"].append([flow.spring_torque(joint) for joint in springs])
+        n = len(times)
+        rows["t"].extend(segment.began + times)
+        rows["q"].extend(states[:, :nq])
+        rows["v"].extend(states[:, nq : nq + nv])
+        rows["engaged"].extend([engaged] * n)
+        rows["domain"].extend([segment.domain.name] * n)
+        rows["phase"].extend([segment.domain.phase] * n)
+        rows["cycle"].extend([segment.cycle] * n)
     n = len(rows["t"])
     shapes = {"force": (n, len(robot.toes), 2), "spring": (n, len(springs)), "engaged": (n, len(springs))}
     arrays = {name: np.array(rows[name], dtype=float).reshape(shapes.get(name, (n, -1))) for name in _NUMERIC}
@@ -109,25 +105,20 @@ def sample(system: HybridSystem, result: Run) -> Trajectory:
 _NUMERIC = ("t", "q", "v", "a", "u", "tau", "friction", "force", "spring", "engaged")
 
 
-def _times(result: Run) -> list[tuple[Segment, list[tuple[float, Array]]]]:
-    """Sample times and states of every segment; a phase's segments share its samples by length."""
-    lasts: dict[float, float] = {}
+def _samples(result: Run) -> Iterator[tuple[Segment, Array, Array]]:
+    """Sample times and states of every segment; the segments of a phase share its samples by length."""
+    lengths: dict[float, float] = {}
     for segment in result.segments:
         if segment.pieces:
-            lasts[segment.began] = max(lasts.get(segment.began, 0.0), segment.pieces[-1].end)
-    chosen = []
+            lengths[segment.began] = segment.pieces[-1].end
     for segment in result.segments:
         if not segment.pieces:
             continue
-        begin, end = segment.pieces[0].begin, segment.pieces[-1].end
-        whole = lasts[segment.began]
-        if end == begin and whole > 0.0 and len(result.segments) > 1:
-            continue
+        begin, end, whole = segment.pieces[0].begin, segment.pieces[-1].end, lengths[segment.began]
+        if end == begin and len(result.segments) > 1:
+            continue  # left as soon as entered
         count = 2 + int(np.ceil(SAMPLES * (end - begin) / whole)) if whole > 0.0 else 2
-        points, index = [], 0
-        for t in np.linspace(begin, end, count):
-            while t > segment.pieces[index].end and index < len(segment.pieces) - 1:
-                index += 1
-            points.append((float(t), segment.pieces[index].state(t)))
-        chosen.append((segment, points))
-    return chosen
+        times = np.linspace(begin, end, count)
+        pieces = np.searchsorted([piece.end for piece in segment.pieces[:-1]], times)
+        states = [np.atleast_2d(segment.pieces[i].state(times[pieces == i]).T) for i in np.unique(pieces)]
+        yield segment, times, np.vstack(states)

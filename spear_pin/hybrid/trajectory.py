@@ -66,12 +66,14 @@ class Ledger:
         """
         if flow not in self.flows:
             raise UnknownName("flow", flow, self.flows)
-        return self.work[:, self.flows.index(flow)]
+        column: Array = self.work[:, self.flows.index(flow)]
+        return column
 
     @property
     def residual(self) -> Array:
         """What does not close in each cycle, in J, (cycles,): change of the stored energy less all flows."""
-        return self.change - self.work.sum(axis=1)
+        left: Array = self.change - self.work.sum(axis=1)
+        return left
 
 
 @dataclass(frozen=True)
@@ -175,7 +177,7 @@ class Trajectory:
                 )
                 ledger = Ledger(tuple(meta.pop("flows")), data["ledger_work"], data["ledger_change"])
                 meta.pop("units")
-                plain = {name: tuple(v) if isinstance(v, list) else v for name, v in meta.items()}
+                plain: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in meta.items()}
                 return cls(**plain, **{name: data[name] for name in _arrays()}, events=events, ledger=ledger)
         except OSError as error:
             raise BadFile(path, f"cannot be read: {error.strerror or error}") from None

@@ -69,6 +69,13 @@ class Browser:
         )
         os.close(there_read)
         os.close(there_write)
+        try:
+            self._attach(width, height)
+        except BaseException:
+            self.close()
+            raise
+
+    def _attach(self, width: int, height: int) -> None:
         target = self.send("Target.createTarget", url="about:blank")["targetId"]
         self._session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
@@ -82,10 +89,14 @@ class Browser:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the browser and remove its profile."""
         try:
             self.send("Browser.close")
             self._process.wait(20)
-        except (OSError, EOFError, TimeoutError, subprocess.TimeoutExpired):
+        except (AssertionError, OSError, EOFError, TimeoutError, subprocess.TimeoutExpired):
             self._process.kill()
             self._process.wait()
         os.close(self._read)
@@ -121,7 +132,7 @@ class Browser:
         if page:
             message["sessionId"] = self._session
         os.write(self._write, json.dumps(message).encode() + b"\0")
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 120
         while True:
             answer = self._receive(deadline)
             if answer.get("id") == self._count:
@@ -131,7 +142,7 @@ class Browser:
             self._note(answer)
 
     def _wait_for(self, condition: str) -> None:
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 120
         while not self.run(condition):
             if time.monotonic() > deadline:
                 raise TimeoutError(f"{condition}; errors: {self.errors}")

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -39,12 +38,12 @@ class Flow:
 
     def __init__(self, system: HybridSystem, domain: Domain, held: Held) -> None:
         robot = system.robot
-        self.system, self.domain, self.held = system, domain, held
+        self.system, self.domain = system, domain
         self.evaluations = 0
         self._model, self._data, self._nv = robot.model, robot.model.createData(), robot.nv
         self._law, self._p = domain.law, system.law
         self._actuated = [robot.index(joint) for joint in robot.actuated]
-        self._springs = [_spring(mount, robot.index(mount.joint), held) for mount in domain.mounts]
+        self.hold(held)
         self._joint_damping = np.array(robot.model.damping)
         self._has_friction = bool(self._joint_damping.any())
         self._zeros = np.zeros(robot.nv)
@@ -52,9 +51,7 @@ class Flow:
         self._nw = len(self._actuated) + 3
         self._toe_ids = {toe: robot.toe_id(toe) for toe in robot.toes}
         self._frame_ids: dict[str, int] = {}
-        self._closed = [
-            (toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN
-        ]
+        self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
         self._slips = [(toe, SIGN[mode]) for toe, mode in self._closed if mode in SIGN]
         self._forces: dict[str, tuple[float, float]] = dict.fromkeys(robot.toes, (0.0, 0.0))
         self._pivots: dict[str, float] = {}
@@ -63,6 +60,14 @@ class Flow:
         )
         self.q = self.v = self.a = self.friction = self._zeros
         self.u: Sequence[float] = ()
+
+    def hold(self, held: Held) -> None:
+        """Replace what is held."""
+        self.held = held
+        self._springs = [
+            (self.system.robot.index(m.joint), m.spring.stiffness * held[m.taut], held[m.rest], m.spring.damping)
+            for m in self.domain.mounts
+        ]
 
     def __call__(self, t: float, y: Array) -> Array:
         """dy/dt; not a number where a law or the dynamics has no value."""
@@ -105,6 +110,11 @@ class Flow:
     def tau(self) -> list[float]:
         """Total torque at each actuated joint in the last call: motor, spring and damping."""
         return [float(self._applied[index]) for index in self._actuated]
+
+    def spring_torque(self, joint: str) -> float:
+        """Torque of the joint's spring in the last call, in N·m; 0 where none is engaged."""
+        row = self.system.robot.index(joint)
+        return sum(k * (rest - float(self.q[row])) for index, k, rest, _ in self._springs if index == row)
 
     def value(self, guard: Guard, t: float, y: Array) -> float:
         """A guard's value; the flow has to have been called with the same (t, y)."""
@@ -173,7 +183,8 @@ class Flow:
     # accelerations, by what is in contact
 
     def _open(self, applied: Array) -> Array:
-        return pin.aba(self._model, self._data, self.q, self.v, applied)
+        a: Array = pin.aba(self._model, self._data, self.q, self.v, applied)
+        return a
 
     def _stick(self, applied: Array) -> Array:
         rows, drifts = self._rows()
@@ -181,7 +192,7 @@ class Flow:
             jacobian, drift = rows[0], drifts[0]
         else:
             jacobian, drift = np.concatenate(rows), np.concatenate(drifts)
-        a = pin.forwardDynamics(self._model, self._data, applied, jacobian, drift)
+        a: Array = pin.forwardDynamics(self._model, self._data, applied, jacobian, drift)
         multipliers = self._data.lambda_c.tolist()
         for i, (toe, _) in enumerate(self._closed):
             self._forces[toe] = multipliers[2 * i], multipliers[2 * i + 1]
@@ -223,7 +234,3 @@ class Flow:
             rows.append(pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[0:3:2])
             drifts.append(pin.getFrameClassicalAcceleration(model, data, index, WORLD_ALIGNED).linear[0:3:2])
         return rows, drifts
-
-
-def _spring(mount: Any, index: int, held: Held) -> tuple[int, float, float, float]:
-    return index, mount.spring.stiffness * held[mount.taut], held[mount.rest], mount.spring.damping

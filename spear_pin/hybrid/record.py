@@ -1,0 +1,122 @@
+"""What a run of a hybrid system is made of: its segments, events, work by cycle, and why it ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.hybrid.automaton import Domain, Held
+from spear_pin.hybrid.trajectory import Event
+
+Array = NDArray[np.float64]
+State = tuple[Array, Array]
+
+REASONS = {
+    "complete": "all cycles were run",
+    "fall": "a part other than a toe reached the ground",
+    "zeno": "events accumulate: the control laws of two phases undo each other without time passing",
+    "painleve": "the slip equation has no unique solution (Painlevé's paradox)",
+    "no_event": "a phase went on beyond its time limit",
+    "step_size": "the integrator's step size fell to nothing",
+    "evaluation_cap": "the run used up its right-hand side evaluations",
+    "not_finite": "the state is no longer finite",
+}
+NUMERICAL = ("step_size", "evaluation_cap", "not_finite")
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One accepted integration step, or its part up to an event; times are counted from the phase's beginning."""
+
+    begin: float
+    end: float
+    state: Callable[[Any], Array]
+
+
+@dataclass
+class Segment:
+    """Motion in one domain between two events; `began` is the absolute time of the phase's beginning."""
+
+    domain: Domain
+    held: Held
+    cycle: int
+    began: float
+    pieces: list[Piece] = field(default_factory=list)
+
+
+@dataclass
+class Run:
+    """A run in progress or finished.
+
+    Attributes:
+        state: (q, v) reached.
+        held: what is held there.
+        domain: the last domain.
+        segments: the motion, if it was kept.
+        events: what happened.
+        work: energy by flow of each whole cycle.
+        change: change of stored energy of each whole cycle.
+        durations: seconds in each phase in the last whole cycle.
+        cycles: whole cycles run.
+        reason: why it ended, a key of `REASONS`.
+        detail: where or on what, in words.
+        evaluations: right-hand sides evaluated.
+    """
+
+    state: State
+    held: Held
+    domain: Domain
+    segments: list[Segment] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    work: list[Array] = field(default_factory=list)
+    change: list[float] = field(default_factory=list)
+    durations: Mapping[str, float] = field(default_factory=dict)
+    cycles: int = 0
+    reason: str = ""
+    detail: str = ""
+    evaluations: int = 0
+
+    @property
+    def message(self) -> str:
+        """The reason in a sentence."""
+        return REASONS[self.reason] + (f" ({self.detail})" if self.detail else "")
+
+    def event(self, name: str) -> Event:
+        """The last event of a name.
+
+        Raises:
+            UnknownName: it did not happen.
+        """
+        for event in reversed(self.events):
+            if event.name == name:
+                return event
+        raise UnknownName("event of this run", name, sorted({event.name for event in self.events}))
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a run is computed.
+
+    Attributes:
+        rtol: relative tolerance of the integrator.
+        atol: absolute tolerance; None means 0.01 rtol.
+        max_evaluations: cap on right-hand sides.
+        keep: whether to keep the motion for sampling.
+    """
+
+    rtol: float = 1e-9
+    atol: float | None = None
+    max_evaluations: int = 2_000_000
+    keep: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        if not 1e-13 <= self.rtol <= 1e-2:
+            raise BadValue("rtol", self.rtol, "a number from 1e-13 to 1e-2")
+        if self.atol is not None and not 0 < self.atol <= 1e-2:
+            raise BadValue("atol", self.atol, "a number above 0 and at most 1e-2")
