@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,25 +13,32 @@ from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName
 from spear_pin.gaits.gait import Gait, parameter, with_parameters
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.periodic import STEP, chart, displacement, multipliers, newton, return_map
-from spear_pin.hybrid.record import Options, State
+from spear_pin.hybrid.record import Options, Run, State
 from spear_pin.hybrid.run import run
 
 Array = NDArray[np.float64]
+Measure = Callable[[Run], float]
+
 SETTLE = 12  # cycles of simulation before Newton's method
 TOLERANCE = 1e-10  # of Newton's method, or the integrator's where that is finer
 RESIDUAL = 1e-9
+FACTORS = (1.0, 0.9, 1.1, 0.8, 1.2)  # of the varied parameters' starting values, tried in turn
+SHORTEST_STEP = 1.0 / 32.0  # of the way to the targets
 
 
 def find_gait(
     system: HybridSystem,
     vary: Sequence[str] = (),
-    target: Mapping[str | Callable[[Any], float], float] | None = None,
+    target: Mapping[str | Measure, float] | None = None,
     *,
     guess: State | None = None,
     rtol: float = 1e-10,
     on_iteration: Callable[[int, float], object] = lambda n, norm: None,
 ) -> Gait:
     """Solve x = P(x) of (4.12) together with the targets, by Newton's method on the return map.
+
+    Where that fails, the fixed point of the starting parameters is carried to the targets step by
+    step, and then the same is tried from other starting values.
 
     Args:
         system: robot, law, spring and ground; its parameters are the starting values.
@@ -54,47 +62,101 @@ def find_gait(
             raise UnknownName("target", name, system.measures)
         if not np.isfinite(value):
             raise BadValue(f"target {name}", value, "a finite number")
-    measures = [name if callable(name) else system.measures[name] for name in target]
-    wanted = np.array(list(target.values()))
+    measures = tuple(name if callable(name) else system.measures[name] for name in target)
+    search = _Search(tuple(vary), measures, np.array(list(target.values()), dtype=float), rtol, on_iteration)
     start = np.array([parameter(system, name) for name in vary])
-    scale = np.maximum(1.0, np.abs(start))
-
-    local = chart(system, guess if guess is not None else _settle(system, system.guess()))
-    d = local.dimension
-
-    def unknowns(z: Array) -> tuple[HybridSystem, State]:
-        values = dict(zip(vary, (z[d:] * scale).tolist(), strict=True))
-        return with_parameters(system, values), local.state(z[:d])
-
-    def function(z: Array) -> Array | None:
+    failures = []
+    for factor in FACTORS if vary else FACTORS[:1]:
         try:
-            trial, state = unknowns(z)
-            result = return_map(trial, state, rtol)
-            if not result.cycles:
+            begun = with_parameters(system, dict(zip(vary, (factor * start).tolist(), strict=True)))
+            return search.gait(*search.solve(begun, guess if guess is not None else _settle(begun)))
+        except NoGait as failure:
+            failures.append(failure)
+    raise min(failures, key=lambda failure: failure.residual)
+
+
+@dataclass(frozen=True)
+class _Search:
+    """What is asked of the gait."""
+
+    vary: tuple[str, ...]
+    measures: tuple[Measure, ...]
+    wanted: Array
+    rtol: float
+    on_iteration: Callable[[int, float], object]
+
+    def solve(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
+        """The system and state that meet the targets, directly or by continuation."""
+        try:
+            return self.newton(system, state, self.wanted)
+        except NoGait:
+            if not self.vary:
+                raise
+        unasked = _Search((), (), self.wanted[:0], self.rtol, self.on_iteration)
+        system, state = unasked.newton(system, state, self.wanted[:0])
+        begin = self.measure(return_map(system, state, self.rtol))
+        done, step = 0.0, 0.25
+        while done < 1.0:
+            reach = min(1.0, done + step)
+            try:
+                system, state = self.newton(system, state, begin + reach * (self.wanted - begin))
+                done, step = reach, 1.5 * step
+            except NoGait:
+                step *= 0.5
+                if step < SHORTEST_STEP:
+                    raise
+        return system, state
+
+    def newton(self, system: HybridSystem, state: State, wanted: Array) -> tuple[HybridSystem, State]:
+        """Newton's method from a state on the section and the system's own parameters."""
+        local = chart(system, state)
+        start = np.array([parameter(system, name) for name in self.vary])
+        scale = np.maximum(1.0, np.abs(start))
+        d = local.dimension
+
+        def unknowns(z: Array) -> tuple[HybridSystem, State]:
+            values = dict(zip(self.vary, (z[d:] * scale).tolist(), strict=True))
+            return with_parameters(system, values), local.state(z[:d])
+
+        def function(z: Array) -> Array | None:
+            try:
+                trial, at = unknowns(z)
+                result = return_map(trial, at, self.rtol)
+                if not result.cycles:
+                    return None
+                moved = local.coordinates(result.state) - local.coordinates(at)
+                return np.concatenate([moved, self.measure(result) - wanted])
+            except SpearError:  # a parameter out of range, a toe below ground, an event that did not happen
                 return None
-            measured = np.array([measure(result) for measure in measures])
-        except SpearError:  # a parameter out of range, a toe below ground, an event that did not happen
-            return None
-        return np.concatenate([local.coordinates(result.state) - local.coordinates(state), measured - wanted])
 
-    z = np.concatenate([np.zeros(d), start / scale])
-    z, _ = newton(function, z, np.full(len(z), STEP), min(TOLERANCE, rtol), on_iteration=on_iteration)
-    solved, state = unknowns(z)
-    result = return_map(solved, state, rtol)
-    error = float(np.abs(displacement(solved, state, result.state)).max())
-    if error > RESIDUAL:
-        raise NoGait("the fixed point lies where the section's chart does not reach", error)
-    return Gait(
-        system=solved,
-        state=state,
-        parameters={name: parameter(solved, name) for name in vary},
-        residual=error,
-        multipliers=multipliers(solved, state, rtol),
-        durations=result.durations,
-    )
+        z = np.concatenate([np.zeros(d), start / scale])
+        z, _ = newton(
+            function, z, np.full(len(z), STEP), min(TOLERANCE, self.rtol), on_iteration=self.on_iteration
+        )
+        return unknowns(z)
+
+    def measure(self, result: Run) -> Array:
+        """The measures of a one-cycle run."""
+        return np.array([measure(result) for measure in self.measures], dtype=float)
+
+    def gait(self, system: HybridSystem, state: State) -> Gait:
+        """The gait at a solution, checked on the whole state."""
+        result = return_map(system, state, self.rtol)
+        error = float(np.abs(displacement(system, state, result.state)).max())
+        if not error <= RESIDUAL:
+            raise NoGait("the fixed point lies where the section's chart does not reach", error)
+        return Gait(
+            system=system,
+            state=state,
+            parameters={name: parameter(system, name) for name in self.vary},
+            residual=error,
+            multipliers=multipliers(system, state, self.rtol),
+            durations=result.durations,
+        )
 
 
-def _settle(system: HybridSystem, state: State) -> State:
-    """Follow the motion for a few cycles towards a stable gait; where it breaks off, the start is kept."""
-    result = run(system, state, SETTLE, Options(rtol=1e-7))
-    return result.state if result.cycles == SETTLE else state
+def _settle(system: HybridSystem) -> State:
+    """The system's guess, followed for a few cycles towards a stable gait; where that breaks off, the guess."""
+    guess = system.guess()
+    result = run(system, guess, SETTLE, Options(rtol=1e-7))
+    return result.state if result.cycles == SETTLE else guess

@@ -174,6 +174,12 @@ FAULTS = {
     "moments and products that contradict": Fault(
         'ixx="0.03" ixy="0"', 'ixx="0.03" ixy="0.05"', ("link 'upper'", "positive semidefinite"), "0.05"
     ),
+    "indefinite with a determinant of zero": Fault(
+        'ixx="0.03" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"',
+        'ixx="0.03" ixy="0.05" ixz="0" iyy="0.02" iyz="0" izz="0"',
+        ("link 'upper'", "positive semidefinite"),
+        "0.05",
+    ),
     "indefinite by the determinant alone": Fault(
         'ixx="0.03" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"',
         'ixx="1" ixy="-0.9" ixz="-0.9" iyy="1" iyz="-0.9" izz="1"',
