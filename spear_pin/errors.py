@@ -5,10 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from pathlib import Path
+from reprlib import Repr
+
+_BRIEF = Repr()
+_BRIEF.maxother, _BRIEF.maxstring, _BRIEF.maxlist, _BRIEF.maxtuple = 80, 120, 8, 8
 
 
 class SpearError(Exception):
     """Base class of every error this package raises on purpose; its text is one line."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(" ".join(text.split()))
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _remake, (type(self), self.args, self.__dict__)
 
 
 class UnknownName(SpearError):
@@ -25,7 +35,7 @@ class BadValue(SpearError):
 
     def __init__(self, name: str, value: object, expected: str) -> None:
         self.name, self.value, self.expected = name, value, expected
-        super().__init__(f"{name} is {value!r}; expected {expected}")
+        super().__init__(f"{name} is {_BRIEF.repr(value)}; expected {expected}")
 
 
 class BadFile(SpearError):
@@ -49,3 +59,10 @@ def require(name: str, value: object, valid: object, expected: str) -> None:
     """Raise `BadValue` unless `valid`; a comparison of symbols is neither true nor false and passes."""
     if valid is False or (isinstance(value, float) and not math.isfinite(value)):
         raise BadValue(name, value, expected)
+
+
+def _remake(kind: type[SpearError], args: tuple[object, ...], attributes: dict[str, object]) -> SpearError:
+    error = kind.__new__(kind, *args)
+    error.args = args
+    error.__dict__.update(attributes)
+    return error

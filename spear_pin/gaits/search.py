@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,9 +129,7 @@ class _Search:
                 return None
 
         z = np.concatenate([np.zeros(d), start / scale])
-        z, _ = newton(
-            function, z, np.full(len(z), STEP), min(TOLERANCE, self.rtol), on_iteration=self.on_iteration
-        )
+        z, _ = newton(function, z, np.full(len(z), STEP), min(TOLERANCE, self.rtol), on_iteration=self.on_iteration)
         return unknowns(z)
 
     def measure(self, result: Run) -> Array:

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Reset
+from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
 from spear_pin.hybrid.contact import plastic_impact
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
 from spear_pin.hybrid.events import Watch
-from spear_pin.hybrid.filippov import alternation, chatter, flow_of
+from spear_pin.hybrid.filippov import Sliding, alternation, chatter
 from spear_pin.hybrid.modes import choose, starting_phase
+from spear_pin.hybrid.phases import AT_REST
 from spear_pin.hybrid.record import Options, Piece, Run, Segment, State
 from spear_pin.hybrid.trajectory import Event
 
@@ -71,7 +72,7 @@ class _Runner:
         self.t, self.began, self.switches = 0.0, 0.0, 0  # t counts from the phase's beginning
         self.booked: dict[str, float] = defaultdict(float)
         self.spent: dict[str, float] = defaultdict(float)
-        self.bounces: list[tuple[Domain, Reset]] = []  # phases left as soon as entered
+        self.came: tuple[Domain, Reset] | None = None  # from where the present phase was entered
         self.instant_events, self.cycle_events, self.last_event = 0, 0, -math.inf
         self.on_section = phase == system.section_phase
         self.flow = choose(system, phase, held, self.t, self.y)
@@ -99,7 +100,13 @@ class _Runner:
         if watch.at_once is not None:
             y = self.y
             segment.pieces.append(Piece(self.t, self.t, lambda times: np.tile(y[:, None], len(times))))
-            self._happen(self.flow.domain.guards[watch.at_once])
+            guard = self.flow.domain.guards[watch.at_once]
+            sliding = self._chatter(guard)
+            if sliding is None:
+                self._happen(guard)
+            else:
+                self._enter(sliding.domain.phase)
+                self._move_to(sliding)
             return
         limit = self.system.phase_limit
         switch = self.flow.domain.switch
@@ -187,22 +194,40 @@ class _Runner:
             return
         phase = reset.phase or domain.phase
         if reset.phase is not None:
-            self.bounces = [*self.bounces[-1:], (domain, reset)] if self.t <= AT_ONCE else []
-            self.spent[domain.phase] += self.t
-            self.began, self.t, self.switches = now, 0.0, 0
-        self.run.evaluations += self.flow.evaluations
-        self.flow = self._chatter(held) or choose(self.system, phase, held, self.t, self.y)
+            self._enter(phase)
+            self.came = domain, reset
+        self._move_to(choose(self.system, phase, held, self.t, self.y))
         if guard.name == self.system.section:
             self._close_cycle()
 
-    def _chatter(self, held: Held) -> Flow | None:
-        """Motion between two domains each of which was left for the other as soon as it was entered."""
-        if len(self.bounces) < 2:
+    def _enter(self, phase: str) -> None:
+        """Begin a phase: its clock and its switches start anew."""
+        self.spent[self.flow.domain.phase] += self.t
+        self.began, self.t, self.switches = self._now(), 0.0, 0
+
+    def _move_to(self, flow: Flow) -> None:
+        self.run.evaluations += self.flow.evaluations
+        self.flow = flow
+
+    def _chatter(self, guard: Guard) -> Flow | None:
+        """Motion on the switching surface, where this phase is left as soon as entered for one that would be too."""
+        if self.came is None or self.t > AT_ONCE or guard.reset is None or guard.reset.phase != self.came[0].phase:
             return None
-        domains, resets = zip(*self.bounces, strict=True)
-        between = alternation(self.system, domains, resets)
-        self.bounces = []
-        return flow_of(self.system, chatter(between), held) if between else None
+        here, held, y = self.flow.domain, self.flow.held, self.y
+        between = alternation(self.system, (here, self.came[0]), (guard.reset, self.came[1]))
+        nq, nv = self.robot.nq, self.robot.nv
+        q, v = y[:nq], y[nq : nq + nv]
+        if between is None or abs(self.robot.toe_jacobian(q, between.toe)[1] @ v) > AT_REST:
+            return None
+        if guard.reset.latch is not None:
+            held = {**held, **guard.reset.latch(q.tolist(), v.tolist(), held, self.system.law)}
+        there = choose(self.system, guard.reset.phase, held, 0.0, y)
+        back = Watch(there, 0.0, y).at_once
+        if back is None or there.domain.guards[back].reset is not self.came[1]:
+            return None
+        sliding = Sliding(self.system, chatter(between), held)
+        sliding(0.0, y)
+        return sliding if 0.0 < sliding.share < 1.0 else None
 
     def _close_cycle(self) -> None:
         if self.on_section and sum(self.spent.values()) < INSTANT:

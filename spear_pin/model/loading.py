@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from spear_pin.errors import BadFile, UnknownName
+from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.model.robot import Robot
 from spear_pin.model.urdf import Urdf, read_urdf
 
@@ -65,12 +65,14 @@ def load(source: str | Path, toes: Iterable[str] | None = None, locked: Iterable
         UnknownName: unknown robot, toe frame or joint; the text lists the valid ones.
         BadFile: the URDF is missing or invalid (see `read_urdf`), or a joint moves no inertia.
     """
+    if not isinstance(source, (str, Path)):
+        raise BadValue("source", source, "the name of a robot, or the path of a URDF")
     shipped = ROBOTS.get(str(source))
     if shipped is None and not ({"/", "\\", "."} & set(str(source))):
         raise UnknownName("robot", str(source), [*ROBOTS, "the path of a URDF"])
     urdf = read_urdf(shipped.path if shipped else source)
     model = _model(urdf)
-    locked = tuple(locked)
+    locked = _names(locked)
     joints = list(model.names)[1:]
     for joint in locked:
         if joint not in joints:
@@ -79,16 +81,20 @@ def load(source: str | Path, toes: Iterable[str] | None = None, locked: Iterable
         ids = [model.getJointId(joint) for joint in locked]
         model = pin.buildReducedModel(model, ids, pin.neutral(model))
     _check_inertia(urdf, model)
-    names = list(model.names)[1:]
     driven = {transmission.joint for transmission in urdf.transmissions}
     return Robot(
         model,
         name=str(source) if shipped else urdf.name,
-        toes=tuple(toes) if toes is not None else shipped.toes if shipped else (),
-        actuated=[name for name in names if name in driven],
+        toes=_names(toes) if toes is not None else shipped.toes if shipped else (),
+        actuated=[name for name in list(model.names)[1:] if name in driven],
         locked=locked,
         source=str(source),
     )
+
+
+def _names(names: Iterable[str]) -> tuple[str, ...]:
+    """Names in order, each once; one string is one name."""
+    return tuple(dict.fromkeys([names] if isinstance(names, str) else names))
 
 
 def _model(urdf: Urdf) -> pin.Model:
@@ -96,6 +102,12 @@ def _model(urdf: Urdf) -> pin.Model:
         model = pin.buildModelFromXML(urdf.text)
     except (ValueError, RuntimeError) as error:
         raise BadFile(urdf.path, f"Pinocchio cannot build it: {str(error).strip().splitlines()[0]}") from None
+    # numbered to keep the order of the document, in which Pinocchio would sort by name
+    for i, name in enumerate(model.names):
+        model.names[i] = name.partition(":")[2] or name
+    for frame in model.frames:
+        if frame.type != pin.FrameType.BODY and frame.name != "universe":
+            frame.name = frame.name.partition(":")[2]
     armature = np.zeros(model.nv)
     rotor_inertia, gear_ratio = np.zeros(model.nv), np.zeros(model.nv)
     for transmission in urdf.transmissions:
@@ -117,6 +129,8 @@ def _check_inertia(urdf: Urdf, model: pin.Model) -> None:
     rng = np.random.default_rng(0)
     for _ in range(3):
         mass_matrix = pin.crba(model, data, pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv)))
+        if not np.isfinite(mass_matrix).all():
+            raise BadFile(urdf.path, "the mass matrix is not finite: some inertia is out of all proportion")
         diagonal = np.diag(mass_matrix)
         for joint in range(1, model.njoints):
             rows = slice(model.joints[joint].idx_v, model.joints[joint].idx_v + model.joints[joint].nv)

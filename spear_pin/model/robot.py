@@ -12,6 +12,7 @@ from spear_pin.errors import BadValue, UnknownName
 
 Array = NDArray[np.float64]
 WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+OUT_OF_PLANE = 1e-5  # rad or m per unit of a coordinate: a URDF's "1.5708" is a right angle
 
 
 class Robot:
@@ -60,8 +61,8 @@ class Robot:
 
     @property
     def mass(self) -> float:
-        """Total mass, in kg."""
-        return float(pin.computeTotalMass(self.model))
+        """Total mass, in kg, of what is locked to the world too."""
+        return float(sum(inertia.mass for inertia in self.model.inertias))
 
     @property
     def actuation_matrix(self) -> Array:
@@ -118,7 +119,9 @@ class Robot:
 
     def potential_energy(self, q: ArrayLike) -> float:
         """Energy of gravity, in J, zero where every centre of mass is at height zero."""
-        return float(pin.computePotentialEnergy(self.model, self._data, self._q(q)))
+        fixed = self.model.inertias[0]  # what is locked to the world, which Pinocchio leaves out
+        held = float(-fixed.mass * self.model.gravity.linear @ fixed.lever)
+        return float(pin.computePotentialEnergy(self.model, self._data, self._q(q)) + held)
 
     def frame_position(self, q: ArrayLike, frame: str) -> Array:
         """Position of any frame of the URDF in the world, in m: (2,) x, z for planar robots, else (3,).
@@ -162,12 +165,16 @@ def _rebuild(
 
 
 def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]) -> Array:
+    expected = f"{length} numbers ({', '.join(coordinates)})"
     try:
-        vector = np.asarray(value, dtype=np.float64)
+        given = np.asarray(value)
     except (TypeError, ValueError):
-        raise BadValue(name, value, f"{length} numbers ({', '.join(coordinates)})") from None
-    if vector.shape != (length,):
-        raise BadValue(name, value, f"{length} numbers ({', '.join(coordinates)}), not the shape {vector.shape}")
+        raise BadValue(name, value, expected) from None
+    if given.dtype.kind not in "fiu":
+        raise BadValue(name, value, expected)
+    if given.shape != (length,):
+        raise BadValue(name, value, f"{expected}, not the shape {given.shape}")
+    vector = given.astype(np.float64)
     if not np.isfinite(vector).all():
         index = int(np.flatnonzero(~np.isfinite(vector))[0])
         raise BadValue(f"{name}[{index}]", float(vector[index]), "a finite number")
@@ -175,10 +182,13 @@ def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]
 
 
 def _frame_id(model: pin.Model, frame: str) -> int:
-    # an unknown name gives nframes, not an error
-    if not model.existFrame(frame):
-        raise UnknownName("frame", frame, [f.name for f in model.frames if f.name != "universe"])
-    return int(model.getFrameId(frame))
+    """Index of a frame; a link's where a joint has the same name. An unknown name gives nframes, not an error."""
+    if isinstance(frame, str):
+        for kind in (pin.FrameType.BODY, pin.FrameType.FIXED_JOINT, pin.FrameType.JOINT):
+            index = int(model.getFrameId(frame, kind))
+            if index < model.nframes:
+                return index
+    raise UnknownName("frame", frame, [f.name for f in model.frames if f.name != "universe"])
 
 
 def _coordinates(model: pin.Model) -> tuple[str, ...]:
@@ -198,6 +208,6 @@ def _is_planar(model: pin.Model, data: pin.Data) -> bool:
         pin.computeJointJacobians(model, data, q)
         for joint in range(1, model.njoints):
             jacobian = pin.getJointJacobian(model, data, joint, WORLD_ALIGNED)
-            if np.abs(jacobian[[1, 3, 5]]).max() > 1e-12:
+            if np.abs(jacobian[[1, 3, 5]]).max() > OUT_OF_PLANE:
                 return False
     return True

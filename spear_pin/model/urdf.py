@@ -1,4 +1,9 @@
-"""Read a URDF safely: structure checked, transmissions extracted, nothing fetched or expanded."""
+"""Read a URDF safely: checked, reduced to what the dynamics needs, nothing fetched or expanded.
+
+Pinocchio's parser drops an inertia it cannot read, complains on stderr about shapes it does not
+need, and orders the joints of a fork by name. So it is given a URDF of our own writing, with the
+links' inertias and the joints only, its numbers in one notation, its joints numbered.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +18,7 @@ from lxml import etree
 
 from spear_pin.errors import BadFile
 
-DRAKE = "{http://drake.mit.edu}"
+MAX_BYTES, MAX_LINKS, MAX_NUMBER = 20_000_000, 500, 1e30
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 
 
@@ -39,11 +44,20 @@ class Transmission:
 
 @dataclass(frozen=True)
 class Urdf:
-    """The text of a checked URDF and its transmissions."""
+    """What the dynamics needs of a URDF.
+
+    Attributes:
+        path: where it was read.
+        name: the robot's name.
+        text: links and joints only; joint i of the document is called "i:" and its name.
+        joints: the movable joints' types by name, in the order of the document.
+        transmissions: the motors.
+    """
 
     path: Path
     name: str
     text: str
+    joints: dict[str, str]
     transmissions: tuple[Transmission, ...]
 
 
@@ -55,13 +69,18 @@ def read_urdf(path: str | Path) -> Urdf:
             links, has an invalid inertia, or a transmission that contradicts itself. The text
             names the place.
     """
-    path = Path(path)
     try:
+        path = Path(path)
+        if path.exists() and not path.is_file():
+            raise BadFile(path, "is a directory" if path.is_dir() else "is not a regular file")
+        if path.stat().st_size > MAX_BYTES:
+            raise BadFile(path, f"has more than {MAX_BYTES} bytes")
         text = path.read_bytes()
-    except OSError as error:
-        raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
+    except (OSError, ValueError) as error:
+        problem = getattr(error, "strerror", None) or str(error)
+        raise BadFile(repr(path) if isinstance(error, ValueError) else path, f"cannot be read: {problem}") from None
     parser = etree.XMLParser(
-        resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False, remove_comments=True
+        resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False, remove_comments=True, remove_pis=True
     )
     try:
         root = etree.fromstring(text, parser)
@@ -71,11 +90,63 @@ def read_urdf(path: str | Path) -> Urdf:
         raise BadFile(path, "declares a document type; a URDF may not (entities are not expanded)")
     if root.tag != "robot":
         raise BadFile(path, f"the root element is <{root.tag}>; expected <robot>", root.sourceline)
+    if len(root.findall("link")) > MAX_LINKS:
+        raise BadFile(path, f"has {len(root.findall('link'))} links; at most {MAX_LINKS} are read")
     _check_tree(path, root)
-    for inertial in root.findall("link/inertial"):
-        _check_inertial(path, inertial)
     name = root.get("name") or path.stem
-    return Urdf(path, name, etree.tostring(root, encoding="unicode"), _transmissions(path, root))
+    joints = {joint.get("name"): joint.get("type") for joint in root.findall("joint") if joint.get("type") != "fixed"}
+    return Urdf(path, name, _dynamics(path, root), joints, _transmissions(path, root))
+
+
+def _dynamics(path: Path, root: Any) -> str:
+    """The URDF with nothing but inertias and joints."""
+    robot = etree.Element("robot", name="robot")
+    for link in root.findall("link"):
+        copy = etree.SubElement(robot, "link", name=link.get("name"))
+        inertial = link.find("inertial")
+        if inertial is not None:
+            _check_inertial(path, inertial)
+            part = etree.SubElement(copy, "inertial")
+            _origin(path, inertial, part)
+            _numeric(path, _child(path, inertial, "mass"), part, ("value",))
+            _numeric(path, _child(path, inertial, "inertia"), part, ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+    for i, joint in enumerate(root.findall("joint")):
+        name, kind = joint.get("name"), joint.get("type")
+        copy = etree.SubElement(robot, "joint", name=f"{i:04d}:{name}", type=kind)
+        _origin(path, joint, copy)
+        for end in ("parent", "child"):
+            etree.SubElement(copy, end, link=_child(path, joint, end).get("link"))
+        axis = joint.find("axis")
+        if axis is not None:
+            _numeric(path, axis, copy, ("xyz",), 3)
+        if kind in ("revolute", "prismatic"):
+            _numeric(path, _child(path, joint, "limit"), copy, ("effort", "velocity"))
+            for side in ("lower", "upper"):
+                copy[-1].set(side, repr(_number(path, joint.find("limit"), side, "0")))
+        dynamics = joint.find("dynamics")
+        if dynamics is not None:
+            part = etree.SubElement(copy, "dynamics")
+            for coefficient in ("damping", "friction"):
+                part.set(coefficient, repr(_number(path, dynamics, coefficient, "0")))
+        if joint.find("mimic") is not None:
+            raise BadFile(path, f"joint {name!r} mimics another; that is not supported", joint.sourceline)
+    return str(etree.tostring(robot, encoding="unicode"))
+
+
+def _origin(path: Path, element: Any, copy: Any) -> None:
+    origin = element.find("origin")
+    if origin is None:
+        return
+    part = etree.SubElement(copy, "origin")
+    for attribute in ("xyz", "rpy"):
+        if origin.get(attribute) is not None:
+            part.set(attribute, " ".join(map(repr, _numbers(path, origin, attribute, 3))))
+
+
+def _numeric(path: Path, element: Any, copy: Any, attributes: tuple[str, ...], count: int = 1) -> None:
+    part = etree.SubElement(copy, element.tag)
+    for attribute in attributes:
+        part.set(attribute, " ".join(map(repr, _numbers(path, element, attribute, count))))
 
 
 def _check_tree(path: Path, root: Any) -> None:
@@ -106,12 +177,17 @@ def _check_tree(path: Path, root: Any) -> None:
     roots = [link for link in links if link not in parents]
     if len(roots) != 1:
         raise BadFile(path, f"the links form no single tree; roots: {', '.join(roots) or 'none (a loop)'}")
-    for link in links:  # a loop beside the tree has no root of its own
-        seen = [link]
-        while seen[-1] in parents:
-            seen.append(parents[seen[-1]])
-            if len(seen) > len(links):
-                raise BadFile(path, f"link {link!r} is part of a loop")
+    reached = set(roots)
+    children: dict[str, list[str]] = {}
+    for child, parent in parents.items():
+        children.setdefault(parent, []).append(child)
+    frontier = list(roots)
+    while frontier:
+        frontier = [child for link in frontier for child in children.get(link, [])]
+        reached.update(frontier)
+    looped = next((link for link in links if link not in reached), None)
+    if looped is not None:
+        raise BadFile(path, f"link {looped!r} is part of a loop, or hangs from one")
 
 
 def _check_inertial(path: Path, inertial: Any) -> None:
@@ -132,6 +208,10 @@ def _transmissions(path: Path, root: Any) -> tuple[Transmission, ...]:
     joints = {joint.get("name"): joint.get("type") for joint in root.findall("joint")}
     found: dict[str, Transmission] = {}
     for element in root.findall("transmission"):
+        for tag in ("joint", "actuator"):
+            if len(element.findall(tag)) > 1:
+                name = element.get("name")
+                raise BadFile(path, f"transmission {name!r} has several <{tag}>; one is supported", element.sourceline)
         joint = _child(path, element, "joint").get("name")
         if joint not in joints or joints[joint] == "fixed":
             movable = ", ".join(name for name, kind in joints.items() if kind != "fixed")
@@ -139,9 +219,9 @@ def _transmissions(path: Path, root: Any) -> tuple[Transmission, ...]:
         if joint in found:
             raise BadFile(path, f"joint {joint!r} has two transmissions", element.sourceline)
         actuator = _child(path, element, "actuator")
-        reduction = _optional(path, actuator, "mechanicalReduction", lambda e: _float(path, e, e.text))
-        ratio = _optional(path, actuator, DRAKE + "gear_ratio", lambda e: _number(path, e, "value"))
-        rotor = _optional(path, actuator, DRAKE + "rotor_inertia", lambda e: _number(path, e, "value"))
+        reduction = _optional(actuator, "mechanicalReduction", lambda e: _float(path, e, e.text))
+        ratio = _optional(actuator, "gear_ratio", lambda e: _number(path, e, "value"))
+        rotor = _optional(actuator, "rotor_inertia", lambda e: _number(path, e, "value"))
         if ratio is not None and reduction is not None and ratio != reduction:
             problem = f"joint {joint!r}: mechanicalReduction {reduction:g} disagrees with gear_ratio {ratio:g}"
             raise BadFile(path, problem, element.sourceline)
@@ -161,20 +241,21 @@ def _child(path: Path, element: Any, tag: str) -> Any:
     return child
 
 
-def _optional(path: Path, element: Any, tag: str, read: Callable[[Any], float]) -> float | None:
-    child = element.find(tag)
+def _optional(element: Any, tag: str, read: Callable[[Any], float]) -> float | None:
+    """What `read` makes of a child, whatever the namespace of its tag."""
+    child = element.find("{*}" + tag)
     return None if child is None else read(child)
 
 
-def _number(path: Path, element: Any, attribute: str) -> float:
-    return _float(path, element, element.get(attribute))
+def _number(path: Path, element: Any, attribute: str, default: str | None = None) -> float:
+    return _float(path, element, element.get(attribute, default))
 
 
 def _numbers(path: Path, element: Any, attribute: str, count: int) -> list[float]:
     values = [_float(path, element, part) for part in (element.get(attribute) or "").split()]
     if len(values) != count:
-        problem = f"{attribute} of <{element.tag}> is {element.get(attribute)!r}; expected {count} numbers"
-        raise BadFile(path, problem, element.sourceline)
+        what = f"{attribute} of <{element.tag}> is {element.get(attribute)!r}"
+        raise BadFile(path, f"{what}; expected {count} number{'s' * (count > 1)}", element.sourceline)
     return values
 
 
@@ -183,6 +264,6 @@ def _float(path: Path, element: Any, text: str | None) -> float:
         value = float(text or "")
     except ValueError:
         value = math.nan
-    if not math.isfinite(value):
+    if not abs(value) <= MAX_NUMBER:
         raise BadFile(path, f"<{element.tag}> has the value {text!r}; expected a finite number", element.sourceline)
     return value

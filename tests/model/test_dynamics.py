@@ -226,7 +226,6 @@ class TestActuationAndMass:
         assert robot.mass == pytest.approx(mass, abs=1e-12)
         assert robot.mass_matrix(np.ones(robot.nq))[0, 0] == pytest.approx(mass, abs=1e-12)
 
-    @pytest.mark.xfail(reason="bodies that locking fixes to the world are left out")
     def test_mass_counts_bodies_fixed_to_the_world(self):
         assert load("spear_ii", locked=["boom_x", "boom_z"]).mass == pytest.approx(6.8, abs=1e-12)
 

@@ -1,0 +1,245 @@
+"""Periodic orbits: the section's chart, Newton's method, and multipliers against an independent closed loop."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spear_pin import Contact, HoppingLaw, find_gait, hopping, simulate
+from spear_pin.errors import NoGait
+from spear_pin.hybrid.periodic import chart, differentiate, multipliers, newton, residual, return_map
+from tests.hybrid.by_hand import Hopper
+from tests.lagrangian import monopod
+
+
+def by_modulus(values):
+    return sorted(values, key=lambda value: (-round(abs(value), 6), -value.imag))
+
+
+def five_point_jacobian(function, x, step):
+    """Differences of fourth order."""
+    columns = []
+    for unit in np.eye(len(x)):
+        near, far = (function(x + n * step * unit) - function(x - n * step * unit) for n in (1, 2))
+        columns.append((8 * near - far) / (12 * step))
+    return np.transpose(columns)
+
+
+@pytest.fixture(scope="module")
+def hopper(hop):
+    return Hopper(hop.system.law.stance_torque)
+
+
+class TestAgainstTheClosedLoopByHand:
+    @pytest.mark.parametrize("offset", [(0.0, 0.0, 0.0), (0.005, 0.05, -0.05), (-0.01, 0.1, 0.1)], ids=str)
+    def test_one_hop(self, hop, hopper, offset):
+        """On the gait and beside it."""
+        begin = chart(hop.system, hop.state).state(np.array(offset))
+        end = np.concatenate(return_map(hop.system, begin).state)
+        expected = hopper.hop(np.concatenate(begin))
+        assert any(offset) == (np.abs(expected - np.concatenate(begin)).max() > 1e-3)
+        np.testing.assert_allclose(end, expected, rtol=0, atol=1e-7)
+
+    def test_multipliers(self, hop, hopper):
+        """Of the return map at the apex, where a state has five coordinates, by other differences."""
+        at_apex = hopper.to_apex(hopper.to_lift_off(np.concatenate(hop.state)))
+        kept = [0, 1, 2, 4, 5]
+
+        def mapped(x):
+            y = np.zeros(6)
+            y[kept] = x
+            return hopper.from_apex_to_apex(y)[kept]
+
+        np.testing.assert_allclose(mapped(at_apex[kept]), at_apex[kept], rtol=0, atol=1e-8)
+        values = by_modulus(np.linalg.eigvals(five_point_jacobian(mapped, at_apex[kept], 3e-4)))
+        assert len(hop.multipliers) == 3
+        np.testing.assert_allclose(by_modulus(hop.multipliers), values[:3], rtol=0, atol=1e-4)
+        np.testing.assert_allclose(values[3:], 0.0, atol=1e-4)
+
+
+class TestFixedPoint:
+    def test_returns_to_itself(self, hop):
+        assert hop.residual < 1e-9
+        trajectory = simulate(hop.system, hop.state, rtol=1e-11)
+        np.testing.assert_allclose(trajectory.events[-1].q, hop.state[0], rtol=0, atol=1e-9)
+        np.testing.assert_allclose(trajectory.events[-1].v, hop.state[1], rtol=0, atol=1e-8)
+
+    def test_residual_counts_velocities_and_positions(self, hop):
+        local = chart(hop.system, hop.state)
+        for unit in np.eye(local.dimension):
+            begin = local.state(1e-3 * unit)
+            end = return_map(hop.system, begin).state
+            expected = np.abs(np.concatenate(end) - np.concatenate(begin)).max()
+            assert residual(hop.system, begin) == pytest.approx(expected, rel=1e-12)
+            assert expected > 1e-4
+
+    def test_residual_is_infinite_where_the_cycle_does_not_close(self, robot):
+        system = hopping(robot, HoppingLaw(stance_torque=0.0))
+        assert residual(system, system.guess()) == math.inf
+        assert return_map(system, system.guess()).reason == "no_event"
+
+    def test_translation_along_the_ground_changes_nothing(self, free_hop):
+        q, v = free_hop.state
+        shifted = q + np.array([3.0, 0.0, 0.0, 0.0])
+        assert residual(free_hop.system, (shifted, v)) == pytest.approx(free_hop.residual, abs=1e-9)
+
+    def test_converges_with_the_tolerance(self, hop):
+        reference = find_gait(hop.system, guess=hop.state, rtol=1e-13)
+        errors = []
+        for digits in range(6, 13):
+            gait = find_gait(hop.system, guess=hop.state, rtol=10.0**-digits)
+            errors.append(np.abs(np.subtract(np.concatenate(gait.state), np.concatenate(reference.state))).max())
+        assert errors[4] < 1e-8  # at 1e-10
+        assert all(finer < 0.7 * coarser for coarser, finer in zip(errors[:-1], errors[1:], strict=True)), errors
+        assert errors[6] < 1e-4 * errors[0]
+
+
+class TestMultipliers:
+    def test_by_decreasing_modulus(self, hop, free_hop):
+        for gait in (hop, free_hop):
+            assert (np.diff(np.abs(gait.multipliers)) < 1e-9).all()
+
+    def test_locked_hop_is_stable(self, hop):
+        assert hop.multipliers.shape == (3,) and hop.stable
+        assert np.abs(hop.multipliers).max() < 0.6
+
+    def test_do_not_depend_on_the_step(self, hop):
+        for step in (3e-6, 1e-4):
+            other = multipliers(hop.system, hop.state, rtol=1e-11, step=step)
+            np.testing.assert_allclose(other, hop.multipliers, rtol=0, atol=1e-4)
+
+    def test_are_the_rates_at_which_disturbances_die(self, hop):
+        """Along the leading eigenvector, from simulation alone."""
+        local = chart(hop.system, hop.state)
+        xi = np.array([0.01, 0.1, 0.1])
+        sizes = []
+        for _ in range(7):
+            xi = local.coordinates(return_map(hop.system, local.state(xi)).state)
+            sizes.append(xi.copy())
+        ratio = (sizes[-1] @ sizes[-2]) / (sizes[-2] @ sizes[-2])
+        assert ratio == pytest.approx(hop.multipliers[0].real, abs=0.02)
+
+    def test_hopping_freely_is_unstable(self, free_hop):
+        assert free_hop.multipliers.shape == (4,) and not free_hop.stable
+        moduli = np.abs(free_hop.multipliers)
+        assert 2.0 < moduli[0] < 3.0 and moduli[1] < 1.0
+
+    def test_foot_placement_makes_it_stable(self, free_hop):
+        """The speed it acts on is zero in this gait, so that the gait stays as it is."""
+        law = replace(free_hop.system.law, foot_placement=0.15)
+        system = free_hop.system.build(free_hop.system.robot, law, free_hop.system.spring, free_hop.system.contact)
+        placed = find_gait(system, guess=free_hop.state)
+        np.testing.assert_allclose(placed.state[1], free_hop.state[1], rtol=0, atol=1e-6)
+        assert placed.stable and np.abs(placed.multipliers).max() < 0.8
+
+    def test_the_wrong_sign_of_foot_placement_makes_it_worse(self, free_hop):
+        law = replace(free_hop.system.law, foot_placement=-0.1)
+        system = free_hop.system.build(free_hop.system.robot, law, free_hop.system.spring, free_hop.system.contact)
+        assert np.abs(multipliers(system, free_hop.state)[0]) > np.abs(free_hop.multipliers[0]) + 0.5
+
+    def test_a_perturbed_cycle_that_does_not_close(self, robot, hop):
+        system = hopping(robot, HoppingLaw(stance_torque=0.0))
+        with pytest.raises(NoGait, match="does not close"):
+            multipliers(system, hop.state)
+
+
+class TestChart:
+    @pytest.mark.parametrize(("name", "dimension"), [("hop", 3), ("free_hop", 4)])
+    def test_covers_the_section(self, name, dimension, request):
+        """The toe at rest on the ground takes one position and two rates; translation is left out."""
+        gait = request.getfixturevalue(name)
+        local = chart(gait.system, gait.state)
+        lagrangian = monopod(gait.system.robot.coordinates)
+        assert local.dimension == dimension
+        rng = np.random.default_rng(1)
+        for xi in 0.05 * rng.normal(size=(20, dimension)):
+            q, v = local.state(xi)
+            at = lagrangian.terms(q, v)
+            assert abs(at.toes["toe"][1]) < 1e-14
+            assert np.abs(at.jacobians["toe"] @ v).max() < 1e-12
+            if "boom_x" in gait.system.robot.coordinates:
+                assert q[0] == pytest.approx(gait.state[0][0], abs=1e-15)
+            # the chart projects along its normals, which leaves the coordinates to first order
+            assert np.abs(local.coordinates((q, v)) - xi).max() < 0.05
+
+    def test_origin(self, hop):
+        local = chart(hop.system, hop.state)
+        q, v = local.state(np.zeros(3))
+        np.testing.assert_allclose(q, hop.state[0], rtol=0, atol=1e-14)
+        np.testing.assert_allclose(v, hop.state[1], rtol=0, atol=1e-12)
+        np.testing.assert_allclose(local.coordinates(hop.state), 0.0, atol=1e-15)
+
+    def test_tangent_to_first_order(self, hop):
+        local = chart(hop.system, hop.state)
+        jacobian = differentiate(lambda xi: local.coordinates(local.state(xi)), np.zeros(3), np.full(3, 1e-6))
+        np.testing.assert_allclose(jacobian, np.eye(3), rtol=0, atol=1e-8)
+
+    def test_a_toe_that_slides_has_one_coordinate_more(self, robot, hop):
+        system = hopping(robot, hop.system.law, contact=Contact(0.02))
+        q, v = return_map(system, hop.state).state
+        toe_velocity = robot.toe_jacobian(q, "toe") @ v
+        assert abs(toe_velocity[0]) > 1e-3 and abs(toe_velocity[1]) < 1e-12
+        local = chart(system, (q, v))
+        assert local.dimension == 4
+        xi = np.array([0.01, 0.02, -0.03, 0.04])
+        moved, rates = local.state(xi)
+        assert abs(robot.toe_position(moved, "toe")[1]) < 1e-14
+        assert abs((robot.toe_jacobian(moved, "toe") @ rates)[1]) < 1e-12
+
+
+class TestNewton:
+    STEP = np.full(2, 1e-6)
+
+    def test_finds_a_root(self):
+        root, norm = newton(lambda x: np.array([x[0] ** 2 - 2.0, x[0] * x[1] - 1.0]), np.ones(2), self.STEP, 1e-12)
+        np.testing.assert_allclose(root, [math.sqrt(2), math.sqrt(0.5)], rtol=1e-12)
+        assert norm <= 1e-12
+
+    def test_steps_back_from_where_the_function_has_no_value(self):
+        calls = []
+
+        def function(x):
+            calls.append(x[0])
+            return np.array([math.log(x[0])]) if x[0] > 0 else None
+
+        root, _ = newton(function, np.array([5.0]), self.STEP[:1], 1e-12)
+        assert root[0] == pytest.approx(1.0, abs=1e-12)
+        assert min(calls) < 0.0
+
+    def test_tells_of_its_iterations(self):
+        told = []
+        newton(lambda x: x - 1.0, np.zeros(2), self.STEP, 1e-9, on_iteration=lambda n, norm: told.append((n, norm)))
+        assert [n for n, _ in told] == list(range(len(told)))
+        assert told[0][1] == 1.0 and told[-1][1] <= 1e-9
+
+    @pytest.mark.parametrize(
+        ("function", "reason"),
+        [
+            (lambda x: None, "does not close at the starting point"),
+            (lambda x: x if (x == 1.0).all() else None, "does not close near an iterate"),
+            (lambda x: 1.0 + x**2, "no progress"),
+        ],
+    )
+    def test_failures(self, function, reason):
+        with pytest.raises(NoGait, match=reason) as error:
+            newton(function, np.ones(2), self.STEP, 1e-12)
+        assert "\n" not in str(error.value)
+
+    def test_gives_up(self):
+        with pytest.raises(NoGait, match="did not converge in 3 iterations"):
+            newton(lambda x: np.cbrt(x) ** 5 + 1e-3, np.full(2, 50.0), self.STEP, 1e-12, iterations=3)
+
+    def test_central_differences_are_of_second_order(self):
+        def function(x):
+            return np.array([x[0] ** 2 * x[1], x[1] ** 3])
+
+        x = np.array([2.0, 3.0])
+        exact = np.array([[12.0, 4.0], [0.0, 27.0]])
+        coarse = differentiate(function, x, np.full(2, 1e-2)) - exact
+        np.testing.assert_allclose(coarse, [[0.0, 0.0], [0.0, 1e-4]], rtol=0, atol=1e-10)
+
+    def test_differences_each_in_its_own_step(self):
+        seen = []
+        differentiate(lambda x: seen.append(x.copy()) or x, np.zeros(2), np.array([0.1, 0.3]))
+        np.testing.assert_array_equal(seen, [[0.1, 0], [-0.1, 0], [0, 0.3], [0, -0.3]])
