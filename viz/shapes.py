@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pinocchio as pin
 from lxml import etree
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadFile
+from spear_pin.errors import BadFile, SpearError
 from spear_pin.model.loading import ROBOTS
 from spear_pin.model.robot import Robot
 from spear_pin.model.urdf import read_urdf
@@ -65,13 +66,16 @@ def read_looks(robot: Robot) -> Looks:
         urdf = read_urdf(shipped.path if shipped else Path(robot.source))
     except BadFile as error:
         return Looks(_bones(robot, set()), (f"drawn as bones: {error}",))
-    text, notes = _primitives_only(urdf.text)
-    try:
-        shapes = _visuals(robot, text)
-    except (ValueError, RuntimeError, IndexError) as error:
-        shapes = ()
-        notes.append(f"drawn as bones: {str(error).strip().splitlines()[0]}")
-    return Looks(shapes + _bones(robot, {shape.joint for shape in shapes}), tuple(notes))
+    root = etree.fromstring(urdf.document.encode(), etree.XMLParser(resolve_entities=False, no_network=True))
+    palette = {material.get("name"): material for material in root.findall("material")}
+    shapes, notes = [], []
+    for link in root.findall("link"):
+        for visual in link.findall("visual"):
+            try:
+                shapes.append(_shape(robot, link.get("name"), visual, palette))
+            except (ValueError, SpearError) as error:
+                notes.append(f"not drawn: {error} of link {link.get('name')!r}")
+    return Looks((*shapes, *_bones(robot, {shape.joint for shape in shapes})), tuple(notes))
 
 
 def segment(joint: int, start: Array, end: Array, radius: float, color: tuple[float, float, float, float]) -> Shape:
@@ -93,46 +97,40 @@ def frame_along(direction: Array, side: Array | None = None) -> Array:
     raise AssertionError("one of three axes is always across")
 
 
-def _primitives_only(text: str) -> tuple[str, list[str]]:
-    root = etree.fromstring(text.encode(), etree.XMLParser(resolve_entities=False, no_network=True))
-    notes = []
-    for visual in list(root.iter("visual")):
-        geometry = visual.find("geometry")
-        kinds = [] if geometry is None else [child.tag for child in geometry if isinstance(child.tag, str)]
-        if len(kinds) == 1 and kinds[0] in PRIMITIVES:
-            continue
-        link = visual.getparent()
-        mesh = None if geometry is None else geometry.find("mesh")
-        what = f"mesh {mesh.get('filename')!r}" if mesh is not None else f"<{kinds[0]}>" if kinds else "an empty visual"
-        notes.append(f"not drawn: {what} of link {link.get('name')!r}")
-        link.remove(visual)
-    return etree.tostring(root, encoding="unicode"), notes
+def _shape(robot: Robot, link: str, visual: Any, palette: Mapping[str, Any]) -> Shape:
+    """One visual of a link; a ValueError that says so if it is not a valid primitive."""
+    element = next(iter(visual.find("geometry") if visual.find("geometry") is not None else ()), None)
+    if element is None:
+        raise ValueError("an empty visual")
+    if element.tag not in PRIMITIVES:
+        raise ValueError(f"mesh {element.get('filename')!r}" if element.tag == "mesh" else f"<{element.tag}>")
+    attributes = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}[element.tag]
+    size = tuple(number for attribute in attributes for number in _numbers(element, attribute))
+    if len(size) != {"box": 3, "cylinder": 2, "sphere": 1}[element.tag] or not min(size) > 0:
+        raise ValueError(f"a {element.tag} of size {size}")
+    origin = visual.find("origin")
+    xyz = _numbers(origin, "xyz", "0 0 0") if origin is not None else [0.0] * 3
+    rpy = _numbers(origin, "rpy", "0 0 0") if origin is not None else [0.0] * 3
+    frame = robot.model.frames[robot.model.getFrameId(link, pin.FrameType.BODY)]
+    placement = frame.placement * pin.SE3(pin.rpy.rpyToMatrix(np.array(rpy)), np.array(xyz))
+    return Shape(int(frame.parentJoint), element.tag, size, np.array(placement.homogeneous), _color(visual, palette))
 
 
-def _visuals(robot: Robot, text: str) -> tuple[Shape, ...]:
-    full = pin.buildModelFromXML(text)
-    geometry = pin.buildGeomFromUrdfString(full, text, pin.VISUAL)
-    if robot.locked:
-        ids = [full.getJointId(joint) for joint in robot.locked]
-        full, geometry = pin.buildReducedModel(full, geometry, ids, pin.neutral(full))
-    if list(full.names) != list(robot.model.names):
-        raise ValueError("its URDF has other joints than the robot")
-    return tuple(shape for item in geometry.geometryObjects if (shape := _shape(item)) is not None)
+def _color(visual: Any, palette: Mapping[str, Any]) -> tuple[float, float, float, float]:
+    material = visual.find("material")
+    for source in (material, palette.get(material.get("name")) if material is not None else None):
+        color = None if source is None else source.find("color")
+        if color is not None:
+            red, green, blue, alpha = _numbers(color, "rgba")
+            return red, green, blue, alpha
+    return GREY
 
 
-def _shape(item: pin.GeometryObject) -> Shape | None:
-    primitive, kind = item.geometry, item.meshPath.lower()
-    size: tuple[float, ...]
-    if kind == "box":
-        size = tuple(2 * float(side) for side in primitive.halfSide)
-    elif kind == "cylinder":
-        size = (float(primitive.radius), 2 * float(primitive.halfLength))
-    else:
-        kind, size = "sphere", (float(primitive.radius),)
-    if not (np.isfinite(size).all() and min(size) > 0):
-        return None
-    red, green, blue, alpha = (float(value) for value in item.meshColor) if item.overrideMaterial else GREY
-    return Shape(int(item.parentJoint), kind, size, np.array(item.placement.homogeneous), (red, green, blue, alpha))
+def _numbers(element: Any, attribute: str, default: str = "") -> list[float]:
+    numbers = [float(part) for part in element.get(attribute, default).split()]
+    if not numbers or not np.isfinite(numbers).all():
+        raise ValueError(f"{attribute} of <{element.tag}> is {element.get(attribute)!r}")
+    return numbers
 
 
 def _bones(robot: Robot, drawn: set[int]) -> tuple[Shape, ...]:

@@ -49,15 +49,15 @@ class Urdf:
     Attributes:
         path: where it was read.
         name: the robot's name.
+        document: the whole of it, without comments.
         text: links and joints only; joint i of the document is called "i:" and its name.
-        joints: the movable joints' types by name, in the order of the document.
         transmissions: the motors.
     """
 
     path: Path
     name: str
+    document: str
     text: str
-    joints: dict[str, str]
     transmissions: tuple[Transmission, ...]
 
 
@@ -94,8 +94,8 @@ def read_urdf(path: str | Path) -> Urdf:
         raise BadFile(path, f"has {len(root.findall('link'))} links; at most {MAX_LINKS} are read")
     _check_tree(path, root)
     name = root.get("name") or path.stem
-    joints = {joint.get("name"): joint.get("type") for joint in root.findall("joint") if joint.get("type") != "fixed"}
-    return Urdf(path, name, _dynamics(path, root), joints, _transmissions(path, root))
+    document = str(etree.tostring(root, encoding="unicode"))
+    return Urdf(path, name, document, _dynamics(path, root), _transmissions(path, root))
 
 
 def _dynamics(path: Path, root: Any) -> str:

@@ -32,7 +32,7 @@ def hopper(hop):
 
 
 class TestAgainstTheClosedLoopByHand:
-    @pytest.mark.parametrize("offset", [(0.0, 0.0, 0.0), (0.005, 0.05, -0.05), (-0.01, 0.1, 0.1)], ids=str)
+    @pytest.mark.parametrize("offset", [(0.0, 0.0, 0.0), (0.005, 0.05, -0.05), (-0.003, 0.02, 0.05)], ids=str)
     def test_one_hop(self, hop, hopper, offset):
         """On the gait and beside it."""
         begin = chart(hop.system, hop.state).state(np.array(offset))
@@ -109,16 +109,15 @@ class TestMultipliers:
             other = multipliers(hop.system, hop.state, rtol=1e-11, step=step)
             np.testing.assert_allclose(other, hop.multipliers, rtol=0, atol=1e-4)
 
-    def test_are_the_rates_at_which_disturbances_die(self, hop):
-        """Along the leading eigenvector, from simulation alone."""
+    def test_the_largest_is_what_the_power_method_finds(self, hop):
+        """A small disturbance, brought back to its size after every hop, grows by the leading multiplier."""
         local = chart(hop.system, hop.state)
-        xi = np.array([0.01, 0.1, 0.1])
-        sizes = []
-        for _ in range(7):
-            xi = local.coordinates(return_map(hop.system, local.state(xi)).state)
-            sizes.append(xi.copy())
-        ratio = (sizes[-1] @ sizes[-2]) / (sizes[-2] @ sizes[-2])
-        assert ratio == pytest.approx(hop.multipliers[0].real, abs=0.02)
+        xi = np.array([1.0, 1.0, -1.0])
+        for _ in range(16):
+            xi *= 1e-4 / np.linalg.norm(xi)
+            after = local.coordinates(return_map(hop.system, local.state(xi)).state)
+            xi, growth = after, after @ xi / (xi @ xi)
+        assert growth == pytest.approx(hop.multipliers[0].real, abs=1e-3)
 
     def test_hopping_freely_is_unstable(self, free_hop):
         assert free_hop.multipliers.shape == (4,) and not free_hop.stable
@@ -179,7 +178,7 @@ class TestChart:
         system = hopping(robot, hop.system.law, contact=Contact(0.02))
         q, v = return_map(system, hop.state).state
         toe_velocity = robot.toe_jacobian(q, "toe") @ v
-        assert abs(toe_velocity[0]) > 1e-3 and abs(toe_velocity[1]) < 1e-12
+        assert abs(toe_velocity[0]) > 1e-3 and abs(toe_velocity[1]) < 1e-9
         local = chart(system, (q, v))
         assert local.dimension == 4
         xi = np.array([0.01, 0.02, -0.03, 0.04])

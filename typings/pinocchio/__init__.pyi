@@ -16,6 +16,7 @@ class ReferenceFrame(IntEnum):
     LOCAL_WORLD_ALIGNED = ...
 
 class SE3:
+    def __init__(self, rotation: _Array, translation: _Array) -> None: ...
     rotation: _Array
     translation: _Array
     @property
