@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -72,7 +73,9 @@ def _parser() -> Parser:
     hop.add_argument("--frequency", type=float, default=2.56, metavar="HZ", help="of the square wave (default: 2.56)")
     hop.add_argument("--stiffness", type=float, metavar="N·m/RAD", help="of the knee spring (default: 48.84)")
     hop.add_argument("--friction", type=float, metavar="MU", help="of the ground (default: 0.8, an assumption)")
-    hop.add_argument("--free-x", action="store_true", help="let the boom slide along x as well")
+    hop.add_argument(
+        "--free-x", action="store_true", help="let the boom slide along x too; solve the hip angle for no drift"
+    )
     hop.add_argument("--foot-placement", type=float, default=0.0, metavar="RAD·S/M", help="gain, with --free-x")
     hop.add_argument("--cycles", type=int, default=11, metavar="N", help="hops to simulate (default: 11)")
     hop.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance (default: 1e-9)")
@@ -153,18 +156,21 @@ def _hop(arguments: argparse.Namespace) -> dict[str, Any]:
     law = HoppingLaw(
         knee_touchdown=arguments.knee,
         frequency=arguments.frequency,
+        hip_touchdown=0.5 * arguments.knee if arguments.free_x else None,
         foot_placement=arguments.foot_placement,
         **{} if arguments.stance_torque is None else {"stance_torque": arguments.stance_torque},
     )
     spring = Spring() if arguments.stiffness is None else Spring(stiffness=arguments.stiffness)
     contact = Contact() if arguments.friction is None else Contact(friction=arguments.friction)
     system = hopping(robot, law, spring, contact)
-    tell = _progress("solving", arguments)
+    target: dict[str, float] = {}
     if arguments.stance_torque is None:
-        flight_time = arguments.flight_time or 0.2
-        gait = find_gait(system, ["stance_torque"], {"flight_time": flight_time}, on_iteration=tell)
-    else:
-        gait = find_gait(system, on_iteration=tell)
+        target["stance_torque"] = arguments.flight_time or 0.2
+    if arguments.free_x:
+        target["hip_touchdown"] = 0.0
+    measures = {"stance_torque": "flight_time", "hip_touchdown": "mean_speed"}  # what each parameter is solved for
+    with _iterations() as tell:
+        gait = find_gait(system, list(target), {measures[k]: v for k, v in target.items()}, on_iteration=tell)
     trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol)
     page = record(robot, trajectory, arguments.out / "hop.html", title="SPEAR-II hopping in place")
     data = trajectory.save(arguments.out / "hop.npz")
@@ -180,6 +186,7 @@ def _hop_text(summary: dict[str, Any], page: Path, data: Path) -> str:
     largest = abs(summary["multipliers"][0])
     rows = [
         ("stance torque", f"{summary['stance_torque']:.4f} N·m"),
+        ("commanded hip, knee", f"{summary['hip_touchdown']:.4f}, {summary['knee_touchdown']:.4f} rad"),
         ("flight, stance", f"{summary['flight_time']:.4f} s, {summary['stance_time']:.4f} s"),
         ("apex of the hip", f"{summary['apex_height']:.4f} m"),
         ("peak ground force", f"{summary['peak_force']:.1f} N"),
@@ -191,7 +198,7 @@ def _hop_text(summary: dict[str, Any], page: Path, data: Path) -> str:
         ("simulated", f"{summary['cycles']} hops ({summary['reason']})"),
         ("files", f"{page}, {data}"),
     ]
-    return "\n".join(f"{name:<18}{value}" for name, value in rows)
+    return "\n".join(f"{name:<21}{value}" for name, value in rows)
 
 
 def _doctor(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -255,16 +262,22 @@ def _works(check: Any) -> str:
     return "ok"
 
 
-def _progress(what: str, arguments: argparse.Namespace) -> Any:
-    """Tell of iterations on a terminal's stderr."""
+@contextmanager
+def _iterations() -> Iterator[Callable[[int, float], None]]:
+    """Show a solver's iterations on a terminal's stderr, and clear them when it is done."""
+    seen = sys.stderr.isatty()
 
     def tell(iteration: int, residual: float) -> None:
-        if sys.stderr.isatty():
-            print(f"\r{what}: iteration {iteration}, residual {residual:.1e}   ", end="", file=sys.stderr, flush=True)
-            if residual <= 1e-10:
-                print(file=sys.stderr)
+        if seen:
+            print(
+                f"\rsolving: iteration {iteration}, residual {residual:.1e}\033[K", end="", file=sys.stderr, flush=True
+            )
 
-    return tell
+    try:
+        yield tell
+    finally:
+        if seen:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
 
 
 def _plain(value: Any) -> Any:

@@ -22,7 +22,7 @@ SETTLE = 12  # cycles of simulation before Newton's method
 TOLERANCE = 1e-10  # of Newton's method, or the integrator's where that is finer
 RESIDUAL = 1e-9
 FACTORS = (1.0, 0.9, 1.1, 0.8, 1.2)  # of the varied parameters' starting values, tried in turn
-SHORTEST_STEP = 1.0 / 32.0  # of the way to the targets
+SHORTEST_STEP = 1.0 / 16.0  # of the way to the targets
 
 
 def find_gait(
@@ -36,8 +36,8 @@ def find_gait(
 ) -> Gait:
     """Solve x = P(x) of (4.12) together with the targets, by Newton's method on the return map.
 
-    Where that fails, the fixed point of the starting parameters is carried to the targets step by
-    step, and then the same is tried from other starting values.
+    Where that fails, the same is tried from other starting values of the parameters, and then the
+    fixed point of each start is carried to the targets step by step.
 
     Args:
         system: robot, law, spring and ground; its parameters are the starting values.
@@ -64,13 +64,18 @@ def find_gait(
     measures = tuple(name if callable(name) else system.measures[name] for name in target)
     search = _Search(tuple(vary), measures, np.array(list(target.values()), dtype=float), rtol, on_iteration)
     start = np.array([parameter(system, name) for name in vary])
-    failures = []
-    for factor in FACTORS if vary else FACTORS[:1]:
-        try:
-            begun = with_parameters(system, dict(zip(vary, (factor * start).tolist(), strict=True)))
-            return search.gait(*search.solve(begun, guess if guess is not None else _settle(begun)))
-        except NoGait as failure:
-            failures.append(failure)
+    factors = FACTORS if vary else FACTORS[:1]
+    begun = [with_parameters(system, dict(zip(vary, (k * start).tolist(), strict=True))) for k in factors]
+    settled: list[State] = []
+    failures: list[NoGait] = []
+    for approach in (search.directly, search.by_continuation) if vary else (search.directly,):
+        for i, trial in enumerate(begun):
+            if len(settled) == i:
+                settled.append(guess if guess is not None else _settle(trial))
+            try:
+                return search.gait(*approach(trial, settled[i]))
+            except NoGait as failure:
+                failures.append(failure)
     raise min(failures, key=lambda failure: failure.residual)
 
 
@@ -84,13 +89,12 @@ class _Search:
     rtol: float
     on_iteration: Callable[[int, float], object]
 
-    def solve(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
-        """The system and state that meet the targets, directly or by continuation."""
-        try:
-            return self.newton(system, state, self.wanted)
-        except NoGait:
-            if not self.vary:
-                raise
+    def directly(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
+        """The system and state that meet the targets, by Newton's method."""
+        return self.newton(system, state, self.wanted)
+
+    def by_continuation(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
+        """The same from the fixed point of the system as it is, the targets moved step by step."""
         unasked = _Search((), (), self.wanted[:0], self.rtol, self.on_iteration)
         system, state = unasked.newton(system, state, self.wanted[:0])
         begin = self.measure(return_map(system, state, self.rtol))

@@ -130,7 +130,7 @@ def newton(
     x: Array,
     step: Array,
     tolerance: float,
-    iterations: int = 25,
+    iterations: int = 15,
     on_iteration: Callable[[int, float], object] = lambda n, norm: None,
 ) -> tuple[Array, float]:
     """Damped Newton's method with central differences, for a function that may have no value somewhere.
@@ -161,7 +161,7 @@ def newton(
         if jacobian is None:
             raise NoGait("the cycle does not close near an iterate", norm)
         direction = np.linalg.lstsq(jacobian, -value, rcond=None)[0]
-        for damping in 0.5 ** np.arange(10):
+        for damping in 0.5 ** np.arange(6):
             trial = function(x + damping * direction)
             if trial is not None and float(np.abs(trial).max()) < (1.0 - 0.1 * damping) * norm:
                 x, value, norm = x + damping * direction, trial, float(np.abs(trial).max())

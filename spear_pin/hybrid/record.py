@@ -54,6 +54,7 @@ class Run:
     """A run in progress or finished.
 
     Attributes:
+        start: (q, v) at the beginning.
         state: (q, v) reached.
         held: what is held there.
         domain: the last domain.
@@ -68,6 +69,7 @@ class Run:
         evaluations: right-hand sides evaluated.
     """
 
+    start: State
     state: State
     held: Held
     domain: Domain

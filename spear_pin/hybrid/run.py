@@ -76,7 +76,7 @@ class _Runner:
         self.instant_events, self.cycle_events, self.last_event = 0, 0, -math.inf
         self.on_section = phase == system.section_phase
         self.flow = choose(system, phase, held, self.t, self.y)
-        self.run = Run((q, v), held, self.flow.domain)
+        self.run = Run((q, v), (q, v), held, self.flow.domain)
         self.energy = self._energy()
         self.atol = options.atol or 0.01 * options.rtol
         self.robot = robot

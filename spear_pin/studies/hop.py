@@ -27,6 +27,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     touchdown = trajectory.q[first, knee][0]
     return {
         "stance_torque": law.stance_torque,
+        "hip_touchdown": 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown,
         "knee_touchdown": law.knee_touchdown,
         "frequency": law.frequency,
         "stiffness": gait.system.spring.stiffness,
