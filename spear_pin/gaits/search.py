@@ -22,6 +22,7 @@ SETTLE = 12  # cycles of simulation before Newton's method
 TOLERANCE = 1e-10  # of Newton's method, or the integrator's where that is finer
 RESIDUAL = 1e-9
 FACTORS = (1.0, 0.9, 1.1, 0.8, 1.2)  # of the varied parameters' starting values, tried in turn
+SHORTEST_CYCLE = 1e-3  # s: a toe that leaves and returns within it makes no gait, though it is nearly periodic
 SHORTEST_STEP = 1.0 / 16.0  # of the way to the targets
 
 
@@ -125,7 +126,7 @@ class _Search:
             try:
                 trial, at = unknowns(z)
                 result = return_map(trial, at, self.rtol)
-                if not result.cycles:
+                if not result.cycles or sum(result.durations.values()) < SHORTEST_CYCLE:
                     return None
                 moved = local.coordinates(result.state) - local.coordinates(at)
                 return np.concatenate([moved, self.measure(result) - wanted])

@@ -1,8 +1,9 @@
 """Motion on the switching surface between two domains, after Filippov.
 
 Where the stance law unloads the toe and the flight law presses it down, an ideal foot switch
-alternates between them without end. In the limit the toe stays on the ground without force, and
-each law acts for the share of the time that keeps it there.
+alternates between them without end. The toe then stays on the ground without force, and each law
+acts for the share that keeps it there: the limit of laws blended over an ever thinner layer of toe
+speeds. A switch with a delay or hysteresis would bounce instead; that is not modelled.
 """
 
 from __future__ import annotations

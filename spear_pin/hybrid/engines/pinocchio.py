@@ -113,8 +113,10 @@ class Flow:
 
     def spring_torque(self, joint: str) -> float:
         """Torque of the joint's spring in the last call, in N·m; 0 where none is engaged."""
-        row = self.system.robot.index(joint)
-        return sum(k * (rest - float(self.q[row])) for index, k, rest, _ in self._springs if index == row)
+        for mount, (index, stiffness, rest, _) in zip(self.domain.mounts, self._springs, strict=True):
+            if mount.joint == joint:
+                return stiffness * (rest - float(self.q[index]))
+        return 0.0
 
     def value(self, guard: Guard, t: float, y: Array) -> float:
         """A guard's value; the flow has to have been called with the same (t, y)."""

@@ -1,0 +1,177 @@
+"""Gaits on disk, and parameters by name."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping
+from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.gaits.gait import parameter, with_parameters
+from spear_pin.hybrid.periodic import residual
+
+
+class TestSaveAndLoad:
+    @pytest.mark.parametrize("name", ["hop", "free_hop"])
+    def test_rebuilds_the_same_gait(self, tmp_path, name, request):
+        gait = request.getfixturevalue(name)
+        path = gait.save(tmp_path / "hop.json")
+        again = Gait.load(path)
+        for part in ("kind", "law", "spring", "contact", "section", "cyclic"):
+            assert getattr(again.system, part) == getattr(gait.system, part)
+        assert again.system.robot.coordinates == gait.system.robot.coordinates
+        assert again.system.robot.toes == gait.system.robot.toes
+        np.testing.assert_array_equal(again.state[0], gait.state[0])
+        np.testing.assert_array_equal(again.state[1], gait.state[1])
+        np.testing.assert_array_equal(again.multipliers, gait.multipliers)
+        assert again.multipliers.dtype == gait.multipliers.dtype == np.complex128
+        assert again.residual == gait.residual
+        assert dict(again.parameters) == dict(gait.parameters)
+        assert dict(again.durations) == dict(gait.durations)
+        assert residual(again.system, again.state) <= 1e-9
+
+    def test_keeps_what_is_not_the_default(self, tmp_path, robot, hop):
+        law = HoppingLaw(knee_touchdown=0.9, hip_touchdown=0.41, hold_extension=True, minimum_force=5.0)
+        system = hopping(robot, law, Spring(50.0, 1.1, unilateral=False), Contact(0.55))
+        gait = Gait(system, hop.state, {"stiffness": 50.0}, 1e-3, np.array([0.5 + 0.25j, -2.0]), {"stance": 0.3})
+        again = Gait.load(gait.save(tmp_path / "hop.json"))
+        assert (again.system.law, again.system.spring, again.system.contact) == (law, system.spring, system.contact)
+        assert again.parameters == {"stiffness": 50.0} and again.durations == {"stance": 0.3}
+
+    def test_path_may_be_text(self, tmp_path, hop):
+        path = hop.save(str(tmp_path / "hop.json"))
+        assert Gait.load(str(path)).residual == hop.residual
+
+    def test_the_same_bytes_again(self, tmp_path, hop):
+        first = hop.save(tmp_path / "one.json").read_bytes()
+        assert hop.save(tmp_path / "two.json").read_bytes() == first
+        assert Gait.load(tmp_path / "one.json").save(tmp_path / "three.json").read_bytes() == first
+
+    def test_into_a_missing_folder(self, tmp_path, hop):
+        with pytest.raises(BadFile, match="cannot be written"):
+            hop.save(tmp_path / "missing" / "hop.json")
+
+
+def without(*names):
+    def damage(data):
+        for name in names[:-1]:
+            data = data[name]
+        del data[names[-1]]
+
+    return damage
+
+
+def with_value(value, *names):
+    def damage(data):
+        for name in names[:-1]:
+            data = data[name]
+        data[names[-1]] = value
+
+    return damage
+
+
+DAMAGE = {
+    "no format": without("format"),
+    "another format": with_value("spear_pin gait 0", "format"),
+    "no kind": without("kind"),
+    "another kind": with_value("bounding", "kind"),
+    "no robot": without("robot"),
+    "an unknown robot": with_value("spear_iii", "robot", "source"),
+    "a robot that is gone": with_value("/missing/robot.urdf", "robot", "source"),
+    "an unknown toe": with_value(["hoof"], "robot", "toes"),
+    "an unknown joint": with_value(["boom_y"], "robot", "locked"),
+    "an unknown field": with_value(1.0, "law", "colour"),
+    "a negative stiffness": with_value(-1.0, "spring", "stiffness"),
+    "no friction": with_value(0.0, "contact", "friction"),
+    "text for a number": with_value("fast", "law", "frequency"),
+    "no state": without("state"),
+    "a short state": with_value([0.5, 0.5], "state", "q"),
+    "a state of text": with_value(["a", "b", "c"], "state", "v"),
+    "a state that is not finite": with_value([math.nan, 0.0, 0.0], "state", "v"),
+    "multipliers of one part": with_value([0.5], "multipliers"),
+    "no residual": without("residual"),
+    "a list for the robot": with_value([1, 2], "robot"),
+    "a number for the law": with_value(3, "law"),
+}
+
+
+class TestDamagedFiles:
+    @pytest.mark.parametrize("damage", DAMAGE)
+    def test_refused(self, tmp_path, hop, damage):
+        path = hop.save(tmp_path / "hop.json")
+        data = json.loads(path.read_text())
+        DAMAGE[damage](data)
+        path.write_text(json.dumps(data))
+        with pytest.raises(BadFile, match=r"hop\.json") as error:
+            Gait.load(path)
+        assert "\n" not in str(error.value)
+
+    @pytest.mark.parametrize("content", [b"", b"{", b"[]", b"3", b'"hop"', b"null", b"\xff\xfe\x00", b"PK\x03\x04"])
+    def test_other_content(self, tmp_path, content):
+        path = tmp_path / "hop.json"
+        path.write_bytes(content)
+        with pytest.raises(BadFile, match=r"hop\.json"):
+            Gait.load(path)
+
+    def test_cut_anywhere(self, tmp_path, hop):
+        path = hop.save(tmp_path / "hop.json")
+        whole = path.read_text()
+        for length in range(0, len(whole) - 2, 37):
+            path.write_text(whole[:length])
+            with pytest.raises(BadFile):
+                Gait.load(path)
+
+    def test_missing(self, tmp_path):
+        with pytest.raises(BadFile, match="cannot be read"):
+            Gait.load(tmp_path / "missing.json")
+
+    def test_a_folder(self, tmp_path):
+        with pytest.raises(BadFile, match="cannot be read"):
+            Gait.load(tmp_path)
+
+
+class TestProperties:
+    def test_period(self, hop):
+        assert hop.period == pytest.approx(hop.durations["stance"] + hop.durations["flight"], rel=1e-15)
+
+    @pytest.mark.parametrize(("multiplier", "stable"), [(0.9, True), (-0.9, True), (0.6 + 0.7j, True), (-1.1, False)])
+    def test_stable(self, hop, multiplier, stable):
+        gait = Gait(hop.system, hop.state, {}, 0.0, np.array([multiplier, 0.1]), {})
+        assert gait.stable is stable
+
+
+class TestParameters:
+    @pytest.mark.parametrize(
+        ("name", "part"), [("stance_torque", "law"), ("stiffness", "spring"), ("damping", "spring"), ("friction", "contact")]
+    )
+    def test_by_the_name_of_a_field(self, robot, name, part):
+        system = hopping(robot)
+        changed = with_parameters(system, {name: 1.25})
+        assert parameter(changed, name) == getattr(getattr(changed, part), name) == 1.25
+        assert parameter(system, name) != 1.25
+        others = {"law", "spring", "contact"} - {part}
+        assert all(getattr(changed, other) == getattr(system, other) for other in others)
+
+    def test_several_at_once(self, robot):
+        changed = with_parameters(hopping(robot), {"stance_torque": 5.0, "stiffness": 6.0, "friction": 0.7})
+        assert (changed.law.stance_torque, changed.spring.stiffness, changed.contact.friction) == (5.0, 6.0, 0.7)
+
+    def test_the_changed_system_moves_otherwise(self, robot, hop):
+        softer = with_parameters(hop.system, {"stiffness": 40.0})
+        assert residual(softer, hop.state) > 1e-3
+
+    @pytest.mark.parametrize("name", ["colour", "unilateral", "hold_extension"])
+    def test_unknown(self, robot, name):
+        with pytest.raises(UnknownName, match=f"unknown parameter '{name}'; valid: knee_touchdown, "):
+            parameter(hopping(robot), name)
+        with pytest.raises(UnknownName):
+            with_parameters(hopping(robot), {name: 1.0})
+
+    def test_one_that_has_no_number(self, robot):
+        with pytest.raises(BadValue, match="^hip_touchdown is None"):
+            parameter(hopping(robot), "hip_touchdown")
+
+    def test_a_value_that_is_not_valid(self, robot):
+        with pytest.raises(BadValue, match=r"^Spring\.stiffness"):
+            with_parameters(hopping(robot), {"stiffness": -1.0})

@@ -1,0 +1,147 @@
+"""Gait search: several unknowns and targets, requests that make no sense, requests that cannot be met."""
+
+import math
+
+import numpy as np
+import pytest
+
+from spear_pin import HoppingLaw, find_gait, hopping, simulate
+from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName
+from spear_pin.hybrid.periodic import residual
+
+
+def apex_height(run):
+    return run.event("apex").q[-3]
+
+
+def assert_periodic(gait):
+    assert gait.residual <= 1e-9
+    assert residual(gait.system, gait.state) <= 1e-9
+    assert np.isfinite(gait.multipliers).all()
+
+
+class TestFinds:
+    @pytest.mark.parametrize(
+        ("vary", "target"),
+        [
+            ([], {}),
+            (["stiffness"], {"flight_time": 0.198}),
+            (["frequency"], {"stance_time": 0.36}),
+            (["stance_torque", "knee_touchdown"], {"flight_time": 0.19, "apex_height": 0.615}),
+            (["stance_torque", "stiffness"], {"flight_time": 0.195, "stance_time": 0.36}),
+        ],
+        ids=str,
+    )
+    def test_what_is_asked_for(self, hop, vary, target):
+        gait = find_gait(hop.system, vary, target)
+        assert_periodic(gait)
+        assert list(gait.parameters) == vary
+        trajectory = simulate(gait.system, gait.state)
+        touchdown, lift_off = trajectory.named("touchdown")[0], trajectory.named("lift_off")[0]
+        found = {
+            "flight_time": touchdown.time - lift_off.time,
+            "stance_time": lift_off.time,
+            "period": touchdown.time,
+            "apex_height": trajectory.named("apex")[0].q[0],
+            "knee_at_touchdown": touchdown.q[2],
+        }
+        for name, wanted in target.items():
+            assert found[name] == pytest.approx(wanted, abs=1e-7)
+        for name, value in gait.parameters.items():
+            owner = next(part for part in ("law", "spring", "contact") if hasattr(getattr(gait.system, part), name))
+            assert getattr(getattr(gait.system, owner), name) == value
+
+    def test_a_measure_of_ones_own(self, robot):
+        gait = find_gait(hopping(robot), ["stance_torque"], {apex_height: 0.61})
+        assert_periodic(gait)
+        assert simulate(gait.system, gait.state).named("apex")[0].q[0] == pytest.approx(0.61, abs=1e-8)
+
+    def test_the_same_from_a_guess_of_ones_own(self, hop):
+        q, v = hop.state
+        gait = find_gait(hop.system, guess=(q + [0.0, 0.01, 0.02], v + [0.0, 0.05, 0.1]))
+        np.testing.assert_allclose(gait.state[0], q, rtol=0, atol=1e-8)
+        np.testing.assert_allclose(gait.state[1], v, rtol=0, atol=1e-7)
+
+    def test_what_it_returns_stays_periodic(self, hop):
+        trajectory = simulate(hop.system, hop.state, cycles=3, rtol=1e-11)
+        np.testing.assert_allclose(trajectory.events[-1].v, hop.state[1], rtol=0, atol=1e-7)
+        assert hop.durations["stance"] == pytest.approx(trajectory.named("lift_off")[0].time, abs=1e-8)
+
+    def test_tells_of_its_iterations(self, hop):
+        told = []
+        find_gait(hop.system, guess=hop.state, on_iteration=lambda n, norm: told.append(norm))
+        assert told and told[-1] <= 1e-9
+
+    def test_leaves_the_system_alone(self, robot):
+        system = hopping(robot)
+        find_gait(system, ["stance_torque"], {"flight_time": 0.2})
+        assert system.law == HoppingLaw()
+
+
+class TestRefuses:
+    def test_an_unknown_parameter(self, robot):
+        with pytest.raises(UnknownName, match="unknown parameter 'colour'; valid: .*stance_torque.*stiffness"):
+            find_gait(hopping(robot), ["colour"], {"flight_time": 0.2})
+
+    def test_an_unknown_target(self, robot):
+        with pytest.raises(UnknownName, match="unknown target 'beauty'; valid: flight_time"):
+            find_gait(hopping(robot), ["stance_torque"], {"beauty": 1.0})
+
+    @pytest.mark.parametrize(
+        ("vary", "target"),
+        [
+            (["stance_torque"], {}),
+            ([], {"flight_time": 0.2}),
+            (["stance_torque", "stiffness"], {"flight_time": 0.2}),
+            (["stance_torque"], {"flight_time": 0.2, "apex_height": 0.6}),
+        ],
+        ids=str,
+    )
+    def test_counts_that_do_not_match(self, robot, vary, target):
+        with pytest.raises(BadValue, match="^target is .*; expected as many targets as parameters to vary"):
+            find_gait(hopping(robot), vary, target)
+
+    @pytest.mark.parametrize("value", [math.nan, math.inf])
+    def test_a_target_that_is_no_number(self, robot, value):
+        with pytest.raises(BadValue, match="target flight_time"):
+            find_gait(hopping(robot), ["stance_torque"], {"flight_time": value})
+
+    def test_a_parameter_without_a_value(self, robot):
+        with pytest.raises(BadValue, match="hip_touchdown"):
+            find_gait(hopping(robot), ["hip_touchdown"], {"flight_time": 0.2})
+
+    @pytest.mark.parametrize(
+        "guess", [([0.5, 0.5], [0, 0, 0]), ([math.nan, 0.5, 1.0], [0, 0, 0]), (1, 2)], ids=str
+    )
+    def test_a_guess_that_is_no_state(self, robot, guess):
+        with pytest.raises(BadValue):
+            find_gait(hopping(robot), guess=guess)
+
+
+class TestNoGait:
+    @staticmethod
+    def assert_one_line(error, *parts):
+        text = str(error.value)
+        assert text.startswith("no gait found: ") and "\n" not in text
+        assert all(part in text for part in parts)
+
+    def test_a_leg_that_does_not_push(self, robot):
+        with pytest.raises(NoGait) as error:
+            find_gait(hopping(robot, HoppingLaw(stance_torque=0.0)))
+        self.assert_one_line(error, "does not close", "residual")
+
+    @pytest.mark.slow
+    def test_a_flight_of_five_seconds(self, robot):
+        with pytest.raises(NoGait) as error:
+            find_gait(hopping(robot), ["stance_torque"], {"flight_time": 5.0})
+        self.assert_one_line(error, "residual")
+        assert error.value.residual > 0.1
+
+    def test_a_measure_of_an_event_that_never_happens(self, robot):
+        with pytest.raises(SpearError, match="never"):
+            find_gait(hopping(robot), ["stance_torque"], {lambda run: run.event("never").time: 0.2})
+
+    def test_a_measure_that_is_no_number(self, robot):
+        with pytest.raises(NoGait) as error:
+            find_gait(hopping(robot), ["stance_torque"], {lambda run: math.nan: 0.2})
+        self.assert_one_line(error)
