@@ -24,7 +24,9 @@ class Parser(argparse.ArgumentParser):
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; 0, or 2 with one line on stderr."""
-    arguments = _parser().parse_args(argv)
+    words = sys.argv[1:] if argv is None else argv
+    # argparse takes "-1e-3" for an option, unless something stands before the sign
+    arguments = _parser().parse_args([f" {word}" if _is_number(word) else word for word in words])
     try:
         result: dict[str, Any] = arguments.run(arguments)
     except (SpearError, OSError) as error:
@@ -44,6 +46,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader has seen enough
         sys.stderr.close()
     return status
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
 
 
 def _parser() -> Parser:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from numbers import Real
 from pathlib import Path
 from reprlib import Repr
+from typing import Any
 
 _BRIEF = Repr()
 _BRIEF.maxother, _BRIEF.maxstring, _BRIEF.maxlist, _BRIEF.maxtuple = 80, 120, 8, 8
@@ -55,9 +57,20 @@ class NoGait(SpearError):
         super().__init__(f"no gait found: {reason} (best residual {residual:.3g})")
 
 
-def require(name: str, value: object, valid: object, expected: str) -> None:
-    """Raise `BadValue` unless `valid`; a comparison of symbols is neither true nor false and passes."""
-    if valid is False or (isinstance(value, float) and not math.isfinite(value)):
+def require(name: str, value: Any, valid: Callable[[Any], Any], expected: str) -> None:
+    """Raise `BadValue` unless a number is finite and valid; symbols pass.
+
+    Args:
+        name: what the value was given for.
+        value: the value.
+        valid: tells whether it is valid.
+        expected: what is valid, in words.
+    """
+    try:
+        answer = valid(value)
+    except TypeError:
+        raise BadValue(name, value, expected) from None
+    if isinstance(value, Real) and not (math.isfinite(value) and answer):
         raise BadValue(name, value, expected)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from spear_pin.errors import BadFile
@@ -25,4 +25,5 @@ def atomic(path: str | Path) -> Iterator[Path]:
     except OSError as error:
         raise BadFile(target, f"cannot be written: {error.strerror or error}") from None
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):  # it may be gone, or its folder may be none
+            temporary.unlink()

@@ -3,6 +3,7 @@
 import pytest
 
 from spear_pin import HoppingLaw, find_gait, hopping, load, simulate
+from spear_pin.model.loading import ROBOTS
 
 
 def speed_at_lift_off(run):
@@ -20,6 +21,16 @@ def robot():
 def free_robot():
     """SPEAR-II, free to move forward."""
     return load("spear_ii")
+
+
+@pytest.fixture(scope="session")
+def rubbing_robot(tmp_path_factory):
+    """The same with 2.5 N·s/m of viscous friction on the slider, from <dynamics damping=...> of its URDF."""
+    text = ROBOTS["spear_ii"].path.read_text(encoding="utf-8")
+    position = text.index("</joint>", text.index('<joint name="boom_z"'))
+    path = tmp_path_factory.mktemp("robots") / "rubbing.urdf"
+    path.write_text(text[:position] + '<dynamics damping="2.5"/>' + text[position:], encoding="utf-8")
+    return load(path, toes=["toe"], locked=["boom_x"])
 
 
 @pytest.fixture(scope="session")

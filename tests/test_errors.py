@@ -49,16 +49,22 @@ def test_survive_pickling(error):
 
 class TestRequire:
     def test_passes(self):
-        require("x", 1.0, True, "anything")
-        require("x", sp.Symbol("x"), sp.Symbol("x") > 0, "a positive number")
-        require("x", None, True, "anything")
+        require("x", 1.0, lambda x: x > 0, "a number > 0")
+        require("x", sp.Symbol("x"), lambda x: x > 0, "a number > 0")
 
-    @pytest.mark.parametrize("value", [-1, -1.0, np.float64(-1.0), np.int64(-1)], ids=lambda value: type(value).__name__)
+    @pytest.mark.parametrize(
+        "value", [-1, -1.0, np.float64(-1.0), np.int64(-1)], ids=lambda value: type(value).__name__
+    )
     def test_refuses(self, value):
         with pytest.raises(BadValue, match="x is .*-1.*; expected a number > 0"):
-            require("x", value, value > 0, "a number > 0")
+            require("x", value, lambda x: x > 0, "a number > 0")
 
     @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, np.float64(math.nan)])
     def test_refuses_what_is_not_finite(self, value):
         with pytest.raises(BadValue):
-            require("x", value, True, "anything")
+            require("x", value, lambda x: True, "anything")
+
+    @pytest.mark.parametrize("value", ["1", None, [1.0]])
+    def test_refuses_what_is_no_number(self, value):
+        with pytest.raises(BadValue):
+            require("x", value, lambda x: x > 0, "a number > 0")

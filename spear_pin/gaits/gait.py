@@ -91,6 +91,8 @@ class Gait:
             state = np.array(data["state"]["q"], dtype=float), np.array(data["state"]["v"], dtype=float)
             if [part.shape for part in state] != [(robot.nq,), (robot.nv,)]:
                 raise ValueError(f"the state has the shapes {[part.shape for part in state]}")
+            if not all(np.isfinite(part).all() for part in state):
+                raise ValueError("the state is not finite")
             multipliers = np.array([complex(*pair) for pair in data["multipliers"]])
             return cls(system, state, data["parameters"], float(data["residual"]), multipliers, data["durations"])
         except OSError as error:

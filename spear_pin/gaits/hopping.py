@@ -40,7 +40,7 @@ class HoppingLaw:
         hold_extension: keep extending after the first period, where the printed square wave would
             flex again.
         minimum_force: if not None, flexion in stance is limited so that the normal force stays at
-            or above this, in N.
+            or above this while the motor flexes, in N.
         foot_placement: K of the term K (ẋ_lo - ẋ*) added to the commanded hip angle, in rad·s/m,
             ẋ_lo being the hip's forward speed latched at lift-off; needs a free boom_x.
         speed: ẋ*, in m/s.
@@ -62,12 +62,18 @@ class HoppingLaw:
 
     def __post_init__(self) -> None:
         """Check the fields."""
-        require("HoppingLaw.frequency", self.frequency, self.frequency > 0, "a number > 0, in Hz")
-        require("HoppingLaw.knee_touchdown", self.knee_touchdown, abs(self.knee_touchdown) < math.pi, "within ±π rad")
-        for name in ("stance_torque", "hip_gain", "hip_damping", "knee_gain", "knee_damping"):
-            require(f"HoppingLaw.{name}", getattr(self, name), getattr(self, name) >= 0, "a number >= 0")
-        for name in ("hip_stance_torque", "foot_placement", "speed", "hip_touchdown"):
-            require(f"HoppingLaw.{name}", getattr(self, name), True, "a finite number")
+        gains = ("stance_torque", "hip_gain", "hip_damping", "knee_gain", "knee_damping")
+        signed = ("hip_stance_torque", "foot_placement", "speed")
+        require("HoppingLaw.frequency", self.frequency, lambda f: f > 0, "a number > 0, in Hz")
+        require("HoppingLaw.knee_touchdown", self.knee_touchdown, lambda a: abs(a) < math.pi, "within ±π rad")
+        for name in gains:
+            require(f"HoppingLaw.{name}", getattr(self, name), lambda gain: gain >= 0, "a number >= 0")
+        for name in signed:
+            require(f"HoppingLaw.{name}", getattr(self, name), lambda number: abs(number) >= 0, "a finite number")
+        if self.hip_touchdown is not None:
+            require("HoppingLaw.hip_touchdown", self.hip_touchdown, lambda angle: abs(angle) < math.pi, "within ±π rad")
+        if self.minimum_force is not None:
+            require("HoppingLaw.minimum_force", self.minimum_force, lambda force: force >= 0, "a number >= 0, in N")
 
 
 def flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
@@ -183,9 +189,10 @@ def _limit_guards(law: HoppingLaw) -> tuple[Guard, ...]:
         return ()
 
     def margin(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
-        # torque to spare below the limit while free, above it while limited
-        spare = limited_torque(p, dyn) - p.stance_torque * held["flexing"]
-        return (1.0 - 2.0 * held["limited"]) * spare
+        # torque to spare below the limit while free, above it while limited; extension is never limited
+        spare = (1.0 - 2.0 * held["limited"]) * (limited_torque(p, dyn) - p.stance_torque)
+        flexing = 0.5 * (1.0 + held["flexing"])
+        return flexing * spare + (1.0 - flexing)
 
     toggle = Reset(latch=lambda q, v, held, p: {"limited": 1.0 - held["limited"]})
     return (Guard("force_limit", margin, toggle),)

@@ -129,7 +129,8 @@ class _Search:
                 if not result.cycles or sum(result.durations.values()) < SHORTEST_CYCLE:
                     return None
                 moved = local.coordinates(result.state) - local.coordinates(at)
-                return np.concatenate([moved, self.measure(result) - wanted])
+                value = np.concatenate([moved, self.measure(result) - wanted])
+                return value if np.isfinite(value).all() else None
             except SpearError:  # a parameter out of range, a toe below ground, an event that did not happen
                 return None
 

@@ -25,7 +25,7 @@ class Contact:
 
     def __post_init__(self) -> None:
         """Check the fields."""
-        require("Contact.friction", self.friction, self.friction > 0, "a number > 0")
+        require("Contact.friction", self.friction, lambda mu: mu > 0, "a number > 0")
 
 
 @dataclass(frozen=True)

@@ -116,7 +116,9 @@ def _root(value: Callable[[float], float], left: float, right: float) -> float:
         return left
     if value(right) > 0.0:
         return right
-    return float(brentq(value, left, right, xtol=1e-15, rtol=8.9e-16))
+    # as close as doubles allow, and where the guard is too flat for that, as close as it gets
+    root, _ = brentq(value, left, right, xtol=1e-15, rtol=8.9e-16, full_output=True, disp=False)
+    return float(root)
 
 
 def _dips(before: float, middle: float, end: float) -> bool:

@@ -48,9 +48,9 @@ def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
     robot = system.robot
     if not (isinstance(state, (tuple, list)) and len(state) == 2):
         raise BadValue("state", state, "a pair (q, v)")
+    robot.bias(*state)  # checks both
     q, v = np.asarray(state[0], dtype=float), np.asarray(state[1], dtype=float)
     heights = {toe: robot.toe_position(q, toe)[1] for toe in robot.toes}
-    robot.bias(q, v)  # checks v as well
     for toe, height in heights.items():
         if height < -ON_GROUND:
             raise BadValue(f"height of {toe}", height, "at or above the ground, at 0 m")

@@ -153,10 +153,12 @@ def newton(
     if value is None:
         raise NoGait("the cycle does not close at the starting point", np.inf)
     norm = float(np.abs(value).max())
-    for n in range(iterations):
+    for n in range(iterations + 1):
         on_iteration(n, norm)
         if norm <= tolerance:
             return x, norm
+        if n == iterations:
+            break
         jacobian = differentiate(function, x, step)
         if jacobian is None:
             raise NoGait("the cycle does not close near an iterate", norm)

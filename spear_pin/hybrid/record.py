@@ -26,6 +26,7 @@ REASONS = {
     "evaluation_cap": "the run used up its right-hand side evaluations",
     "not_finite": "the state is no longer finite",
 }
+BOOKED = ("impact", "released")  # flows of energy that happen at events; the others are integrated
 NUMERICAL = ("step_size", "evaluation_cap", "not_finite")
 
 
@@ -120,5 +121,7 @@ class Options:
         """Check the fields."""
         if not 1e-13 <= self.rtol <= 1e-2:
             raise BadValue("rtol", self.rtol, "a number from 1e-13 to 1e-2")
+        if not self.max_evaluations >= 1:
+            raise BadValue("max_evaluations", self.max_evaluations, "at least 1")
         if self.atol is not None and not 0 < self.atol <= 1e-2:
             raise BadValue("atol", self.atol, "a number above 0 and at most 1e-2")

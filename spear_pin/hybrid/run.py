@@ -22,7 +22,7 @@ from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import Sliding, alternation, chatter
 from spear_pin.hybrid.modes import choose, starting_phase
 from spear_pin.hybrid.phases import AT_REST
-from spear_pin.hybrid.record import Options, Piece, Run, Segment, State
+from spear_pin.hybrid.record import BOOKED, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.trajectory import Event
 
 Array = NDArray[np.float64]
@@ -60,11 +60,10 @@ class _Runner:
     def __init__(
         self, system: HybridSystem, state: State, cycles: int, options: Options, on_cycle: Callable[[int], object]
     ) -> None:
-        if cycles < 1:
-            raise BadValue("cycles", cycles, "at least 1")
+        if not cycles >= 1 or cycles % 1:
+            raise BadValue("cycles", cycles, "a whole number, at least 1")
         robot = system.robot
         self.system, self.options, self.wanted, self.on_cycle = system, options, cycles, on_cycle
-        self.names = (*flow_names(system), "impact", "released")
         self.nw = len(flow_names(system))
         phase, held = starting_phase(system, state)
         q, v = (np.array(part, dtype=float) for part in state)
@@ -232,7 +231,7 @@ class _Runner:
     def _close_cycle(self) -> None:
         if self.on_section and sum(self.spent.values()) < INSTANT:
             return  # two crossings in one instant bound no cycle
-        work = np.array([*self.y[-self.nw :], self.booked["impact"], self.booked["released"]])
+        work = np.array([*self.y[-self.nw :], *(self.booked[name] for name in BOOKED)])
         energy = self._energy()
         if self.on_section:
             self.run.work.append(work)

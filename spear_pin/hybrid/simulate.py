@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines.pinocchio import flow_names
 from spear_pin.hybrid.filippov import flow_of
-from spear_pin.hybrid.record import Options, Run, Segment, State
+from spear_pin.hybrid.record import BOOKED, Options, Run, Segment, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.trajectory import Ledger, Trajectory
 
@@ -59,7 +59,7 @@ def sample(system: HybridSystem, result: Run) -> Trajectory:
     nq, nv = robot.nq, robot.nv
     springs = list(dict.fromkeys(mount.joint for domain in system.domains for mount in domain.mounts))
     rows: dict[str, list[object]] = {name: [] for name in (*_NUMERIC, "domain", "phase", "cycle")}
-    for segment, times, states in _samples(result):
+    for segment, times, states in _samples(result, len(flow_names(system))):
         flow = flow_of(system, segment.domain, segment.held)
         mounts = {mount.joint: mount for mount in segment.domain.mounts}
         engaged = [joint in mounts for joint in springs]
@@ -82,7 +82,7 @@ def sample(system: HybridSystem, result: Run) -> Trajectory:
     n = len(rows["t"])
     shapes = {"force": (n, len(robot.toes), 2), "spring": (n, len(springs)), "engaged": (n, len(springs))}
     arrays = {name: np.array(rows[name], dtype=float).reshape(shapes.get(name, (n, -1))) for name in _NUMERIC}
-    flows = (*flow_names(system), "impact", "released")
+    flows = (*flow_names(system), *BOOKED)
     return Trajectory(
         robot=robot.source,
         coordinates=robot.coordinates,
@@ -105,8 +105,11 @@ def sample(system: HybridSystem, result: Run) -> Trajectory:
 _NUMERIC = ("t", "q", "v", "a", "u", "tau", "friction", "force", "spring", "engaged")
 
 
-def _samples(result: Run) -> Iterator[tuple[Segment, Array, Array]]:
+def _samples(result: Run, n_flows: int) -> Iterator[tuple[Segment, Array, Array]]:
     """Sample times and states of every segment; the segments of a phase share its samples by length."""
+    if all(segment.began + piece.end == 0.0 for segment in result.segments for piece in segment.pieces):
+        yield result.segments[-1], np.zeros(1), np.concatenate([*result.state, np.zeros(n_flows)])[None]
+        return
     lengths: dict[float, float] = {}
     for segment in result.segments:
         if segment.pieces:
@@ -115,9 +118,9 @@ def _samples(result: Run) -> Iterator[tuple[Segment, Array, Array]]:
         if not segment.pieces:
             continue
         begin, end, whole = segment.pieces[0].begin, segment.pieces[-1].end, lengths[segment.began]
-        if end == begin and len(result.segments) > 1:
+        if end == begin:
             continue  # left as soon as entered
-        count = 2 + int(np.ceil(SAMPLES * (end - begin) / whole)) if whole > 0.0 else 2
+        count = 2 + int(np.ceil(SAMPLES * (end - begin) / whole))
         times = np.linspace(begin, end, count)
         pieces = np.searchsorted([piece.end for piece in segment.pieces[:-1]], times)
         states = [np.atleast_2d(segment.pieces[i].state(times[pieces == i]).T) for i in np.unique(pieces)]

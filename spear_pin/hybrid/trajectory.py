@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -166,7 +167,7 @@ class Trajectory:
             BadFile: it cannot be read, or is not a trajectory.
         """
         try:
-            with np.load(path, allow_pickle=False) as data:
+            with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as data:
                 meta = json.loads(str(data["meta"]))
                 if meta.pop("format") != FORMAT:
                     raise KeyError("format")
@@ -181,7 +182,7 @@ class Trajectory:
                 return cls(**plain, **{name: data[name] for name in _arrays()}, events=events, ledger=ledger)
         except OSError as error:
             raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
-        except (BadZipFile, KeyError, ValueError, TypeError, EOFError) as error:
+        except (BadZipFile, zlib.error, KeyError, ValueError, TypeError, AttributeError, EOFError, NotImplementedError) as error:
             raise BadFile(path, f"is not a saved trajectory ({type(error).__name__}: {error})") from None
 
     def export(self, path: str | Path) -> Path:

@@ -26,8 +26,8 @@ class Spring:
 
     def __post_init__(self) -> None:
         """Check the fields."""
-        require("Spring.stiffness", self.stiffness, self.stiffness >= 0, "a number >= 0, in N·m/rad")
-        require("Spring.damping", self.damping, self.damping >= 0, "a number >= 0, in N·m·s/rad")
+        require("Spring.stiffness", self.stiffness, lambda k: k >= 0, "a number >= 0, in N·m/rad")
+        require("Spring.damping", self.damping, lambda b: b >= 0, "a number >= 0, in N·m·s/rad")
 
 
 def rotational_stiffness(spring: float, spacer_radius: float, belt: float = 0.0, pulley_radius: float = 0.0) -> float:

@@ -143,7 +143,8 @@ class TestProperties:
 
 class TestParameters:
     @pytest.mark.parametrize(
-        ("name", "part"), [("stance_torque", "law"), ("stiffness", "spring"), ("damping", "spring"), ("friction", "contact")]
+        ("name", "part"),
+        [("stance_torque", "law"), ("stiffness", "spring"), ("damping", "spring"), ("friction", "contact")],
     )
     def test_by_the_name_of_a_field(self, robot, name, part):
         system = hopping(robot)

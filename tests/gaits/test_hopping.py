@@ -178,8 +178,17 @@ class TestMinimumForce:
         flexing = self.flexing(trajectory)
         assert trajectory.force[flexing, 0, 1].min() > 10.0 - 1e-6
         assert trajectory.u[flexing, 1].min() < hop.system.law.stance_torque - 1e-3
-        assert trajectory.u[flexing, 1].max() == hop.system.law.stance_torque
+        assert trajectory.u[flexing, 1].max() == pytest.approx(hop.system.law.stance_torque, rel=1e-9)
         assert np.abs(trajectory.ledger.residual).max() < 1e-8
+
+    def test_counts_the_friction_of_the_joints(self, rubbing_robot, hop):
+        """While it is limited the force is just the minimum."""
+        law = replace(hop.system.law, minimum_force=10.0)
+        trajectory = simulate(hopping(rubbing_robot, law), hop.state, cycles=2)
+        flexing = self.flexing(trajectory)
+        limited = flexing & (trajectory.u[:, 1] < law.stance_torque - 1e-6)
+        assert limited.sum() >= 4
+        np.testing.assert_allclose(trajectory.force[limited, 0, 1], 10.0, rtol=0, atol=1e-6)
 
     def test_leaves_extension_alone(self, limited, hop):
         trajectory = simulate(limited, hop.state, cycles=3)

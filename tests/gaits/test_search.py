@@ -25,7 +25,7 @@ class TestFinds:
         ("vary", "target"),
         [
             ([], {}),
-            (["stiffness"], {"flight_time": 0.198}),
+            (["stiffness"], {"stance_time": 0.36}),
             (["frequency"], {"stance_time": 0.36}),
             (["stance_torque", "knee_touchdown"], {"flight_time": 0.19, "apex_height": 0.615}),
             (["stance_torque", "stiffness"], {"flight_time": 0.195, "stance_time": 0.36}),
@@ -110,9 +110,7 @@ class TestRefuses:
         with pytest.raises(BadValue, match="hip_touchdown"):
             find_gait(hopping(robot), ["hip_touchdown"], {"flight_time": 0.2})
 
-    @pytest.mark.parametrize(
-        "guess", [([0.5, 0.5], [0, 0, 0]), ([math.nan, 0.5, 1.0], [0, 0, 0]), (1, 2)], ids=str
-    )
+    @pytest.mark.parametrize("guess", [([0.5, 0.5], [0, 0, 0]), ([math.nan, 0.5, 1.0], [0, 0, 0]), (1, 2)], ids=str)
     def test_a_guess_that_is_no_state(self, robot, guess):
         with pytest.raises(BadValue):
             find_gait(hopping(robot), guess=guess)
@@ -129,13 +127,6 @@ class TestNoGait:
         with pytest.raises(NoGait) as error:
             find_gait(hopping(robot, HoppingLaw(stance_torque=0.0)))
         self.assert_one_line(error, "does not close", "residual")
-
-    @pytest.mark.slow
-    def test_a_flight_of_five_seconds(self, robot):
-        with pytest.raises(NoGait) as error:
-            find_gait(hopping(robot), ["stance_torque"], {"flight_time": 5.0})
-        self.assert_one_line(error, "residual")
-        assert error.value.residual > 0.1
 
     def test_a_measure_of_an_event_that_never_happens(self, robot):
         with pytest.raises(SpearError, match="never"):

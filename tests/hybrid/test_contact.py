@@ -228,7 +228,7 @@ class TestConstrained:
 
     @pytest.mark.parametrize(("friction", "sign"), [(4 / 3 - 1e-6, 1.0), (4 / 3 + 1e-6, -1.0)])
     def test_painleve_begins_at_four_thirds_for_the_rod_at_tangent_two(self, friction, sign):
-        """The pivot (1 + 3 cos² - 3 μ s sin cos) / m of a rod pushed ahead vanishes there, and for no lower friction."""
+        """The pivot (1 + 3 cos² - 3 μ sin cos) / m of a rod pushed ahead vanishes there, for no lower friction."""
         D, J = rod(math.atan(2.0))
         forward, backward = (
             float(constrained(D, np.zeros(3), J[1:], (J[1] - friction * s * J[0])[:, None], np.zeros(1))[2][0, 0])

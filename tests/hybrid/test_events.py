@@ -1,4 +1,4 @@
-"""Events found exactly: free fall in closed form, guards that are functions of time, ties, starts on a guard, grazing."""
+"""Events found exactly: free fall in closed form, guards of time alone, ties, starts on a guard, grazing."""
 
 import math
 

@@ -229,6 +229,11 @@ class TestNewton:
         with pytest.raises(NoGait, match="did not converge in 3 iterations"):
             newton(lambda x: np.cbrt(x) ** 5 + 1e-3, np.full(2, 50.0), self.STEP, 1e-12, iterations=3)
 
+    def test_the_last_iteration_counts(self):
+        root, norm = newton(lambda x: x - 1.0, np.zeros(2), self.STEP, 1e-6, iterations=1)
+        np.testing.assert_allclose(root, 1.0, rtol=1e-6)
+        assert norm <= 1e-6
+
     def test_central_differences_are_of_second_order(self):
         def function(x):
             return np.array([x[0] ** 2 * x[1], x[1] ** 3])

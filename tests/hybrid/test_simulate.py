@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from spear_pin import Contact, HoppingLaw, Spring, hopping, load, simulate
+from spear_pin import Contact, HoppingLaw, Spring, hopping, simulate
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.record import REASONS
-from spear_pin.model.loading import ROBOTS
 from tests.lagrangian import monopod
 
 # source: the controller's gains, the spring with motor
@@ -400,15 +399,8 @@ class TestLedger:
         assert trajectory.ledger["slip"][0] == pytest.approx(work, rel=1e-2)
         assert np.abs(trajectory.ledger.residual).max() < 1e-8
 
-    def test_viscous_friction_of_the_slider(self, tmp_path, hop):
-        """A URDF with <dynamics damping=...> on boom_z."""
-        text = ROBOTS["spear_ii"].path.read_text(encoding="utf-8")
-        joint = text.index('<joint name="boom_z"')
-        position = text.index("</joint>", joint)
-        path = tmp_path / "rubbing.urdf"
-        path.write_text(text[:position] + '<dynamics damping="2.5"/>' + text[position:], encoding="utf-8")
-        robot = load(path, toes=["toe"], locked=["boom_x"])
-        trajectory = simulate(hopping(robot, hop.system.law), hop.state, cycles=3)
+    def test_viscous_friction_of_the_slider(self, rubbing_robot, hop):
+        trajectory = simulate(hopping(rubbing_robot, hop.system.law), hop.state, cycles=3)
         assert trajectory.complete
         expected = np.zeros_like(trajectory.v)
         expected[:, 0] = -2.5 * trajectory.v[:, 0]
@@ -548,7 +540,6 @@ class TestRefusals:
             ({"cycles": -3}, "cycles"),
             ({"cycles": 1.5}, "cycles"),
             ({"cycles": math.nan}, "cycles"),
-            ({"max_evaluations": 0}, "max_evaluations"),
         ],
         ids=str,
     )

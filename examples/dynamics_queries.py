@@ -1,0 +1,55 @@
+"""Query the dynamics of SPEAR-II: D, C, G, B, J and the toe's drift at one state.
+
+Objective: see what `load` gives and that the pieces fit together, D v̇ + C v + G = B u + Jᵀ F.
+
+What to notice: the reflected rotor inertias sit on the diagonal of D (0.047 and 0.027 kg·m², of
+0.147 and 0.041 in all); the hip angle is absolute and the knee angle relative to the thigh, so a
+knee torque enters one row of B only; the ground carries the whole weight in standing.
+
+Run: python examples/dynamics_queries.py
+"""
+
+import numpy as np
+
+from spear_pin import load
+
+
+def main() -> None:
+    robot = load("spear_ii")
+    q = np.array([0.0, 0.55, 0.5, 1.0])  # boom_x, boom_z in m; hip, knee in rad
+    v = np.array([0.2, -0.6, 1.0, -2.0])
+    np.set_printoptions(precision=4, suppress=True)
+
+    print(f"{robot.name}: {robot.mass:.2f} kg, coordinates {', '.join(robot.coordinates)}")
+    D, C, G, B = robot.mass_matrix(q), robot.coriolis_matrix(q, v), robot.gravity(q), robot.actuation_matrix
+    J, drift = robot.toe_jacobian(q, "toe"), robot.toe_drift(q, v, "toe")
+    print(f"D [kg, kg·m, kg·m²] =\n{D}")
+    print(f"C v [N, N·m] = {C @ v}")
+    print(f"G [N, N·m] = {G}")
+    print(f"B =\n{B}")
+    print(f"J of the toe [1, m] =\n{J}")
+    print(f"J̇ v [m/s²] = {drift}")
+    print(f"reflected rotor inertias [kg·m²] = {robot.model.armature}")
+
+    # Ḋ - 2 C is skew-symmetric, so gravity aside only torques and forces change the kinetic energy
+    step = 1e-6
+    D_dot = (robot.mass_matrix(q + step * v) - robot.mass_matrix(q - step * v)) / (2 * step)
+    skew = D_dot - 2 * C
+    print(f"largest entry of S + Sᵀ, S = Ḋ - 2 C: {np.abs(skew + skew.T).max():.1e}")
+
+    # accelerations with the toe stuck to the ground, motors off
+    kkt = np.block([[D, -J.T], [J, np.zeros((2, 2))]])
+    solution = np.linalg.solve(kkt, np.concatenate([-C @ v - G, -drift]))
+    print(f"toe stuck, motors off: v̇ = {solution[:4]} m/s², rad/s²; F = {solution[4:]} N")
+
+    # standing still: the torques and the ground force that balance gravity, the hip above the toe
+    u_and_force = np.linalg.solve(np.column_stack([B, J.T]), G)
+    print(f"standing still: hip {u_and_force[0]:.3f} N·m, knee {u_and_force[1]:.3f} N·m,")
+    print(f"  ground force {u_and_force[2:]} N, weight {9.81 * robot.mass:.2f} N")
+
+    in_place = load("spear_ii", locked=["boom_x"])
+    print(f"with boom_x locked: {', '.join(in_place.coordinates)}; D is {in_place.mass_matrix(q[1:]).shape}")
+
+
+if __name__ == "__main__":
+    main()

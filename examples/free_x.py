@@ -1,0 +1,73 @@
+"""Let the boom slide forward as well: the hop in place is unstable, and foot placement stabilises it.
+
+Objective: find the hop in place with boom_x free, see its multiplier outside the unit circle, choose
+the gain of a foot-placement term that moves every multiplier inside, and recover from a push.
+
+What to notice: translation along the ground is left out of the Poincaré section, so "in place" has to
+be asked for: the hip angle is varied until a hop does not advance. Without feedback the multiplier is
+about 2.3: errors of the forward speed more than double from hop to hop. The law adds K (ẋ - ẋ*) to the
+commanded hip angle, ẋ being the speed at lift-off. With ẋ* set to the hop's own ẋ the fixed point is
+the same for every K, and only the multipliers move. Too much K overshoots: they leave through -1.
+
+Run: python examples/free_x.py [FOLDER]
+"""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from spear_pin import HoppingLaw, SpearError, find_gait, hopping, load, simulate
+from spear_pin.viz.player import record
+
+
+def advance(run):
+    """How far a hop moved the hip forward, in m: a measure of one cycle, whose start has boom_x = 0."""
+    return run.state[0][0]
+
+
+def main(folder: Path) -> None:
+    robot = load("spear_ii")
+    in_place = find_gait(
+        hopping(robot, HoppingLaw(hip_touchdown=0.5)),
+        vary=["stance_torque", "hip_touchdown"],
+        target={"flight_time": 0.2, advance: 0.0},
+    )
+    hop = simulate(in_place.system, in_place.state)
+    lift_off, apex = hop.named("lift_off")[-1], hop.named("apex")[-1]
+    speed = float(lift_off.v[0])
+    print(f"hop in place: stance torque {in_place.parameters['stance_torque']:.4f} N·m,", end=" ")
+    print(f"hip {in_place.parameters['hip_touchdown']:.4f} rad, {1e3 * speed:.2f} mm/s forward at lift-off")
+
+    gaits = {}
+    print("K [rad·s/m]  multipliers")
+    for gain in (0.0, 0.05, 0.1, 0.12, 0.14, 0.16, 0.18, 0.2):
+        law = replace(in_place.system.law, foot_placement=gain, speed=speed)
+        gaits[gain] = find_gait(hopping(robot, law), guess=in_place.state)
+        verdict = "stable" if gaits[gain].stable else "unstable"
+        print(f"{gain:11.2f}  {', '.join(f'{m:.3f}' for m in gaits[gain].multipliers)}  {verdict}")
+    best = min(gaits, key=lambda gain: abs(gaits[gain].multipliers[0]))
+    print(f"best of these: K = {best} rad·s/m, largest multiplier {abs(gaits[best].multipliers[0]):.4f}")
+
+    for gain in (0.0, best):
+        system = gaits[gain].system
+        for push in (0.1, 0.3):
+            v = apex.v.copy()
+            v[robot.index("boom_x")] += push
+            pushed = simulate(system, (apex.q, v), cycles=12, rtol=1e-8)
+            speeds = np.array([event.v[0] for event in pushed.named("apex")]) - apex.v[0]
+            print(f"K = {gain}, pushed by {push} m/s at the apex: {pushed.reason} after {pushed.cycles} hops")
+            print(f"  error of the forward speed at the apex [m/s]: {np.round(speeds[:8], 3)}")
+            if push == 0.3 and gain == best:
+                print(f"  it ends {pushed.q[-1, 0] - apex.q[0]:.3f} m further on")
+                print("file", record(robot, pushed, folder / "free_x.html", title="SPEAR-II recovers from a push"))
+
+    try:
+        hopping(load("spear_ii", locked=["boom_x"]), gaits[best].system.law)
+    except SpearError as error:
+        print(f"a locked boom has no speed to feed back: {error}")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "."))

@@ -1,0 +1,143 @@
+"""Random starts of the hop: how their runs end.
+
+From the repository: `python -m tests.random_starts --starts 2000`. It prints one line a reason, or
+one JSON object with `--json`, and ends with status 1 if a run raises or gives a number that is none.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from functools import cache
+
+import numpy as np
+from tqdm import tqdm
+
+from spear_pin import Contact, hopping, load, simulate
+from spear_pin.hybrid.record import NUMERICAL
+
+CYCLES, RTOL, CAP = 11, 1e-8, 2_000_000
+NUMBERS = ("t", "q", "v", "a", "u", "tau", "friction", "force", "spring")
+RAISED = "raised"
+
+
+@dataclass(frozen=True)
+class Start:
+    """A start in the air.
+
+    Attributes:
+        seed: what it was drawn with; every other one has boom_x free.
+        q: configuration.
+        v: velocity.
+        friction: coefficient of friction.
+    """
+
+    seed: int
+    q: tuple[float, ...]
+    v: tuple[float, ...]
+    friction: float
+
+    @property
+    def free(self) -> bool:
+        """Whether the robot can move forward."""
+        return bool(self.seed % 2)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How the run from a start ended.
+
+    Attributes:
+        seed: the start's.
+        reason: the trajectory's, or `RAISED`.
+        message: the trajectory's, or the exception's.
+        finite: whether every number of the trajectory is finite.
+        evaluations: right-hand sides evaluated.
+        residual: of the energy ledger, the largest of the whole cycles.
+    """
+
+    seed: int
+    reason: str
+    message: str
+    finite: bool = False
+    evaluations: int = 0
+    residual: float = 0.0
+
+
+@cache
+def robot(free: bool):
+    return load("spear_ii", locked=[] if free else ["boom_x"])
+
+
+def draw(seed: int) -> Start:
+    """The start of a seed: toe up to 0.3 m high, leg anywhere, everything moving."""
+    rng = np.random.default_rng(seed)
+    free = bool(seed % 2)
+    height, knee, lean = rng.uniform(0.0, 0.3), rng.uniform(0.1, 2.0), rng.uniform(-0.3, 0.3)
+    q = np.array([0.0, 0.0, 0.5 * knee + lean, knee])[0 if free else 1 :]
+    q[-3] = height - robot(free).toe_position(q, "toe")[1]
+    base, joints = rng.uniform(-2.0, 2.0, 2), rng.uniform(-10.0, 10.0, 2)
+    v = np.concatenate([base if free else base[1:], joints])
+    return Start(seed, tuple(q.tolist()), tuple(v.tolist()), float(rng.uniform(0.1, 2.0)))
+
+
+def outcome(seed: int) -> Outcome:
+    """Run from the start of a seed."""
+    start = draw(seed)
+    try:
+        system = hopping(robot(start.free), contact=Contact(start.friction))
+        state = np.array(start.q), np.array(start.v)
+        trajectory = simulate(system, state, CYCLES, RTOL, max_evaluations=CAP, progress=False)
+    except Exception as error:  # whatever it is, it is a result to count
+        return Outcome(seed, RAISED, f"{type(error).__name__}: {error}")
+    finite = all(np.isfinite(getattr(trajectory, name)).all() for name in NUMBERS)
+    residual = float(np.abs(trajectory.ledger.residual).max(initial=0.0))
+    return Outcome(seed, trajectory.reason, trajectory.message, finite, trajectory.evaluations, residual)
+
+
+def outcomes(starts: int, processes: int = 1, first: int = 0) -> Iterator[Outcome]:
+    """Outcomes of as many seeds, in order."""
+    seeds = range(first, first + starts)
+    if processes == 1:
+        yield from map(outcome, seeds)
+        return
+    with multiprocessing.get_context("spawn").Pool(processes) as pool:
+        yield from pool.imap(outcome, seeds, chunksize=8)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="python -m tests.random_starts", description=__doc__.splitlines()[0])
+    parser.add_argument("--starts", type=int, default=2000, metavar="N", help="how many (default: 2000)")
+    parser.add_argument("--processes", type=int, default=2, metavar="N", help="at the same time (default: 2)")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    arguments = parser.parse_args()
+    found = list(tqdm(outcomes(arguments.starts, arguments.processes), total=arguments.starts, unit="start"))
+    counts = Counter(one.reason for one in found)
+    numerical = sum(counts[reason] for reason in NUMERICAL)
+    broken = [one for one in found if one.reason == RAISED or not one.finite]
+    if arguments.json:
+        summary = {
+            "starts": arguments.starts,
+            "reasons": dict(counts.most_common()),
+            "numerical": numerical,
+            "largest_residual": max(one.residual for one in found),
+            "most_evaluations": max(one.evaluations for one in found),
+            "broken": [asdict(one) for one in broken],
+            "seeds_of_numerical": [one.seed for one in found if one.reason in NUMERICAL],
+        }
+        print(json.dumps(summary))
+    else:
+        for reason, count in counts.most_common():
+            print(f"{reason:<16}{count:>6}{100 * count / len(found):>8.2f} %")
+        print(f"numerical reasons: {100 * numerical / len(found):.2f} %")
+        for one in broken:
+            print(f"seed {one.seed}: {one.message}")
+    return 1 if broken else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

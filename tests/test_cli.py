@@ -1,0 +1,334 @@
+"""The command line: what it prints, what it writes, and one line for every mistake."""
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spear_pin import Trajectory, load
+from spear_pin.cli import main
+from spear_pin.model.loading import ROBOTS
+from tests.lagrangian import monopod
+
+STATE = [0.1, 0.55, 0.5, 1.0], [0.2, -0.4, 1.5, -2.5]
+
+
+def words(value):
+    """The name of a test case, from a list of arguments."""
+    return " ".join(value) if isinstance(value, (list, tuple)) else ""
+
+
+def run(capsys, *arguments):
+    """Status, stdout and stderr of a command."""
+    try:
+        status = main([str(argument) for argument in arguments])
+    except SystemExit as stop:
+        status = stop.code
+    return status, *capsys.readouterr()
+
+
+def printed(capsys, *arguments):
+    """The JSON object a command prints."""
+    status, out, err = run(capsys, *arguments, "--json")
+    assert status == 0, err
+    assert out.count("\n") == 1
+    return json.loads(out)
+
+
+def refused(capsys, *arguments):
+    """The one line of a command that fails."""
+    status, out, err = run(capsys, *arguments)
+    assert status == 2
+    assert out == ""
+    assert err.count("\n") == 1 and err.endswith("\n") and len(err) > 20
+    assert "Traceback" not in err
+    return err
+
+
+@pytest.fixture(scope="module")
+def hop_run(tmp_path_factory):
+    """`spear hop --json` as a process, and the folder it wrote into."""
+    folder = tmp_path_factory.mktemp("hop")
+    command = [sys.executable, "-m", "spear_pin", "hop", "--json", "--out", str(folder)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=Path(__file__).parents[1]), folder
+
+
+class TestRobots:
+    def test_text(self, capsys):
+        status, out, err = run(capsys, "robots")
+        assert status == 0 and err == ""
+        assert all(name in out for name in ROBOTS)
+        assert "6.80 kg" in out and "43.76 kg" in out
+
+    def test_json(self, capsys):
+        rows = {row["name"]: row for row in printed(capsys, "robots")["robots"]}
+        assert set(rows) == set(ROBOTS)
+        assert rows["spear_ii"]["degrees_of_freedom"] == 4 and rows["spear_ii"]["motors"] == 2
+        assert rows["q_spear"]["degrees_of_freedom"] == 7 and rows["q_spear"]["motors"] == 4
+        assert rows["spear_ii"]["mass"] == pytest.approx(6.8)
+        assert rows["spear_ii"]["coordinates"] == ["boom_x", "boom_z", "hip", "knee"]
+
+
+class TestDynamics:
+    def test_values(self, capsys):
+        result = printed(capsys, "dynamics", "spear_ii", "--q", *STATE[0], "--v", *STATE[1])
+        terms = monopod().terms(*STATE)
+        np.testing.assert_allclose(result["D"], terms.mass_matrix, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(np.array(result["C"]) @ STATE[1], terms.coriolis, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(result["G"], terms.gravity, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(result["bias"], terms.coriolis + terms.gravity, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(result["J"]["toe"], terms.jacobians["toe"], rtol=0, atol=1e-12)
+        np.testing.assert_allclose(result["J_dot_v"]["toe"], terms.drifts["toe"], rtol=0, atol=1e-12)
+        np.testing.assert_allclose(result["toe_position"]["toe"], terms.toes["toe"], rtol=0, atol=1e-12)
+        assert result["B"] == [[0, 0], [0, 0], [1, 0], [0, 1]]
+        assert (result["q"], result["v"]) == STATE
+
+    def test_text(self, capsys):
+        status, out, err = run(capsys, "dynamics", "spear_ii", "--q", *STATE[0])
+        assert status == 0 and err == ""
+        assert out.startswith("spear_ii: boom_x, boom_z, hip, knee  (SI units, radians)")
+        for name in ("D =", "C =", "G =", "J toe =", "J_dot_v toe =", "toe_position toe ="):
+            assert name in out
+        assert f"{monopod().terms(*STATE).mass_matrix[2, 2]:.6f}".rstrip("0") in out
+
+    def test_zero_is_the_default(self, capsys):
+        result = printed(capsys, "dynamics", "q_spear")
+        assert result["q"] == result["v"] == [0.0] * 7
+
+    @pytest.mark.parametrize("number", ["-0.5", "-.5", "-5e-1", "-5E-1"])
+    def test_negative_numbers(self, capsys, number):
+        result = printed(capsys, "dynamics", "spear_ii", "--q", "0", number, "0.5", "1", "--v", number, "0", "0", "0")
+        assert result["q"] == [0.0, -0.5, 0.5, 1.0] and result["v"] == [-0.5, 0.0, 0.0, 0.0]
+
+    def test_lock(self, capsys):
+        result = printed(capsys, "dynamics", "spear_ii", "--lock", "boom_x", "boom_z", "--q", "0.5", "1")
+        assert result["coordinates"] == ["hip", "knee"]
+        np.testing.assert_allclose(result["D"], monopod().terms(*STATE).mass_matrix[2:, 2:], rtol=0, atol=1e-12)
+
+    def test_a_urdf(self, capsys):
+        result = printed(capsys, "dynamics", ROBOTS["spear_ii"].path, "--toes", "toe", "--q", *STATE[0])
+        np.testing.assert_allclose(result["D"], load("spear_ii").mass_matrix(STATE[0]), rtol=1e-15)
+        assert list(result["J"]) == ["toe"]
+
+
+class TestHop:
+    def test_figures(self, hop_run):
+        process, folder = hop_run
+        assert process.returncode == 0, process.stderr
+        assert process.stderr == "" and process.stdout.count("\n") == 1
+        result = json.loads(process.stdout)
+        assert {
+            "stance_torque",
+            "flight_time",
+            "stance_time",
+            "residual",
+            "multipliers",
+            "apex_height",
+            "peak_force",
+            "energy_residual",
+            "spring_share",
+        } <= set(result)
+        assert result["stance_torque"] == pytest.approx(7.826, abs=1e-3)
+        assert result["flight_time"] == pytest.approx(0.2, abs=1e-8)
+        assert result["stance_time"] == pytest.approx(0.3643, abs=1e-4)
+        assert result["residual"] <= 1e-9
+        assert [abs(complex(*value)) for value in result["multipliers"]] == pytest.approx(
+            [0.406, 0.235, 0.235], abs=1e-3
+        )
+        assert result["stable"] is True
+        assert result["apex_height"] == pytest.approx(0.612, abs=1e-3)
+        assert result["energy_residual"] <= 1e-8
+        assert result["spring_share"] == pytest.approx(0.70, abs=0.01)
+        assert (result["cycles"], result["reason"]) == (11, "complete")
+        assert "text" not in result
+
+    def test_files(self, hop_run):
+        process, folder = hop_run
+        assert sorted(path.name for path in folder.iterdir()) == ["hop.html", "hop.npz"]
+        assert json.loads(process.stdout)["files"] == [str(folder / "hop.html"), str(folder / "hop.npz")]
+        trajectory = Trajectory.load(folder / "hop.npz")
+        assert trajectory.complete and trajectory.cycles == 11
+        assert trajectory.coordinates == ("boom_z", "hip", "knee")
+        page = (folder / "hop.html").read_text(encoding="utf-8")
+        assert page.lstrip().lower().startswith("<!doctype html>") and "</html>" in page
+
+    def test_text_and_options(self, capsys, tmp_path):
+        options = ["--stance-torque", 8.2, "--knee", 0.95, "--frequency", 2.6, "--stiffness", 50, "--friction", 0.9]
+        status, out, err = run(capsys, "hop", *options, "--cycles", 2, "--rtol", 1e-8, "--out", tmp_path)
+        assert status == 0, err
+        assert "8.2000 N·m" in out and "stable" in out and "2 hops (complete)" in out
+        assert str(tmp_path / "hop.html") in out and str(tmp_path / "hop.npz") in out
+        trajectory = Trajectory.load(tmp_path / "hop.npz")
+        assert trajectory.cycles == 2
+        stance, flight = (trajectory.phase == phase for phase in ("stance", "flight"))
+        assert np.abs(trajectory.u[stance, 1]).max() == 8.2
+        assert trajectory.named("torque_switch")[0].time == pytest.approx(0.5 / 2.6)
+        np.testing.assert_allclose(
+            trajectory.u[flight, 1],
+            63.25 * (0.95 - trajectory.q[flight, 2]) - 0.52 * trajectory.v[flight, 2],
+            atol=1e-9,
+        )
+        compression = np.maximum(trajectory.q[stance, 2] - trajectory.q[0, 2], 0)[:50]
+        np.testing.assert_allclose(trajectory.spring[stance, 0][:50], -50 * compression, atol=1e-9)
+        sliding = np.char.startswith(trajectory.domain, "stance slip")
+        np.testing.assert_allclose(
+            np.abs(trajectory.force[sliding, 0, 0]), 0.9 * trajectory.force[sliding, 0, 1], rtol=1e-9, atol=1e-9
+        )
+
+    def test_free(self, capsys, tmp_path):
+        """The hip angle is solved for no drift, and foot placement stabilises it."""
+        arguments = ["hop", "--free-x", "--cycles", 1, "--out", tmp_path]
+        result = printed(capsys, *arguments)
+        assert len(result["multipliers"]) == 4 and result["stable"] is False
+        assert result["flight_time"] == pytest.approx(0.2, abs=1e-8)
+        trajectory = Trajectory.load(tmp_path / "hop.npz")
+        assert trajectory.coordinates[0] == "boom_x"
+        assert trajectory.q[-1, 0] == pytest.approx(trajectory.q[0, 0], abs=1e-8)
+        placed = printed(capsys, *arguments, "--foot-placement", 0.15)
+        assert placed["stable"] is True
+
+
+class TestDoctor:
+    def test_json(self, capsys):
+        result = printed(capsys, "doctor")
+        assert result["python"] == ".".join(map(str, sys.version_info[:3]))
+        assert all(result["packages"][name] for name in ("pin", "numpy", "scipy", "lxml"))
+        assert set(result["checks"].values()) == {"ok"}
+
+    def test_text(self, capsys):
+        status, out, err = run(capsys, "doctor")
+        assert status == 0 and err == ""
+        assert "numpy" in out and "one hop: ok" in out
+
+    def test_a_check_that_fails(self, capsys, monkeypatch):
+        def broken():
+            raise RuntimeError("no libpinocchio")
+
+        monkeypatch.setattr("spear_pin.cli._CHECKS", {"dynamics": broken})
+        status, out, err = run(capsys, "doctor")
+        assert status == 2
+        assert "dynamics: FAILED: RuntimeError: no libpinocchio" in out
+
+
+class TestHelp:
+    @pytest.mark.parametrize("command", [(), ("robots",), ("dynamics",), ("hop",), ("doctor",)], ids=words)
+    def test_help(self, capsys, command):
+        status, out, err = run(capsys, *command, "--help")
+        assert status == 0 and err == ""
+        assert out.startswith("usage: spear") and "--help" in out
+
+    def test_lists_the_commands(self, capsys):
+        _, out, _ = run(capsys, "--help")
+        assert all(command in out for command in ("robots", "dynamics", "hop", "doctor"))
+
+
+class TestMistakes:
+    def test_an_unknown_robot(self, capsys):
+        assert "unknown robot 'spear_iii'; valid: spear_ii, q_spear" in refused(capsys, "dynamics", "spear_iii")
+
+    def test_a_missing_urdf(self, capsys, tmp_path):
+        assert "missing.urdf" in refused(capsys, "dynamics", tmp_path / "missing.urdf")
+
+    def test_a_urdf_that_is_none(self, capsys, tmp_path):
+        path = tmp_path / "text.urdf"
+        path.write_text("no\nxml\nat all")
+        assert "text.urdf" in refused(capsys, "dynamics", path)
+
+    @pytest.mark.parametrize(
+        ("arguments", "parts"),
+        [
+            (["--q", "1", "2"], ["q is", "4 numbers (boom_x, boom_z, hip, knee)"]),
+            (["--v", "1"], ["v is", "4 numbers"]),
+            (["--q", "0", "nan", "0", "0"], ["q[1]", "nan"]),
+            (["--q", "0", "0", "0", "inf"], ["q[3]", "inf"]),
+            (["--q", "0", "0", "zero", "0"], ["--q", "zero"]),
+            (["--q"], ["--q"]),
+            (["--lock", "ankle"], ["unknown joint 'ankle'", "boom_x"]),
+            (["--toes", "hoof"], ["unknown frame 'hoof'", "toe"]),
+            (["--colour", "red"], ["--colour"]),
+        ],
+        ids=words,
+    )
+    def test_dynamics(self, capsys, arguments, parts):
+        text = refused(capsys, "dynamics", "spear_ii", *arguments)
+        assert all(part in text for part in parts), text
+
+    @pytest.mark.parametrize(
+        ("arguments", "part"),
+        [
+            (["--flight-time", "-1"], "--flight-time"),
+            (["--flight-time", "0"], "--flight-time"),
+            (["--flight-time", "nan"], "--flight-time"),
+            (["--flight-time", "inf"], "flight_time"),
+            (["--flight-time", "soon"], "soon"),
+            (["--flight-time", "0.2", "--stance-torque", "8"], "not allowed with"),
+            (["--stance-torque", "-1"], "stance_torque"),
+            (["--stance-torque", "nan"], "stance_torque"),
+            (["--knee", "4"], "knee_touchdown"),
+            (["--frequency", "0"], "frequency"),
+            (["--stiffness", "-5"], "stiffness"),
+            (["--friction", "0"], "friction"),
+            (["--foot-placement", "0.1"], "foot_placement"),
+            (["--colour", "red"], "--colour"),
+            (["--cycles", "1.5"], "1.5"),
+            (["--stance-torque", "8", "--cycles", "0"], "cycles"),
+            (["--stance-torque", "8", "--rtol", "1"], "rtol"),
+            (["--stance-torque", "0"], "no gait found"),
+        ],
+        ids=words,
+    )
+    def test_hop(self, capsys, tmp_path, arguments, part):
+        assert part in refused(capsys, "hop", "--out", tmp_path, *arguments)
+        assert not list(tmp_path.iterdir())
+
+    @pytest.mark.slow
+    def test_a_hop_that_cannot_be(self, capsys, tmp_path):
+        assert "no gait found" in refused(capsys, "hop", "--out", tmp_path, "--flight-time", "5")
+
+    @pytest.mark.parametrize("place", ["missing", "file"])
+    def test_where_nothing_can_be_written(self, capsys, tmp_path, place):
+        (tmp_path / "file").touch()
+        assert "--out" in refused(capsys, "hop", "--out", tmp_path / place)
+
+    @pytest.mark.parametrize("arguments", [[], ["fly"], ["--json"], ["robots", "spear_ii"]], ids=words)
+    def test_commands(self, capsys, arguments):
+        refused(capsys, *arguments)
+
+    def test_as_a_process(self):
+        process = subprocess.run(
+            [sys.executable, "-m", "spear_pin", "dynamics", "spear_iii"],
+            capture_output=True,
+            text=True,
+            cwd=Path(__file__).parents[1],
+        )
+        assert process.returncode == 2 and process.stdout == ""
+        assert process.stderr.count("\n") == 1 and "spear_iii" in process.stderr
+
+    def test_a_reader_that_stops_reading(self):
+        """As `spear dynamics q_spear | head -1` does."""
+        process = subprocess.Popen(
+            [sys.executable, "-m", "spear_pin", "dynamics", "q_spear"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            cwd=Path(__file__).parents[1],
+        )
+        process.stdout.close()
+        error = process.stderr.read()
+        process.stderr.close()
+        process.wait()
+        assert b"Traceback" not in error and b"Exception" not in error
+
+
+def test_every_number_is_json(capsys):
+    """Neither NaN nor infinity is ever printed."""
+    status, out, _ = run(capsys, "dynamics", "spear_ii", "--json")
+    assert status == 0
+
+    def refuse(name):
+        raise AssertionError(name)
+
+    assert math.isfinite(json.loads(out, parse_constant=refuse)["D"][0][0])

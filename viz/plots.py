@@ -1,0 +1,290 @@
+"""Plots of a trajectory as for a paper: one style sheet, units on every axis, stance shaded.
+
+Every function returns a `matplotlib.figure.Figure` that belongs to no window; `save_figure` writes it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.resources import as_file, files
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.container import Container
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.files import atomic
+from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.model.loading import load
+
+Span = tuple[int, int]  # first and last sample
+
+STANCE = "stance"
+STANCE_COLOR = "0.92"
+BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
+FORMATS = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}  # with the metadata left out
+DETAIL = 2  # cycles that a composite shows of the quantities that repeat
+FLOWS = {  # label and colour of the energy flows, in the order of stacking
+    "motor_knee": ("knee motor", BLUE),
+    "motor_hip": ("hip motor", SKY),
+    "damping": ("damping", VERMILLION),
+    "impact": ("impact", ORANGE),
+    "released": ("spring let go", PURPLE),
+    "slip": ("slip", GREEN),
+    "friction": ("joint friction", "0.5"),
+}
+NEGLIGIBLE = 1e-3  # of the largest flow: too little to be seen
+
+
+def joint_angles(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
+    """Hip and knee angles over time, with the angles latched at touchdown by the springs.
+
+    Args:
+        trajectory: what the robot did.
+        gait: if given, the angles its law commands in flight are drawn as well.
+    """
+    with _style():
+        figure = Figure(figsize=(3.4, 3.2), layout="constrained")
+        hip, knee = figure.subplots(2, 1, sharex=True)
+        _draw_angle(hip, trajectory, "hip", gait)
+        _draw_angle(knee, trajectory, "knee", gait)
+        hip.set_xlabel("")
+        return figure
+
+
+def ground_force(trajectory: Trajectory) -> Figure:
+    """Ground force on each toe over time, tangential and normal; impulses at touchdown are not in it."""
+    with _style():
+        figure = Figure(layout="constrained")
+        _draw_force(figure.subplots(), trajectory)
+        return figure
+
+
+def knee_torque(trajectory: Trajectory) -> Figure:
+    """Torque on the knee over time, positive in flexion, split into motor, spring and damping."""
+    with _style():
+        figure = Figure(layout="constrained")
+        _draw_torque(figure.subplots(), trajectory)
+        return figure
+
+
+def energy_per_hop(trajectory: Trajectory) -> Figure:
+    """The energy ledger as stacked bars, one a hop: into the mechanism upward, out of it downward.
+
+    The mark is the change of the stored energy, which the bars add up to. Flows too small to be
+    seen are left out.
+
+    Raises:
+        BadValue: the trajectory has no whole hop.
+    """
+    with _style():
+        figure = Figure(layout="constrained")
+        _draw_energy(figure.subplots(), trajectory)
+        return figure
+
+
+def boom_height(trajectory: Trajectory) -> Figure:
+    """Height of the hip over time, and how far the toe is above the ground."""
+    with _style():
+        figure = Figure(figsize=(3.4, 3.0), layout="constrained")
+        height, clearance = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+        _draw_height(height, trajectory)
+        _draw_clearance(clearance, trajectory)
+        height.set_xlabel("")
+        return figure
+
+
+def hop_summary(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
+    """Everything at a glance: height and energy of all hops; force, angles and torque of the first two.
+
+    Args:
+        trajectory: what the robot did.
+        gait: if given, the angles its law commands in flight are drawn as well.
+
+    Raises:
+        BadValue: the trajectory has no whole hop.
+    """
+    with _style():
+        figure = Figure(figsize=(7.0, 5.6), layout="constrained")
+        axes = figure.subplots(3, 2)
+        (height, energy), (hip, knee), (force, torque) = axes
+        _draw_height(height, trajectory)
+        _draw_energy(energy, trajectory)
+        _draw_angle(hip, trajectory, "hip", gait)
+        _draw_angle(knee, trajectory, "knee", gait)
+        _draw_force(force, trajectory)
+        _draw_torque(torque, trajectory)
+        shown = trajectory.t[trajectory.cycle <= DETAIL]
+        for detail in (hip, knee, force, torque):
+            detail.set_xlim(shown[0], shown[-1])
+        for letter, panel in zip("abcdef", axes.flat, strict=True):
+            panel.text(-0.17, 1.03, f"({letter})", transform=panel.transAxes, va="bottom")
+        return figure
+
+
+def save_figure(figure: Figure, path: str | Path) -> Path:
+    """Write a figure, whole or not at all, in the format of the path's suffix.
+
+    The text of an svg is drawn as outlines, so that it looks the same without the fonts.
+
+    Raises:
+        BadValue: the suffix is not .svg, .pdf or .png.
+        BadFile: the file cannot be written.
+    """
+    target = Path(path)
+    suffix = target.suffix.lower()
+    if suffix not in FORMATS:
+        raise BadValue("path", str(path), f"a name ending in {', '.join(FORMATS)}")
+    with _style(), atomic(target) as temporary:
+        figure.savefig(temporary, format=suffix[1:], metadata=FORMATS[suffix])
+    return target
+
+
+@contextmanager
+def _style() -> Iterator[None]:
+    """The style sheet, for as long as the block lasts."""
+    with as_file(files("spear_pin.viz").joinpath("paper.mplstyle")) as sheet, rc_context(fname=sheet):
+        yield
+
+
+# one panel each
+
+
+def _draw_angle(axes: Axes, trajectory: Trajectory, joint: str, gait: Gait | None) -> None:
+    index = trajectory.coordinates.index(joint)
+    _over_time(axes, trajectory, f"{joint.capitalize()} angle (rad)")
+    axes.plot(trajectory.t, trajectory.q[:, index], color=BLUE, label="simulated")
+    if gait is not None:
+        _levels(axes, trajectory, _commanded(trajectory, joint, gait), "--", "commanded")
+    if joint in trajectory.spring_joints:
+        latched = [(span, float(trajectory.q[span[0], index])) for span in _stances(trajectory)]
+        _levels(axes, trajectory, latched, ":", "latched")
+    _legend(axes)
+
+
+def _draw_force(axes: Axes, trajectory: Trajectory) -> None:
+    _over_time(axes, trajectory, "Ground force (N)")
+    for index, toe in enumerate(trajectory.toes):
+        of_toe = f" of {toe}" if len(trajectory.toes) > 1 else ""
+        style = ("-", "--", ":", "-.")[index % 4]
+        for column, color, label in ((1, BLUE, "normal"), (0, VERMILLION, "tangential")):
+            axes.plot(trajectory.t, trajectory.force[:, index, column], style, color=color, label=label + of_toe)
+    _legend(axes)
+
+
+def _draw_torque(axes: Axes, trajectory: Trajectory) -> None:
+    motor = trajectory.u[:, trajectory.actuated.index("knee")]
+    spring = trajectory.spring[:, trajectory.spring_joints.index("knee")]
+    total = trajectory.tau[:, trajectory.actuated.index("knee")]
+    _over_time(axes, trajectory, "Knee torque (N·m)")
+    axes.axhline(0.0, color="0.6", linewidth=0.5)
+    axes.plot(trajectory.t, motor, color=BLUE, label="motor")
+    axes.plot(trajectory.t, spring, color=GREEN, label="spring")
+    axes.plot(trajectory.t, total - motor - spring, color=VERMILLION, label="damping")
+    _legend(axes)
+
+
+def _draw_energy(axes: Axes, trajectory: Trajectory) -> None:
+    ledger = trajectory.ledger
+    if trajectory.cycles == 0:
+        raise BadValue("trajectory.cycles", 0, "at least one whole hop")
+    hops = np.arange(1, trajectory.cycles + 1)
+    floor = NEGLIGIBLE * float(np.abs(ledger.work).max())
+    top, bottom = np.zeros(len(hops)), np.zeros(len(hops))
+    handles: list[Artist | Container] = []
+    for flow in sorted(ledger.flows, key=lambda name: list(FLOWS).index(name) if name in FLOWS else len(FLOWS)):
+        energy = ledger[flow]
+        if np.abs(energy).max() <= floor:
+            continue
+        label, color = FLOWS.get(flow, (flow.replace("_", " "), "0.7"))
+        gain, loss = np.maximum(energy, 0.0), np.minimum(energy, 0.0)
+        # two bars, for a flow may change its sign from hop to hop
+        handles.append(axes.bar(hops, gain, 0.7, top, color=color, label=label))
+        axes.bar(hops, loss, 0.7, bottom, color=color)
+        top, bottom = top + gain, bottom + loss
+    handles += axes.plot(hops, ledger.change, "D", color="black", markersize=2.5, label="stored")
+    axes.axhline(0.0, color="black", linewidth=0.6)
+    axes.set_xlim(0.4, len(hops) + 0.6)
+    axes.set_ylim(1.1 * min(float(bottom.min()), float(ledger.change.min())), 1.1 * float(top.max()))
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=12))
+    axes.set_xlabel("Hop")
+    axes.set_ylabel("Energy (J)")
+    axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
+
+
+def _draw_height(axes: Axes, trajectory: Trajectory) -> None:
+    rise = trajectory.coordinates.index("boom_z")
+    apexes = trajectory.named("apex")
+    _over_time(axes, trajectory, "Height of the hip (m)")
+    axes.plot(trajectory.t, trajectory.q[:, rise], color=BLUE, label="hip")
+    if apexes:
+        axes.plot([e.time for e in apexes], [e.q[rise] for e in apexes], "o", color=VERMILLION, label="apex")
+    _legend(axes)
+
+
+def _draw_clearance(axes: Axes, trajectory: Trajectory) -> None:
+    robot = load(trajectory.robot, toes=trajectory.toes)
+    locked = [name for name in robot.coordinates if name not in trajectory.coordinates]
+    if locked:
+        robot = load(trajectory.robot, toes=trajectory.toes, locked=locked)
+    _over_time(axes, trajectory, "Clearance (mm)")
+    for toe in trajectory.toes:
+        heights = np.array([robot.toe_position(q, toe)[1] for q in trajectory.q])
+        axes.plot(trajectory.t, 1e3 * heights, color=GREEN, label=toe)
+
+
+# what the panels share
+
+
+def _over_time(axes: Axes, trajectory: Trajectory, label: str) -> None:
+    if len(trajectory.t) < 2:
+        raise BadValue("trajectory.t", trajectory.t, "at least two samples")
+    for first, last in _stances(trajectory):
+        axes.axvspan(trajectory.t[first], trajectory.t[last], color=STANCE_COLOR, zorder=0, gid=STANCE)
+    axes.set_xlim(trajectory.t[0], trajectory.t[-1])
+    axes.set_xlabel("Time (s)")
+    axes.set_ylabel(label)
+
+
+def _legend(axes: Axes) -> None:
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4)
+
+
+def _levels(axes: Axes, trajectory: Trajectory, levels: list[tuple[Span, float]], style: str, label: str) -> None:
+    """Constant pieces, as one line with gaps."""
+    times = [time for (first, last), _ in levels for time in (trajectory.t[first], trajectory.t[last], np.nan)]
+    values = [value for _, level in levels for value in (level, level, np.nan)]
+    axes.plot(times, values, style, color=VERMILLION if style == "--" else GREEN, label=label)
+
+
+def _stances(trajectory: Trajectory) -> list[Span]:
+    """The stances."""
+    return _runs(trajectory, np.char.find(trajectory.phase, STANCE) >= 0)
+
+
+def _runs(trajectory: Trajectory, chosen: NDArray[np.bool_]) -> list[Span]:
+    """First and last sample of every unbroken run of chosen samples that lasts."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], chosen, [False])).astype(int)))
+    runs = [(int(first), int(end) - 1) for first, end in list(pairwise(edges))[::2]]
+    return [(first, last) for first, last in runs if trajectory.t[last] > trajectory.t[first]]
+
+
+def _commanded(trajectory: Trajectory, joint: str, gait: Gait) -> list[tuple[Span, float]]:
+    """The flights, and what the law commands in each: the hip's depends on the speed at lift-off."""
+    law = gait.system.law
+    hip = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown
+    levels = []
+    for first, last in _runs(trajectory, np.char.find(trajectory.phase, STANCE) < 0):
+        speed = trajectory.v[first, trajectory.coordinates.index("boom_x")] if law.foot_placement else 0.0
+        commanded = {"hip": hip + law.foot_placement * (speed - law.speed), "knee": law.knee_touchdown}
+        levels.append(((first, last), float(commanded[joint])))
+    return levels
