@@ -1,6 +1,7 @@
 """Plots of a trajectory as for a paper: one style sheet, units on every axis, stance shaded.
 
-Every function returns a `matplotlib.figure.Figure` that belongs to no window; `save_figure` writes it.
+The plots are `matplotlib.figure.Figure`s that belong to no window; `save_figure` writes them. Within
+`style()`, the functions `draw_...` draw the same into axes of one's own.
 """
 
 from __future__ import annotations
@@ -52,28 +53,28 @@ def joint_angles(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
         trajectory: what the robot did.
         gait: if given, the angles its law commands in flight are drawn as well.
     """
-    with _style():
+    with style():
         figure = Figure(figsize=(3.4, 3.2), layout="constrained")
         hip, knee = figure.subplots(2, 1, sharex=True)
-        _draw_angle(hip, trajectory, "hip", gait)
-        _draw_angle(knee, trajectory, "knee", gait)
+        draw_angle(hip, trajectory, "hip", gait)
+        draw_angle(knee, trajectory, "knee", gait)
         hip.set_xlabel("")
         return figure
 
 
 def ground_force(trajectory: Trajectory) -> Figure:
     """Ground force on each toe over time, tangential and normal; impulses at touchdown are not in it."""
-    with _style():
+    with style():
         figure = Figure(layout="constrained")
-        _draw_force(figure.subplots(), trajectory)
+        draw_force(figure.subplots(), trajectory)
         return figure
 
 
 def knee_torque(trajectory: Trajectory) -> Figure:
     """Torque on the knee over time, positive in flexion, split into motor, spring and damping."""
-    with _style():
+    with style():
         figure = Figure(layout="constrained")
-        _draw_torque(figure.subplots(), trajectory)
+        draw_torque(figure.subplots(), trajectory)
         return figure
 
 
@@ -86,19 +87,19 @@ def energy_per_hop(trajectory: Trajectory) -> Figure:
     Raises:
         BadValue: the trajectory has no whole hop.
     """
-    with _style():
+    with style():
         figure = Figure(layout="constrained")
-        _draw_energy(figure.subplots(), trajectory)
+        draw_energy(figure.subplots(), trajectory)
         return figure
 
 
 def boom_height(trajectory: Trajectory) -> Figure:
     """Height of the hip over time, and how far the toe is above the ground."""
-    with _style():
+    with style():
         figure = Figure(figsize=(3.4, 3.0), layout="constrained")
         height, clearance = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-        _draw_height(height, trajectory)
-        _draw_clearance(clearance, trajectory)
+        draw_height(height, trajectory)
+        draw_clearance(clearance, trajectory)
         height.set_xlabel("")
         return figure
 
@@ -113,16 +114,16 @@ def hop_summary(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
     Raises:
         BadValue: the trajectory has no whole hop.
     """
-    with _style():
+    with style():
         figure = Figure(figsize=(7.0, 5.6), layout="constrained")
         axes = figure.subplots(3, 2)
         (height, energy), (hip, knee), (force, torque) = axes
-        _draw_height(height, trajectory)
-        _draw_energy(energy, trajectory)
-        _draw_angle(hip, trajectory, "hip", gait)
-        _draw_angle(knee, trajectory, "knee", gait)
-        _draw_force(force, trajectory)
-        _draw_torque(torque, trajectory)
+        draw_height(height, trajectory)
+        draw_energy(energy, trajectory)
+        draw_angle(hip, trajectory, "hip", gait)
+        draw_angle(knee, trajectory, "knee", gait)
+        draw_force(force, trajectory)
+        draw_torque(torque, trajectory)
         shown = trajectory.t[trajectory.cycle <= DETAIL]
         for detail in (hip, knee, force, torque):
             detail.set_xlim(shown[0], shown[-1])
@@ -144,22 +145,23 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
     suffix = target.suffix.lower()
     if suffix not in FORMATS:
         raise BadValue("path", str(path), f"a name ending in {', '.join(FORMATS)}")
-    with _style(), atomic(target) as temporary:
+    with style(), atomic(target) as temporary:
         figure.savefig(temporary, format=suffix[1:], metadata=FORMATS[suffix])
     return target
 
 
 @contextmanager
-def _style() -> Iterator[None]:
+def style() -> Iterator[None]:
     """The style sheet, for as long as the block lasts."""
     with as_file(files("spear_pin.viz").joinpath("paper.mplstyle")) as sheet, rc_context(fname=sheet):
         yield
 
 
-# one panel each
+# one panel each, into axes of the caller's
 
 
-def _draw_angle(axes: Axes, trajectory: Trajectory, joint: str, gait: Gait | None) -> None:
+def draw_angle(axes: Axes, trajectory: Trajectory, joint: str, gait: Gait | None) -> None:
+    """Angle of a joint over time, with what is commanded in flight and latched in stance."""
     index = trajectory.coordinates.index(joint)
     _over_time(axes, trajectory, f"{joint.capitalize()} angle (rad)")
     axes.plot(trajectory.t, trajectory.q[:, index], color=BLUE, label="simulated")
@@ -171,7 +173,8 @@ def _draw_angle(axes: Axes, trajectory: Trajectory, joint: str, gait: Gait | Non
     _legend(axes)
 
 
-def _draw_force(axes: Axes, trajectory: Trajectory) -> None:
+def draw_force(axes: Axes, trajectory: Trajectory) -> None:
+    """Ground force over time."""
     _over_time(axes, trajectory, "Ground force (N)")
     for index, toe in enumerate(trajectory.toes):
         of_toe = f" of {toe}" if len(trajectory.toes) > 1 else ""
@@ -181,7 +184,8 @@ def _draw_force(axes: Axes, trajectory: Trajectory) -> None:
     _legend(axes)
 
 
-def _draw_torque(axes: Axes, trajectory: Trajectory) -> None:
+def draw_torque(axes: Axes, trajectory: Trajectory) -> None:
+    """Torques on the knee over time."""
     motor = trajectory.u[:, trajectory.actuated.index("knee")]
     spring = trajectory.spring[:, trajectory.spring_joints.index("knee")]
     total = trajectory.tau[:, trajectory.actuated.index("knee")]
@@ -193,7 +197,8 @@ def _draw_torque(axes: Axes, trajectory: Trajectory) -> None:
     _legend(axes)
 
 
-def _draw_energy(axes: Axes, trajectory: Trajectory) -> None:
+def draw_energy(axes: Axes, trajectory: Trajectory) -> None:
+    """The energy ledger, hop by hop."""
     ledger = trajectory.ledger
     if trajectory.cycles == 0:
         raise BadValue("trajectory.cycles", 0, "at least one whole hop")
@@ -221,7 +226,8 @@ def _draw_energy(axes: Axes, trajectory: Trajectory) -> None:
     axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
 
 
-def _draw_height(axes: Axes, trajectory: Trajectory) -> None:
+def draw_height(axes: Axes, trajectory: Trajectory) -> None:
+    """Height of the hip over time."""
     rise = trajectory.coordinates.index("boom_z")
     apexes = trajectory.named("apex")
     _over_time(axes, trajectory, "Height of the hip (m)")
@@ -231,7 +237,8 @@ def _draw_height(axes: Axes, trajectory: Trajectory) -> None:
     _legend(axes)
 
 
-def _draw_clearance(axes: Axes, trajectory: Trajectory) -> None:
+def draw_clearance(axes: Axes, trajectory: Trajectory) -> None:
+    """Height of the toes above the ground over time."""
     robot = load(trajectory.robot, toes=trajectory.toes)
     locked = [name for name in robot.coordinates if name not in trajectory.coordinates]
     if locked:

@@ -17,7 +17,8 @@ from spear_pin.hybrid.engines.pinocchio import Flow
 
 Array = NDArray[np.float64]
 Interpolant = Callable[[float], Array]
-GLIMPSE = 1e-5  # s: how far a guard on zero is followed to tell whether it rises or falls
+GLIMPSES = (1e-7, 1e-6, 1e-5)  # s: how far a guard on zero is followed to tell whether it rises or falls
+CHANGE = 1e-14  # of a guard's value, in its unit: less is rounding
 
 
 class Watch:
@@ -35,10 +36,8 @@ class Watch:
         self._values = self._at(t, y)
         self._armed = [value > guard.tolerance for value, guard in zip(self._values, self._guards, strict=True)]
         waiting = [i for i, armed in enumerate(self._armed) if not armed and not self._guards[i].observes]
-        ahead = self._glimpse(t, y) if waiting else []
-        self.at_once = next(
-            (i for i in waiting if self._values[i] < -self._guards[i].tolerance or ahead[i] <= self._values[i]), None
-        )
+        rising = self._rising(t, y) if waiting else []
+        self.at_once = next((i for i in waiting if self._values[i] < -self._guards[i].tolerance or not rising[i]), None)
 
     def step(
         self,
@@ -80,14 +79,23 @@ class Watch:
         self._flow(t, y)
         return [self._flow.value(guard, t, y) for guard in self._guards]
 
-    def _glimpse(self, t: float, y: Array) -> list[float]:
-        """Guard values a little later, by a Runge-Kutta step: a toe at rest leaves by its acceleration or jerk."""
-        h = GLIMPSE
+    def _rising(self, t: float, y: Array) -> list[bool]:
+        """Whether each guard's value grows from here, over the shortest time in which it changes at all."""
+        change = [0.0] * len(self._values)
+        for h in GLIMPSES:
+            ahead = self._at(t + h, self._ahead(t, y, h))
+            for i, (now, later) in enumerate(zip(self._values, ahead, strict=True)):
+                if abs(change[i]) <= CHANGE:
+                    change[i] = later - now
+        return [value > 0.0 for value in change]
+
+    def _ahead(self, t: float, y: Array, h: float) -> Array:
+        """One Runge-Kutta step: a toe at rest leaves by its acceleration or jerk."""
         k1 = self._flow(t, y)
         k2 = self._flow(t + 0.5 * h, y + 0.5 * h * k1)
         k3 = self._flow(t + 0.5 * h, y + 0.5 * h * k2)
         k4 = self._flow(t + h, y + h * k3)
-        return self._at(t + h, y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4))
+        return y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
 
     def _locate(self, i: int, nodes: list[tuple[float, float]], solution: Interpolant) -> float | None:
         """When guard i first falls through zero, given (time, value) at both ends and halfway."""

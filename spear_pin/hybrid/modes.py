@@ -13,7 +13,7 @@ from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.phases import AT_REST, ON_GROUND, SIGN, UNLOADED
 
 Array = NDArray[np.float64]
-STARTS_TO_SLIDE = 1e-5  # m/s²: on the cone's edge a sliding toe begins with no acceleration
+STARTS_TO_SLIDE = 1e-3  # m/s²: on the cone's edge a sliding toe begins with no acceleration
 
 
 def choose(system: HybridSystem, phase: str, held: Held, t: float, y: Array) -> Flow:

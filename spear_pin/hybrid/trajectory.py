@@ -182,7 +182,16 @@ class Trajectory:
                 return cls(**plain, **{name: data[name] for name in _arrays()}, events=events, ledger=ledger)
         except OSError as error:
             raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
-        except (BadZipFile, zlib.error, KeyError, ValueError, TypeError, AttributeError, EOFError, NotImplementedError) as error:
+        except (
+            BadZipFile,
+            zlib.error,
+            KeyError,
+            ValueError,
+            TypeError,
+            AttributeError,
+            EOFError,
+            NotImplementedError,
+        ) as error:
             raise BadFile(path, f"is not a saved trajectory ({type(error).__name__}: {error})") from None
 
     def export(self, path: str | Path) -> Path:

@@ -82,6 +82,10 @@ class Flow:
         self.q, self.v = q, v = y[:nv], y[nv : 2 * nv]
         pin.computeAllTerms(self._model, self._data, q, v)
         angles, rates = q.tolist(), v.tolist()
+        rubbed = 0.0
+        if self._has_friction:  # before the law, which may ask for forces
+            self.friction = -self._joint_damping * v
+            rubbed = float(self.friction @ v)
         self.u = u = self._law(t, angles, rates, self.held, self._p, self, OPS)
         applied, powers = self._applied, []
         for index, torque in zip(self._actuated, u, strict=True):
@@ -92,10 +96,6 @@ class Flow:
             drag = damping * rates[index]
             applied[index] += stiffness * (rest - angles[index]) - drag
             damped -= drag * rates[index]
-        rubbed = 0.0
-        if self._has_friction:
-            self.friction = -self._joint_damping * v
-            rubbed = float(self.friction @ v)
         self.a = a = self._accelerate(applied + self.friction if self._has_friction else applied)
         slipped = 0.0
         for toe, _ in self._slips:

@@ -1,0 +1,317 @@
+"""Would the tests notice? Mistakes made on purpose, each in a copy of the repository, and the test that catches it.
+
+From the repository: `python -m tests.mutations`, or with words that the names of some mutations
+contain: `python -m tests.mutations spring impact`. It ends with status 1 if one survives, if a text to
+change is not found just once, or if the tests fail without any change. All of them take some minutes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+COPIED = ("spear_pin", "urdf", "viz", "tests", "pyproject.toml", "README.md", "LICENSE")
+LONGEST = 600  # s
+
+
+@dataclass(frozen=True)
+class Mutation:
+    """One mistake.
+
+    Attributes:
+        name: what is wrong.
+        file: where.
+        old: the text that is replaced; it occurs once.
+        new: the text that replaces it.
+        tests: test files, in the order in which they are run.
+    """
+
+    name: str
+    file: str
+    old: str
+    new: str
+    tests: tuple[str, ...]
+
+
+def mistakes_in(file: str, tests: Iterable[str], texts: Mapping[str, tuple[str, str]]) -> list[Mutation]:
+    """Mutations of one file, by name."""
+    files = tuple(f"tests/{test}.py" for test in tests)
+    return [Mutation(name, f"spear_pin/{file}.py", old, new, files) for name, (old, new) in texts.items()]
+
+
+MUTATIONS = [
+    *mistakes_in(
+        "model/loading",
+        ["model/test_dynamics", "hybrid/test_events", "hybrid/test_periodic"],
+        {
+            "gravity upward": (
+                "= armature, rotor_inertia, gear_ratio",
+                "= armature, rotor_inertia, gear_ratio; model.gravity.linear = -model.gravity.linear",
+            ),
+            "rotors left out": ("= transmission.reflected_inertia", "= 0.0"),
+        },
+    ),
+    *mistakes_in(
+        "model/urdf",
+        ["model/test_dynamics", "hybrid/test_periodic"],
+        {"rotors times N, not N²": ("self.gear_ratio**2", "self.gear_ratio")},
+    ),
+    *mistakes_in(
+        "model/robot",
+        ["model/test_dynamics", "hybrid/test_simulate"],
+        {
+            "kinetic energy without rotors": (
+                "float(0.5 * rates @ self.mass_matrix(q) @ rates)",
+                "float(0.5 * rates @ (self.mass_matrix(q) - np.diag(self.model.armature)) @ rates)",
+            ),
+            "Jacobian in the toe's own frame": ("pin.ReferenceFrame.LOCAL_WORLD_ALIGNED", "pin.ReferenceFrame.LOCAL"),
+            "spatial acceleration for the drift": ("pin.getFrameClassicalAcceleration", "pin.getFrameAcceleration"),
+            "rows x and y of a toe": ("np.array([0, 2]) if self.planar", "np.array([0, 1]) if self.planar"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/engines/pinocchio",
+        ["hybrid/test_simulate", "gaits/test_hopping"],
+        {
+            "spring pushes the wrong way": (
+                "stiffness * (rest - angles[index]) - drag",
+                "stiffness * (angles[index] - rest) - drag",
+            ),
+            "damping drives": ("(rest - angles[index]) - drag", "(rest - angles[index]) + drag"),
+            "a slack spring still acts": ("m.spring.stiffness * held[m.taut]", "m.spring.stiffness"),
+            "drift dropped in stance": ("drifts.append(", "drifts.append(0.0 * "),
+            "spatial acceleration in stance": (
+                "pin.getFrameClassicalAcceleration(model, data",
+                "pin.getFrameAcceleration(model, data",
+            ),
+            "rows x and y in stance": (
+                "rows.append(pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[0:3:2])",
+                "rows.append(pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[0:2])",
+            ),
+            "friction pushes a slipping toe on": (
+                "jacobian[1] - friction * SIGN[mode] * jacobian[0]",
+                "jacobian[1] + friction * SIGN[mode] * jacobian[0]",
+            ),
+            "work of slip with the wrong sign": ("slipped += self._forces", "slipped -= self._forces"),
+            "joint friction left out": (
+                "applied + self.friction if self._has_friction else applied",
+                "applied",
+            ),
+            "Painlevé's pivot always positive": (
+                "1.0 / float(inverse_pivots[row])",
+                "abs(1.0 / float(inverse_pivots[row]))",
+            ),
+            "torque in the trajectory without the damper's": (
+                "return [float(self._applied[index]) for index in self._actuated]",
+                "drag = {i: damping * float(self.v[i]) for i, _, _, damping in self._springs}\n"
+                "        return [float(self._applied[index]) + drag.get(index, 0.0) for index in self._actuated]",
+            ),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/contact",
+        ["hybrid/test_contact"],
+        {
+            "friction speeds up what slides in an impact": ("-friction * direction", "friction * direction"),
+            "a toe that stops always sticks": ("slide == 0.0 and abs(a_tn) <= friction * a_tt", "slide == 0.0"),
+            "loss of an impact without the half": ("loss = -0.5 *", "loss = -1.0 *"),
+            "a constraint without its drift": ("-(drift + A @ free)", "-(A @ free)"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/phases",
+        ["hybrid/test_events", "hybrid/test_simulate", "hybrid/test_periodic"],
+        {
+            "friction cone of half the width": (
+                "friction * dyn.force(toe)[1] + side",
+                "0.5 * friction * dyn.force(toe)[1] + side",
+            ),
+            "lift-off when the force rises": ("dyn, ops: dyn.force(toe)[1]", "dyn, ops: -dyn.force(toe)[1]"),
+            "touchdown a tenth of a millimetre early": (
+                'Guard("touchdown", height(toe),',
+                'Guard("touchdown", lambda *at: height(toe)(*at) - 1e-4,',
+            ),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/events",
+        ["hybrid/test_events"],
+        {
+            "grazing overlooked": ("<= 0.05 * max(before, middle, end)", "<= -1.0"),
+            "a guard that rises from zero is an event": ("or ahead[i] <= self._values[i]", "or True"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/run",
+        ["hybrid/test_simulate", "hybrid/test_periodic"],
+        {
+            "impact not applied": ("v = impact.v", "v = v.copy()"),
+            "nothing is latched anew": (
+                "held = {**held, **reset.latch(q.tolist(), v.tolist(), held, self.system.law)}",
+                "held = {**reset.latch(q.tolist(), v.tolist(), held, self.system.law), **held}",
+            ),
+            "release left out of the ledger": ("-self._spring_energy(reset)", "0.0"),
+            "impact left out of the ledger": ("- impact.loss", ""),
+            "energy of a spring without the half": ("energy += 0.5 * mount", "energy += mount"),
+            "absolute tolerance ten thousand times looser": ("0.01 * options.rtol", "100.0 * options.rtol"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/simulate",
+        ["hybrid/test_simulate"],
+        {
+            "no sample just before an event": (
+                "np.linspace(begin, end, count)",
+                "np.linspace(begin, end, count + 1)[:-1]",
+            ),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/trajectory",
+        ["hybrid/test_trajectory"],
+        {
+            "degrees in the table": ('("q", self.q, self.coordinates)', '("q", np.degrees(self.q), self.coordinates)'),
+            "the ledger's changes are not loaded": ('data["ledger_change"])', '0.0 * data["ledger_change"])'),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/periodic",
+        ["hybrid/test_periodic"],
+        {
+            "a direction of velocity missing from the chart": (
+                "null_space(_velocity_rows(system, q, state)))",
+                "null_space(_velocity_rows(system, q, state))[:, 1:])",
+            ),
+            "steps of differences ten thousand times longer": ("STEP = 1e-5", "STEP = 1e-1"),
+            "differences over half their width": ("/ (2.0 * h)", "/ h"),
+            "residual of positions only": (
+                "np.concatenate([(after[0] - before[0])[kept], after[1] - before[1]])",
+                "(after[0] - before[0])[kept]",
+            ),
+        },
+    ),
+    *mistakes_in(
+        "gaits/hopping",
+        ["gaits/test_hopping", "hybrid/test_simulate", "hybrid/test_events"],
+        {
+            "knee driven away from its angle": ("(p.knee_touchdown - q[knee])", "(q[knee] - p.knee_touchdown)"),
+            "hip damping drives": ("- p.hip_damping * v[hip]", "+ p.hip_damping * v[hip]"),
+            "extends first": ('"flexing": 1.0', '"flexing": -1.0'),
+            "square wave of half the frequency": ("0.5 * n / p.frequency", "n / p.frequency"),
+            "touchdown angle kept from the first hop": (
+                '"knee_touchdown": q[knee]',
+                '"knee_touchdown": held.get("knee_touchdown", q[knee])',
+            ),
+            "spring engaged in flight too": (
+                "flight_law,\n        guards=(",
+                "flight_law,\n        mounts=(mount,),\n        guards=(",
+            ),
+            "extension limited as well": ("return flexing * spare + (1.0 - flexing)", "return spare"),
+            "foot placed to the wrong side": ("+ p.foot_placement *", "- p.foot_placement *"),
+            "a knee on the ground goes unnoticed": ('fall(["hip", "knee"])', 'fall(["hip"])'),
+        },
+    ),
+    *mistakes_in(
+        "gaits/gait",
+        ["gaits/test_gait"],
+        {"a saved gait forgets what is locked": ('"locked": robot.locked', '"locked": ()')},
+    ),
+    *mistakes_in(
+        "files",
+        ["test_files"],
+        {
+            "files written in place": ('target.with_name(f".{target.name}.{os.getpid()}.tmp")', "target"),
+            "a failed file left behind": ("temporary.unlink", "temporary.exists"),
+        },
+    ),
+    *mistakes_in(
+        "cli",
+        ["test_cli"],
+        {
+            "degrees on the command line": ("else np.array(arguments.q)", "else np.radians(arguments.q)"),
+            "a mistake ends with status 0": (
+                'split())}", file=sys.stderr)\n        return 2',
+                'split())}", file=sys.stderr)\n        return 0',
+            ),
+        },
+    ),
+]
+
+
+def copy_repository(folder: Path) -> None:
+    """What the tests need, symlinks as symlinks."""
+    ignored = shutil.ignore_patterns("__pycache__", ".*")
+    for name in COPIED:
+        source = ROOT / name
+        if source.is_dir():
+            shutil.copytree(source, folder / name, symlinks=True, ignore=ignored)
+        elif source.exists():
+            shutil.copy(source, folder / name)
+
+
+def first_failure(folder: Path, tests: tuple[str, ...]) -> str | None:
+    """The first test that fails in the copy, or None."""
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", *tests]
+    environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
+    try:
+        process = subprocess.run(
+            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=LONGEST, check=False
+        )
+    except subprocess.TimeoutExpired:
+        return f"the time limit of {LONGEST} s"
+    if process.returncode == 0:
+        return None
+    found = re.search(r"^(?:FAILED|ERROR) (\S+)", process.stdout, re.MULTILINE)
+    return found.group(1) if found else f"pytest's status {process.returncode}"
+
+
+def trial(folder: Path, mutation: Mutation) -> tuple[bool, str]:
+    """Whether a mutation is caught, and by what."""
+    path = folder / mutation.file
+    text = path.read_text(encoding="utf-8")
+    if text.count(mutation.old) != 1:
+        return False, f"NOT APPLIED: {mutation.file} has the text {text.count(mutation.old)} times"
+    path.write_text(text.replace(mutation.old, mutation.new), encoding="utf-8")
+    try:
+        failure = first_failure(folder, mutation.tests)
+    finally:
+        path.write_text(text, encoding="utf-8")
+    return (True, f"caught by {failure}") if failure else (False, "SURVIVED")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="python -m tests.mutations", description=__doc__.splitlines()[0])
+    parser.add_argument("words", nargs="*", metavar="WORD", help="only mutations whose name contains one of these")
+    parser.add_argument("--list", action="store_true", help="print their names only")
+    words, names_only = vars(parser.parse_args()).values()
+    chosen = [m for m in MUTATIONS if not words or any(word in m.name for word in words)]
+    if names_only:
+        print("\n".join(mutation.name for mutation in chosen))
+        return 0
+    survived = 0
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        copy_repository(folder)
+        files = tuple(sorted({test for mutation in chosen for test in mutation.tests}))
+        if failure := first_failure(folder, files):
+            print(f"without any change, {failure} fails")
+            return 1
+        for mutation in chosen:
+            caught, what = trial(folder, mutation)
+            survived += not caught
+            print(f"{mutation.name:<55} {what}", flush=True)
+    print(f"{len(chosen) - survived} of {len(chosen)} caught")
+    return 1 if survived else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
