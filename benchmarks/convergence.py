@@ -16,6 +16,7 @@ FINEST = 1e-13
 
 
 def row(gait: Gait, rtol: float, reference: Gait) -> list[str]:
+    robot = gait.system.robot
     hop = simulate(gait.system, gait.state, 1, rtol, progress=False)
     exact = simulate(reference.system, reference.state, 1, FINEST, progress=False)
     errors = [np.abs(a - b).max() for a, b in zip(gait.state, reference.state, strict=True)]
@@ -28,6 +29,7 @@ def row(gait: Gait, rtol: float, reference: Gait) -> list[str]:
         f"{events['touchdown']:.1e}",
         f"{abs(gait.multipliers - reference.multipliers).max():.1e}",
         f"{abs(hop.ledger.residual[0]):.1e}",
+        f"{max(abs(robot.toe_position(q, 'toe')[1]) for q in hop.q[hop.phase == 'stance']):.1e}",
         f"{hop.evaluations}",
     ]
 
@@ -37,7 +39,16 @@ def main() -> None:
     solved = find_gait(system, ["stance_torque"], {"flight_time": 0.2}, rtol=FINEST)
     coarse = find_gait(solved.system, guess=solved.state, rtol=TOLERANCES[0])  # every row begins here
     reference = find_gait(solved.system, guess=coarse.state, rtol=FINEST)
-    head = ["rtol", "q [m, rad]", "v [m/s, rad/s]", "lift-off [s]", "touchdown [s]", "multipliers", "ledger [J]"]
+    head = [
+        "rtol",
+        "q [m, rad]",
+        "v [m/s, rad/s]",
+        "lift-off [s]",
+        "touchdown [s]",
+        "multipliers",
+        "ledger [J]",
+        "toe [m]",
+    ]
     print("| " + " | ".join([*head, "evaluations"]) + " |")
     print("|" + " --- |" * (len(head) + 1))
     for rtol in TOLERANCES:
@@ -45,7 +56,7 @@ def main() -> None:
             gait = find_gait(reference.system, guess=coarse.state, rtol=rtol)
             print("| " + " | ".join(row(gait, rtol, reference)) + " |", flush=True)
         except NoGait as error:
-            print(f"| {rtol:.0e} | {error} |" + " |" * 6)
+            print(f"| {rtol:.0e} | {error} |" + " |" * 7)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 COPIED = ("spear_pin", "urdf", "viz", "tests", "pyproject.toml", "README.md", "LICENSE")
-LONGEST = 600  # s
+LONGEST = 300  # s
 
 
 @dataclass(frozen=True)
@@ -270,8 +270,10 @@ def first_failure(folder: Path, tests: tuple[str, ...]) -> str | None:
         return f"the time limit of {LONGEST} s"
     if process.returncode == 0:
         return None
-    found = re.search(r"^(?:FAILED|ERROR) (\S+)", process.stdout, re.MULTILINE)
-    return found.group(1) if found else f"pytest's status {process.returncode}"
+    found = re.search(r"^(FAILED|ERROR) (.+?)(?: - .*)?$", process.stdout, re.MULTILINE)
+    if found is None:
+        return f"pytest's status {process.returncode}"
+    return found[2] if found[1] == "FAILED" else f"the setup of {found[2]}"
 
 
 def trial(folder: Path, mutation: Mutation) -> tuple[bool, str]:

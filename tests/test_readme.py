@@ -1,0 +1,80 @@
+"""The README and the documentation: every Python block runs, every link and picture is there, commands fit."""
+
+import re
+import runpy
+import shlex
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+README = PAGES[0].read_text(encoding="utf-8")
+
+FENCE = r"^```%s\n(.*?)^```$"
+
+
+def fenced(page: Path, language: str) -> list[str]:
+    """The code blocks of a page."""
+    return re.findall(FENCE % language, page.read_text(encoding="utf-8"), re.M | re.S)
+
+
+BLOCKS = [
+    pytest.param(block, id=f"{page.name}-{number}")
+    for page in PAGES
+    for number, block in enumerate(fenced(page, "python"), 1)
+]
+LINKS = [
+    pytest.param(page, link, id=f"{page.name}-{link}")
+    for page in PAGES
+    for link in dict.fromkeys(re.findall(r"\]\(([^)]+)\)", page.read_text(encoding="utf-8")))
+]
+
+
+def anchors(page: Path) -> set[str]:
+    """Fragments of a page's headings."""
+    headings = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), re.M)
+    return {re.sub(r"[^\w -]", "", heading).lower().replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_block_runs(block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    script = tmp_path / "block.py"
+    script.write_text(block, encoding="utf-8")
+    runpy.run_path(str(script))
+
+
+def test_the_readme_shows_python():
+    assert BLOCKS[0].id == "README.md-1"
+
+
+@pytest.mark.parametrize(("page", "link"), LINKS)
+def test_link_leads_somewhere(page: Path, link: str):
+    path, _, fragment = link.partition("#")
+    target = page.parent / path if path else page
+    assert target.is_file(), link
+    assert not fragment or fragment in anchors(target), link
+
+
+def test_the_readme_gives_the_two_commands():
+    shell = [line for block in fenced(PAGES[0], "sh") for line in block.splitlines()]
+    assert shell == [
+        "python3 -m venv .venv && .venv/bin/pip install -q . && .venv/bin/spear hop",
+        "python3 -m venv .venv && .venv/bin/pip install -q '.[test]' && .venv/bin/python -m pytest",
+    ]
+    assert README.index("-m pytest") == README.index(shell[1]) + shell[1].index("-m pytest"), "the gate takes the first"
+
+
+def test_the_modules_that_documents_name_exist():
+    for page in PAGES:
+        for command in re.findall(r"python -m ([\w.]+)|python ([\w/]+\.py)", page.read_text(encoding="utf-8")):
+            name = shlex.split(command[0] or command[1])[0]
+            path = ROOT / (name if command[1] else name.replace(".", "/") + ".py")
+            assert name == "pytest" or path.is_file(), f"{page.name}: {name}"
+
+
+def test_every_example_is_in_the_readme():
+    examples = {path.name for path in (ROOT / "examples").glob("*.py")}
+    assert examples == set(re.findall(r"\]\(examples/(\w+\.py)\)", README))
