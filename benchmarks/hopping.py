@@ -41,12 +41,13 @@ def cells(gait: Gait, hop: Trajectory) -> list[str]:
         f"{summary['peak_force']:.1f}",
         f"{abs(gait.multipliers[0]):.4f}",
         ending(gait, hop),
+        ", ".join(event.name for event in hop.events if event.time <= hop.named("lift_off")[-1].time),
     ]
 
 
 def table(first: str, rows: list[tuple[str, list[str]]]) -> None:
-    print("\n| " + " | ".join([first, *HEAD, "stance ends: the"]) + " |")
-    print("|" + " --- |" * (len(HEAD) + 2))
+    print("\n| " + " | ".join([first, *HEAD, "stance ends: the", "events of the stance"]) + " |")
+    print("|" + " --- |" * (len(HEAD) + 3))
     for name, values in rows:
         print("| " + " | ".join([name, *values]) + " |", flush=True)
 
@@ -63,7 +64,9 @@ def nominal(gait: Gait, hop: Trajectory) -> None:
         ("hip at touchdown", f"{touchdown.q[-2]:.4f} rad, {touchdown.v_before[-2]:+.4f} rad/s"),
         ("largest compression of the spring", f"{summary['peak_compression']:.4f} rad"),
         ("energy in it", f"{0.5 * summary['stiffness'] * summary['peak_compression'] ** 2:.2f} J"),
+        ("normal force just after touchdown", f"{hop.force[0, 0, 1]:.2f} N"),
         ("peak normal force", f"{summary['peak_force']:.1f} N"),
+        ("sliding before lift-off", f"{1e3 * (hop.named('lift_off')[0].time - hop.named('slip')[-1].time):.2f} ms"),
         ("peak knee rate", f"{summary['peak_knee_rate']:.2f} rad/s"),
         ("spring's share of the push at the knee", f"{100 * summary['spring_share']:.1f} %"),
         ("force ratio of the impact", f"{abs(touchdown.impulse[0, 0] / touchdown.impulse[0, 1]):.3f}"),
@@ -132,7 +135,7 @@ def main() -> None:
         try:
             rows.append((name, cells(*solve(**parts, start=base))))
         except NoGait as error:
-            rows.append((name, [str(error)] + [""] * (len(HEAD))))
+            rows.append((name, [str(error)] + [""] * (len(HEAD) + 1)))
     table("change", rows)
 
 

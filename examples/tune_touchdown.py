@@ -10,8 +10,8 @@ reflected rotor makes it too slow for 0.2 s. So K_hip is set to 100 N·m/rad her
 both rates can be zero, the leg lands within 7 mrad of where it was told to, and the largest multiplier
 nearly halves. The price is the impact: a knee that already flexes would yield.
 
-The commanded knee angle is 0.95 rad, not the 1.0 rad of the other examples: there a damped leg lifts
-off only after its chain has gone slack, which is another kind of hop (see docs/hopping.md).
+The commanded knee angle is 0.95 rad, not the 1.0 rad of the other examples: there the search finds no
+such hop, for the chain would go slack before the toe is unloaded (see docs/hopping.md).
 
 Run: python examples/tune_touchdown.py [FOLDER]
 """

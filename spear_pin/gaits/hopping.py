@@ -150,7 +150,7 @@ def hopping(
         (STICK,),
         stance_law,
         mounts=(mount,),
-        guards=(*spring_switches(mount, knee), *_limit_guards(law), *fallen),
+        guards=(*spring_switches(mount, knee), *fallen),
         switch=Switch("torque_switch", _half_periods, flip),
     )
     flight = Domain(
@@ -170,7 +170,7 @@ def hopping(
         law=law,
         spring=spring,
         contact=contact,
-        domains=(*contact_domains(stance, robot.toes, contact, lift_off), flight),
+        domains=(*contact_domains(stance, robot.toes, contact, lift_off, first=_limit_guards(law)), flight),
         section="touchdown",
         cyclic=() if forward is None else ("boom_x",),
         build=hopping,

@@ -69,8 +69,8 @@ def find_gait(
     begun = [with_parameters(system, dict(zip(vary, (k * start).tolist(), strict=True))) for k in factors]
     settled: list[State] = []
     failures: list[NoGait] = []
-    for approach in (search.directly, search.by_continuation) if vary else (search.directly,):
-        for i, trial in enumerate(begun):
+    for approach, starts in ((search.directly, begun), (search.by_continuation, begun[:2])):
+        for i, trial in enumerate(starts if vary or approach == search.directly else ()):
             if len(settled) == i:
                 settled.append(guess if guess is not None else _settle(trial))
             try:
@@ -146,8 +146,8 @@ class _Search:
         """The gait at a solution, checked on the whole state."""
         result = return_map(system, state, self.rtol)
         error = float(np.abs(displacement(system, state, result.state)).max())
-        if not error <= RESIDUAL:
-            raise NoGait("the fixed point lies where the section's chart does not reach", error)
+        if not error <= max(RESIDUAL, 10.0 * self.rtol):
+            raise NoGait(f"the cycle that was found closes no better at rtol {self.rtol:g}", error)
         return Gait(
             system=system,
             state=state,

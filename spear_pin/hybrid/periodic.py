@@ -21,6 +21,7 @@ from spear_pin.hybrid.record import Options, Run, State
 from spear_pin.hybrid.run import run
 
 Array = NDArray[np.float64]
+PATIENCE = 7  # iterations in which the residual has to be halved
 STEP = 1e-5  # of central differences: errors of order STEP² and rtol / STEP
 
 
@@ -153,11 +154,13 @@ def newton(
     if value is None:
         raise NoGait("the cycle does not close at the starting point", np.inf)
     norm = float(np.abs(value).max())
+    norms: list[float] = []
     for n in range(iterations + 1):
         on_iteration(n, norm)
+        norms.append(norm)
         if norm <= tolerance:
             return x, norm
-        if n == iterations:
+        if n == iterations or (n >= PATIENCE and norm > 0.5 * norms[n - PATIENCE]):
             break
         jacobian = differentiate(function, x, step)
         if jacobian is None:
@@ -172,7 +175,7 @@ def newton(
             if norm <= 10.0 * tolerance:
                 return x, norm  # as close as the integration's noise allows
             raise NoGait("Newton's method makes no progress", norm)
-    raise NoGait(f"Newton's method did not converge in {iterations} iterations", norm)
+    raise NoGait(f"Newton's method did not converge in {n} iterations", norm)
 
 
 def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10, step: float = STEP) -> NDArray[np.complex128]:

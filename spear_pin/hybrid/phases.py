@@ -78,7 +78,9 @@ def spring_switches(mount: Mount, index: int) -> tuple[Guard, ...]:
     return (Guard("spring_switch", deflection, toggle, tolerance=1e-12),)
 
 
-def contact_domains(domain: Domain, toes: Sequence[str], contact: Contact, lift_off: Reset) -> tuple[Domain, ...]:
+def contact_domains(
+    domain: Domain, toes: Sequence[str], contact: Contact, lift_off: Reset, first: tuple[Guard, ...] = ()
+) -> tuple[Domain, ...]:
     """The domains of a phase in which the toes marked "stick" in `domain` are on the ground.
 
     Sticking comes first, then every combination with slip; each gets the guards of its contacts
@@ -89,6 +91,7 @@ def contact_domains(domain: Domain, toes: Sequence[str], contact: Contact, lift_
         toes: names of the robot's toes.
         contact: the ground.
         lift_off: what happens when a toe's normal force falls to zero.
+        first: guards that win a tie with those of the contacts.
     """
     choices = [(STICK, SLIP_FORWARD, SLIP_BACKWARD) if mode == STICK else (OPEN,) for mode in domain.contacts]
     domains = []
@@ -98,7 +101,7 @@ def contact_domains(domain: Domain, toes: Sequence[str], contact: Contact, lift_
             guards += _guards(toe, mode, contact, lift_off)
         slips = [mode for mode in contacts if mode in SIGN]
         name = " ".join([domain.name, *slips])
-        domains.append(replace(domain, name=name, contacts=contacts, guards=(*guards, *domain.guards)))
+        domains.append(replace(domain, name=name, contacts=contacts, guards=(*first, *guards, *domain.guards)))
     return tuple(domains)
 
 

@@ -114,6 +114,9 @@ class _Runner:
         if bound <= self.t:
             self._end("no_event", f"{limit:g} s in {self.flow.domain.phase}")
             return
+        if not np.isfinite(self.flow(self.t, self.y)).all():
+            self._end("not_finite", f"in {self.flow.domain.name} at t = {self._now():.6g} s")
+            return
         solver = DOP853(self.flow, self.t, self.y, bound, max_step=MAX_STEP, rtol=self.options.rtol, atol=self.atol)
         slope = solver.f
         while solver.status == "running":

@@ -46,7 +46,7 @@ class Robot:
         self.name, self.model, self.source = name, model, source or name
         self.toes, self.actuated, self.locked = tuple(toes), tuple(actuated), tuple(locked)
         self.nq, self.nv, self.nu = int(model.nq), int(model.nv), len(self.actuated)
-        self.coordinates = _coordinates(model)
+        self.coordinates, self._configuration = _coordinates(model), _configuration(model)
         self._data = model.createData()
         self._toe_ids = {toe: _frame_id(model, toe) for toe in self.toes}
         self.planar = _is_planar(model, self._data)
@@ -152,7 +152,7 @@ class Robot:
         return np.array(acceleration.linear[self._rows])
 
     def _q(self, q: ArrayLike) -> Array:
-        return _vector("q", q, self.nq, self.coordinates)
+        return _vector("q", q, self.nq, self._configuration)
 
     def _v(self, v: ArrayLike) -> Array:
         return _vector("v", v, self.nv, self.coordinates)
@@ -195,6 +195,15 @@ def _coordinates(model: pin.Model) -> tuple[str, ...]:
     names: list[str] = []
     for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
         names += [name] if joint.nv == 1 else [f"{name}_{i}" for i in range(joint.nv)]
+    return tuple(names)
+
+
+def _configuration(model: pin.Model) -> tuple[str, ...]:
+    """Names of the nq numbers of a configuration; a continuous joint has a cosine and a sine."""
+    names: list[str] = []
+    for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
+        parts = {1: [name], 2: [f"{name}_cos", f"{name}_sin"]}
+        names += parts.get(joint.nq, [f"{name}_{i}" for i in range(joint.nq)])
     return tuple(names)
 
 
