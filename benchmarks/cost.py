@@ -55,7 +55,7 @@ def main() -> None:
     gait = find_gait(hopping(robot), vary=["stance_torque"], target={"flight_time": 0.2}, rtol=1e-12)
     q, v = gait.state
 
-    held = {"knee_touchdown": q[2], "taut": 1.0, "flexing": 1.0, "limited": 0.0, "speed": 0.0}
+    held = {"knee_touchdown": q[2], "taut": 1.0, "flexing": 1.0, "compressing": 1.0, "limited": 0.0, "speed": 0.0}
     flow = Flow(gait.system, gait.system.domains[0], held)
     y = np.concatenate([q, v, np.zeros(5)])
     model, data = robot.model, robot.model.createData()

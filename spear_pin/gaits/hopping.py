@@ -39,8 +39,8 @@ class HoppingLaw:
         hip_stance_torque: τ̄_hip, in N·m (source: negligible).
         hold_extension: keep extending after the first period, where the printed square wave would
             flex again.
-        minimum_force: if not None, flexion in stance is limited so that the normal force stays at
-            or above this while the motor flexes, in N.
+        minimum_force: if not None, flexion in the first half period is limited so that the normal
+            force stays at or above this, in N.
         foot_placement: K of the term K (ẋ_lo - ẋ*) added to the commanded hip angle, in rad·s/m,
             ẋ_lo being the hip's forward speed latched at lift-off; needs a free boom_x.
         speed: ẋ*, in m/s.
@@ -135,14 +135,14 @@ def hopping(
         raise BadValue("HoppingLaw.foot_placement", law.foot_placement, "0 while boom_x is locked")
 
     def latch_touchdown(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
-        return {"knee_touchdown": q[knee], "taut": 1.0, "flexing": 1.0, "limited": 0.0}
+        return {"knee_touchdown": q[knee], "taut": 1.0, "flexing": 1.0, "compressing": 1.0, "limited": 0.0}
 
     def latch_lift_off(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
         return {"speed": 0.0 if forward is None else v[forward]}
 
     mount = Mount("knee", spring, rest="knee_touchdown", taut="taut")
     lift_off = Reset(release=("knee",), latch=latch_lift_off, phase="flight")
-    flip = Reset(latch=lambda q, v, held, p: {"flexing": -held["flexing"], "limited": 0.0})
+    flip = Reset(latch=lambda q, v, held, p: {"flexing": -held["flexing"], "compressing": 0.0, "limited": 0.0})
     fallen = fall(["hip", "knee"])
     stance = Domain(
         "stance",
@@ -189,13 +189,12 @@ def _limit_guards(law: HoppingLaw) -> tuple[Guard, ...]:
         return ()
 
     def margin(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
-        # torque to spare below the limit while free, above it while limited; extension is never limited
+        # torque to spare below the limit while free, above it while limited; only in the first half period
         spare = (1.0 - 2.0 * held["limited"]) * (limited_torque(p, dyn) - p.stance_torque)
-        flexing = 0.5 * (1.0 + held["flexing"])
-        return flexing * spare + (1.0 - flexing)
+        return held["compressing"] * spare + (1.0 - held["compressing"])
 
     toggle = Reset(latch=lambda q, v, held, p: {"limited": 1.0 - held["limited"]})
-    return (Guard("force_limit", margin, toggle),)
+    return (Guard("force_limit", margin, toggle, tolerance=1e-6),)
 
 
 def _guess(robot: Robot, law: HoppingLaw) -> tuple[Any, Any]:

@@ -23,6 +23,7 @@ from spear_pin.hybrid.contact import Contact
 SIGN = {SLIP_FORWARD: 1.0, SLIP_BACKWARD: -1.0}
 ON_GROUND = 1e-8  # m: more than integration leaves of the constraint, less than any foot clearance
 AT_REST = 1e-7  # m/s
+ON_REST = 1e-9  # rad: more than what an event's time is off by
 UNLOADED = 1e-5  # N: near Painlevé's paradox rounding is amplified a hundredfold and more
 
 
@@ -75,7 +76,7 @@ def spring_switches(mount: Mount, index: int) -> tuple[Guard, ...]:
         return (2.0 * held[mount.taut] - 1.0) * mount.side * (q[index] - held[mount.rest])
 
     toggle = Reset(latch=lambda q, v, held, p: {mount.taut: 1.0 - held[mount.taut]})
-    return (Guard("spring_switch", deflection, toggle, tolerance=1e-12),)
+    return (Guard("spring_switch", deflection, toggle, tolerance=ON_REST),)
 
 
 def contact_domains(

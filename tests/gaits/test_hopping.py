@@ -15,7 +15,7 @@ from spear_pin.hybrid.periodic import return_map
 
 NUMBERS = [field.name for field in fields(HoppingLaw) if field.type != "bool"]
 COORDINATES = ("boom_x", "boom_z", "hip", "knee")
-HELD = ("knee_touchdown", "taut", "flexing", "limited", "speed")
+HELD = ("knee_touchdown", "taut", "flexing", "compressing", "limited", "speed")
 
 t = sp.Symbol("t", real=True)
 q = [sp.Symbol(f"q_{name}", real=True) for name in COORDINATES]
