@@ -147,7 +147,7 @@ MUTATIONS = [
         ["hybrid/test_events"],
         {
             "grazing overlooked": ("<= 0.05 * max(before, middle, end)", "<= -1.0"),
-            "a guard that rises from zero is an event": ("or ahead[i] <= self._values[i]", "or True"),
+            "a guard that rises from zero is an event": ("or not rising[i]", "or True"),
         },
     ),
     *mistakes_in(
@@ -215,7 +215,10 @@ MUTATIONS = [
                 "flight_law,\n        guards=(",
                 "flight_law,\n        mounts=(mount,),\n        guards=(",
             ),
-            "extension limited as well": ("return flexing * spare + (1.0 - flexing)", "return spare"),
+            "extension limited as well": (
+                'return held["compressing"] * spare + (1.0 - held["compressing"])',
+                "return spare",
+            ),
             "foot placed to the wrong side": ("+ p.foot_placement *", "- p.foot_placement *"),
             "a knee on the ground goes unnoticed": ('fall(["hip", "knee"])', 'fall(["hip"])'),
         },
