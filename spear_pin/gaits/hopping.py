@@ -91,11 +91,11 @@ def stance_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: 
     """Hip and knee torque in stance: the square wave of (4.10), flexion positive, in N·m.
 
     `held["flexing"]` is its sign; where `held["limited"]` is 1 the torque is the one that gives the
-    normal force `minimum_force`.
+    normal force `minimum_force`, or zero if that would take extension.
     """
     knee = p.stance_torque * held["flexing"]
     if p.minimum_force is not None:
-        limit = limited_torque(p, dyn)
+        limit = ops.maximum(limited_torque(p, dyn), 0.0)  # flexion is limited, never turned into extension
         knee = knee + held["limited"] * (limit - knee)
     return (p.hip_stance_torque, knee)
 

@@ -8,7 +8,8 @@ Control laws and guards share one signature, `f(t, q, v, held, p, dyn, ops)`:
     p: the law's parameters, a frozen dataclass.
     dyn: the dynamics at (q, v): `mass_matrix`, `bias`, `jacobian(toe)`, `height(frame)`,
         `toe_velocity(toe)`, `force(toe)`, `normal_force(toe, u)`, `pivot(toe)`.
-    ops: elementary functions for whatever scalars are used (`sin`, `cos`, `tanh`, `sqrt`, `solve`).
+    ops: elementary functions for whatever scalars are used (`sin`, `cos`, `tanh`, `sqrt`, `maximum`,
+        `solve`).
 
 They are pure and never branch on a value: what switches is a domain or something held.
 """

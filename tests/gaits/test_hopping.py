@@ -12,6 +12,8 @@ from spear_pin import Contact, HoppingLaw, Spring, find_gait, hopping, load, sim
 from spear_pin.errors import BadValue
 from spear_pin.gaits.hopping import flight_law, stance_law
 from spear_pin.hybrid.periodic import return_map
+from spear_pin.hybrid.record import NUMERICAL
+from tests import random_starts
 
 NUMBERS = [field.name for field in fields(HoppingLaw) if field.type != "bool"]
 COORDINATES = ("boom_x", "boom_z", "hip", "knee")
@@ -22,7 +24,7 @@ q = [sp.Symbol(f"q_{name}", real=True) for name in COORDINATES]
 v = [sp.Symbol(f"v_{name}", real=True) for name in COORDINATES]
 held = {name: sp.Symbol(f"held_{name}", real=True) for name in HELD}
 p = {name: sp.Symbol(f"p_{name}", real=True) for name in NUMBERS}
-OPS = SimpleNamespace(sin=sp.sin, cos=sp.cos, tanh=sp.tanh, sqrt=sp.sqrt)
+OPS = SimpleNamespace(sin=sp.sin, cos=sp.cos, tanh=sp.tanh, sqrt=sp.sqrt, maximum=sp.Max)
 
 
 class SymbolicDynamics:
@@ -86,7 +88,9 @@ class TestLawsOnSymbols:
         hip, knee = evaluate(stance_law, law, dyn)
         free, limited = (sp.sympify(knee).subs(held["limited"], value) for value in (0, 1))
         assert sp.simplify(free - p["stance_torque"] * held["flexing"]) == 0
-        assert sp.simplify(dyn.normal_force("toe", (hip, limited)) - p["minimum_force"]) == 0
+        assert limited.func == sp.Max and 0 in limited.args, "flexion is limited, never turned into extension"
+        limit = next(term for term in limited.args if term.free_symbols)
+        assert sp.simplify(dyn.normal_force("toe", (hip, limit)) - p["minimum_force"]) == 0
 
     @pytest.mark.parametrize("law", [flight_law, stance_law])
     def test_as_with_numbers(self, law):
@@ -210,6 +214,24 @@ class TestMinimumForce:
         np.testing.assert_allclose(
             [e.time for e in trajectory.named("touchdown")], [e.time for e in hops.named("touchdown")[:2]], atol=1e-8
         )
+
+    @pytest.mark.parametrize("seed", [31, 40, 64])
+    def test_the_torque_stays_within_that_of_the_motor(self, seed):
+        start = random_starts.draw(seed)
+        law = HoppingLaw(minimum_force=10.0)
+        system = hopping(random_starts.robot(start.free), law, contact=Contact(start.friction))
+        trajectory = simulate(system, (start.q, start.v), 2, 1e-8, max_evaluations=5000)
+        assert trajectory.reason not in NUMERICAL
+        assert np.abs(trajectory.u[trajectory.phase == "stance", 1]).max() <= law.stance_torque * (1 + 1e-9)
+
+    @pytest.mark.parametrize("seed", [13, 65])
+    def test_on_the_switching_surface(self, seed):
+        start = random_starts.draw(seed)
+        system = hopping(
+            random_starts.robot(start.free), HoppingLaw(minimum_force=10.0), contact=Contact(start.friction)
+        )
+        trajectory = simulate(system, (start.q, start.v), 2, 1e-8, max_evaluations=5000)
+        assert trajectory.reason not in NUMERICAL
 
 
 class TestNominalGait:

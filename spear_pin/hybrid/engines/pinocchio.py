@@ -20,7 +20,14 @@ from spear_pin.model.robot import WORLD_ALIGNED
 
 Array = NDArray[np.float64]
 OPS = SimpleNamespace(
-    sin=math.sin, cos=math.cos, tan=math.tan, tanh=math.tanh, sqrt=math.sqrt, exp=math.exp, solve=np.linalg.solve
+    sin=math.sin,
+    cos=math.cos,
+    tan=math.tan,
+    tanh=math.tanh,
+    sqrt=math.sqrt,
+    exp=math.exp,
+    maximum=max,
+    solve=np.linalg.solve,
 )
 
 
@@ -170,13 +177,23 @@ class Flow:
         return any(not self._pivots.get(toe, 1.0) > 0.0 for toe, _ in self._slips)
 
     def normal_force(self, toe: str, u: Sequence[float]) -> float:
-        """F_z that the motor torques `u` would give here, in N: affine in `u`."""
+        """F_z that the motor torques `u` would give here, in N: affine in `u`.
+
+        For a toe that is not on the ground, what a smooth ground would have to give to hold it there.
+        """
         kept = self._forces.copy(), self._pivots.copy()
         applied = self.friction.copy() if self._has_friction else np.zeros(self._nv)
         for index, torque in zip(self._actuated, u, strict=True):
             applied[index] += torque
         for index, stiffness, rest, damping in self._springs:
             applied[index] += stiffness * (rest - self.q[index]) - damping * self.v[index]
+        if not any(toe == closed for closed, _ in self._closed):
+            pin.forwardKinematics(self._model, self._data, self.q, self.v, self._zeros)
+            index = self._toe_ids[toe]
+            drift = pin.getFrameClassicalAcceleration(self._model, self._data, index, WORLD_ALIGNED).linear[2]
+            row = self.jacobian(toe)[1:]
+            _, held_by, _ = constrained(self._data.M, applied - self._data.nle, row, row.T, np.array([drift]))
+            return float(held_by[0])
         self._accelerate(applied)
         normal = self._forces[toe][1]
         self._forces, self._pivots = kept
