@@ -88,7 +88,8 @@ class TestLawsOnSymbols:
         hip, knee = evaluate(stance_law, law, dyn)
         free, limited = (sp.sympify(knee).subs(held["limited"], value) for value in (0, 1))
         assert sp.simplify(free - p["stance_torque"] * held["flexing"]) == 0
-        assert limited.func == sp.Max and any(term.is_zero for term in limited.args), "flexion is limited, never turned into extension"
+        assert limited.func == sp.Max
+        assert any(term.is_zero for term in limited.args), "flexion is limited, never turned into extension"
         limit = next(term for term in limited.args if term.free_symbols)
         assert sp.simplify(dyn.normal_force("toe", (hip, limit)) - p["minimum_force"]) == 0
 
