@@ -1,0 +1,208 @@
+"""Motors and gearboxes by name, each number with its source and with how far it has been verified."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import pi
+from typing import Literal, NamedTuple, get_args
+
+from spear_pin.errors import UnknownName, require
+from spear_pin.model.motor import UNITS, Gearbox, Motor
+
+Verification = Literal[
+    "source document",  # stated by the document that this package follows
+    "datasheet seen",
+    "secondary source",  # somebody's transcription of a datasheet
+    "recollection",  # from memory: verify before relying on it
+    "computed",  # from numbers of the source document
+    "assumption",
+]
+VERIFICATIONS: tuple[Verification, ...] = get_args(Verification)
+
+G_CM2 = 1e-7  # kg·m²
+RPM = pi / 30.0  # rad/s
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with its provenance.
+
+    Attributes:
+        value: in the unit.
+        unit: of SI.
+        source: where it comes from.
+        verification: how far to trust it.
+    """
+
+    value: float
+    unit: str
+    source: str
+    verification: Verification
+
+
+class Row(NamedTuple):
+    """One number of the catalogue."""
+
+    name: str
+    quantity: str
+    value: float
+    unit: str
+    source: str
+    verification: Verification
+
+
+Entry = Mapping[str, Quantity]
+
+
+def scaled(motor: Motor, power: float) -> Motor:
+    """A motor of the same kind for another power: an assumption, for want of its numbers.
+
+    It is r = power / rated_power equal motors side by side on one shaft and one supply, r not being bound to
+    integers: torques, currents, inertia and mass are multiplied by r, resistance and inductance are divided
+    by r; torque constant, voltage and speeds stay. A manufacturer's larger motor will differ.
+
+    Args:
+        motor: with a known `rated_power`.
+        power: in W.
+    """
+    require("power", power, lambda p: p > 0, "a number > 0, in W")
+    ratio = power / motor.known("rated_power")
+    grow = ("rated_power", "nominal_torque", "nominal_current", "no_load_current", "rotor_inertia", "mass")
+    factors = dict.fromkeys(grow, ratio) | dict.fromkeys(("resistance", "inductance"), 1.0 / ratio)
+    numbers = {field: getattr(motor, field) for field in factors}
+    changes = {field: number * factors[field] for field, number in numbers.items() if number is not None}
+    return replace(motor, name=f"{motor.name} scaled to {power:g} W (assumption)", **changes)
+
+
+def motor(name: str) -> Motor:
+    """A motor of the catalogue; what is not known of it is None, for `dataclasses.replace` to fill in.
+
+    Raises:
+        UnknownName: there is no such motor.
+    """
+    if name not in MOTORS:
+        raise UnknownName("motor", name, MOTORS)
+    return Motor(name, **{field: quantity.value for field, quantity in MOTORS[name].items()})
+
+
+def gearbox(name: str) -> Gearbox:
+    """A gearbox of the catalogue; an efficiency or inertia that is not known is left at no loss or none.
+
+    Raises:
+        UnknownName: there is no such gearbox.
+    """
+    if name not in GEARBOXES:
+        raise UnknownName("gearbox", name, GEARBOXES)
+    return Gearbox(**{field: quantity.value for field, quantity in GEARBOXES[name].items()})
+
+
+def rows() -> list[Row]:
+    """Every number of the catalogue, motors first."""
+    return [
+        Row(name, field, quantity.value, quantity.unit, quantity.source, quantity.verification)
+        for name, entry in {**MOTORS, **GEARBOXES}.items()
+        for field, quantity in entry.items()
+    ]
+
+
+def _given(verification: Verification, source: str, **values: float) -> Entry:
+    return {field: Quantity(value, UNITS[field], source, verification) for field, value in values.items()}
+
+
+def _assumed(base: str, power: float) -> Entry:
+    """An entry for a scaled motor."""
+    larger = scaled(motor(base), power)
+    source = f"{base} scaled to {power:g} W as equal motors on one shaft"
+    return _given("assumption", source, **{field: getattr(larger, field) for field in MOTORS[base]})
+
+
+_MAXON = "maxon catalogue, from memory"
+_FAULHABER = "Faulhaber data sheet of 2012"
+_MAXON_2006 = "maxon catalogue of April 2006, p. 197, as transcribed in a public repository"
+_SAME_HEAT = "that of the 24 V winding: equal heat in equal copper"
+
+MOTORS: dict[str, Entry] = {
+    "spear_ii_knee": {
+        **_given("source document", "K_v of (4.8)", torque_constant=0.115),
+        **_given("source document", "Section 2.4: EC-60 Flat 100W", rated_power=100.0),
+        **_given("computed", "Table 2.4: 0.027 kg·m² at the joint / 15²", rotor_inertia=0.027 / 15**2),
+        **_given("assumption", "that of ec_60_flat_100w_48v", resistance=1.1, inductance=0.86e-3, nominal_torque=0.227),
+    },
+    "ec_60_flat_100w_24v": {
+        **_given("secondary source", "set-up notes in a public repository", torque_constant=0.0534),
+        **_given("secondary source", "set-up notes in a public repository", nominal_voltage=24.0, rated_power=100.0),
+        **_given("recollection", _MAXON, resistance=0.307, inductance=0.188e-3, rotor_inertia=1210 * G_CM2),
+        **_given("recollection", _MAXON, nominal_torque=0.227, no_load_current=0.49, mass=0.470),
+    },
+    "ec_60_flat_100w_48v": {
+        **_given("recollection", _MAXON, torque_constant=0.114, resistance=1.1, inductance=0.86e-3),
+        **_given("recollection", _MAXON, rotor_inertia=1210 * G_CM2, mass=0.470, nominal_voltage=48.0),
+        **_given("recollection", _MAXON, rated_power=100.0),
+        **_given("assumption", _SAME_HEAT, nominal_torque=0.227),
+    },
+    "ec_60_flat_150w": {
+        **_given("secondary source", "a thesis quoted in a public repository", nominal_torque=0.401, mass=0.350),
+        **_given("secondary source", "a thesis quoted in a public repository", nominal_voltage=24.0, rated_power=150.0),
+        **_given("secondary source", "a public repository", nominal_current=7.25),
+    },
+    "ec_60_flat_200w": {
+        **_given("secondary source", "a public repository, as EC 60 flat ventilated 48 V", rotor_inertia=832 * G_CM2),
+        **_given("secondary source", "a public repository", rated_power=200.0),
+    },
+    "ec_90_flat_90w_24v": {
+        **_given("secondary source", _MAXON_2006, torque_constant=0.0705, resistance=0.363, inductance=0.264e-3),
+        **_given(
+            "secondary source", _MAXON_2006, rotor_inertia=3060 * G_CM2, nominal_torque=0.387, nominal_current=5.39
+        ),
+        **_given("secondary source", _MAXON_2006, no_load_current=0.539, nominal_voltage=24.0, rated_power=90.0),
+        **_given("secondary source", "the same page, in another public repository", mass=0.648),
+    },
+    "ec_90_flat_90w_48v": {
+        **_given("secondary source", _MAXON_2006, torque_constant=0.217, resistance=2.3, inductance=2.5e-3),
+        **_given(
+            "secondary source", _MAXON_2006, rotor_inertia=3060 * G_CM2, nominal_torque=0.494, nominal_current=2.12
+        ),
+        **_given("secondary source", _MAXON_2006, no_load_current=0.13, nominal_voltage=48.0, rated_power=90.0),
+        **_given("secondary source", "the same page, in another public repository", mass=0.648),
+    },
+    "ec_90_flat_260w": {
+        **_given(
+            "secondary source", "controller design in a public repository", torque_constant=0.231, resistance=0.844
+        ),
+        **_given("secondary source", "controller design in a public repository", inductance=1.07e-3),
+        **_given("secondary source", "controller design in a public repository", rotor_inertia=5060 * G_CM2),
+        **_given("secondary source", "controller design in a public repository", rated_power=260.0),
+        **_given("secondary source", "amplifier set-up of an EC 90 flat in a public repository", nominal_current=4.06),
+        **_given("recollection", _MAXON, mass=1.0),
+        **_given("assumption", "not stated with the other numbers", nominal_voltage=48.0),
+    },
+    "ec_i_52_ht": {
+        **_given("secondary source", "a public repository", rotor_inertia=264 * G_CM2, nominal_torque=0.627),
+        **_given("secondary source", "a public repository", nominal_voltage=48.0),
+    },
+    "faulhaber_3863h024cr": {
+        **_given("datasheet seen", _FAULHABER, torque_constant=0.0398, resistance=0.64, inductance=180e-6),
+        **_given("datasheet seen", _FAULHABER, rotor_inertia=120 * G_CM2, nominal_torque=0.157, no_load_current=0.168),
+        **_given("datasheet seen", _FAULHABER, max_speed=8000 * RPM, mass=0.390, nominal_voltage=24.0),
+    },
+}
+MOTORS["assumed_600w"] = _assumed("ec_90_flat_260w", 600.0)
+
+_GEARS = "maxon catalogue of GP 52 C, from memory"
+_ONE_STAGE = _given("recollection", _GEARS, efficiency=0.91, max_torque=4.0)
+_TWO_STAGES = _given("recollection", _GEARS, efficiency=0.83, max_torque=15.0)
+_THREE_STAGES = _given("recollection", _GEARS, efficiency=0.75, max_torque=30.0)
+
+GEARBOXES: dict[str, Entry] = {
+    "spear_ii_knee_gear": {**_given("source document", "Table 2.4", ratio=15.0), **_TWO_STAGES},
+    "gp_52_c_4": {**_given("secondary source", "a public repository", ratio=4.3), **_ONE_STAGE},
+    "gp_52_c_12": {
+        **_given("secondary source", "a public repository, as 223083", ratio=12.0, inertia=17.6 * G_CM2),
+        **_TWO_STAGES,
+    },
+    "gp_52_c_15": {**_given("recollection", _GEARS, ratio=91 / 6), **_TWO_STAGES},
+    "gp_52_c_19": {**_given("secondary source", "a public repository", ratio=18.8), **_TWO_STAGES},
+    "gp_52_c_66": {**_given("recollection", _GEARS, ratio=1183 / 18), **_THREE_STAGES},
+    "gp_52_c_81": {**_given("secondary source", "a public repository", ratio=81.4), **_THREE_STAGES},
+}

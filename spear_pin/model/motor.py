@@ -1,0 +1,290 @@
+"""Motor, gearbox and supply: the torque that a joint can have at a speed, and the electrical power it takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spear_pin.errors import BadValue, require
+
+Array = NDArray[np.float64]
+
+UNITS = {
+    "torque_constant": "N·m/A",
+    "resistance": "Ω",
+    "inductance": "H",
+    "rotor_inertia": "kg·m²",
+    "nominal_torque": "N·m",
+    "nominal_current": "A",
+    "no_load_current": "A",
+    "max_speed": "rad/s",
+    "rated_power": "W",
+    "mass": "kg",
+    "nominal_voltage": "V",
+    "ratio": "1",
+    "efficiency": "1",
+    "inertia": "kg·m²",
+    "max_torque": "N·m",
+}
+
+
+@dataclass(frozen=True)
+class Motor:
+    """A motor as its equivalent DC motor: torque kt i, back-EMF kt ω; a brushless one line to line.
+
+    What is not known is None; what needs it then says so. `spear_pin.model.catalogue` has some motors.
+
+    Attributes:
+        name: what it is called in messages.
+        torque_constant: kt, in N·m/A; the same number is K_v of (4.8), in V·s/rad.
+        resistance: R of the terminals, in Ω.
+        inductance: L of the terminals, in H; steady states do without.
+        rotor_inertia: J of the rotor itself, in kg·m²; `Drive.reflected_inertia` multiplies it by N².
+        nominal_torque: that it can give continuously, in N·m, at the shaft.
+        nominal_current: that it can take continuously, in A.
+        no_load_current: in A; its torque kt I₀ is not counted in what follows.
+        max_speed: that its bearings and rotor stand, in rad/s.
+        rated_power: that its name promises, in W.
+        mass: in kg.
+        nominal_voltage: that its numbers are given for, in V.
+    """
+
+    name: str
+    torque_constant: float | None = None
+    resistance: float | None = None
+    inductance: float | None = None
+    rotor_inertia: float | None = None
+    nominal_torque: float | None = None
+    nominal_current: float | None = None
+    no_load_current: float | None = None
+    max_speed: float | None = None
+    rated_power: float | None = None
+    mass: float | None = None
+    nominal_voltage: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        for field in fields(self)[1:]:
+            value, unit = getattr(self, field.name), UNITS[field.name]
+            if value is not None:
+                require(f"Motor.{field.name}", value, lambda x: x > 0, f"a number > 0, in {unit}, or None")
+
+    def known(self, quantity: str) -> float:
+        """A number of the motor, by the name of its field.
+
+        Raises:
+            BadValue: it is not known.
+        """
+        value: float | None = getattr(self, quantity)
+        if value is None:
+            expected = f"a number, in {UNITS[quantity]}: unknown for this motor, give it by dataclasses.replace"
+            raise BadValue(f"{quantity} of {self.name}", value, expected)
+        return value
+
+    @property
+    def continuous_torque(self) -> float:
+        """What it can give without overheating, in N·m: its nominal torque, else kt times its nominal current."""
+        if self.nominal_torque is None and self.nominal_current is not None:
+            return self.known("torque_constant") * self.nominal_current
+        return self.known("nominal_torque")
+
+
+@dataclass(frozen=True)
+class Gearbox:
+    """A reduction that loses the same share of power in either direction.
+
+    Attributes:
+        ratio: N, turns of the rotor per turn of the joint.
+        efficiency: η, power out over power in.
+        inertia: of the gears, at the motor's shaft, in kg·m²; 0 neglects it.
+        max_torque: that it can pass on continuously, in N·m, at the joint; None if not known.
+    """
+
+    ratio: float
+    efficiency: float = 1.0
+    inertia: float = 0.0
+    max_torque: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        require("Gearbox.ratio", self.ratio, lambda n: n > 0, "a number > 0")
+        require("Gearbox.efficiency", self.efficiency, lambda eta: 0 < eta <= 1, "a number in (0, 1]")
+        require("Gearbox.inertia", self.inertia, lambda j: j >= 0, "a number >= 0, in kg·m²")
+        if self.max_torque is not None:
+            require("Gearbox.max_torque", self.max_torque, lambda x: x > 0, "a number > 0, in N·m, or None")
+
+
+@dataclass(frozen=True)
+class Worst:
+    """The point of a motion at which a drive has least to spare.
+
+    Attributes:
+        index: of the point.
+        torque: there, in N·m.
+        speed: there, in rad/s.
+        margin: there, in N·m; negative if the drive cannot do it.
+    """
+
+    index: int
+    torque: float
+    speed: float
+    margin: float
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A motor behind a gearbox on a supply, seen from the joint.
+
+    Torques are those of u in (3.16): N kt i less the losses of the gears. The rotor's inertia stands in D(q),
+    as N² J, so the torque that accelerates the rotor is part of u already. Motoring (torque along speed),
+    u = N η kt i; braking, the gears help and u = N kt i / η. Voltages are steady, R i + kt N ω.
+
+    Attributes:
+        motor: needs `torque_constant` and `resistance` for most of what follows.
+        gearbox: between it and the joint.
+        bus: V of the supply, in V.
+        current_limit: of the amplifier, in A; None leaves the resistance as the only limit.
+    """
+
+    motor: Motor
+    gearbox: Gearbox
+    bus: float
+    current_limit: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        require("Drive.bus", self.bus, lambda v: v > 0, "a number > 0, in V")
+        if self.current_limit is not None:
+            require("Drive.current_limit", self.current_limit, lambda i: i > 0, "a number > 0, in A, or None")
+
+    @property
+    def reflected_inertia(self) -> float:
+        """N² J, of rotor and gears, in kg·m²."""
+        return self.gearbox.ratio**2 * (self.motor.known("rotor_inertia") + self.gearbox.inertia)
+
+    @property
+    def no_load_speed(self) -> float:
+        """Joint speed at which the back-EMF equals the supply, V / (N kt), in rad/s."""
+        return self.bus / self._constant
+
+    @property
+    def stall_torque(self) -> float:
+        """Peak torque at rest, N η kt V / R or that of the current limit, in N·m; gears may not stand it."""
+        return float(self.envelope(0.0))
+
+    @property
+    def continuous_torque(self) -> float:
+        """Of the motor behind the gears, in N·m, no more than the gearbox or the amplifier can pass on."""
+        gear = self.gearbox
+        torque = gear.ratio * gear.efficiency * self.motor.continuous_torque
+        if self.current_limit is not None:
+            torque = min(torque, gear.efficiency * self._constant * self.current_limit)
+        return torque if gear.max_torque is None else min(torque, gear.max_torque)
+
+    @property
+    def continuous_speed(self) -> float:
+        """Joint speed up to which the supply still gives the continuous torque, in rad/s; 0 if it never does."""
+        drop = self.motor.known("resistance") * float(self.current(self.continuous_torque, 0.0))
+        return max(0.0, self.bus - drop) / self._constant
+
+    def torque(self, current: ArrayLike, speed: ArrayLike) -> Array:
+        """Joint torque of a motor current, in N·m; the inverse of `current`."""
+        amperes, rate = _arrays(current=current, speed=speed)
+        return np.asarray(self._constant * amperes * self._share(amperes, rate))[()]
+
+    def current(self, torque: ArrayLike, speed: ArrayLike) -> Array:
+        """Motor current, in A: u / (N η kt) where it drives, u η / (N kt) where it brakes.
+
+        Args:
+            torque: u at the joint, in N·m.
+            speed: of the joint, in rad/s, broadcast against the torque.
+
+        Raises:
+            BadValue: shapes do not fit or a number is not finite (as in every method).
+        """
+        effort, rate = _arrays(torque=torque, speed=speed)
+        return np.asarray(effort / (self._constant * self._share(effort, rate)))[()]
+
+    def voltage(self, torque: ArrayLike, speed: ArrayLike) -> Array:
+        """Voltage at the terminals, R i + kt N ω, in V."""
+        return self.motor.known("resistance") * self.current(torque, speed) + self._constant * np.asarray(speed)
+
+    def envelope(self, speed: ArrayLike) -> Array:
+        """Greatest torque in the positive direction at a signed joint speed, in N·m; the least is -envelope(-speed).
+
+        The current is (V - kt N ω) / R or the current limit, whichever is less. At negative speed the motor
+        brakes, and the back-EMF adds to the supply. Above the no-load speed the envelope is negative: the
+        back-EMF drives current into the supply, through the bridge's diodes at least, and the motor brakes.
+        """
+        (rate,) = _arrays(speed=speed)
+        current = (self.bus - self._constant * rate) / self.motor.known("resistance")
+        limit = np.inf if self.current_limit is None else self.current_limit
+        return self.torque(np.minimum(current, limit), rate)
+
+    def margin(self, torque: ArrayLike, speed: ArrayLike) -> Array:
+        """Available minus required torque, in N·m, in the direction of the torque; negative where it cannot be had.
+
+        Above the no-load speed a torque can also brake too little; the margin is then what is missing, negative.
+        Above the motor's `max_speed` it is -inf.
+        """
+        effort, rate = _arrays(torque=torque, speed=speed)
+        along = np.where(effort == 0, np.abs(rate), np.sign(effort) * rate)  # speed, seen along the torque
+        least, required = -self.envelope(-along), np.abs(effort)
+        margin = self.envelope(along) - required
+        margin = np.where(least > 0, np.minimum(margin, required - least), margin)
+        fastest = np.inf if self.motor.max_speed is None else self.motor.max_speed / self.gearbox.ratio
+        return np.where(np.abs(rate) > fastest, -np.inf, margin)[()]
+
+    def worst(self, torque: ArrayLike, speed: ArrayLike) -> Worst:
+        """The point with the least margin, of torques and speeds of one dimension."""
+        effort, rate = _arrays(torque=torque, speed=speed)
+        if effort.ndim != 1 or not effort.size:
+            raise BadValue("torque", effort, "an array of one dimension, not empty")
+        margins = self.margin(effort, rate)
+        index = int(np.argmin(margins))
+        return Worst(index, float(effort[index]), float(rate[index]), float(margins[index]))
+
+    def joule_power(self, torque: ArrayLike, speed: ArrayLike) -> Array:
+        """Heat of the winding, i² R, in W."""
+        return self.motor.known("resistance") * np.square(self.current(torque, speed))
+
+    def bus_power(self, torque: ArrayLike, speed: ArrayLike) -> Array:
+        """Electrical power at the terminals, V i, in W; an ideal amplifier takes it from the supply, or gives it."""
+        return self.voltage(torque, speed) * self.current(torque, speed)
+
+    @property
+    def _constant(self) -> float:
+        """N kt, in N·m/A or V·s/rad at the joint."""
+        return self.gearbox.ratio * self.motor.known("torque_constant")
+
+    def _share(self, effort: Array, rate: Array) -> Array:
+        """Of the motor's torque, what reaches the joint: η driving, 1/η braking."""
+        eta = self.gearbox.efficiency
+        return np.where(np.sign(effort) * np.sign(rate) < 0, 1.0 / eta, eta)
+
+
+def drawn_power(power: ArrayLike, regeneration: float) -> Array:
+    """What the supply loses: max(P, 0) + η_r min(P, 0), in W; its integral is the energy drawn.
+
+    Args:
+        power: P, in W, as of `Drive.bus_power`.
+        regeneration: η_r, the share of negative power that the supply gets back: 0 none, 1 all.
+    """
+    require("regeneration", regeneration, lambda eta: 0 <= eta <= 1, "a number in [0, 1]")
+    watts = np.asarray(power, dtype=float)
+    return np.asarray(np.maximum(watts, 0.0) + regeneration * np.minimum(watts, 0.0))[()]
+
+
+def _arrays(**values: ArrayLike) -> list[Array]:
+    """Values as arrays of floats of one shape."""
+    try:
+        arrays = [np.asarray(value, dtype=float) for value in values.values()]
+        shaped = np.broadcast_arrays(*arrays)
+    except (TypeError, ValueError):
+        raise BadValue(" and ".join(values), tuple(values.values()), "numbers whose shapes broadcast") from None
+    for name, array in zip(values, arrays, strict=True):
+        if not np.isfinite(array).all():
+            raise BadValue(name, array, "finite numbers")
+    return list(shaped)
