@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -50,6 +50,12 @@ ROBOTS = {
         "quadruped Q-SPEAR in the sagittal plane, each leg a pair",
         "source Table 5.1; distance between the hips is an assumption",
     ),
+    "q_spear_full": Shipped(
+        "q_spear_full.urdf",
+        ("posterior_left_toe", "posterior_right_toe", "anterior_left_toe", "anterior_right_toe"),
+        "quadruped Q-SPEAR in three dimensions, four legs with hip adduction on a floating torso",
+        "source Table 5.1; places of the hips and their adduction joints are assumptions",
+    ),
 }
 
 
@@ -71,15 +77,8 @@ def load(source: str | Path, toes: Iterable[str] | None = None, locked: Iterable
     if shipped is None and not ({"/", "\\", "."} & set(str(source))):
         raise UnknownName("robot", str(source), [*ROBOTS, "the path of a URDF"])
     urdf = read_urdf(shipped.path if shipped else source)
-    model = _model(urdf)
     locked = _names(locked)
-    joints = list(model.names)[1:]
-    for joint in locked:
-        if joint not in joints:
-            raise UnknownName("joint", joint, joints)
-    if locked:
-        ids = [model.getJointId(joint) for joint in locked]
-        model = pin.buildReducedModel(model, ids, pin.neutral(model))
+    model = hold(_model(urdf), locked)
     _check_inertia(urdf, model)
     driven = {transmission.joint for transmission in urdf.transmissions}
     return Robot(
@@ -90,6 +89,20 @@ def load(source: str | Path, toes: Iterable[str] | None = None, locked: Iterable
         locked=locked,
         source=str(source),
     )
+
+
+def hold(model: pin.Model, joints: Sequence[str]) -> pin.Model:
+    """A model with some joints held at zero.
+
+    Raises:
+        UnknownName: there is no such joint; the text lists the valid ones.
+    """
+    names = list(model.names)[1:]
+    for joint in joints:
+        if joint not in names:
+            raise UnknownName("joint", joint, names)
+    ids = [model.getJointId(joint) for joint in joints]
+    return pin.buildReducedModel(model, ids, pin.neutral(model)) if ids else model
 
 
 def _names(names: Iterable[str]) -> tuple[str, ...]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 import pinocchio as pin
@@ -12,6 +13,11 @@ from spear_pin.errors import BadValue, UnknownName
 
 Array = NDArray[np.float64]
 WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+UNCHANGED: Mapping[str, float] = MappingProxyType({})
+# what Pinocchio stores for a joint, by how many numbers it has in q and v; others are numbered
+CONFIGURATION = {2: ("cos", "sin"), 7: ("x", "y", "z", "qx", "qy", "qz", "qw")}
+VELOCITY = {6: ("vx", "vy", "vz", "wx", "wy", "wz")}
+UNIT = 1e-4  # by which the length of a quaternion in q may be off 1
 OUT_OF_PLANE = 1e-5  # rad or m per unit of a coordinate: a URDF's "1.5708" is a right angle
 
 
@@ -25,12 +31,14 @@ class Robot:
     Attributes:
         name: name of the robot.
         model: the `pinocchio.Model`, its armature set.
-        coordinates: nv names, in the order of v.
+        coordinates: nv names, in the order of v. Those of a floating joint are the velocity and the
+            angular velocity of its link in the link's own frame.
         toes: frame names of the points that touch the ground.
         actuated: names of the joints that have a motor, in the order of u.
         locked: names of the joints that are held at zero.
         planar: whether everything moves in the x-z plane; toe queries are then two-dimensional.
         source: what the robot was loaded from, a registered name or a path.
+        varied: the parameters that are not as there, by name (see `spear_pin.model.variants`).
     """
 
     def __init__(
@@ -42,8 +50,10 @@ class Robot:
         actuated: Sequence[str],
         locked: Sequence[str] = (),
         source: str = "",
+        varied: Mapping[str, float] = UNCHANGED,
     ) -> None:
         self.name, self.model, self.source = name, model, source or name
+        self.varied: Mapping[str, float] = MappingProxyType(dict(varied))
         self.toes, self.actuated, self.locked = tuple(toes), tuple(actuated), tuple(locked)
         self.nq, self.nv, self.nu = int(model.nq), int(model.nv), len(self.actuated)
         self.coordinates, self._configuration = _coordinates(model), _configuration(model)
@@ -53,11 +63,13 @@ class Robot:
         self._rows = np.array([0, 2]) if self.planar else np.array([0, 1, 2])
 
     def __repr__(self) -> str:
-        held = f", locked={list(self.locked)}" if self.locked else ""
-        return f"Robot({self.name!r}, nq={self.nq}, nv={self.nv}, nu={self.nu}, toes={list(self.toes)}{held})"
+        rest = f", locked={list(self.locked)}" if self.locked else ""
+        rest += f", varied={dict(self.varied)}" if self.varied else ""
+        return f"Robot({self.name!r}, nq={self.nq}, nv={self.nv}, nu={self.nu}, toes={list(self.toes)}{rest})"
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _rebuild, (self.model, self.name, self.toes, self.actuated, self.locked, self.source)
+        varied = dict(self.varied)
+        return _rebuild, (self.model, self.name, self.toes, self.actuated, self.locked, self.source, varied)
 
     @property
     def mass(self) -> float:
@@ -152,16 +164,25 @@ class Robot:
         return np.array(acceleration.linear[self._rows])
 
     def _q(self, q: ArrayLike) -> Array:
-        return _vector("q", q, self.nq, self._configuration)
+        vector = _vector("q", q, self.nq, self._configuration)
+        if self.nq != self.nv and not pin.isNormalized(self.model, vector, UNIT):
+            raise BadValue("q", q, "a quaternion, or a cosine and a sine, of length 1")
+        return vector
 
     def _v(self, v: ArrayLike) -> Array:
         return _vector("v", v, self.nv, self.coordinates)
 
 
 def _rebuild(
-    model: pin.Model, name: str, toes: Sequence[str], actuated: Sequence[str], locked: Sequence[str], source: str
+    model: pin.Model,
+    name: str,
+    toes: Sequence[str],
+    actuated: Sequence[str],
+    locked: Sequence[str],
+    source: str,
+    varied: Mapping[str, float],
 ) -> Robot:
-    return Robot(model, name=name, toes=toes, actuated=actuated, locked=locked, source=source)
+    return Robot(model, name=name, toes=toes, actuated=actuated, locked=locked, source=source, varied=varied)
 
 
 def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]) -> Array:
@@ -192,19 +213,19 @@ def _frame_id(model: pin.Model, frame: str) -> int:
 
 
 def _coordinates(model: pin.Model) -> tuple[str, ...]:
-    names: list[str] = []
-    for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
-        names += [name] if joint.nv == 1 else [f"{name}_{i}" for i in range(joint.nv)]
-    return tuple(names)
+    """Names of the nv numbers of a velocity."""
+    joints = list(zip(model.names, model.joints, strict=True))[1:]
+    return tuple(each for name, joint in joints for each in _parts(name, joint.nv, VELOCITY))
 
 
 def _configuration(model: pin.Model) -> tuple[str, ...]:
-    """Names of the nq numbers of a configuration; a continuous joint has a cosine and a sine."""
-    names: list[str] = []
-    for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
-        parts = {1: [name], 2: [f"{name}_cos", f"{name}_sin"]}
-        names += parts.get(joint.nq, [f"{name}_{i}" for i in range(joint.nq)])
-    return tuple(names)
+    """Names of the nq numbers of a configuration."""
+    joints = list(zip(model.names, model.joints, strict=True))[1:]
+    return tuple(each for name, joint in joints for each in _parts(name, joint.nq, CONFIGURATION))
+
+
+def _parts(name: str, count: int, parts: Mapping[int, Sequence[str]]) -> list[str]:
+    return [name] if count == 1 else [f"{name}_{part}" for part in parts.get(count, range(count))]
 
 
 def _is_planar(model: pin.Model, data: pin.Data) -> bool:

@@ -3,6 +3,7 @@
 import logging
 
 import numpy as np
+import pinocchio as pin
 import pytest
 import yourdfpy
 
@@ -15,7 +16,26 @@ each_robot = pytest.mark.parametrize("name", ROBOTS)
 
 def random_states(robot):
     rng = np.random.default_rng(7)
-    return [(rng.uniform(-2, 2, robot.nq), rng.uniform(-5, 5, robot.nv)) for _ in range(STATES)]
+    states = [(rng.uniform(-2, 2, robot.nv), rng.uniform(-5, 5, robot.nv)) for _ in range(STATES)]
+    return [(pin.integrate(robot.model, pin.neutral(robot.model), away), v) for away, v in states]
+
+
+def joints(robot):
+    """Name of each joint, and whether it is the floating one."""
+    return [(name, joint.nv == 6) for name, joint in zip(robot.model.names, robot.model.joints, strict=True)][1:]
+
+
+def in_world_axes(robot, q, v, count):
+    """T and the rate of T v at v̇ = 0, where T v has the first numbers of a floating joint's v in world axes.
+
+    Pinocchio has all six, velocity and angular velocity, in the axes of the link.
+    """
+    change, rate = np.eye(robot.nv), np.zeros(robot.nv)
+    if robot.nq > robot.nv:
+        rotation = pin.XYZQUATToSE3(q[:7]).rotation
+        change[:count, :count] = np.kron(np.eye(count // 3), rotation)
+        rate[:3] = rotation @ np.cross(v[3:6], v[:3])
+    return change, rate
 
 
 def assert_close(actual, expected):
@@ -26,30 +46,37 @@ def assert_close(actual, expected):
 class TestMuJoCo:
     @staticmethod
     def build(mujoco, robot, name):
-        """The model, its data, and the coordinate of the robot that each of its joints is."""
+        """The model, its data, and the entries of its vectors that each number of q and of v is."""
         spec = mujoco.MjSpec.from_file(str(ROBOTS[name].path))
         # the carriages and toes are massless, which MuJoCo refuses
         spec.compiler.fusestatic = False
         spec.compiler.boundmass = spec.compiler.boundinertia = 1e-14
         for joint in spec.joints:
-            joint.armature = robot.model.armature[robot.index(joint.name)]
+            if joint.name in robot.coordinates:
+                joint.armature = robot.model.armature[robot.index(joint.name)]
         model = spec.compile()
-        return model, mujoco.MjData(model), [robot.index(model.joint(i).name) for i in range(model.njnt)]
+        positions, velocities = [], []
+        for name, floating in joints(robot):
+            joint = model.joint(name)
+            positions += [joint.qposadr[0] + i for i in ((0, 1, 2, 4, 5, 6, 3) if floating else (0,))]
+            velocities += [joint.dofadr[0] + i for i in range(6 if floating else 1)]
+        return model, mujoco.MjData(model), positions, velocities
 
     def test_mass_matrix_and_bias(self, name):
         mujoco = pytest.importorskip("mujoco")
         robot = load(name)
-        model, data, order = self.build(mujoco, robot, name)
-        assert sorted(order) == list(range(robot.nv))
-        column = np.zeros(model.nv)
+        model, data, positions, velocities = self.build(mujoco, robot, name)
+        assert sorted(positions) == list(range(model.nq)) and sorted(velocities) == list(range(model.nv))
+        mass_matrix = np.zeros((model.nv, model.nv))
         for q, v in random_states(robot):
-            data.qpos[:], data.qvel[:] = q[order], v[order]
+            change, rate = in_world_axes(robot, q, v, 3)
+            data.qpos[positions], data.qvel[velocities] = q, change @ v
             mujoco.mj_forward(model, data)
-            mass_matrix = robot.mass_matrix(q)
-            for i, unit in enumerate(np.eye(model.nv)):
+            for column, unit in zip(mass_matrix, np.eye(model.nv), strict=True):
                 mujoco.mj_mulM(model, data, column, unit)
-                assert_close(mass_matrix[order, order[i]], column)
-            assert_close(robot.bias(q, v)[order], data.qfrc_bias)
+            there = mass_matrix[np.ix_(velocities, velocities)]
+            assert_close(robot.mass_matrix(q), change.T @ there @ change)
+            assert_close(robot.bias(q, v), change.T @ (data.qfrc_bias[velocities] + there @ rate))
 
 
 @each_robot
@@ -66,20 +93,31 @@ class TestDrake:
         plant.Finalize()
         return plant
 
+    @staticmethod
+    def order(plant, robot):
+        """The entries of Drake's vectors that each number of q and of v is."""
+        positions, velocities = [], []
+        for name, floating in joints(robot):
+            joint = plant.GetJointByName("torso" if floating else name)  # it calls a floating joint as its link
+            positions += [joint.position_start() + i for i in ((4, 5, 6, 1, 2, 3, 0) if floating else (0,))]
+            velocities += [joint.velocity_start() + i for i in ((3, 4, 5, 0, 1, 2) if floating else (0,))]
+        return positions, velocities
+
     def test_mass_matrix_and_bias(self, name):
         plant, robot = self.build(name), load(name)
         assert plant.num_velocities() == robot.nv
         context = plant.CreateDefaultContext()
-        # entry of Drake's vectors that is each coordinate of the robot
-        order = [plant.GetJointByName(joint).velocity_start() for joint in robot.coordinates]
+        positions, velocities = self.order(plant, robot)
         for q, v in random_states(robot):
-            positions, velocities = np.empty(robot.nq), np.empty(robot.nv)
-            positions[order], velocities[order] = q, v
-            plant.SetPositions(context, positions)
-            plant.SetVelocities(context, velocities)
-            assert_close(robot.mass_matrix(q), plant.CalcMassMatrix(context)[np.ix_(order, order)])
+            change, rate = in_world_axes(robot, q, v, 6)
+            there_q, there_v = np.empty(robot.nq), np.empty(robot.nv)
+            there_q[positions], there_v[velocities] = q, change @ v
+            plant.SetPositions(context, there_q)
+            plant.SetVelocities(context, there_v)
+            there = plant.CalcMassMatrix(context)[np.ix_(velocities, velocities)]
+            assert_close(robot.mass_matrix(q), change.T @ there @ change)
             bias = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
-            assert_close(robot.bias(q, v), bias[order])
+            assert_close(robot.bias(q, v), change.T @ (bias[velocities] + there @ rate))
 
 
 @each_robot
@@ -92,6 +130,10 @@ class TestYourdfpy:
         robot = load(name)
         urdf = yourdfpy.URDF.load(str(ROBOTS[name].path), load_meshes=False)
         for q, _ in random_states(robot):
-            urdf.update_cfg(dict(zip(robot.coordinates, q, strict=True)))
+            turning = [joint for joint, floating in joints(robot) if not floating]
+            urdf.update_cfg(dict(zip(turning, q[-len(turning) :], strict=True)))
+            # it leaves a floating joint, the first, at zero
+            base = np.eye(4) if robot.nq == robot.nv else pin.XYZQUATToSE3(q[:7]).homogeneous
             for toe in robot.toes:
-                assert_close(robot.toe_position(q, toe), urdf.get_transform(toe)[[0, 2], 3])
+                position = (base @ urdf.get_transform(toe))[:3, 3]
+                assert_close(robot.toe_position(q, toe), position[[0, 2]] if robot.planar else position)

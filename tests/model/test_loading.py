@@ -105,7 +105,7 @@ def refusal(kind, call):
 
 class TestShipped:
     def test_names(self):
-        assert set(ROBOTS) == {"spear_ii", "q_spear"}
+        assert set(ROBOTS) == {"spear_ii", "q_spear", "q_spear_full"}
         for shipped in ROBOTS.values():
             assert shipped.path.is_file() and shipped.summary and shipped.provenance
 
@@ -121,12 +121,13 @@ class TestShipped:
         assert (robot.nq, robot.nv, robot.nu, robot.planar) == (7, 7, 4, True)
 
     @pytest.mark.parametrize("name", ROBOTS)
-    def test_planar_shapes(self, name):
+    def test_shapes(self, name):
         robot = load(name)
         q, v = state(robot)
+        size = 2 if robot.planar else 3
         for toe in robot.toes:
-            assert robot.toe_position(q, toe).shape == robot.toe_drift(q, v, toe).shape == (2,)
-            assert robot.toe_jacobian(q, toe).shape == (2, robot.nv)
+            assert robot.toe_position(q, toe).shape == robot.toe_drift(q, v, toe).shape == (size,)
+            assert robot.toe_jacobian(q, toe).shape == (size, robot.nv)
 
     def test_repr(self):
         assert repr(load("spear_ii")) == "Robot('spear_ii', nq=4, nv=4, nu=2, toes=['toe'])"
@@ -243,7 +244,7 @@ class TestThreeDimensions:
         """A floating joint has one coordinate more than it has rates."""
         robot = load(write(FLYING), toes=["foot"])
         assert (robot.nq, robot.nv, robot.nu, robot.planar) == (8, 7, 1, False)
-        assert robot.coordinates == (*(f"yaw_{i}" for i in range(6)), "pitch")
+        assert robot.coordinates == (*(f"yaw_{part}" for part in ("vx", "vy", "vz", "wx", "wy", "wz")), "pitch")
         shapes = {
             "mass_matrix": (7, 7),
             "coriolis_matrix": (7, 7),
@@ -269,12 +270,31 @@ class TestThreeDimensions:
         np.testing.assert_allclose(robot.toe_jacobian(q, "foot") @ v, (ahead - behind) / (2 * step), atol=1e-6)
         np.testing.assert_allclose(robot.toe_drift(q, v, "foot"), (ahead - 2 * here + behind) / step**2, atol=1e-6)
 
+    @pytest.mark.parametrize("length", [0.0, 0.999, 1.001, 2.0])
+    def test_quaternion_that_is_no_rotation(self, write, length):
+        robot = load(write(FLYING), toes=["foot"])
+        q, _ = state(robot)
+        q[3:7] *= length
+        error = refusal(BadValue, lambda: robot.toe_position(q, "foot"))
+        assert error.name == "q" and "of length 1" in error.expected
+
+    def test_rounded_quaternion(self, write):
+        robot = load(write(FLYING), toes=["foot"])
+        q, _ = state(robot)
+        np.testing.assert_allclose(robot.mass_matrix(q.round(5)), robot.mass_matrix(q), atol=1e-4)
+
+    def test_configuration_is_named(self, write):
+        error = refusal(BadValue, lambda: load(write(FLYING)).mass_matrix(np.zeros(7)))
+        assert "8 numbers (yaw_x, yaw_y, yaw_z, yaw_qx, yaw_qy, yaw_qz, yaw_qw, pitch)" in error.expected
+
     def test_continuous_joint(self, write):
         """Pinocchio stores it as cosine and sine."""
         robot = load(write(ARM.replace('name="yaw" type="revolute"', 'name="yaw" type="continuous"')), toes=["foot"])
         assert (robot.nq, robot.nv) == (3, 2)
         q = [np.cos(self.yaw), np.sin(self.yaw), self.pitch]
         np.testing.assert_allclose(robot.mass_matrix(q), load(write(ARM)).mass_matrix(self.q), atol=1e-14)
+        error = refusal(BadValue, lambda: robot.mass_matrix([0.5, 0.5, self.pitch]))
+        assert error.name == "q" and "a cosine and a sine, of length 1" in error.expected
 
 
 class TestAnswers:
@@ -335,7 +355,7 @@ class TestUnknownNames:
     def test_robot(self):
         error = refusal(UnknownName, lambda: load("spear_iii"))
         assert (error.kind, error.value) == ("robot", "spear_iii")
-        assert error.valid[:2] == ("spear_ii", "q_spear") and "path" in error.valid[2]
+        assert error.valid[:-1] == tuple(ROBOTS) and "path" in error.valid[-1]
         assert "unknown robot 'spear_iii'" in str(error) and "spear_ii, q_spear" in str(error)
 
     def test_empty_name(self):

@@ -1,6 +1,7 @@
 """The numbers of the source's tables, typed here, against the loaded robots."""
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from spear_pin.model.loading import load
@@ -45,6 +46,10 @@ LEGS = {
     "spear_ii": (SPEAR_II, 1, "spear_ii", ""),
     "posterior": (Q_SPEAR, 2, "q_spear", "posterior_"),
     "anterior": (Q_SPEAR, 2, "q_spear", "anterior_"),
+    "posterior left": (Q_SPEAR, 1, "q_spear_full", "posterior_left_"),
+    "posterior right": (Q_SPEAR, 1, "q_spear_full", "posterior_right_"),
+    "anterior left": (Q_SPEAR, 1, "q_spear_full", "anterior_left_"),
+    "anterior right": (Q_SPEAR, 1, "q_spear_full", "anterior_right_"),
 }
 
 each_leg = pytest.mark.parametrize(("table", "count", "name", "prefix"), LEGS.values(), ids=LEGS)
@@ -89,7 +94,7 @@ class TestLegs:
 
     def test_link_lengths(self, table, count, name, prefix):
         robot = load(name)
-        q = np.linspace(-1, 1, robot.nq)
+        q = pin.integrate(robot.model, pin.neutral(robot.model), np.linspace(-1, 1, robot.nv))
         hip, knee, toe = (robot.frame_position(q, f"{prefix}{frame}") for frame in ("thigh", "shank", "toe"))
         assert np.linalg.norm(knee - hip) == pytest.approx(table["length"], rel=1e-12)
         assert np.linalg.norm(toe - knee) == pytest.approx(table["length"], rel=1e-12)
@@ -109,14 +114,16 @@ class TestMonopod:
 
 
 class TestQuadruped:
-    def test_torso(self):
-        torso = inertia(load("q_spear"), "pitch")
+    @pytest.mark.parametrize(("name", "joint"), [("q_spear", "pitch"), ("q_spear_full", "base")])
+    def test_torso(self, name, joint):
+        torso = inertia(load(name), joint)
         assert torso.mass == Q_SPEAR["torso mass"]
         assert torso.inertia[1, 1] == Q_SPEAR["torso inertia"]
         np.testing.assert_array_equal(torso.lever, [0, 0, 0])
 
-    def test_total_mass(self):
-        assert load("q_spear").mass == pytest.approx(Q_SPEAR["total mass"], rel=1e-12)
+    @pytest.mark.parametrize("name", ["q_spear", "q_spear_full"])
+    def test_total_mass(self, name):
+        assert load(name).mass == pytest.approx(Q_SPEAR["total mass"], rel=1e-12)
 
     def test_hips_are_apart_by_the_assumed_distance(self):
         robot = load("q_spear")

@@ -1,0 +1,253 @@
+"""The dynamics of a planar robot, written once for arrays and for symbols.
+
+D, C v + G, and each toe's position, Jacobian and drift, from scalars of any kind that has +, -, *
+and a sine and cosine: numbers, NumPy arrays (a whole batch of states at once), SymPy, CasADi. Every
+number is read from the robot's `pinocchio.Model`.
+
+Vectors lie in the x-z plane; angles turn x towards z, so that pitch is positive nose up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from spear_pin.errors import BadValue
+from spear_pin.model.robot import Robot
+
+Vector = tuple[Any, Any]
+ZERO: Vector = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Body:
+    """A joint and the rigid body that it moves.
+
+    Attributes:
+        parent: number of the body it hangs on, -1 for the world.
+        placement: of the joint in the parent, in m.
+        turn: angle of the joint's frame in the parent, in rad.
+        turns: +1 or -1 for a revolute joint, by the sense of its axis; 0 for a prismatic one.
+        slides: direction of a prismatic joint in its own frame.
+        mass: in kg.
+        com: centre of mass in the joint's frame, in m.
+        inertia: about the centre of mass, in kg·m².
+        armature: rotor inertia reflected to the joint, in kg·m² (or kg).
+    """
+
+    parent: int
+    placement: tuple[float, float]
+    turn: float
+    turns: float
+    slides: tuple[float, float]
+    mass: float
+    com: tuple[float, float]
+    inertia: float
+    armature: float
+
+
+@dataclass(frozen=True)
+class Terms:
+    """The equations of motion at a state: D v̇ + bias = B u + Σ Jᵀ F, (3.16).
+
+    Attributes:
+        mass_matrix: D, nv rows of nv.
+        bias: C v + G, nv.
+        positions: x and z of each toe.
+        jacobians: J of each toe, two rows of nv.
+        drifts: J̇ v of each toe.
+    """
+
+    mass_matrix: list[list[Any]]
+    bias: list[Any]
+    positions: dict[str, Vector]
+    jacobians: dict[str, list[list[Any]]]
+    drifts: dict[str, Vector]
+
+
+class Planar:
+    """The planar dynamics of a robot, for any scalars.
+
+    Args:
+        robot: a planar robot with one coordinate a joint.
+
+    Raises:
+        BadValue: the robot is not planar, or has a joint with several coordinates.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        if not robot.planar or robot.nq != robot.nv or robot.nv != robot.model.njoints - 1:
+            raise BadValue("robot", robot, "a planar robot whose joints have one coordinate each")
+        self.coordinates, self.nv = robot.coordinates, robot.nv
+        self.bodies = _bodies(robot.model)
+        self.gravity = float(-robot.model.gravity.linear[2])
+        self.toes: dict[str, tuple[int, tuple[float, float]]] = {}
+        for toe in robot.toes:
+            frame = robot.model.frames[robot.toe_id(toe)]
+            self.toes[toe] = int(frame.parentJoint) - 1, _plane(frame.placement.translation)
+
+    def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
+        """The equations of motion at (q, v).
+
+        Args:
+            q: nv scalars.
+            v: nv scalars.
+            ops: has `sin` and `cos` for them.
+        """
+        joints = self._joints(q, v, ops)
+        mass_matrix = [[0.0] * self.nv for _ in range(self.nv)]
+        bias: list[Any] = [0.0] * self.nv
+        # of what each joint carries: mass, moment of mass about the joint, inertia about it, and the
+        # force and torque there that the motion at v̇ = 0 needs
+        carried: list[list[Any]] = [[0.0, ZERO, 0.0, ZERO, 0.0] for _ in self.bodies]
+        for i in reversed(range(self.nv)):
+            body, joint = self.bodies[i], joints[i]
+            mass, moment, inertia, force, torque = carried[i]
+            com = _turned(body.com, joint.cosine, joint.sine)
+            pull = _added(joint.acceleration, _scaled(-joint.spin * joint.spin, com))
+            pull = body.mass * pull[0], body.mass * (pull[1] + self.gravity)
+            mass = mass + body.mass
+            moment = _added(moment, _scaled(body.mass, com))
+            inertia = inertia + body.inertia + body.mass * _dot(com, com)
+            force, torque = _added(force, pull), torque + _cross(com, pull)
+            bias[i] = body.turns * torque if body.turns else _dot(joint.axis, force)
+            j = i
+            while j >= 0:
+                other = joints[j]
+                lever = (joint.origin[0] - other.origin[0], joint.origin[1] - other.origin[1])
+                value: Any
+                if body.turns and self.bodies[j].turns:
+                    value = body.turns * self.bodies[j].turns * (inertia + _dot(moment, lever))
+                elif body.turns:
+                    value = body.turns * _cross(moment, other.axis)
+                elif self.bodies[j].turns:
+                    value = self.bodies[j].turns * _cross(_added(moment, _scaled(mass, lever)), joint.axis)
+                else:
+                    value = mass * _dot(joint.axis, other.axis)
+                mass_matrix[i][j] = mass_matrix[j][i] = value
+                j = self.bodies[j].parent
+            mass_matrix[i][i] = mass_matrix[i][i] + body.armature
+            if body.parent >= 0:
+                arm = joints[body.parent].origin
+                arm = (joint.origin[0] - arm[0], joint.origin[1] - arm[1])
+                above = carried[body.parent]
+                above[0] = above[0] + mass
+                above[1] = _added(above[1], _added(moment, _scaled(mass, arm)))
+                above[2] = above[2] + inertia + 2.0 * _dot(moment, arm) + mass * _dot(arm, arm)
+                above[3] = _added(above[3], force)
+                above[4] = above[4] + torque + _cross(arm, force)
+        positions, jacobians, drifts = {}, {}, {}
+        for toe, (i, offset) in self.toes.items():
+            lever = _turned(offset, joints[i].cosine, joints[i].sine)
+            positions[toe] = position = _added(joints[i].origin, lever)
+            drifts[toe] = _added(joints[i].acceleration, _scaled(-joints[i].spin * joints[i].spin, lever))
+            jacobians[toe] = [[0.0] * self.nv, [0.0] * self.nv]
+            while i >= 0:
+                column: Vector = joints[i].axis
+                if self.bodies[i].turns:
+                    from_joint = (position[0] - joints[i].origin[0], position[1] - joints[i].origin[1])
+                    column = _scaled(self.bodies[i].turns, (-from_joint[1], from_joint[0]))
+                jacobians[toe][0][i], jacobians[toe][1][i] = column
+                i = self.bodies[i].parent
+        return Terms(mass_matrix, bias, positions, jacobians, drifts)
+
+    def _joints(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> list[_Joint]:
+        joints: list[_Joint] = []
+        for i, body in enumerate(self.bodies):
+            above = joints[body.parent] if body.parent >= 0 else _WORLD
+            arm = _turned(body.placement, above.cosine, above.sine)
+            angle = above.angle if body.turn == 0.0 else above.angle + body.turn
+            spin = above.spin
+            if body.turns:
+                angle, spin = angle + body.turns * q[i], spin + body.turns * v[i]
+            turned = body.turns or body.turn
+            cosine, sine = (ops.cos(angle), ops.sin(angle)) if turned else (above.cosine, above.sine)
+            axis: Vector = ZERO
+            acceleration = above.acceleration
+            if not body.turns:
+                axis = _turned(body.slides, cosine, sine)
+                arm = _added(arm, _scaled(q[i], axis))
+                if _moves(spin):
+                    acceleration = _added(acceleration, _scaled(2.0 * spin * v[i], (-axis[1], axis[0])))
+            if _moves(above.spin):
+                acceleration = _added(acceleration, _scaled(-above.spin * above.spin, arm))
+            joints.append(_Joint(angle, cosine, sine, _added(above.origin, arm), spin, acceleration, axis))
+        return joints
+
+
+@dataclass(frozen=True)
+class _Joint:
+    """Where a joint is: absolute angle and rate, position, acceleration at v̇ = 0, direction of sliding."""
+
+    angle: Any
+    cosine: Any
+    sine: Any
+    origin: Vector
+    spin: Any
+    acceleration: Vector
+    axis: Vector
+
+
+_WORLD = _Joint(0.0, 1.0, 0.0, ZERO, 0.0, ZERO, ZERO)
+
+
+def _bodies(model: pin.Model) -> tuple[Body, ...]:
+    data = model.createData()
+    pin.computeJointJacobians(model, data, pin.neutral(model))
+    bodies = []
+    for joint in range(1, model.njoints):
+        row = int(model.joints[joint].idx_v)
+        axis = pin.getJointJacobian(model, data, joint, pin.ReferenceFrame.LOCAL)[:, row]
+        placement, inertia = model.jointPlacements[joint], model.inertias[joint]
+        turns = -float(np.round(axis[4]))  # about -y angles turn x towards z
+        bodies.append(
+            Body(
+                parent=int(model.parents[joint]) - 1,
+                placement=_plane(placement.translation),
+                turn=float(np.arctan2(placement.rotation[2, 0], placement.rotation[0, 0])),
+                turns=turns,
+                slides=ZERO if turns else _plane(axis[:3]),
+                mass=float(inertia.mass),
+                com=_plane(inertia.lever),
+                inertia=float(inertia.inertia[1, 1]),
+                armature=float(model.armature[row]),
+            )
+        )
+    return tuple(bodies)
+
+
+def _plane(vector: Any) -> tuple[float, float]:
+    return float(vector[0]), float(vector[2])
+
+
+def _moves(spin: Any) -> bool:
+    return not (isinstance(spin, float) and spin == 0.0)
+
+
+def _turned(vector: Vector, cosine: Any, sine: Any) -> Vector:
+    x, z = vector
+    if x == 0.0:  # most limbs hang straight down
+        return -sine * z, cosine * z
+    if z == 0.0:
+        return cosine * x, sine * x
+    return cosine * x - sine * z, sine * x + cosine * z
+
+
+def _added(a: Vector, b: Vector) -> Vector:
+    return a[0] + b[0], a[1] + b[1]
+
+
+def _scaled(factor: Any, vector: Vector) -> Vector:
+    return factor * vector[0], factor * vector[1]
+
+
+def _dot(a: Vector, b: Vector) -> Any:
+    return a[0] * b[0] + a[1] * b[1]
+
+
+def _cross(a: Vector, b: Vector) -> Any:
+    return a[0] * b[1] - a[1] * b[0]

@@ -1,0 +1,128 @@
+"""Numbers of the quadrupeds that a study may change, each by its name: the assumed ones and the torso's and gears'."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import copysign
+from numbers import Real
+from types import MappingProxyType
+
+import pinocchio as pin
+
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.model.loading import hold, load
+from spear_pin.model.robot import Robot
+from spear_pin.model.urdf import MAX_NUMBER
+
+FULL = ("q_spear_full",)
+BOTH = ("q_spear", *FULL)
+TABLE, ASSUMPTION = "source Table 5.1", "assumption"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of a robot that `vary` changes.
+
+    Attributes:
+        default: its value in the URDF.
+        unit: of the value; a ratio has the unit 1.
+        provenance: the place in the source, or that it is an assumption.
+        summary: what it is.
+        robots: names of the robots that have it.
+    """
+
+    default: float
+    unit: str
+    provenance: str
+    summary: str
+    robots: tuple[str, ...] = BOTH
+
+
+PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
+    {
+        "hip_distance": Parameter(0.7, "m", ASSUMPTION, "from the posterior to the anterior hips, the torso midway"),
+        "hip_spacing": Parameter(0.32, "m", ASSUMPTION, "from the left to the right hips", FULL),
+        "torso_mass": Parameter(35.0, "kg", TABLE, "mass of the torso"),
+        "torso_inertia": Parameter(2.1, "kg·m²", TABLE, "of the torso in pitch; in roll and yaw in proportion"),
+        "hip_ratio": Parameter(60.0, "1", TABLE, "turns of a hip's rotor per turn of the hip"),
+        "knee_ratio": Parameter(15.0, "1", TABLE, "turns of a knee's rotor per turn of the knee"),
+        "adduction_ratio": Parameter(60.0, "1", ASSUMPTION, "turns of an adduction rotor per turn of its joint", FULL),
+    }
+)
+
+
+def vary(robot: Robot, **values: float) -> Robot:
+    """The same robot with other numbers, the given one being left alone.
+
+    A rotor keeps its own inertia J, so with another ratio N the joint's reflected inertia is N² J.
+    Shapes that are drawn keep their size.
+
+    Args:
+        robot: `q_spear` or `q_spear_full`, as loaded or varied already.
+        **values: by names of `PARAMETERS`, in the units there. What was varied before stays so.
+
+    Raises:
+        UnknownName: the robot has no parameter of that name; the text lists those that it has.
+        BadValue: a value is not a finite number > 0, or the robot's model was changed by other means.
+    """
+    valid = [name for name, parameter in PARAMETERS.items() if robot.source in parameter.robots]
+    for name, value in values.items():
+        if name not in valid:
+            raise UnknownName("parameter", name, valid)
+        if isinstance(value, bool) or not (isinstance(value, Real) and 0 < value <= MAX_NUMBER):
+            raise BadValue(name, value, f"a finite number > 0, in {PARAMETERS[name].unit}")
+    if not values:
+        return robot
+    if robot.model != _model(robot, robot.varied):
+        raise BadValue("robot", robot, "one whose model is as it was loaded, or varied by this function")
+    varied = {**robot.varied, **{name: float(value) for name, value in values.items()}}
+    return Robot(
+        _model(robot, varied),
+        name=robot.name,
+        toes=robot.toes,
+        actuated=robot.actuated,
+        locked=robot.locked,
+        source=robot.source,
+        varied=varied,
+    )
+
+
+def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
+    """What the robot was loaded from, changed before its joints are locked, which merges links."""
+    model = load(robot.source).model
+    for name, value in varied.items():
+        _change(model, name, value)
+    return hold(model, robot.locked)
+
+
+def _change(model: pin.Model, name: str, value: float) -> None:
+    torso = int(model.frames[model.getFrameId("torso", pin.FrameType.BODY)].parentJoint)
+    body = model.inertias[torso]
+    if name == "torso_mass":
+        model.inertias[torso] = pin.Inertia(value, body.lever, body.inertia)
+    elif name == "torso_inertia":
+        model.inertias[torso] = pin.Inertia(body.mass, body.lever, body.inertia * (value / body.inertia[1, 1]))
+    elif name.endswith("_ratio"):
+        _set_ratio(model, name.removesuffix("_ratio"), value)
+    else:
+        _move_hips(model, torso, {"hip_distance": 0, "hip_spacing": 1}[name], value)
+
+
+def _set_ratio(model: pin.Model, kind: str, ratio: float) -> None:
+    """Set the gear ratio of every joint of a kind, such as "knee"."""
+    armature, gear_ratio = model.armature.copy(), model.rotorGearRatio.copy()
+    for joint, name in enumerate(model.names):
+        if name.endswith(f"_{kind}"):
+            row = model.joints[joint].idx_v
+            gear_ratio[row], armature[row] = ratio, ratio**2 * model.rotorInertia[row]
+    model.armature, model.rotorGearRatio = armature, gear_ratio
+
+
+def _move_hips(model: pin.Model, torso: int, axis: int, distance: float) -> None:
+    """Set the distance, in m, between the joints on the two ends of the torso along an axis."""
+    for joint in range(1, model.njoints):
+        if model.parents[joint] == torso:
+            place = model.jointPlacements[joint].translation.copy()
+            place[axis] = copysign(distance / 2, place[axis])
+            model.jointPlacements[joint].translation = place

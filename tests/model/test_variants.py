@@ -1,0 +1,257 @@
+"""Robots with other numbers: each number against a formula by hand, and what does not change."""
+
+import copy
+import pickle
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.model.loading import load
+from spear_pin.model.robot import Robot
+from spear_pin.model.variants import PARAMETERS, vary
+
+LEG_MASS = 1.72 + 0.47
+EACH = [(name, robot) for name, parameter in PARAMETERS.items() for robot in parameter.robots]
+
+each_parameter = pytest.mark.parametrize(("name", "source"), EACH)
+each_robot = pytest.mark.parametrize("source", ["q_spear", "q_spear_full"])
+
+
+def state(robot):
+    """A configuration away from zero and rates."""
+    v = np.linspace(-1.0, 1.5, robot.nv)
+    return pin.integrate(robot.model, pin.neutral(robot.model), 0.3 * v + 0.1), v
+
+
+def difference(source, q=None, **values):
+    """What a variation adds to D, at a state or where all legs hang straight down."""
+    robot = load(source)
+    q = pin.neutral(robot.model) if q is None else q
+    return vary(robot, **values).mass_matrix(q) - robot.mass_matrix(q)
+
+
+def assert_adds(change, entries):
+    """Entries by row and column, the rest zero."""
+    expected = np.zeros_like(change)
+    for (row, column), value in entries.items():
+        expected[row, column] = expected[column, row] = value
+    np.testing.assert_allclose(change, expected, rtol=0, atol=1e-12)
+
+
+class TestParameters:
+    @each_parameter
+    def test_default_is_what_the_urdf_has(self, name, source):
+        robot = load(source)
+        assert vary(robot, **{name: PARAMETERS[name].default}).model == robot.model
+
+    def test_are_described(self):
+        for parameter in PARAMETERS.values():
+            assert parameter.unit in ("m", "kg", "kg·m²", "1") and parameter.summary
+            assert parameter.provenance == "assumption" or parameter.provenance.startswith("source Table")
+
+    def test_are_fixed(self):
+        with pytest.raises(TypeError):
+            PARAMETERS["hip_distance"] = None
+
+    @each_parameter
+    def test_changes_the_robot(self, name, source):
+        assert np.abs(difference(source, state(load(source))[0], **{name: 1.3 * PARAMETERS[name].default})).max() > 1e-3
+
+
+class TestByHand:
+    """Where the legs hang straight down, the formulas are short."""
+
+    def test_hip_distance_of_the_pairs(self):
+        """The legs' masses about the torso's centre: 4 m (d/2)² in pitch."""
+        change = difference("q_spear", hip_distance=0.9)
+        pitch, hip, knee = 2, (3, 5), (4, 6)
+        drop = 1.72 * 0.008 + 0.47 * (0.318 + 0.144)
+        assert_adds(change, {(pitch, pitch): 4 * LEG_MASS * (0.45**2 - 0.35**2)})
+        # turned back to be level, the posterior leg couples with pitch by its centre of mass
+        q = np.array([0, 0, 0, np.pi / 2, 0, 0, 0])
+        change = difference("q_spear", q, hip_distance=0.9)
+        assert change[pitch, hip[0]] == pytest.approx(-2 * 0.1 * drop, abs=1e-12)
+        assert change[pitch, knee[0]] == pytest.approx(2 * 0.1 * 0.47 * 0.144, abs=1e-12)
+        assert change[pitch, hip[1]] == pytest.approx(0.0, abs=1e-12)
+
+    def test_hip_distance_of_four_legs(self):
+        gain = 4 * LEG_MASS * (0.45**2 - 0.35**2)
+        drop = 1.72 * 0.008 + 0.47 * (0.318 + 0.144)
+        robot = load("q_spear_full")
+        entries = {(4, 4): gain, (5, 5): gain}
+        for leg in ("posterior_left", "posterior_right", "anterior_left", "anterior_right"):
+            # yaw swings the hips sideways, as adduction swings the leg
+            entries[5, robot.index(f"{leg}_adduction")] = 0.1 * drop * (1 if leg.startswith("anterior") else -1)
+        assert_adds(difference("q_spear_full", hip_distance=0.9), entries)
+
+    def test_hip_spacing(self):
+        gain = 4 * LEG_MASS * (0.25**2 - 0.16**2)
+        drop = 1.72 * 0.008 + 0.47 * (0.318 + 0.144)
+        robot = load("q_spear_full")
+        entries = {(3, 3): gain, (5, 5): gain}
+        for leg in ("posterior_left", "posterior_right", "anterior_left", "anterior_right"):
+            # yaw swings the left hips backward, hip and knee the leg forward and backward
+            side = 1 if leg.endswith("left") else -1
+            entries[5, robot.index(f"{leg}_hip")] = -0.09 * side * drop
+            entries[5, robot.index(f"{leg}_knee")] = 0.09 * side * 0.47 * 0.144
+        assert_adds(difference("q_spear_full", hip_spacing=0.5), entries)
+
+    def test_torso_mass(self):
+        for source, rows in (("q_spear", (0, 1)), ("q_spear_full", (0, 1, 2))):
+            change = difference(source, state(load(source))[0], torso_mass=40.0)
+            assert_adds(change, {(row, row): 5.0 for row in rows})
+        assert vary(load("q_spear"), torso_mass=40.0).mass == pytest.approx(48.76)
+
+    def test_torso_inertia(self):
+        change = difference("q_spear", state(load("q_spear"))[0], torso_inertia=3.15)
+        assert_adds(change, {(2, 2): 1.05})
+        change = difference("q_spear_full", state(load("q_spear_full"))[0], torso_inertia=3.15)
+        assert_adds(change, {(3, 3): 0.3, (4, 4): 1.05, (5, 5): 1.05})
+
+    @pytest.mark.parametrize(
+        ("name", "ratio", "reflected"),
+        [
+            ("hip_ratio", 30.0, 0.047 / 4),
+            ("knee_ratio", 60.0, 0.027 * 16),
+            ("adduction_ratio", 120.0, 0.047 * 4),
+        ],
+    )
+    def test_ratio(self, name, ratio, reflected):
+        before = {"hip_ratio": 0.047, "knee_ratio": 0.027, "adduction_ratio": 0.047}[name]
+        for source in PARAMETERS[name].robots:
+            robot, rotors = load(source), 2 if source == "q_spear" else 1
+            rows = [i for i, joint in enumerate(robot.coordinates) if joint.endswith(name.removesuffix("ratio")[:-1])]
+            assert len(rows) == 4 // rotors
+            change = difference(source, state(robot)[0], **{name: ratio})
+            assert_adds(change, {(row, row): rotors * (reflected - before) for row in rows})
+            model = vary(robot, **{name: ratio}).model
+            np.testing.assert_array_equal(model.rotorInertia, robot.model.rotorInertia)
+            assert set(model.rotorGearRatio[rows]) == {ratio}
+
+    @pytest.mark.parametrize("distance", [0.4, 1.0])
+    def test_hips_are_where_they_should_be(self, distance):
+        robot = vary(load("q_spear_full"), hip_distance=distance, hip_spacing=0.2)
+        q = pin.neutral(robot.model)
+        np.testing.assert_allclose(robot.frame_position(q, "posterior_left_thigh"), [-distance / 2, 0.1, 0], atol=1e-15)
+        np.testing.assert_allclose(robot.frame_position(q, "anterior_right_thigh"), [distance / 2, -0.1, 0], atol=1e-15)
+
+    def test_pairs_are_four_legs(self):
+        """What both have, changed in both, changes them alike: the legs of the sagittal robot are pairs."""
+        values = {name: 1.4 * parameter.default for name, parameter in PARAMETERS.items() if len(parameter.robots) == 2}
+        assert len(values) == 5
+        pairs, legs = vary(load("q_spear"), **values), vary(load("q_spear_full"), **values)
+        embedding = np.zeros((18, 7))
+        embedding[0, 0] = embedding[2, 1] = 1.0
+        embedding[4, 2] = -1.0
+        q = np.array([0, 0, 0, 0.3, 0.7, -0.2, -0.5])
+        full_q = pin.neutral(legs.model)
+        for joint in pairs.actuated:
+            for side in ("left", "right"):
+                row = legs.index(joint.replace("_", f"_{side}_"))
+                embedding[row, pairs.index(joint)] = 1.0
+                full_q[row + 1] = q[pairs.index(joint)]
+        np.testing.assert_allclose(
+            embedding.T @ legs.mass_matrix(full_q) @ embedding, pairs.mass_matrix(q), rtol=0, atol=1e-12
+        )
+
+
+class TestPurity:
+    @each_parameter
+    def test_the_robot_is_left_alone(self, name, source):
+        robot = load(source)
+        q, v = state(robot)
+        before = robot.mass_matrix(q), robot.bias(q, v)
+        assert vary(robot, **{name: 2 * PARAMETERS[name].default}) is not robot
+        assert robot.model == load(source).model and robot.varied == {}
+        np.testing.assert_array_equal(robot.mass_matrix(q), before[0])
+        np.testing.assert_array_equal(robot.bias(q, v), before[1])
+
+    @each_robot
+    def test_carries_what_was_changed(self, source):
+        robot = vary(load(source), hip_distance=0.85)
+        assert robot.varied == {"hip_distance": 0.85}
+        assert "varied={'hip_distance': 0.85}" in repr(robot)
+        plain = load(source)
+        for attribute in ("name", "source", "toes", "actuated", "locked", "coordinates", "planar"):
+            assert getattr(robot, attribute) == getattr(plain, attribute)
+        with pytest.raises(TypeError):
+            robot.varied["hip_distance"] = 0.7
+
+    @each_robot
+    def test_one_after_another_is_all_at_once(self, source):
+        robot = load(source)
+        steps = vary(vary(robot, hip_distance=0.85, torso_mass=30), torso_inertia=2.5, hip_distance=0.9)
+        at_once = vary(robot, torso_inertia=2.5, torso_mass=30.0, hip_distance=0.9)
+        assert steps.model == at_once.model and steps.varied == at_once.varied
+        assert vary(steps, hip_distance=0.7, torso_mass=35, torso_inertia=2.1).model == robot.model
+
+    def test_nothing_to_vary(self):
+        for source in ("spear_ii", "q_spear"):
+            robot = load(source)
+            assert vary(robot).model == robot.model
+
+    @pytest.mark.parametrize(
+        "duplicate", [lambda r: pickle.loads(pickle.dumps(r)), copy.deepcopy], ids=["pickle", "copy"]
+    )
+    @each_robot
+    def test_duplicates(self, source, duplicate):
+        robot = vary(load(source), hip_distance=0.85, knee_ratio=20)
+        twin = duplicate(robot)
+        assert twin.varied == robot.varied and twin.model == robot.model
+        q, v = state(robot)
+        np.testing.assert_array_equal(twin.bias(q, v), robot.bias(q, v))
+        assert vary(twin, torso_mass=30).varied == {"hip_distance": 0.85, "knee_ratio": 20.0, "torso_mass": 30.0}
+
+    @pytest.mark.parametrize("locked", [["torso_x"], ["torso_x", "torso_z", "pitch"], ["posterior_hip", "pitch"]])
+    def test_locked_joints(self, locked):
+        """Locking merges links; the change is made to the whole robot."""
+        values = {"hip_distance": 0.9, "torso_mass": 30.0, "torso_inertia": 3.0, "hip_ratio": 50.0}
+        whole, robot = vary(load("q_spear"), **values), vary(load("q_spear", locked=locked), **values)
+        assert robot.locked == tuple(locked)
+        free = [whole.index(joint) for joint in robot.coordinates]
+        q = np.where(np.isin(range(7), free), 0.4, 0.0)
+        np.testing.assert_allclose(
+            robot.mass_matrix(q[free]), whole.mass_matrix(q)[np.ix_(free, free)], rtol=0, atol=1e-12
+        )
+
+    def test_own_toes(self):
+        robot = vary(load("q_spear", toes=["anterior_toe", "torso"]), hip_distance=0.9)
+        assert robot.toes == ("anterior_toe", "torso")
+        np.testing.assert_allclose(robot.toe_position(np.zeros(7), "anterior_toe"), [0.45, -0.636], atol=1e-15)
+
+
+class TestRefusals:
+    @pytest.mark.parametrize("name", ["hip_spacing", "adduction_ratio", "hip_width", ""])
+    def test_unknown_name(self, name):
+        with pytest.raises(UnknownName) as caught:
+            vary(load("q_spear"), **{name: 1.0})
+        assert (caught.value.kind, caught.value.value) == ("parameter", name)
+        assert caught.value.valid == ("hip_distance", "torso_mass", "torso_inertia", "hip_ratio", "knee_ratio")
+
+    def test_robot_without_parameters(self):
+        with pytest.raises(UnknownName, match="^unknown parameter 'hip_distance'; valid: none$"):
+            vary(load("spear_ii"), hip_distance=0.9)
+
+    @each_parameter
+    @pytest.mark.parametrize("value", [0.0, -1, np.nan, np.inf, -np.inf, 1e200, 1j, "1", None, True, [1.0]])
+    def test_bad_value(self, name, source, value):
+        with pytest.raises(BadValue) as caught:
+            vary(load(source), **{name: value})
+        assert caught.value.name == name
+        assert caught.value.expected == f"a finite number > 0, in {PARAMETERS[name].unit}"
+
+    @pytest.mark.parametrize("value", [1, np.float64(1), np.float32(1), np.int64(1)])
+    def test_numbers(self, value):
+        robot = vary(load("q_spear"), hip_distance=value)
+        assert robot.varied == {"hip_distance": 1.0} and type(robot.varied["hip_distance"]) is float
+
+    def test_model_changed_by_other_means(self):
+        """It would be lost without a word."""
+        robot = load("q_spear")
+        model = robot.model.copy()
+        model.armature = 2 * model.armature
+        changed = Robot(model, name=robot.name, toes=robot.toes, actuated=robot.actuated, source=robot.source)
+        with pytest.raises(BadValue, match="^robot is "):
+            vary(changed, hip_distance=0.9)
