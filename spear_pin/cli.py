@@ -155,6 +155,7 @@ def _dynamics(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _hop(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin import Contact, HoppingLaw, Spring, find_gait, hopping, load, simulate
+    from spear_pin.hybrid.record import Options
     from spear_pin.studies.hop import summarize
     from spear_pin.viz.player import record
 
@@ -162,6 +163,9 @@ def _hop(arguments: argparse.Namespace) -> dict[str, Any]:
         raise BadValue("--flight-time", arguments.flight_time, "a number > 0, in s")
     if not arguments.out.is_dir():
         raise BadValue("--out", str(arguments.out), "an existing folder")
+    Options(rtol=arguments.rtol)  # checks it before the gait is solved for
+    if arguments.cycles < 1:
+        raise BadValue("--cycles", arguments.cycles, "a whole number, at least 1")
     robot = load("spear_ii", locked=[] if arguments.free_x else ["boom_x"])
     law = HoppingLaw(
         knee_touchdown=arguments.knee,

@@ -124,7 +124,7 @@ MUTATIONS = [
             "friction speeds up what slides in an impact": ("-friction * direction", "friction * direction"),
             "a toe that stops always sticks": ("slide == 0.0 and abs(a_tn) <= friction * a_tt", "slide == 0.0"),
             "loss of an impact without the half": ("loss = -0.5 *", "loss = -1.0 *"),
-            "a constraint without its drift": ("-(drift + A @ free)", "-(A @ free)"),
+            "a constraint without its drift": ("approach[:, 0] += drift", "approach[:, 0] += 0.0 * drift"),
         },
     ),
     *mistakes_in(

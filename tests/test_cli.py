@@ -285,6 +285,11 @@ class TestMistakes:
         assert part in refused(capsys, "hop", "--out", tmp_path, *arguments)
         assert not list(tmp_path.iterdir())
 
+    @pytest.mark.parametrize(("arguments", "part"), [(["--cycles", "0"], "cycles"), (["--rtol", "1"], "rtol")])
+    def test_what_is_simulated_before_anything_is_solved(self, capsys, tmp_path, monkeypatch, arguments, part):
+        monkeypatch.setattr("spear_pin.find_gait", lambda *_, **__: pytest.fail("the gait was solved for"))
+        assert part in refused(capsys, "hop", "--out", tmp_path, *arguments)
+
     @pytest.mark.slow
     def test_a_hop_that_cannot_be(self, capsys, tmp_path):
         assert "no gait found" in refused(capsys, "hop", "--out", tmp_path, "--flight-time", "5")

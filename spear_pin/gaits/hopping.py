@@ -17,6 +17,8 @@ from spear_pin.hybrid.record import Run
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
+FLAT = 1e-9  # 1/m: a normal force that falls less than this with the torque is not changed by it
+
 
 @dataclass(frozen=True)
 class HoppingLaw:
@@ -40,7 +42,7 @@ class HoppingLaw:
         hold_extension: keep extending after the first period, where the printed square wave would
             flex again.
         minimum_force: if not None, flexion in the first half period is limited so that the normal
-            force stays at or above this, in N.
+            force stays at or above this, in N, as far as less flexion can keep it there.
         foot_placement: K of the term K (ẋ_lo - ẋ*) added to the commanded hip angle, in rad·s/m,
             ẋ_lo being the hip's forward speed latched at lift-off; needs a free boom_x.
         speed: ẋ*, in m/s.
@@ -95,16 +97,25 @@ def stance_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: 
     """
     knee = p.stance_torque * held["flexing"]
     if p.minimum_force is not None:
-        limit = ops.maximum(limited_torque(p, dyn), 0.0)  # flexion is limited, never turned into extension
-        knee = knee + held["limited"] * (limit - knee)
+        knee = knee + held["limited"] * (limited_torque(p, dyn, ops) - knee)
     return (p.hip_stance_torque, knee)
 
 
-def limited_torque(p: HoppingLaw, dyn: Any) -> Any:
-    """Knee torque at which the normal force is `minimum_force`, in N·m."""
+def limited_torque(p: HoppingLaw, dyn: Any, ops: Any) -> Any:
+    """Flexing torque, up to τ̄, at which the normal force is `minimum_force`, in N·m.
+
+    It is zero where the force would be less even without flexion. Flexion is limited only where it
+    unloads the toe; a sliding toe may be loaded by it, and then no torque is singled out.
+    """
+    unloaded, per_torque = _normal_force(p, dyn)
+    limit = (unloaded - p.minimum_force) / ops.maximum(-per_torque, FLAT)
+    return ops.maximum(-ops.maximum(-limit, -p.stance_torque), 0.0)
+
+
+def _normal_force(p: HoppingLaw, dyn: Any) -> tuple[Any, Any]:
+    """The normal force without flexion, in N, and its change with the knee torque, in 1/m."""
     unloaded = dyn.normal_force("toe", (p.hip_stance_torque, 0.0))
-    per_torque = dyn.normal_force("toe", (p.hip_stance_torque, 1.0)) - unloaded
-    return (p.minimum_force - unloaded) / per_torque
+    return unloaded, dyn.normal_force("toe", (p.hip_stance_torque, 1.0)) - unloaded
 
 
 def hopping(
@@ -189,8 +200,10 @@ def _limit_guards(law: HoppingLaw) -> tuple[Guard, ...]:
         return ()
 
     def margin(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
-        # torque to spare below the limit while free, above it while limited; only in the first half period
-        spare = (1.0 - 2.0 * held["limited"]) * (limited_torque(p, dyn) - p.stance_torque)
+        # negative where τ̄ leaves too little force and less would leave more; only in the first half period
+        unloaded, per_torque = _normal_force(p, dyn)
+        excess = unloaded + per_torque * p.stance_torque - p.minimum_force
+        spare = (1.0 - 2.0 * held["limited"]) * ops.maximum(excess, per_torque)
         return held["compressing"] * spare + (1.0 - held["compressing"])
 
     toggle = Reset(latch=lambda q, v, held, p: {"limited": 1.0 - held["limited"]})

@@ -20,10 +20,11 @@ Measure = Callable[[Run], float]
 
 SETTLE = 12  # cycles of simulation before Newton's method
 TOLERANCE = 1e-10  # of Newton's method, or the integrator's where that is finer
+ROUGH_RTOL, ROUGH_TOLERANCE = 1e-8, 1e-6  # of the integrator and of Newton's method until a solution is near
 RESIDUAL = 1e-9
 FACTORS = (1.0, 0.9, 1.1, 0.8, 1.2)  # of the varied parameters' starting values, tried in turn
 SHORTEST_CYCLE = 1e-3  # s: a toe that leaves and returns within it makes no gait, though it is nearly periodic
-SHORTEST_STEP = 1.0 / 16.0  # of the way to the targets
+SHORTEST_STEP = 1.0 / 16.0  # of the way to the targets: the first one, and the last where steps have to shrink
 
 
 def find_gait(
@@ -92,26 +93,32 @@ class _Search:
 
     def directly(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
         """The system and state that meet the targets, by Newton's method."""
-        return self.newton(system, state, self.wanted)
+        return self.newton(*self.roughly(system, state, self.wanted), self.wanted, self.rtol, min(TOLERANCE, self.rtol))
 
     def by_continuation(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
         """The same from the fixed point of the system as it is, the targets moved step by step."""
         unasked = _Search((), (), self.wanted[:0], self.rtol, self.on_iteration)
-        system, state = unasked.newton(system, state, self.wanted[:0])
+        system, state = unasked.roughly(system, state, self.wanted[:0])
         begin = self.measure(return_map(system, state, self.rtol))
-        done, step = 0.0, 0.25
+        done, step, growth = 0.0, SHORTEST_STEP, 2.0
         while done < 1.0:
             reach = min(1.0, done + step)
             try:
-                system, state = self.newton(system, state, begin + reach * (self.wanted - begin))
-                done, step = reach, 1.5 * step
+                system, state = self.roughly(system, state, begin + reach * (self.wanted - begin))
+                done, step, growth = reach, growth * step, 2.0
             except NoGait:
-                step *= 0.5
+                step, growth = 0.5 * step, 1.0
                 if step < SHORTEST_STEP:
                     raise
-        return system, state
+        return self.directly(system, state)
 
-    def newton(self, system: HybridSystem, state: State, wanted: Array) -> tuple[HybridSystem, State]:
+    def roughly(self, system: HybridSystem, state: State, wanted: Array) -> tuple[HybridSystem, State]:
+        """The same to a few digits, at less than half the cost."""
+        return self.newton(system, state, wanted, max(ROUGH_RTOL, self.rtol), ROUGH_TOLERANCE)
+
+    def newton(
+        self, system: HybridSystem, state: State, wanted: Array, rtol: float, tolerance: float
+    ) -> tuple[HybridSystem, State]:
         """Newton's method from a state on the section and the system's own parameters."""
         local = chart(system, state)
         start = np.array([parameter(system, name) for name in self.vary])
@@ -125,7 +132,7 @@ class _Search:
         def function(z: Array) -> Array | None:
             try:
                 trial, at = unknowns(z)
-                result = return_map(trial, at, self.rtol)
+                result = return_map(trial, at, rtol)
                 if not result.cycles or sum(result.durations.values()) < SHORTEST_CYCLE:
                     return None
                 moved = local.coordinates(result.state) - local.coordinates(at)
@@ -135,7 +142,7 @@ class _Search:
                 return None
 
         z = np.concatenate([np.zeros(d), start / scale])
-        z, _ = newton(function, z, np.full(len(z), STEP), min(TOLERANCE, self.rtol), on_iteration=self.on_iteration)
+        z, _ = newton(function, z, np.full(len(z), STEP), tolerance, on_iteration=self.on_iteration)
         return unknowns(z)
 
     def measure(self, result: Run) -> Array:

@@ -202,10 +202,17 @@ class HybridSystem:
         raise UnknownName("phase", phase, self.phases)
 
     @property
-    def section_phase(self) -> str:
-        """The phase that begins at the section."""
+    def landing(self) -> tuple[str, Reset]:
+        """The flight phase that ends at the section, and the reset there."""
         for domain in self.domains:
             for guard in domain.guards:
-                if guard.name == self.section and guard.reset is not None and guard.reset.phase is not None:
-                    return guard.reset.phase
+                airborne = all(mode == OPEN for mode in domain.contacts)
+                if airborne and guard.name == self.section and guard.reset is not None:
+                    return domain.phase, guard.reset
         raise UnknownName("section", self.section, [g.name for d in self.domains for g in d.guards])
+
+    @property
+    def section_phase(self) -> str:
+        """The phase that begins at the section."""
+        flight, reset = self.landing
+        return reset.phase or flight

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 from spear_pin.errors import require
 
 Array = NDArray[np.float64]
+AGREES, ROUNDING = 1e-9, 1e-12  # of the toes' speed, and in m/s: by so much a joint impact may violate its law
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,25 @@ class Impact:
     slides: bool
 
 
+@dataclass(frozen=True)
+class JointImpact:
+    """A plastic impact that several toes take part in.
+
+    Attributes:
+        v: velocity afterwards, (nv,).
+        impulse: Λ_x and Λ_z on each toe, in N·s, (m, 2).
+        loss: kinetic energy lost, in J: -½ Σ Λᵀ (J v⁺ + J v⁻).
+        slides: for each toe, whether it stays on the ground and slides.
+        leaves: for each toe, whether the impact lifts it off.
+    """
+
+    v: Array
+    impulse: Array
+    loss: float
+    slides: tuple[bool, ...]
+    leaves: tuple[bool, ...]
+
+
 def constrained(D: Array, force: Array, A: Array, G: Array, drift: Array) -> tuple[Array, Array, Array]:
     """Solve D a = force + G λ under A a + drift = 0.
 
@@ -53,20 +75,26 @@ def constrained(D: Array, force: Array, A: Array, G: Array, drift: Array) -> tup
 
     Args:
         D: mass matrix, (nv, nv).
-        force: generalised force less bias, (nv,).
+        force: generalised force less bias, (nv,); further columns (nv, k) are forces that add to it.
         A: constraint rows, (m, nv).
         G: force directions, (nv, m).
         drift: Ȧ v, (m,).
 
     Returns:
-        a (nv,), λ (m,), and the Schur complement A D⁻¹ G (m, m); for a slipping toe this is the
-        pivot, and where it is not positive the equation has no solution or two (Painlevé).
+        a (nv,), λ (m,), with as many columns as `force`, and the Schur complement A D⁻¹ G (m, m);
+        for a slipping toe this is the pivot, and where it is not positive the equation has no
+        solution or two (Painlevé).
     """
+    k = 1 if force.ndim == 1 else force.shape[1]
     solved = np.linalg.solve(D, np.column_stack([force, G]))
-    free, response = solved[:, 0], solved[:, 1:]
+    free, response = solved[:, :k], solved[:, k:]
     schur = A @ response
-    multiplier = np.linalg.solve(schur, -(drift + A @ free))
+    approach = A @ free
+    approach[:, 0] += drift
+    multiplier = np.linalg.solve(schur, -approach)
     a = free + response @ multiplier
+    if force.ndim == 1:
+        a, multiplier = a[:, 0], multiplier[:, 0]
     return np.asarray(a, np.float64), np.asarray(multiplier, np.float64), np.asarray(schur, np.float64)
 
 
@@ -74,9 +102,10 @@ def plastic_impact(D: Array, J: Array, v: Array, friction: float) -> Impact:
     """Impact of one toe on the ground with zero normal restitution, by Routh's method.
 
     The normal impulse grows until the toe no longer approaches; meanwhile the toe slides with
-    Coulomb friction, and once its sliding stops it sticks if the cone allows, or slides back.
-    Where the impulse that stops the toe at once lies inside the cone, and the toe stops before the
-    impact ends, this is D (v⁺ - v⁻) = Jᵀ Λ with J v⁺ = 0.
+    Coulomb friction, and once its sliding stops it sticks if the cone allows, |a_tn| ≤ μ a_tt with
+    a = J D⁻¹ Jᵀ, or else slides back. Where sliding stops before the impact ends and the toe then
+    sticks, this is D (v⁺ - v⁻) = Jᵀ Λ with J v⁺ = 0, and Λ lies inside the cone. A Λ that does so
+    does not suffice: where |a_tn| > μ a_tt, the toe slides back all the same.
 
     Args:
         D: mass matrix, (nv, nv).
@@ -107,3 +136,93 @@ def plastic_impact(D: Array, J: Array, v: Array, friction: float) -> Impact:
     after = v + response @ Lambda
     loss = -0.5 * float(Lambda @ (np.array(before) + J @ after))
     return Impact(after, Lambda, loss, slides and slide != 0.0)
+
+
+def joint_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact:
+    """Plastic impact on several toes at once, by Moreau's law with zero restitution.
+
+    With u = J v⁺ the toes' velocities afterwards, for each toe 0 ≤ Λ_z ⊥ u_z ≥ 0, and it sticks with
+    |Λ_x| ≤ μ Λ_z or slides with Λ_x = -μ sgn(u_x) Λ_z. So Λᵀ u ≤ 0, and with A = J D⁻¹ Jᵀ the loss is
+    ½ Λᵀ A Λ - Λᵀ u ≥ 0. There always is such an impulse, if not always just one. Every combination of
+    open, sticking and sliding toes is tried: the one with the most sticking toes is taken, of those
+    the one with the most on the ground, then the first in order; if rounding leaves none that
+    satisfies the law to `AGREES`, the one that violates it least. Where the rows of sticking toes
+    depend on each other, their impulse is the smallest.
+
+    It compares velocities before and after only. Where a single toe sticks in the end, this is
+    `plastic_impact`; where its sliding turns round on the way, the two may differ.
+
+    Args:
+        D: mass matrix, (nv, nv).
+        J: Jacobians of the toes, rows x and z of each, (2 m, nv).
+        v: velocity before, (nv,).
+        friction: coefficient of friction.
+    """
+    response = np.linalg.solve(D, J.T)
+    A, before = J @ response, J @ v
+    weight = np.trace(A) / len(A)  # impulses count as the velocities that they cause
+    allowed = max(AGREES * float(np.abs(before).max()), ROUNDING)
+    m = len(J) // 2
+    least, modes, impulse = math.inf, (_OPEN,) * m, np.zeros(len(J))
+    for candidate in _combinations(m):
+        trial = _impulse(A, before, candidate, friction)
+        violation = _violation(before + A @ trial, trial, candidate, friction, weight)
+        if violation < least:
+            least, modes, impulse = violation, candidate, trial
+        if violation <= allowed:
+            break
+    after = v + response @ impulse
+    work = 0.5 * float(impulse @ (before + J @ after))
+    return JointImpact(
+        after,
+        impulse.reshape(-1, 2),
+        -work,
+        tuple(mode in _SIDES for mode in modes),
+        tuple(mode == _OPEN for mode in modes),
+    )
+
+
+_STICK, _OPEN = 0, 2
+_SIDES = (1, -1)  # a toe that slides forward, or backward
+
+
+@cache
+def _combinations(m: int) -> tuple[tuple[int, ...], ...]:
+    """What each of m toes may do, in order of preference."""
+    modes = product((_STICK, *_SIDES, _OPEN), repeat=m)
+    return tuple(sorted(modes, key=lambda each: (-each.count(_STICK), each.count(_OPEN))))
+
+
+def _impulse(A: Array, before: Array, modes: tuple[int, ...], friction: float) -> Array:
+    """The impulse by which the toes do what they are said to, whether or not the law allows it."""
+    rows: list[int] = []
+    directions: list[Array] = []
+    unit = np.eye(len(A))
+    for i, mode in enumerate(modes):
+        if mode == _STICK:
+            rows += [2 * i, 2 * i + 1]
+            directions += [unit[2 * i], unit[2 * i + 1]]
+        elif mode in _SIDES:
+            rows.append(2 * i + 1)
+            directions.append(unit[2 * i + 1] - mode * friction * unit[2 * i])
+    if not rows:
+        return np.zeros(len(A))
+    G = np.array(directions).T
+    found = np.linalg.lstsq(A[rows] @ G, -before[rows], rcond=None)[0]
+    return np.asarray(G @ found, np.float64)
+
+
+def _violation(u: Array, impulse: Array, modes: tuple[int, ...], friction: float, weight: float) -> float:
+    """By how much the law is violated, in m/s: by velocities u afterwards, or by impulses."""
+    worst = 0.0
+    for i, mode in enumerate(modes):
+        slide, rise = u[2 * i : 2 * i + 2].tolist()
+        tangential, normal = impulse[2 * i : 2 * i + 2].tolist()
+        if mode == _OPEN:
+            worst = max(worst, -rise)
+        elif mode == _STICK:
+            outside = max(abs(tangential) - friction * normal, -normal)
+            worst = max(worst, abs(slide), abs(rise), weight * outside)
+        else:
+            worst = max(worst, -mode * slide, abs(rise), -weight * normal)
+    return worst

@@ -6,6 +6,7 @@ Hermite interpolant, and the parabola through the three tell where to look more 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from itertools import pairwise
 
@@ -21,6 +22,10 @@ GLIMPSES = (1e-7, 1e-6, 1e-5)  # s: how far a guard on zero is followed to tell 
 CHANGE = 1e-14  # of a guard's value, in its unit: less is rounding
 
 
+class _Undefined(Exception):
+    """A guard has no value there."""
+
+
 class Watch:
     """The guards of one domain, followed step by step.
 
@@ -29,13 +34,19 @@ class Watch:
 
     Attributes:
         at_once: index of the guard that is an event on entering, or None.
+        undefined: whether some guard had no value where it was last looked at.
     """
 
     def __init__(self, flow: Flow, t: float, y: Array) -> None:
         self._flow, self._guards = flow, flow.domain.guards
         self._values = self._at(t, y)
         self._armed = [value > guard.tolerance for value, guard in zip(self._values, self._guards, strict=True)]
-        waiting = [i for i, armed in enumerate(self._armed) if not armed and not self._guards[i].observes]
+        self.undefined = any(math.isnan(value) for value in self._values)
+        waiting = [
+            i
+            for i, (value, armed) in enumerate(zip(self._values, self._armed, strict=True))
+            if not (armed or self._guards[i].observes or math.isnan(value))
+        ]
         rising = self._rising(t, y) if waiting else []
         self.at_once = next((i for i in waiting if self._values[i] < -self._guards[i].tolerance or not rising[i]), None)
 
@@ -47,6 +58,8 @@ class Watch:
         interpolate: Callable[[], Interpolant],
     ) -> list[tuple[float, int]]:
         """Crossings within one integration step, earliest first, as (time, guard index).
+
+        A guard without a value makes the watch `undefined` and has no crossing.
 
         Args:
             ends: beginning and end of the step.
@@ -60,6 +73,9 @@ class Watch:
         crossings: list[tuple[float, int]] = []
         solution: Interpolant | None = None
         for i, (before, middle, end) in enumerate(zip(self._values, at_middle, after, strict=True)):
+            if math.isnan(middle) or math.isnan(end):
+                self.undefined = True
+                continue
             if self._armed[i]:
                 if min(middle, end) > 0.0 and not _dips(before, middle, end):
                     continue
@@ -68,7 +84,11 @@ class Watch:
                 continue
             solution = solution or interpolate()
             nodes = [(t0, self._values[i]), (0.5 * (t0 + t1), middle), (t1, end)]
-            time = self._locate(i, nodes, solution)
+            try:
+                time = self._locate(i, nodes, solution)
+            except _Undefined:
+                self.undefined = True
+                continue
             self._armed[i] = end > 0.0
             if time is not None:
                 crossings.append((time, i))
@@ -103,7 +123,10 @@ class Watch:
         def value(t: float) -> float:
             y = solution(t)
             self._flow(t, y)
-            return self._flow.value(self._guards[i], t, y)
+            result = self._flow.value(self._guards[i], t, y)
+            if math.isnan(result):
+                raise _Undefined
+            return result
 
         begin, end = nodes[0][0], nodes[-1][0]
         if not self._armed[i]:  # it waits at zero: it may rise and fall again soon after

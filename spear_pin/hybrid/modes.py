@@ -57,10 +57,9 @@ def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
     stance = system.section_phase
     closed = [toe for toe, mode in zip(robot.toes, system.of_phase(stance)[0].contacts, strict=True) if mode != OPEN]
     rests = all(heights[toe] <= ON_GROUND and abs(robot.toe_jacobian(q, toe)[1] @ v) <= 10 * AT_REST for toe in closed)
-    flight = next((d.phase for d in system.domains if all(mode == OPEN for mode in d.contacts)), stance)
     held: Held = {}
-    for phase in (flight, stance):
-        latch = system.reset_into(phase).latch
+    flight, lands = system.landing
+    for latch in (system.reset_into(flight).latch, lands.latch):
         if latch is not None:
             held = {**held, **latch(q.tolist(), v.tolist(), held, system.law)}
     return (stance if rests else flight), held

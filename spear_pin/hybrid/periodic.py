@@ -22,7 +22,8 @@ from spear_pin.hybrid.run import run
 
 Array = NDArray[np.float64]
 PATIENCE = 7  # iterations in which the residual has to be halved
-STEP = 1e-5  # of central differences: errors of order STEP² and rtol / STEP
+STEP = 1e-5  # of differences: errors of order STEP, of order STEP² where they are central, and rtol / STEP
+EVALUATIONS = 60_000  # right-hand sides of one cycle; a gait's takes some thousands, even near an rtol of 1e-13
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,7 @@ def _velocity_rows(system: HybridSystem, q: Array, origin: State) -> Array:
 
 def return_map(system: HybridSystem, state: State, rtol: float = 1e-10) -> Run:
     """One cycle from a state on the section, P of (4.11); a result with a reason if it does not return."""
-    return run(system, state, 1, Options(rtol=rtol))
+    return run(system, state, 1, Options(rtol=rtol, max_evaluations=EVALUATIONS))
 
 
 def displacement(system: HybridSystem, before: State, after: State) -> Array:
@@ -113,16 +114,18 @@ def residual(system: HybridSystem, state: State, rtol: float = 1e-10) -> float:
     return float(np.abs(displacement(system, state, result.state)).max()) if result.cycles else np.inf
 
 
-def differentiate(function: Callable[[Array], Array | None], x: Array, step: Array) -> Array | None:
-    """Jacobian by central differences; None where the function has no value."""
+def differentiate(
+    function: Callable[[Array], Array | None], x: Array, step: Array, value: Array | None = None
+) -> Array | None:
+    """Jacobian by differences: forward from a `value` that is known at x, else central; None where there is none."""
     columns = []
     for i, h in enumerate(step):
         offset = np.zeros_like(x)
         offset[i] = h
-        ahead, behind = function(x + offset), function(x - offset)
+        ahead, behind = function(x + offset), function(x - offset) if value is None else value
         if ahead is None or behind is None:
             return None
-        columns.append((ahead - behind) / (2.0 * h))
+        columns.append((ahead - behind) / (2.0 * h) if value is None else (ahead - behind) / h)
     return np.array(columns).T
 
 
@@ -134,7 +137,7 @@ def newton(
     iterations: int = 15,
     on_iteration: Callable[[int, float], object] = lambda n, norm: None,
 ) -> tuple[Array, float]:
-    """Damped Newton's method with central differences, for a function that may have no value somewhere.
+    """Damped Newton's method with forward differences, for a function that may have no value somewhere.
 
     Args:
         function: the residual, or None where it is undefined.
@@ -162,7 +165,7 @@ def newton(
             return x, norm
         if n == iterations or (n >= PATIENCE and norm > 0.5 * norms[n - PATIENCE]):
             break
-        jacobian = differentiate(function, x, step)
+        jacobian = differentiate(function, x, step, value)
         if jacobian is None:
             raise NoGait("the cycle does not close near an iterate", norm)
         direction = np.linalg.lstsq(jacobian, -value, rcond=None)[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -57,6 +57,16 @@ def rate(index: int, side: float = 1.0) -> GuardValue:
     return lambda t, q, v, held, p, dyn, ops: side * v[index]
 
 
+def rise(toe: str) -> str:
+    """Name in `held` of the speed at which a toe was lifted off by the last impact of several, in m/s."""
+    return f"{toe}_rise"
+
+
+def stays(toe: str) -> GuardValue:
+    """Positive unless the impact by which the phase was entered lifts the toe off."""
+    return lambda t, q, v, held, p, dyn, ops: 10.0 * AT_REST - held.get(rise(toe), 0.0)
+
+
 def touchdown(toe: str, reset: Reset) -> Guard:
     """The toe reaches the ground from above."""
     return Guard("touchdown", height(toe), reset, tolerance=ON_GROUND)
@@ -80,36 +90,56 @@ def spring_switches(mount: Mount, index: int) -> tuple[Guard, ...]:
 
 
 def contact_domains(
-    domain: Domain, toes: Sequence[str], contact: Contact, lift_off: Reset, first: tuple[Guard, ...] = ()
+    domain: Domain,
+    toes: Sequence[str],
+    contact: Contact,
+    lift_off: Reset | Mapping[str, Reset],
+    first: tuple[Guard, ...] = (),
 ) -> tuple[Domain, ...]:
     """The domains of a phase in which the toes marked "stick" in `domain` are on the ground.
 
     Sticking comes first, then every combination with slip; each gets the guards of its contacts
-    ahead of its own: lift-off, slip, stick, and the end of the slip equation's validity.
+    ahead of its own: lift-off, slip, stick, and the end of the slip equation's validity. A toe that
+    the impact on entering lifts off, while another stays, leaves by its lift-off at once.
 
     Args:
         domain: the phase with its toes sticking.
         toes: names of the robot's toes.
         contact: the ground.
-        lift_off: what happens when a toe's normal force falls to zero.
+        lift_off: what happens when a toe's normal force falls to zero; by toe if it depends on the
+            toe, and then the event of "front_toe" is named "front_lift_off".
         first: guards that win a tie with those of the contacts.
     """
     choices = [(STICK, SLIP_FORWARD, SLIP_BACKWARD) if mode == STICK else (OPEN,) for mode in domain.contacts]
+    closed = [toe for toe, mode in zip(toes, domain.contacts, strict=True) if mode != OPEN]
+    leave = {toe: _lift_off(toe, lift_off) for toe in closed}
+    lifted = [replace(leave[toe], value=stays(toe), tolerance=AT_REST) for toe in closed if len(closed) > 1]
     domains = []
     for contacts in product(*choices):
         guards: list[Guard] = []
         for toe, mode in zip(toes, contacts, strict=True):
-            guards += _guards(toe, mode, contact, lift_off)
-        slips = [mode for mode in contacts if mode in SIGN]
+            guards += _guards(toe, mode, contact, leave[toe]) if mode != OPEN else []
+        slips = [
+            mode if len(closed) == 1 else f"{_leg(toe)} {mode}"
+            for toe, mode in zip(toes, contacts, strict=True)
+            if mode in SIGN
+        ]
         name = " ".join([domain.name, *slips])
-        domains.append(replace(domain, name=name, contacts=contacts, guards=(*first, *guards, *domain.guards)))
+        domains.append(replace(domain, name=name, contacts=contacts, guards=(*lifted, *first, *guards, *domain.guards)))
     return tuple(domains)
 
 
-def _guards(toe: str, mode: str, contact: Contact, lift_off: Reset) -> list[Guard]:
-    if mode == OPEN:
-        return []
-    leave = Guard("lift_off", normal_force(toe), lift_off, tolerance=UNLOADED)
+def _leg(toe: str) -> str:
+    return toe.removesuffix("_toe")
+
+
+def _lift_off(toe: str, lift_off: Reset | Mapping[str, Reset]) -> Guard:
+    if isinstance(lift_off, Reset):
+        return Guard("lift_off", normal_force(toe), lift_off, tolerance=UNLOADED)
+    return Guard(f"{_leg(toe)}_lift_off", normal_force(toe), lift_off[toe], tolerance=UNLOADED)
+
+
+def _guards(toe: str, mode: str, contact: Contact, leave: Guard) -> list[Guard]:
     if mode == STICK:
         margins = [cone_margin(toe, contact.friction, side) for side in SIGN.values()]
         return [leave, *(Guard("slip", margin, Reset(), tolerance=UNLOADED) for margin in margins)]

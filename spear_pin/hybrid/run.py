@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
-from spear_pin.hybrid.contact import plastic_impact
+from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem, Reset
+from spear_pin.hybrid.contact import Impact, JointImpact, joint_impact, plastic_impact
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import Sliding, alternation, chatter
 from spear_pin.hybrid.modes import choose, starting_phase
-from spear_pin.hybrid.phases import AT_REST
+from spear_pin.hybrid.phases import AT_REST, rise
 from spear_pin.hybrid.record import BOOKED, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.trajectory import Event
 
@@ -114,8 +114,8 @@ class _Runner:
         if bound <= self.t:
             self._end("no_event", f"{limit:g} s in {self.flow.domain.phase}")
             return
-        if not np.isfinite(self.flow(self.t, self.y)).all():
-            self._end("not_finite", f"in {self.flow.domain.name} at t = {self._now():.6g} s")
+        if watch.undefined or not np.isfinite(self.flow(self.t, self.y)).all():
+            self._end("not_finite", self._where())
             return
         solver = DOP853(self.flow, self.t, self.y, bound, max_step=MAX_STEP, rtol=self.options.rtol, atol=self.atol)
         slope = solver.f
@@ -124,8 +124,7 @@ class _Runner:
             solver.step()
             if solver.status == "failed":
                 finite = np.isfinite(solver.y).all() and np.isfinite(self.flow(t0, y0)).all()
-                where = f"in {self.flow.domain.name} at t = {self._now():.6g} s"
-                self._end("step_size" if finite else "not_finite", where)
+                self._end("step_size" if finite else "not_finite", self._where())
                 return
             self.t, self.y = solver.t, solver.y
             if self.run.evaluations + self.flow.evaluations > self.options.max_evaluations:
@@ -147,6 +146,9 @@ class _Runner:
                 return
             if solution is not None:
                 segment.pieces.append(Piece(t0, self.t, solution))
+            if watch.undefined:
+                self._end("not_finite", self._where())
+                return
         if switch is not None and self.t >= due:
             self.switches += 1
             self._happen(Guard(switch.name, _never, switch.reset))
@@ -176,14 +178,20 @@ class _Runner:
         impulse = np.zeros((len(self.robot.toes), 2))
         if reset.release:
             work["released"] = -self._spring_energy(reset)
-        for toe in reset.impact:
-            mass_matrix, jacobian = self.robot.mass_matrix(q), self.robot.toe_jacobian(q, toe)
-            impact = plastic_impact(mass_matrix, jacobian, v, self.system.contact.friction)
-            v = impact.v
-            impulse[self.robot.toes.index(toe)] = impact.impulse
-            work["impact"] = work.get("impact", 0.0) - impact.loss
-        self.y = np.concatenate([q, v, self.y[nq + nv :]])
+        struck = self._struck(reset)
         held = self.flow.held
+        if struck:
+            mass_matrix = self.robot.mass_matrix(q)
+            jacobian = np.concatenate([self.robot.toe_jacobian(q, toe) for toe in struck])
+            strike = plastic_impact if len(struck) == 1 else joint_impact
+            impact: Impact | JointImpact = strike(mass_matrix, jacobian, v, self.system.contact.friction)
+            v = impact.v
+            impulse[[self.robot.toes.index(toe) for toe in struck]] = impact.impulse
+            work["impact"] = work.get("impact", 0.0) - impact.loss
+            if isinstance(impact, JointImpact):
+                rises = np.where(impact.leaves, (jacobian @ v)[1::2], 0.0).tolist()
+                held = {**held, **dict(zip(map(rise, struck), rises, strict=True))}
+        self.y = np.concatenate([q, v, self.y[nq + nv :]])
         if reset.latch is not None:
             held = {**held, **reset.latch(q.tolist(), v.tolist(), held, self.system.law)}
         now = self._now()
@@ -201,6 +209,19 @@ class _Runner:
         self._move_to(choose(self.system, phase, held, self.t, self.y))
         if guard.name == self.system.section:
             self._close_cycle()
+
+    def _struck(self, reset: Reset) -> list[str]:
+        """The toes that take part in an impact: those that strike, and those on the ground before and after it."""
+        if not reset.impact:
+            return []
+        domain = self.flow.domain
+        entered = self.system.of_phase(reset.phase or domain.phase)[0]
+        stay = {
+            toe
+            for toe, before, after in zip(self.robot.toes, domain.contacts, entered.contacts, strict=True)
+            if before != OPEN and after != OPEN
+        }
+        return [toe for toe in self.robot.toes if toe in stay or toe in reset.impact]
 
     def _enter(self, phase: str) -> None:
         """Begin a phase: its clock and its switches start anew."""
@@ -254,6 +275,9 @@ class _Runner:
 
     def _now(self) -> float:
         return self.began + self.t
+
+    def _where(self) -> str:
+        return f"in {self.flow.domain.name} at t = {self._now():.6g} s"
 
     def _end(self, reason: str, detail: str) -> None:
         self.run.reason, self.run.detail = reason, detail

@@ -7,6 +7,7 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
+from tokenize import TokenError
 from typing import Any
 from zipfile import BadZipFile
 
@@ -184,6 +185,7 @@ class Trajectory:
             raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
         except (
             BadZipFile,
+            TokenError,
             zlib.error,
             KeyError,
             ValueError,

@@ -51,7 +51,10 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
 
 
 def spring_share(trajectory: Trajectory) -> float:
-    """Spring work over spring plus motor work at the knee, while the knee extends in the first stance."""
+    """Spring work over spring plus motor work at the knee, while the knee extends in the first stance.
+
+    It is 0 where neither does any: the knee never extends, or it extends without torque.
+    """
     knee = trajectory.coordinates.index("knee")
     motor = trajectory.u[:, trajectory.actuated.index("knee")]
     rate = trajectory.v[:, knee]
@@ -62,4 +65,5 @@ def spring_share(trajectory: Trajectory) -> float:
         return float(trapezoid(power[stance], trajectory.t[stance]))
 
     spring = work(trajectory.spring[:, trajectory.spring_joints.index("knee")])
-    return spring / (spring + work(motor))
+    total = spring + work(motor)
+    return spring / total if total != 0.0 else 0.0

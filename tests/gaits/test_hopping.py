@@ -88,10 +88,14 @@ class TestLawsOnSymbols:
         hip, knee = evaluate(stance_law, law, dyn)
         free, limited = (sp.sympify(knee).subs(held["limited"], value) for value in (0, 1))
         assert sp.simplify(free - p["stance_torque"] * held["flexing"]) == 0
-        assert limited.func == sp.Max
-        assert any(term.is_zero for term in limited.args), "flexion is limited, never turned into extension"
-        limit = next(term for term in limited.args if term.free_symbols)
-        assert sp.simplify(dyn.normal_force("toe", (hip, limit)) - p["minimum_force"]) == 0
+        # 52 N without flexion; it gives the minimum, unless that takes extension, or more flexion than there is
+        for unloads, minimum, expected in ((-1, 48, 4), (-2.5, 42, 4), (-1, 40, 7), (-1, 60, 0), (1, 60, 0)):
+            values = {dyn.at_rest: 50, dyn.per_hip: 2, dyn.per_knee: unloads, p["hip_stance_torque"]: 1}
+            values |= {p["minimum_force"]: minimum, p["stance_torque"]: 7}
+            assert float(limited.subs(values)) == pytest.approx(expected, rel=1e-12)
+            if expected == 4:
+                force = dyn.normal_force("toe", (hip, limited)).subs(values)
+                assert float(force) == pytest.approx(minimum, rel=1e-12)
 
     @pytest.mark.parametrize("law", [flight_law, stance_law])
     def test_as_with_numbers(self, law):
@@ -224,6 +228,28 @@ class TestMinimumForce:
         trajectory = simulate(system, (start.q, start.v), 2, 1e-8, max_evaluations=5000)
         assert trajectory.reason not in NUMERICAL
         assert np.abs(trajectory.u[trajectory.phase == "stance", 1]).max() <= law.stance_torque * (1 + 1e-9)
+
+    @pytest.mark.parametrize(("seed", "minimum_force"), [(29, 10.0), (55, 1.0), (39, 1.0), (5, 10.0), (11, 10.0)])
+    def test_where_sliding_makes_flexion_load_the_toe(self, seed, minimum_force):
+        """The force's change with the torque passes zero, and no torque gives the minimum there."""
+        start = random_starts.draw(seed)
+        law = HoppingLaw(minimum_force=minimum_force)
+        system = hopping(random_starts.robot(start.free), law, contact=Contact(start.friction))
+        trajectory = simulate(system, (start.q, start.v), 11, 1e-8, max_evaluations=20_000)
+        assert trajectory.reason not in NUMERICAL
+        assert np.isfinite(trajectory.u).all()
+
+    @pytest.mark.parametrize(("sliding", "limited"), [(-1.0, True), (1.0, False)])
+    def test_limits_only_where_flexion_unloads_the_toe(self, sliding, limited):
+        """Both below the minimum: 20 N without flexion, less or more with it."""
+        system = hopping(random_starts.robot(False), HoppingLaw(minimum_force=40.0))
+        (guard,) = (guard for guard in system.of_phase("stance")[0].guards if guard.name == "force_limit")
+        dyn = SimpleNamespace(normal_force=lambda toe, u: 20.0 + sliding * u[1])
+        held = {"compressing": 1.0, "limited": 0.0}
+        value = guard.value(0.0, None, None, held, system.law, dyn, SimpleNamespace(maximum=max))
+        assert (value < 0.0) is limited
+        back = guard.value(0.0, None, None, {**held, "limited": 1.0}, system.law, dyn, SimpleNamespace(maximum=max))
+        assert back == -value
 
     @pytest.mark.parametrize("seed", [13, 65])
     def test_on_the_switching_surface(self, seed):

@@ -7,7 +7,7 @@ import pytest
 
 from spear_pin import HoppingLaw, find_gait, hopping, simulate
 from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName
-from spear_pin.hybrid.periodic import residual
+from spear_pin.hybrid.periodic import residual, return_map
 
 
 def apex_height(run):
@@ -127,6 +127,20 @@ class TestNoGait:
         with pytest.raises(NoGait) as error:
             find_gait(hopping(robot, HoppingLaw(stance_torque=0.0)))
         self.assert_one_line(error, "does not close", "residual")
+
+    def test_is_given_up_soon(self, robot, monkeypatch):
+        """No leg of this size flies for five seconds; to tell takes no more than some hundred hops."""
+        evaluations = []
+
+        def counted(*arguments):
+            result = return_map(*arguments)
+            evaluations.append(result.evaluations)
+            return result
+
+        monkeypatch.setattr("spear_pin.gaits.search.return_map", counted)
+        with pytest.raises(NoGait):
+            find_gait(hopping(robot), ["stance_torque"], {"flight_time": 5.0})
+        assert sum(evaluations) < 250_000
 
     def test_a_measure_of_an_event_that_never_happens(self, robot):
         with pytest.raises(SpearError, match="never"):

@@ -8,7 +8,15 @@ import pytest
 
 from spear_pin import Contact, HoppingLaw, find_gait, hopping, simulate
 from spear_pin.errors import NoGait
-from spear_pin.hybrid.periodic import chart, differentiate, multipliers, newton, residual, return_map
+from spear_pin.hybrid.periodic import (
+    EVALUATIONS,
+    chart,
+    differentiate,
+    multipliers,
+    newton,
+    residual,
+    return_map,
+)
 from tests.hybrid.by_hand import Hopper
 from tests.lagrangian import monopod
 
@@ -78,6 +86,13 @@ class TestFixedPoint:
         system = hopping(robot, HoppingLaw(stance_torque=0.0))
         assert residual(system, system.guess()) == math.inf
         assert return_map(system, system.guess()).reason == "no_event"
+
+    def test_a_cycle_that_takes_too_much_is_given_up(self, hop, monkeypatch):
+        result = return_map(hop.system, hop.state, 1e-13)
+        assert result.cycles == 1 and 10 * result.evaluations < EVALUATIONS
+        monkeypatch.setattr("spear_pin.hybrid.periodic.EVALUATIONS", 500)
+        assert return_map(hop.system, hop.state).reason == "evaluation_cap"
+        assert residual(hop.system, hop.state) == math.inf
 
     def test_translation_along_the_ground_changes_nothing(self, free_hop):
         q, v = free_hop.state
@@ -242,6 +257,12 @@ class TestNewton:
         exact = np.array([[12.0, 4.0], [0.0, 27.0]])
         coarse = differentiate(function, x, np.full(2, 1e-2)) - exact
         np.testing.assert_allclose(coarse, [[0.0, 0.0], [0.0, 1e-4]], rtol=0, atol=1e-10)
+
+    def test_forward_differences_ask_for_each_direction_once(self):
+        asked = []
+        jacobian = differentiate(lambda x: asked.append(1) or x**2, np.ones(3), np.full(3, 1e-3), np.ones(3))
+        np.testing.assert_allclose(jacobian, 2.001 * np.eye(3), rtol=0, atol=1e-10)
+        assert len(asked) == 3
 
     def test_differences_each_in_its_own_step(self):
         seen = []

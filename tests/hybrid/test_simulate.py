@@ -9,6 +9,7 @@ from scipy.integrate import simpson
 
 from spear_pin import Contact, HoppingLaw, Spring, hopping, simulate
 from spear_pin.errors import BadValue
+from spear_pin.hybrid.automaton import Guard, Reset
 from spear_pin.hybrid.record import REASONS
 from tests.lagrangian import monopod
 
@@ -489,6 +490,27 @@ class TestEndings:
         assert trajectory.reason in ("not_finite", "step_size")
         self.ends(trajectory, trajectory.reason)
         assert trajectory.t[-1] == pytest.approx(0.1, abs=1e-3)
+
+    @pytest.mark.parametrize(
+        "value",
+        [
+            lambda t, *_: 1.0 / (t - t),
+            lambda t, *_: math.nan,
+            lambda t, *_: math.sqrt(0.1 - t),
+            lambda t, *_: math.log(0.1 - t) + 1e3,
+            lambda t, *_: 1.0 if t < 0.1 else math.nan,
+            lambda t, *_: math.nan if 0.09 < t < 0.11 else 0.1 - t,
+        ],
+    )
+    @pytest.mark.parametrize("observes", [True, False])
+    def test_a_guard_without_a_value(self, hop, value, observes):
+        """It ends the run where it loses its value, and nothing is raised."""
+        guard = Guard("broken", value, None if observes else Reset())
+        domains = tuple(replace(domain, guards=(guard, *domain.guards)) for domain in hop.system.domains)
+        trajectory = simulate(replace(hop.system, domains=domains), hop.state)
+        assert trajectory.reason == "not_finite", trajectory.message
+        assert trajectory.t[-1] <= 0.1 + 0.05
+        assert np.isfinite(trajectory.q).all() and np.isfinite(trajectory.u).all()
 
     def test_a_law_that_raises_arithmetic_errors(self, hop):
         broken = replace(

@@ -1,5 +1,7 @@
 """The figures of a hop, against the trajectory they are taken from."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import trapezoid
@@ -65,6 +67,10 @@ class TestSpringShare:
         pushing = first_stance(hops) & (hops.v[:, 2] < 0)
         motor = trapezoid((hops.u[:, 1] * hops.v[:, 2])[pushing], hops.t[pushing])
         assert spring_share(hops) == pytest.approx(stored / (stored + motor), rel=1e-3)
+
+    def test_without_any_extension(self, hops):
+        """Nobody pushes, and nobody has a share in it."""
+        assert spring_share(replace(hops, v=np.abs(hops.v))) == 0.0
 
     def test_a_stiffer_spring_does_more(self, robot, hop, hops):
         stiffer = hop.system.build(robot, HoppingLaw(stance_torque=4.0), hop.system.spring)

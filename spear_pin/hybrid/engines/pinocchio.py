@@ -54,7 +54,8 @@ class Flow:
         self._joint_damping = np.array(robot.model.damping)
         self._has_friction = bool(self._joint_damping.any())
         self._zeros = np.zeros(robot.nv)
-        self._applied = np.zeros(robot.nv)
+        self._passive, self._applied = np.zeros(robot.nv), np.zeros(robot.nv)
+        self._motors = robot.actuation_matrix
         self._nw = len(self._actuated) + 3
         self._toe_ids = {toe: robot.toe_id(toe) for toe in robot.toes}
         self._frame_ids: dict[str, int] = {}
@@ -93,16 +94,17 @@ class Flow:
         if self._has_friction:  # before the law, which may ask for forces
             self.friction = -self._joint_damping * v
             rubbed = float(self.friction @ v)
-        self.u = u = self._law(t, angles, rates, self.held, self._p, self, OPS)
-        applied, powers = self._applied, []
-        for index, torque in zip(self._actuated, u, strict=True):
-            applied[index] = torque
-            powers.append(torque * rates[index])
         damped = 0.0
         for index, stiffness, rest, damping in self._springs:
             drag = damping * rates[index]
-            applied[index] += stiffness * (rest - angles[index]) - drag
+            self._passive[index] = stiffness * (rest - angles[index]) - drag
             damped -= drag * rates[index]
+        self.u = u = self._law(t, angles, rates, self.held, self._p, self, OPS)
+        applied, powers = self._passive.copy(), []
+        for index, torque in zip(self._actuated, u, strict=True):
+            applied[index] += torque
+            powers.append(torque * rates[index])
+        self._applied = applied
         self.a = a = self._accelerate(applied + self.friction if self._has_friction else applied)
         slipped = 0.0
         for toe, _ in self._slips:
@@ -126,9 +128,12 @@ class Flow:
         return 0.0
 
     def value(self, guard: Guard, t: float, y: Array) -> float:
-        """A guard's value; the flow has to have been called with the same (t, y)."""
+        """A guard's value, not a number where it has none; the flow has to have been called with the same (t, y)."""
         nv = self._nv
-        return float(guard.value(t, y[:nv], y[nv : 2 * nv], self.held, self._p, self, OPS))
+        try:
+            return float(guard.value(t, y[:nv], y[nv : 2 * nv], self.held, self._p, self, OPS))
+        except (ArithmeticError, ValueError, np.linalg.LinAlgError):
+            return math.nan
 
     # what laws and guards may ask for
 
@@ -182,11 +187,9 @@ class Flow:
         For a toe that is not on the ground, what a smooth ground would have to give to hold it there.
         """
         kept = self._forces.copy(), self._pivots.copy()
-        applied = self.friction.copy() if self._has_friction else np.zeros(self._nv)
-        for index, torque in zip(self._actuated, u, strict=True):
-            applied[index] += torque
-        for index, stiffness, rest, damping in self._springs:
-            applied[index] += stiffness * (rest - self.q[index]) - damping * self.v[index]
+        applied = self._passive + self._motors @ np.asarray(u, dtype=float)
+        if self._has_friction:
+            applied += self.friction
         if not any(toe == closed for closed, _ in self._closed):
             pin.forwardKinematics(self._model, self._data, self.q, self.v, self._zeros)
             index = self._toe_ids[toe]
@@ -198,6 +201,18 @@ class Flow:
         normal = self._forces[toe][1]
         self._forces, self._pivots = kept
         return normal
+
+    def response(self) -> tuple[list[float], list[list[float]]]:
+        """(a, A) with v̇ = a + A u in the present contacts: (nv,) and nv rows of nu."""
+        applied = self._passive - self._data.nle
+        if self._has_friction:
+            applied += self.friction
+        forces = np.column_stack([applied, self._motors])
+        if self._closed:
+            forced, _, _ = constrained(self._data.M, forces, *self._constraint())
+        else:
+            forced = np.linalg.solve(self._data.M, forces)
+        return forced[:, 0].tolist(), forced[:, 1:].tolist()
 
     # accelerations, by what is in contact
 
@@ -219,19 +234,7 @@ class Flow:
 
     def _slip(self, applied: Array) -> Array:
         friction = self.system.contact.friction
-        A, G, drift = [], [], []
-        for (_, mode), jacobian, toe_drift in zip(self._closed, *self._rows(), strict=True):
-            if mode == STICK:
-                A += [jacobian[0], jacobian[1]]
-                G += [jacobian[0], jacobian[1]]
-                drift += toe_drift.tolist()
-            else:
-                A.append(jacobian[1])
-                G.append(jacobian[1] - friction * SIGN[mode] * jacobian[0])
-                drift.append(toe_drift[1])
-        a, multiplier, schur = constrained(
-            self._data.M, applied - self._data.nle, np.array(A), np.array(G).T, np.array(drift)
-        )
+        a, multiplier, schur = constrained(self._data.M, applied - self._data.nle, *self._constraint())
         inverse_pivots = np.diag(np.linalg.inv(schur))
         row = 0
         for toe, mode in self._closed:
@@ -243,6 +246,21 @@ class Flow:
                 self._pivots[toe] = 1.0 / float(inverse_pivots[row])
             row += 2 if mode == STICK else 1
         return a
+
+    def _constraint(self) -> tuple[Array, Array, Array]:
+        """Rows A, directions G and drift of the closed toes, as `constrained` takes them."""
+        friction = self.system.contact.friction
+        A, G, drift = [], [], []
+        for (_, mode), jacobian, toe_drift in zip(self._closed, *self._rows(), strict=True):
+            if mode == STICK:
+                A += [jacobian[0], jacobian[1]]
+                G += [jacobian[0], jacobian[1]]
+                drift += toe_drift.tolist()
+            else:
+                A.append(jacobian[1])
+                G.append(jacobian[1] - friction * SIGN[mode] * jacobian[0])
+                drift.append(toe_drift[1])
+        return np.array(A), np.array(G).T, np.array(drift)
 
     def _rows(self) -> tuple[list[Array], list[Array]]:
         model, data = self._model, self._data
