@@ -57,6 +57,22 @@ class NoGait(SpearError):
         super().__init__(f"no gait found: {reason} (best residual {residual:.3g})")
 
 
+class Infeasible(SpearError):
+    """What was asked cannot be met, as far as a local search tells; names what stands in the way."""
+
+    def __init__(self, constraint: str, violation: float) -> None:
+        self.constraint, self.violation = constraint, violation
+        super().__init__(f"no gait meets the request: {constraint} is missed by {violation:.3g} at best (local search)")
+
+
+class MissingExtra(SpearError):
+    """An optional dependency is not installed."""
+
+    def __init__(self, package: str, extra: str, purpose: str) -> None:
+        self.package, self.extra = package, extra
+        super().__init__(f"{purpose} needs {package}, which is not installed: pip install 'spear-pin[{extra}]'")
+
+
 def require(name: str, value: Any, valid: Callable[[Any], Any], expected: str) -> None:
     """Raise `BadValue` unless a number is finite and valid; symbols pass.
 

@@ -6,12 +6,14 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
 from spear_pin.files import atomic
+from spear_pin.gaits.bounding import BoundingLaw, bounding
 from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
@@ -21,7 +23,10 @@ from spear_pin.model.spring import Spring
 
 FORMAT = "spear_pin gait 1"
 PARTS = ("law", "spring", "contact")
-KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {"hopping": (hopping, HoppingLaw)}
+KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
+    "hopping": (hopping, HoppingLaw),
+    "bounding": (bounding, BoundingLaw),
+}
 
 
 @dataclass(frozen=True)
@@ -87,7 +92,8 @@ class Gait:
                 raise UnknownName("kind of gait", data["kind"], KINDS)
             build, law = KINDS[data["kind"]]
             robot = load(data["robot"]["source"], toes=data["robot"]["toes"], locked=data["robot"]["locked"])
-            system = build(robot, law(**data["law"]), Spring(**data["spring"]), Contact(**data["contact"]))
+            values = {name: _tuples(value) for name, value in data["law"].items()}
+            system = build(robot, law(**values), Spring(**data["spring"]), Contact(**data["contact"]))
             state = np.array(data["state"]["q"], dtype=float), np.array(data["state"]["v"], dtype=float)
             if [part.shape for part in state] != [(robot.nq,), (robot.nv,)]:
                 raise ValueError(f"the state has the shapes {[part.shape for part in state]}")
@@ -97,8 +103,13 @@ class Gait:
             return cls(system, state, data["parameters"], float(data["residual"]), multipliers, data["durations"])
         except OSError as error:
             raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
-        except (KeyError, TypeError, ValueError, SpearError) as error:
+        except (AttributeError, KeyError, TypeError, ValueError, SpearError) as error:
             raise BadFile(path, f"is not a saved gait ({type(error).__name__}: {error})") from None
+
+
+def _tuples(value: Any) -> Any:
+    """JSON's lists as the tuples that they were."""
+    return tuple(_tuples(item) for item in value) if isinstance(value, list) else value
 
 
 def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
@@ -133,7 +144,7 @@ def _owner(system: HybridSystem, name: str) -> str:
         field.name: part
         for part in PARTS
         for field in fields(getattr(system, part))
-        if not isinstance(getattr(getattr(system, part), field.name), bool)
+        if not isinstance(getattr(getattr(system, part), field.name), (bool, str, tuple))
     }
     if name not in owners:
         raise UnknownName("parameter", name, owners)

@@ -1,0 +1,139 @@
+"""Event feedback: parameters of the law adjusted once a stride, or at each touchdown, to stabilise a gait."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_discrete_are
+from scipy.optimize import minimize_scalar
+
+from spear_pin.errors import BadValue, NoGait, UnknownName
+from spear_pin.gaits.bounding import INPUTS
+from spear_pin.gaits.gait import Gait, parameter, with_parameters
+from spear_pin.hybrid.periodic import STEP, chart, differentiate, multipliers, return_map
+
+Array = NDArray[np.float64]
+SCALES = {name: 0.05 if name.endswith("touchdown") else 50.0 for name in INPUTS}  # rad and N·m: what counts as one
+
+
+def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[Array, Array]:
+    """A and B of ξ⁺ = A ξ + B w: the return map's derivatives by section coordinates and by parameters.
+
+    Args:
+        gait: the gait.
+        inputs: names of parameters, each held through a stride.
+        rtol: of the integrator.
+
+    Raises:
+        NoGait: a perturbed cycle does not close.
+    """
+    system = gait.system
+    local = chart(system, gait.state)
+    nominal = np.array([parameter(system, name) for name in inputs])
+    scales = np.array([SCALES.get(name, 1.0) for name in inputs])
+    n = local.dimension
+
+    def mapped(z: Array) -> Array | None:
+        values = nominal + scales * z[n:]
+        trial = with_parameters(system, dict(zip(inputs, values.tolist(), strict=True)))
+        result = return_map(trial, local.state(z[:n]), rtol)
+        return local.coordinates(result.state) if result.cycles else None
+
+    jacobian = differentiate(mapped, np.zeros(n + len(inputs)), np.full(n + len(inputs), STEP))
+    if jacobian is None:
+        raise NoGait("a perturbed cycle does not close", gait.residual)
+    return jacobian[:, :n], jacobian[:, n:] / scales
+
+
+def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 1.0, rtol: float = 1e-10) -> Gait:
+    """The gait with discrete linear-quadratic feedback of its section state to parameters of the law.
+
+    Once a stride, just after posterior touchdown, w = -K ξ is added to the `inputs`; K minimises
+    Σ ξᵀξ + weight Σ (w / scale)², scales being 50 N·m and 0.05 rad.
+
+    Args:
+        gait: a bounding gait without such feedback.
+        inputs: which of `INPUTS` it may use.
+        weight: of the inputs; the larger, the gentler.
+        rtol: of the integrator.
+
+    Raises:
+        UnknownName: an input is not among `INPUTS`.
+        BadValue: the gait has feedback already, or the weight is not positive.
+        NoGait: a perturbed cycle does not close.
+    """
+    _without_feedback(gait)
+    for name in inputs:
+        if name not in INPUTS:
+            raise UnknownName("input of event feedback", name, INPUTS)
+    if not weight > 0:
+        raise BadValue("weight", weight, "a number > 0")
+    system = gait.system
+    A, B = linearized(gait, inputs, rtol)
+    R = weight * np.diag([SCALES[name] ** -2 for name in inputs])
+    P = solve_discrete_are(A, B, np.eye(len(A)), R)
+    K = np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A)
+    local = chart(system, gait.state)
+    q, v = gait.state
+    # ξ of a state less the fixed point's: the cyclic torso_x has no part in it
+    to_chart = np.zeros((local.dimension, len(q) - 1 + len(v)))
+    dq = local.q_basis.shape[1]
+    to_chart[:dq, : len(q) - 1], to_chart[dq:, len(q) - 1 :] = local.q_basis[1:].T, local.v_basis.T
+    rows = dict(zip(inputs, (-K @ to_chart).tolist(), strict=True))
+    zero = [0.0] * to_chart.shape[1]
+    feedback = tuple(tuple(rows.get(name, zero)) for name in INPUTS)
+    return _with_law(gait, {"feedback": feedback, "nominal": (*q[1:].tolist(), *v.tolist())}, rtol)
+
+
+def speed_regulated(gait: Gait, gain: float | None = None, rtol: float = 1e-9) -> Gait:
+    """The gait with β += K (ẋ - ẋ*) at each touchdown, one gain for both stances.
+
+    Args:
+        gait: a bounding gait without event feedback.
+        gain: K, in N·s; None takes the one with the least spectral radius, searched to 1 N·s.
+        rtol: of the integrator in that search.
+
+    Raises:
+        BadValue: the gait has feedback already.
+        NoGait: a perturbed cycle does not close.
+    """
+    _without_feedback(gait)
+    cycle = return_map(gait.system, gait.state)
+    speeds = float(gait.state[1][0]), float(cycle.event("anterior_touchdown").v[0])
+
+    def law(k: float) -> Mapping[str, object]:
+        return {"speed_gain": (k, k), "speed_nominal": speeds}
+
+    def radius(k: float) -> float:
+        try:
+            trial = _rebuilt(gait, law(k))
+            return float(np.abs(multipliers(trial.system, trial.state, rtol)).max())
+        except NoGait:
+            return 10.0
+
+    if gain is None:
+        gain = float(minimize_scalar(radius, bounds=(-150.0, 150.0), method="bounded", options={"xatol": 1.0}).x)
+    return _with_law(gait, law(gain), 1e-10)
+
+
+def _without_feedback(gait: Gait) -> None:
+    law = gait.system.law
+    if gait.system.kind != "bounding":
+        raise BadValue("gait", gait.system.kind, "a bounding gait")
+    if law.feedback or any(law.speed_gain):
+        raise BadValue("gait", "one with event feedback", "one without")
+
+
+def _rebuilt(gait: Gait, values: Mapping[str, object]) -> Gait:
+    system = gait.system
+    law = replace(system.law, **values)
+    return replace(gait, system=system.build(system.robot, law, system.spring, system.contact))
+
+
+def _with_law(gait: Gait, values: Mapping[str, object], rtol: float) -> Gait:
+    """The gait with other feedback: the same orbit, other multipliers."""
+    other = _rebuilt(gait, values)
+    return replace(other, multipliers=multipliers(other.system, other.state, rtol))

@@ -1,0 +1,151 @@
+"""Virtual constraints: outputs y = H q - h(s) of (5.9), zeroed by input-output linearisation.
+
+The desired evolution h is a Bézier polynomial in a phase variable s that is linear in q, (5.10) and
+(5.19). Beyond s = 1 it goes on along its tangent; for a polynomial whose last coefficients are equal
+that is to hold its end value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import comb
+from typing import Any
+
+Row = tuple[tuple[int, float], ...]
+"""A row vector over the coordinates, as (index, weight) of its entries."""
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """What is controlled, and what it is a function of.
+
+    Attributes:
+        rows: H, one row for each controlled variable.
+        phase: c in s = (c q - origin) / span.
+        motors: columns of the motors that do it, as many as rows.
+    """
+
+    rows: tuple[Row, ...]
+    phase: Row
+    motors: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Evolution:
+    """The desired evolution of the outputs within one phase of motion.
+
+    Attributes:
+        alpha: Bézier coefficients of each output.
+        origin: c q where s = 0.
+        span: change of c q from s = 0 to s = 1.
+        past: 1 beyond s = 1, else 0.
+    """
+
+    alpha: tuple[tuple[Any, ...], ...]
+    origin: Any
+    span: Any
+    past: Any = 0.0
+
+
+def dot(row: Row, vector: Sequence[Any]) -> Any:
+    """A row times a vector over the coordinates."""
+    return sum(weight * vector[index] for index, weight in row)
+
+
+def bezier(alpha: Sequence[Any], s: Any) -> tuple[Any, Any, Any]:
+    """Value, slope and curvature of a Bézier polynomial, given its coefficients, at s."""
+    slopes = [(len(alpha) - 1) * (b - a) for a, b in zip(alpha, alpha[1:], strict=False)]
+    curvatures = [(len(slopes) - 1) * (b - a) for a, b in zip(slopes, slopes[1:], strict=False)]
+    return _bernstein(alpha, s), _bernstein(slopes, s), _bernstein(curvatures, s)
+
+
+def _bernstein(coefficients: Sequence[Any], s: Any) -> Any:
+    n, rest = len(coefficients) - 1, 1.0 - s
+    ups, downs = [1.0], [1.0]
+    for _ in range(n):
+        ups.append(ups[-1] * s)
+        downs.append(downs[-1] * rest)
+    return sum(comb(n, k) * c * ups[k] * downs[n - k] for k, c in enumerate(coefficients))
+
+
+def progress(outputs: Outputs, evolution: Evolution, q: Sequence[Any]) -> Any:
+    """The phase variable s, (5.10) or (5.19)."""
+    return (dot(outputs.phase, q) - evolution.origin) / evolution.span
+
+
+def desired(outputs: Outputs, evolution: Evolution, q: Sequence[Any]) -> list[tuple[Any, Any, Any]]:
+    """h, dh/ds and d²h/ds² of each output."""
+    s = progress(outputs, evolution, q)
+    inside = s + evolution.past * (1.0 - s)
+    evolutions = []
+    for alpha in evolution.alpha:
+        value, slope, curvature = bezier(alpha, inside)
+        evolutions.append((value + slope * (s - inside), slope, (1.0 - evolution.past) * curvature))
+    return evolutions
+
+
+def errors(outputs: Outputs, evolution: Evolution, q: Sequence[Any], v: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+    """The outputs y of (5.9) and their rates."""
+    rate = dot(outputs.phase, v) / evolution.span
+    y, dy = [], []
+    for row, (value, slope, _) in zip(outputs.rows, desired(outputs, evolution, q), strict=True):
+        y.append(dot(row, q) - value)
+        dy.append(dot(row, v) - slope * rate)
+    return y, dy
+
+
+def zeroing(
+    outputs: Outputs,
+    evolution: Evolution,
+    q: Sequence[Any],
+    v: Sequence[Any],
+    epsilon: Any,
+    response: tuple[Sequence[Any], Sequence[Sequence[Any]]],
+    others: Sequence[tuple[int, Any]],
+    ops: Any,
+) -> Sequence[Any]:
+    """Torques of the outputs' motors that give ÿ = -y/ε² - 2ẏ/ε, (5.15) and (5.20) with (5.16).
+
+    Args:
+        outputs: what is controlled.
+        evolution: how it shall evolve.
+        q: configuration.
+        v: velocity.
+        epsilon: ε, in s: the outputs decay like exp(-t/ε).
+        response: (a, A) with v̇ = a + A u, A as nv rows of nu.
+        others: the other motors, as (column, torque).
+        ops: has `solve`.
+    """
+    free, gains = response
+    free = [a + sum(gain[j] * torque for j, torque in others) for a, gain in zip(free, gains, strict=True)]
+    y, dy = errors(outputs, evolution, q, v)
+    rate = dot(outputs.phase, v) / evolution.span
+    matrix, wanted = [], []
+    for i, (_, slope, curvature) in enumerate(desired(outputs, evolution, q)):
+        tilt = slope / evolution.span  # H - h' ds/dq is the output's gradient
+        row = (*outputs.rows[i], *((index, -tilt * weight) for index, weight in outputs.phase))
+        matrix.append([sum(weight * gains[index][j] for index, weight in row) for j in outputs.motors])
+        wanted.append(curvature * rate * rate - y[i] / (epsilon * epsilon) - 2.0 * dy[i] / epsilon - dot(row, free))
+    torques: Sequence[Any] = ops.solve(matrix, wanted)
+    return torques
+
+
+def resume(
+    outputs: Outputs, shapes: Sequence[Sequence[float]], q: Sequence[float], v: Sequence[float], span: float
+) -> Evolution:
+    """The evolution that begins with y = ẏ = 0 at (q, v), the event update (5.22).
+
+    Args:
+        outputs: what is controlled.
+        shapes: the coefficients of each output from the third on.
+        q: configuration after the event.
+        v: velocity after the event.
+        span: change of the phase's coordinate up to s = 1.
+    """
+    rate = dot(outputs.phase, v) / span
+    alpha = []
+    for row, shape in zip(outputs.rows, shapes, strict=True):
+        begin = dot(row, q)
+        alpha.append((begin, begin + dot(row, v) / rate / (len(shape) + 1), *shape))
+    return Evolution(tuple(alpha), dot(outputs.phase, q), span)
