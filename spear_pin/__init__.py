@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from spear_pin.errors import SpearError
+    from spear_pin.gaits.bounding import BoundingLaw, bounding
     from spear_pin.gaits.gait import Gait
     from spear_pin.gaits.hopping import HoppingLaw, hopping
     from spear_pin.gaits.search import find_gait
@@ -19,9 +20,11 @@ if TYPE_CHECKING:
     from spear_pin.model.loading import load
     from spear_pin.model.robot import Robot
     from spear_pin.model.spring import Spring
+    from spear_pin.model.variants import vary
 
 __version__ = "0.1.0"
 __all__ = [
+    "BoundingLaw",
     "Contact",
     "Gait",
     "HoppingLaw",
@@ -29,10 +32,12 @@ __all__ = [
     "SpearError",
     "Spring",
     "Trajectory",
+    "bounding",
     "find_gait",
     "hopping",
     "load",
     "simulate",
+    "vary",
 ]
 
 _HOMES = {
@@ -43,6 +48,9 @@ _HOMES = {
     "Contact": "hybrid.contact",
     "simulate": "hybrid.simulate",
     "Trajectory": "hybrid.trajectory",
+    "bounding": "gaits.bounding",
+    "BoundingLaw": "gaits.bounding",
+    "vary": "model.variants",
     "hopping": "gaits.hopping",
     "HoppingLaw": "gaits.hopping",
     "Gait": "gaits.gait",

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
 from spear_pin.files import atomic
+from spear_pin.gaits import library
 from spear_pin.gaits.bounding import BoundingLaw, bounding
 from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.hybrid.automaton import HybridSystem
@@ -20,6 +21,7 @@ from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.record import State
 from spear_pin.model.loading import load
 from spear_pin.model.spring import Spring
+from spear_pin.model.variants import vary
 
 FORMAT = "spear_pin gait 1"
 PARTS = ("law", "spring", "contact")
@@ -65,7 +67,7 @@ class Gait:
         data = {
             "format": FORMAT,
             "kind": self.system.kind,
-            "robot": {"source": robot.source, "toes": robot.toes, "locked": robot.locked},
+            "robot": {"source": robot.source, "toes": robot.toes, "locked": robot.locked, "varied": dict(robot.varied)},
             **{part: asdict(getattr(self.system, part)) for part in PARTS},
             "state": {"q": self.state[0].tolist(), "v": self.state[1].tolist()},
             "parameters": dict(self.parameters),
@@ -79,11 +81,14 @@ class Gait:
 
     @classmethod
     def load(cls, path: str | Path) -> Gait:
-        """Read what `save` wrote, and rebuild the system.
+        """Read a shipped gait by its name, or what `save` wrote by its path, and rebuild the system.
 
         Raises:
+            UnknownName: no gait of that name ships, and it is not a path (it has no suffix or separator).
             BadFile: it cannot be read, or is not a gait.
         """
+        if not ({"/", "\\", "."} & set(str(path))):
+            path = library.path(str(path))
         try:
             data = json.loads(Path(path).read_text(encoding="utf-8"))
             if data["format"] != FORMAT:
@@ -92,6 +97,7 @@ class Gait:
                 raise UnknownName("kind of gait", data["kind"], KINDS)
             build, law = KINDS[data["kind"]]
             robot = load(data["robot"]["source"], toes=data["robot"]["toes"], locked=data["robot"]["locked"])
+            robot = vary(robot, **data["robot"].get("varied", {}))
             values = {name: _tuples(value) for name, value in data["law"].items()}
             system = build(robot, law(**values), Spring(**data["spring"]), Contact(**data["contact"]))
             state = np.array(data["state"]["q"], dtype=float), np.array(data["state"]["v"], dtype=float)
