@@ -36,6 +36,7 @@ INPUTS = (
     "anterior_leg_touchdown",
 )
 """Parameters that event feedback adjusts once a stride."""
+NO_ADJUSTMENT = (0.0,) * len(INPUTS)
 
 
 @dataclass(frozen=True)
@@ -166,11 +167,23 @@ class Leg:
 
 @dataclass(frozen=True)
 class Phase:
-    """Names and outputs of a phase in which some legs are in the air."""
+    """A phase in which some leg swings.
+
+    Attributes:
+        name: its name.
+        legs: those that swing, in the order of the outputs.
+        outputs: what is controlled.
+        bearing: the leg on the ground, in a stance.
+        lifted: the leg that lifted last, in a flight.
+        landing: the leg that lands next, in a flight.
+    """
 
     name: str
     legs: tuple[Leg, ...]
     outputs: Outputs
+    bearing: Leg | None = None
+    lifted: Leg | None = None
+    landing: Leg | None = None
 
 
 def support(leg: Leg, q: Any, held: Mapping[str, Any], p: BoundingLaw, dyn: Any) -> list[tuple[int, Any]]:
@@ -203,11 +216,12 @@ def bounding(
         BadValue: the robot has not the coordinates, toes and motors of `q_spear`.
     """
     spring, contact = spring or Spring(stiffness=112.0, damping=0.0), contact or Contact()
-    posterior, anterior = legs = _legs(robot)
+    posterior, anterior = legs = legs_of(robot)
     mounts = {leg: _mount(leg, spring) for leg in legs}
     fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])
-    flights = {posterior: _flight("flight_1", legs), anterior: _flight("flight_2", legs)}  # by the leg just lifted
-    stances = {leg: _stance(leg, other) for leg, other in (legs, legs[::-1])}
+    phases = phases_of(robot)
+    stances = {phase.bearing: phase for phase in phases if phase.bearing}
+    flights = {phase.lifted: phase for phase in phases if phase.lifted}
 
     def lands(leg: Leg, phase: Phase | str, name: str = "touchdown", *, resumed: bool = False) -> Guard:
         """The leg touches down; `resumed` keeps its leg angle, as its stance goes on."""
@@ -226,7 +240,7 @@ def bounding(
         """The leg lifts off, into flight or into the stance of the one that remains."""
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
-            return _fly(leg, phase, q, v, held, p) if remaining is None else _swing(remaining, phase, q, v, held, p)
+            return _fly(phase, q, v, held, p) if remaining is None else _swing(remaining, phase, q, v, held, p)
 
         return Reset(release=(leg.joint,), latch=latch, phase=phase.name)
 
@@ -252,9 +266,7 @@ def bounding(
         double = f"double_{1 if leg is posterior else 2}"  # from this leg's stance to the other's
         stance, flight = stances[leg], flights[leg]
         landing = (_passing(stance), lands(other, double))
-        domains += grounded(
-            stance.name, (leg,), _stance_law(leg, stance), {leg.toe: lifts(leg, flight, None)}, landing
-        )
+        domains += grounded(stance.name, (leg,), _stance_law(leg, stance), {leg.toe: lifts(leg, flight, None)}, landing)
         resets = {leg.toe: lifts(leg, stances[other], other), other.toe: lifts(other, stance, leg)}
         domains += grounded(double, legs, _double_law(legs), resets, ())
         returns = lands(leg, stance, "return", resumed=True)
@@ -276,19 +288,27 @@ def bounding(
     )
 
 
-def phases_of(robot: Robot) -> tuple[list[tuple[Phase, Leg | None, Leg | None, Leg | None]], tuple[Leg, Leg]]:
-    """The four phases of the gait in order, each with the leg that bears, the one that lifted last and the one that lands next, and both legs."""
-    posterior, anterior = legs = _legs(robot)
-    phases = [
-        (_stance(posterior, anterior), posterior, None, None),
-        (_flight("flight_1", legs), None, posterior, anterior),
-        (_stance(anterior, posterior), anterior, None, None),
-        (_flight("flight_2", legs), None, anterior, posterior),
-    ]
-    return phases, legs
+def phases_of(robot: Robot) -> tuple[Phase, ...]:
+    """The four phases of the gait in order.
+
+    Raises:
+        BadValue: the robot has not the coordinates, toes and motors of `q_spear`.
+    """
+    posterior, anterior = legs_of(robot)
+    return (
+        _stance(posterior, anterior),
+        _flight("flight_1", posterior, anterior),
+        _stance(anterior, posterior),
+        _flight("flight_2", anterior, posterior),
+    )
 
 
-def _legs(robot: Robot) -> tuple[Leg, Leg]:
+def legs_of(robot: Robot) -> tuple[Leg, Leg]:
+    """The posterior and the anterior leg.
+
+    Raises:
+        BadValue: the robot has not the coordinates, toes and motors of `q_spear`.
+    """
     joints = tuple(f"{name}_{part}" for name in ("posterior", "anterior") for part in ("hip", "knee"))
     expected = ("torso_x", "torso_z", "pitch", *joints)
     if robot.coordinates != expected or robot.actuated != joints or robot.toes != ("posterior_toe", "anterior_toe"):
@@ -306,13 +326,14 @@ def _mount(leg: Leg, spring: Spring) -> Mount:
 
 def _stance(leg: Leg, other: Leg) -> Phase:
     """Single stance: the other leg swings, s from the supporting leg's angle."""
-    return Phase(f"{leg.name}_stance", (other,), Outputs(other.rows, leg.angle, other.motors))
+    return Phase(f"{leg.name}_stance", (other,), Outputs(other.rows, leg.angle, other.motors), bearing=leg)
 
 
-def _flight(name: str, legs: tuple[Leg, Leg]) -> Phase:
+def _flight(name: str, lifted: Leg, landing: Leg) -> Phase:
     """Flight: both legs swing, s from the torso's travel."""
-    rows, motors = (*legs[0].rows, *legs[1].rows), (*legs[0].motors, *legs[1].motors)
-    return Phase(name, legs, Outputs(rows, ((0, 1.0),), motors))
+    first, second = legs = sorted((lifted, landing), key=lambda leg: leg.hip)
+    outputs = Outputs((*first.rows, *second.rows), ((0, 1.0),), (*first.motors, *second.motors))
+    return Phase(name, tuple(legs), outputs, lifted=lifted, landing=landing)
 
 
 # control laws
@@ -354,7 +375,7 @@ def _ordered(torques: Sequence[tuple[int, Any]]) -> Sequence[Any]:
 
 
 def _passing(phase: Phase) -> Guard:
-    """s passes 1, either way."""
+    """The phase variable passes 1, either way."""
 
     def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
         return (1.0 - 2.0 * held["past"]) * (1.0 - progress(phase.outputs, evolution(held), q))
@@ -379,13 +400,16 @@ def _bear(
 ) -> dict[str, Any]:
     """A leg begins to bear: its spring is latched, its torques are set, event feedback included."""
     name, first = leg.name, leg.name == "posterior"
-    adjust = held.get("adjust", (0.0,) * len(INPUTS))
+    adjust = held.get("adjust", NO_ADJUSTMENT)
     if first and not resumed:
         state = (*q[1:], *v)
-        adjust = tuple(
-            sum(gain * (now - then) for gain, now, then in zip(row, state, p.nominal, strict=True))
-            for row in p.feedback
-        ) or (0.0,) * len(INPUTS)
+        adjust = (
+            tuple(
+                sum(gain * (now - then) for gain, now, then in zip(row, state, p.nominal, strict=True))
+                for row in p.feedback
+            )
+            or NO_ADJUSTMENT
+        )
     i = 0 if first else 1
     faster = p.speed_gain[i] * (v[0] - p.speed_nominal[i])
     return {
@@ -406,12 +430,12 @@ def _swing(leg: Leg, phase: Phase, q: Sequence[float], v: Sequence[float], held:
     return _held(resume(phase.outputs, getattr(p, f"{phase.name}_swing"), q, v, span))
 
 
-def _fly(lifted: Leg, phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
+def _fly(phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
     """Flight begins: one leg trails, the other is brought to its touchdown angles."""
     shapes: list[Sequence[float]] = []
-    adjust = held.get("adjust", (0.0,) * len(INPUTS))
+    adjust = held.get("adjust", NO_ADJUSTMENT)
     for i, leg in enumerate(phase.legs):
-        if leg == lifted:
+        if leg == phase.lifted:
             shapes += getattr(p, f"{phase.name}_trailing")
             continue
         angle, knee = getattr(p, f"{phase.name}_landing")

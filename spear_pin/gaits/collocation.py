@@ -6,7 +6,7 @@ Needs CasADi (the extra `optimize`).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from spear_pin.errors import MissingExtra
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, float, float], object]
+Guess = Callable[[str], Array | None]
 
 
 def casadi() -> Any:
@@ -36,8 +37,7 @@ class Solution:
     """Where the optimiser ended.
 
     Attributes:
-        x: the unknowns.
-        multipliers: of bounds and of constraints, to start from again.
+        values: the unknowns by name, in their own units.
         objective: its value.
         violations: largest violation of each named constraint, in its own unit.
         success: whether it converged to a local optimum that satisfies every constraint.
@@ -45,8 +45,7 @@ class Solution:
         iterations: how many it took.
     """
 
-    x: Array
-    multipliers: tuple[Array, Array]
+    values: dict[str, Array]
     objective: float
     violations: dict[str, float]
     success: bool
@@ -54,33 +53,31 @@ class Solution:
     iterations: int
 
 
-@dataclass
 class Programme:
     """A nonlinear programme under construction.
 
     `variable` and `require` collect it; `solve` hands it to IPOPT.
+
+    Args:
+        start: values to start from by name, where it has one; from an earlier `Solution`, see `resampled`.
     """
 
-    objective: Any = 0.0
-    _symbols: list[Any] = field(default_factory=list)
-    _guess: list[Array] = field(default_factory=list)
-    _lower: list[Array] = field(default_factory=list)
-    _upper: list[Array] = field(default_factory=list)
-    _rows: list[Any] = field(default_factory=list)
-    _least: list[Array] = field(default_factory=list)
-    _most: list[Array] = field(default_factory=list)
-    _labels: list[str] = field(default_factory=list)
-    _scales: list[Array] = field(default_factory=list)
-    _wishes: list[bool] = field(default_factory=list)
+    def __init__(self, start: Guess | None = None) -> None:
+        self.objective: Any = 0.0
+        self._start = start
+        self._unknowns: list[_Unknown] = []
+        self._conditions: list[_Condition] = []
 
-    def variable(self, guess: ArrayLike, lower: ArrayLike, upper: ArrayLike, scale: float = 1.0) -> Any:
+    def variable(self, name: str, guess: ArrayLike, lower: ArrayLike, upper: ArrayLike, scale: float = 1.0) -> Any:
         """New unknowns, as many as the guess has numbers; internally divided by `scale`."""
-        start = np.atleast_1d(np.asarray(guess, dtype=float)) / scale
-        symbol = casadi().SX.sym(f"x{len(self._symbols)}", len(start))
-        self._symbols.append(symbol)
-        self._guess.append(start)
-        self._lower.append(np.broadcast_to(np.asarray(lower, dtype=float) / scale, start.shape))
-        self._upper.append(np.broadcast_to(np.asarray(upper, dtype=float) / scale, start.shape))
+        first = np.atleast_1d(np.asarray(guess, dtype=float))
+        given = self._start(name) if self._start is not None else None
+        if given is not None and given.shape == first.shape:
+            first = given
+        low, high = (np.broadcast_to(np.asarray(bound, dtype=float), first.shape) for bound in (lower, upper))
+        symbol = casadi().SX.sym(name, len(first))
+        first = np.clip(first, low, high)
+        self._unknowns.append(_Unknown(name, symbol, first / scale, low / scale, high / scale, scale))
         return scale * symbol
 
     def require(
@@ -93,7 +90,7 @@ class Programme:
         scale: float = 1.0,
         wish: bool = False,
     ) -> None:
-        """least <= expression <= most.
+        """Require least <= expression <= most.
 
         Args:
             label: its name, in words; several may share one.
@@ -105,28 +102,19 @@ class Programme:
                 the laws of motion may not.
         """
         row = casadi().vertcat(expression)
-        n = row.numel()
-        self._rows.append(row / scale)
-        self._least.append(np.broadcast_to(np.asarray(least, dtype=float) / scale, (n,)))
-        self._most.append(np.broadcast_to(np.asarray(most, dtype=float) / scale, (n,)))
-        self._scales.append(np.full(n, scale))
-        self._labels += [label] * n
-        self._wishes += [wish] * n
+        low, high = (np.broadcast_to(np.asarray(bound, dtype=float), (row.numel(),)) for bound in (least, most))
+        self._conditions.append(_Condition(label, row / scale, low / scale, high / scale, scale, wish))
 
     def solve(
-        self,
-        guess: Array | None = None,
-        multipliers: tuple[Array, Array] | None = None,
-        *,
-        iterations: int = 800,
-        tolerance: float = 1e-8,
-        on_iteration: Progress | None = None,
+        self, *, iterations: int = 500, tolerance: float = 1e-8, on_iteration: Progress | None = None
     ) -> Solution:
-        """A local optimum from the guess, or from an earlier solution."""
+        """A local optimum from the guess."""
         ca = casadi()
-        problem = {"x": ca.vertcat(*self._symbols), "f": self.objective, "g": ca.vertcat(*self._rows)}
-        lower, upper = np.concatenate(self._lower), np.concatenate(self._upper)
-        least, most = np.concatenate(self._least), np.concatenate(self._most)
+        x = ca.vertcat(*[unknown.symbol for unknown in self._unknowns])
+        problem = {"x": x, "f": self.objective, "g": ca.vertcat(*[condition.row for condition in self._conditions])}
+        least, most = (
+            np.concatenate([getattr(condition, side) for condition in self._conditions]) for side in ("least", "most")
+        )
         options: dict[str, Any] = {
             "print_time": False,
             "error_on_fail": False,
@@ -136,27 +124,34 @@ class Programme:
             "ipopt.max_iter": iterations,
             "ipopt.tol": tolerance,
         }
-        start: dict[str, Any] = {"x0": np.concatenate(self._guess) if guess is None else guess}
-        if multipliers is not None:
-            options |= {"ipopt.warm_start_init_point": "yes", "ipopt.mu_init": 1e-4}
-            start |= {"lam_x0": multipliers[0], "lam_g0": multipliers[1]}
-        elif guess is not None:
+        if self._start is not None:
             options["ipopt.mu_init"] = 1e-3
         if on_iteration is not None:
             options["iteration_callback"] = callback = _callback(problem, least, most, on_iteration)
         solver = ca.nlpsol("search", "ipopt", problem, options)
-        result = solver(lbx=lower, ubx=upper, lbg=least, ubg=most, **start)
+        result = solver(
+            x0=np.concatenate([unknown.guess for unknown in self._unknowns]),
+            lbx=np.concatenate([unknown.lower for unknown in self._unknowns]),
+            ubx=np.concatenate([unknown.upper for unknown in self._unknowns]),
+            lbg=least,
+            ubg=most,
+        )
         stats = solver.stats()
         if on_iteration is not None:
             del callback
-        x, rows = np.array(result["x"]).ravel(), np.array(result["g"]).ravel()
-        missed = np.maximum(np.maximum(least - rows, rows - most), 0.0) * np.concatenate(self._scales)
+        found, rows = np.array(result["x"]).ravel(), np.array(result["g"]).ravel()
+        values: dict[str, Array] = {}
+        for unknown in self._unknowns:
+            n = len(unknown.guess)
+            values[unknown.name], found = unknown.scale * found[:n], found[n:]
         violations: dict[str, float] = {}
-        for label, value in zip(self._labels, missed, strict=True):
-            violations[label] = max(violations.get(label, 0.0), float(value))
+        for condition in self._conditions:
+            n = len(condition.least)
+            missed = np.maximum(np.maximum(condition.least - rows[:n], rows[:n] - condition.most), 0.0).max(initial=0.0)
+            rows = rows[n:]
+            violations[condition.label] = max(violations.get(condition.label, 0.0), float(missed) * condition.scale)
         return Solution(
-            x,
-            (np.array(result["lam_x"]).ravel(), np.array(result["lam_g"]).ravel()),
+            values,
             float(result["f"]),
             violations,
             bool(stats["success"]),
@@ -164,32 +159,83 @@ class Programme:
             int(stats["iter_count"]),
         )
 
-    def relaxed(self) -> tuple[Programme, dict[str, Any]]:
-        """The programme in which each named wish may be missed by a margin of its own, at the cost of the margin."""
-        names = list(dict.fromkeys(label for label, wish in zip(self._labels, self._wishes, strict=True) if wish))
-        other = Programme()
-        other._symbols, other._guess = list(self._symbols), list(self._guess)
-        other._lower, other._upper = list(self._lower), list(self._upper)
-        margins = {name: other.variable(1.0, 0.0, np.inf) for name in names}
-        i = 0
-        for row, least, most, scale in zip(self._rows, self._least, self._most, self._scales, strict=True):
-            label, wish = self._labels[i], self._wishes[i]
-            i += row.numel()
-            if not wish:
-                other.require(label, row, least, most)
-                continue
-            margin = margins[label]
-            for bound, side in ((least, 1.0), (most, -1.0)):
-                if np.isfinite(bound).all():
-                    other.require(label, side * (row - bound) + margin, 0.0)
-        other.objective = sum(margins.values())
-        return other, margins
+    def relaxed(self, start: Guess) -> tuple[Programme, dict[str, tuple[Any, float]]]:
+        """The programme in which each named wish may be missed by a margin of its own, at the cost of the margin.
 
-    def value(self, expression: Any, x: Array) -> Array:
+        Returns:
+            the programme; the name of each wish's margin among its unknowns, and the unit it counts in.
+        """
+        other = Programme()
+        for unknown in self._unknowns:
+            given = start(unknown.name)
+            guess = unknown.guess if given is None else np.clip(given / unknown.scale, unknown.lower, unknown.upper)
+            other._unknowns.append(replace(unknown, guess=guess))
+        wishes = {condition.label: condition.scale for condition in self._conditions if condition.wish}
+        margins = {label: other.variable(f"margin of {label}", 1.0, 0.0, np.inf) for label in wishes}
+        for condition in self._conditions:
+            if not condition.wish:
+                other._conditions.append(condition)
+                continue
+            for bound, side in ((condition.least, 1.0), (condition.most, -1.0)):
+                if np.isfinite(bound).all():
+                    loosened = side * (condition.row - bound) + margins[condition.label]
+                    other.require(condition.label, loosened, 0.0)
+        other.objective = sum(margins.values())
+        return other, {label: (f"margin of {label}", scale) for label, scale in wishes.items()}
+
+    def read(self, expression: Any, solution: Solution) -> Array:
         """An expression's value at a solution."""
         ca = casadi()
-        function = ca.Function("value", [ca.vertcat(*self._symbols)], [ca.vertcat(expression)])
-        return np.array(function(x)).ravel()
+        symbols = ca.vertcat(*[unknown.symbol for unknown in self._unknowns])
+        x = np.concatenate([solution.values[unknown.name] / unknown.scale for unknown in self._unknowns])
+        return np.array(ca.Function("read", [symbols], [ca.vertcat(expression)])(x)).ravel()
+
+
+def node_name(phase: str, fraction: float, part: str) -> str:
+    """Name of the unknowns at a node, by how much of the phase has gone."""
+    return f"{phase}@{fraction:.6f}@{part}"
+
+
+def resampled(solution: Solution) -> Guess:
+    """A solution's values by name; at nodes that it does not have, interpolated between those it has."""
+    series: dict[tuple[str, str], tuple[list[float], list[Array]]] = {}
+    for name, value in solution.values.items():
+        if "@" in name:
+            phase, fraction, part = name.split("@")
+            times, values = series.setdefault((phase, part), ([], []))
+            times.append(float(fraction))
+            values.append(value)
+
+    def guess(name: str) -> Array | None:
+        if name in solution.values or "@" not in name:
+            return solution.values.get(name)
+        phase, fraction, part = name.split("@")
+        if (phase, part) not in series:
+            return None
+        times, values = series[phase, part]
+        return np.array([np.interp(float(fraction), times, column) for column in np.array(values).T])
+
+    return guess
+
+
+@dataclass(frozen=True)
+class _Unknown:
+    name: str
+    symbol: Any
+    guess: Array
+    lower: Array
+    upper: Array
+    scale: float
+
+
+@dataclass(frozen=True)
+class _Condition:
+    label: str
+    row: Any
+    least: Array
+    most: Array
+    scale: float
+    wish: bool
 
 
 def hermite_simpson(
@@ -206,9 +252,7 @@ def hermite_simpson(
 def quadrature(duration: Any, values: Sequence[Any]) -> Any:
     """Simpson's rule over the nodes of `hermite_simpson`."""
     step = duration / ((len(values) - 1) // 2)
-    return sum(
-        step / 6.0 * (values[k] + 4.0 * values[k + 1] + values[k + 2]) for k in range(0, len(values) - 2, 2)
-    )
+    return sum(step / 6.0 * (values[k] + 4.0 * values[k + 1] + values[k + 2]) for k in range(0, len(values) - 2, 2))
 
 
 def _callback(problem: dict[str, Any], least: Array, most: Array, tell: Progress) -> Any:
@@ -216,7 +260,7 @@ def _callback(problem: dict[str, Any], least: Array, most: Array, tell: Progress
     n, m = problem["x"].numel(), problem["g"].numel()
     names = ca.nlpsol_out()
 
-    class Iteration(ca.Callback):  # type: ignore[misc]
+    class Iteration(ca.Callback):  # type: ignore[misc, name-defined]
         def __init__(self) -> None:
             ca.Callback.__init__(self)
             self.count = 0

@@ -18,8 +18,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import Infeasible, UnknownName, require
-from spear_pin.gaits.bounding import BoundingLaw, Leg, Phase, bounding, phases_of, support
-from spear_pin.gaits.collocation import Programme, Progress, Solution, casadi, hermite_simpson, quadrature
+from spear_pin.gaits.bounding import BoundingLaw, Leg, Phase, bounding, legs_of, phases_of, support
+from spear_pin.gaits.collocation import (
+    Guess,
+    Programme,
+    Progress,
+    Solution,
+    casadi,
+    hermite_simpson,
+    node_name,
+    quadrature,
+    resampled,
+)
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import find_gait
 from spear_pin.gaits.virtual_constraints import Evolution, desired, dot, resume
@@ -30,7 +40,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
 Array = NDArray[np.float64]
-INTERVALS = 10  # of each phase; with 6 the collocation error is large where a force fades out
+COARSE, FINE = 6, 10  # intervals of each phase, for a cold start and for what is polished
 CONE = 0.98  # of the friction asked for: what the collocation's error may use up
 END = {True: 0.98, False: 1.02}  # s at the end of a stance, where the polynomial is not to run out, and of a flight
 ANGLES, FLEXIONS = (-1.2, 1.2), (-0.2, 2.4)  # rad: of Bézier coefficients of leg angles and knees
@@ -146,13 +156,11 @@ class Transcription:
     nodes: dict[str, list[_Node]] = field(default_factory=dict)
     durations: dict[str, Any] = field(default_factory=dict)
 
-    def read(self, x: Array) -> tuple[BoundingLaw, tuple[Array, Array], float]:
+    def read(self, solution: Solution) -> tuple[BoundingLaw, tuple[Array, Array], float]:
         """The law, the section state and the springs' stiffness at a solution."""
-        values: dict[str, Any] = {}
-        for name, entry in self.law.items():
-            values[name] = _read(self.programme, entry, x)
-        q, v = (self.programme.value(part, x) for part in self.start)
-        stiffness = float(self.programme.value(self.stiffness, x)[0])
+        values = {name: _read(self.programme, entry, solution) for name, entry in self.law.items()}
+        q, v = (self.programme.read(part, solution) for part in self.start)
+        stiffness = float(self.programme.read(self.stiffness, solution)[0])
         request = self.request
         law = BoundingLaw(
             **values,
@@ -163,67 +171,74 @@ class Transcription:
         return law, (q, v), stiffness
 
 
-def _read(programme: Programme, entry: Any, x: Array) -> Any:
+def _read(programme: Programme, entry: Any, solution: Solution) -> Any:
     if isinstance(entry, tuple):
-        return tuple(_read(programme, item, x) for item in entry)
-    return float(programme.value(entry, x)[0])
+        return tuple(_read(programme, item, solution) for item in entry)
+    return float(programme.read(entry, solution)[0])
 
 
-def transcribe(robot: Robot, request: Request, seed: int = 0) -> Transcription:
+def transcribe(
+    robot: Robot, request: Request, intervals: int = FINE, *, seed: int = 0, start: Guess | None = None
+) -> Transcription:
     """The nonlinear programme of a request.
 
     Args:
         robot: Q-SPEAR in the sagittal plane.
         request: what is asked.
+        intervals: of each phase.
         seed: of the perturbation of the initial guess.
+        start: values to start from, by name.
     """
     ca = casadi()
     rng = np.random.default_rng(seed)
-    programme = Programme()
+    programme = Programme(start)
     planar = Planar(robot)
     dynamics = _dynamics(planar)
     p = SimpleNamespace(virtual_stiffness=request.virtual_stiffness, knee_rest=math.radians(40.0))
     bounds = request.leg_touchdown
-    knee = request.knee_touchdown
-    touchdown = (
-        programme.variable(p.knee_rest, math.radians(20.0), math.radians(70.0)) if knee is None else ca.SX(knee)
-    )
-    free = request.stiffness is None
-    stiffness = programme.variable(112.0, 0.0, 800.0, 100.0) if free else ca.SX(float(request.stiffness or 0.0))
+    if request.knee_touchdown is None:
+        touchdown = programme.variable("knee touchdown", p.knee_rest, math.radians(20.0), math.radians(70.0))
+    else:
+        touchdown = ca.SX(request.knee_touchdown)
+    if request.stiffness is None:
+        stiffness = programme.variable("stiffness", 112.0, 0.0, 800.0, 100.0)
+    else:
+        stiffness = ca.SX(request.stiffness)
     law: dict[str, Any] = {"knee_touchdown": touchdown}
     for name in ("posterior", "anterior"):
-        law[f"{name}_hip_torque"] = programme.variable(0.0, -400.0, 400.0, 100.0)
+        law[f"{name}_hip_torque"] = programme.variable(f"{name} hip", 0.0, -400.0, 400.0, 100.0)
         least = request.minimum_knee_torque
-        law[f"{name}_knee_torque"] = programme.variable(max(20.0, least), least, least + 400.0, 100.0)
-        law[f"{name}_leg_touchdown"] = programme.variable(np.clip(0.22, *bounds), *bounds)
+        law[f"{name}_knee_torque"] = programme.variable(f"{name} knee", max(20.0, least), least, least + 400.0, 100.0)
+        law[f"{name}_leg_touchdown"] = programme.variable(f"{name} leg", np.clip(0.22, *bounds), *bounds)
     result = Transcription(request, programme, law, (None, None), stiffness)
     weights = _peaks(request, programme)
-    phases, legs = phases_of(robot)
+    legs = legs_of(robot)
     before: _Node | None = None
     x = 0.0
-    for phase, bearing, lifted, landing in phases:
+    for phase in phases_of(robot):
+        bearing = phase.bearing
         stance = bearing is not None
         label = phase.name.replace("_", " ")
         guess = 0.1 if stance else 0.06
-        duration = programme.variable(
-            guess * (1.0 + 0.2 * rng.uniform(-1.0, 1.0)), request.minimum_stance if stance else 0.02, 0.4
-        )
-        nodes = [
-            _node(programme, _posture(phase.name, x, guess, request.speed, i / (2 * INTERVALS)), stance, rng)
-            for i in range(2 * INTERVALS + 1)
-        ]
+        shortest = request.minimum_stance if stance else 0.02
+        duration = programme.variable(f"{label} lasts", guess * (1.0 + 0.2 * rng.uniform(-1.0, 1.0)), shortest, 0.4)
+        nodes = []
+        for i in range(2 * intervals + 1):
+            s = i / (2 * intervals)
+            posture = _posture(phase.name, x, guess, request.speed, s)
+            nodes.append(_node(programme, phase.name, s, posture, stance, rng))
         x += request.speed * guess
         result.nodes[phase.name], result.durations[phase.name] = nodes, duration
         first, last = nodes[0], nodes[-1]
         span = (dot(phase.outputs.phase, last.q) - dot(phase.outputs.phase, first.q)) / END[stance]
         law[f"{phase.name}_span"] = span
-        shapes = _shapes(programme, law, phase, lifted, landing)
+        shapes = _shapes(programme, law, phase)
         if stance:
             programme.require(f"sweep of the leg in {label}", span, -1.5, -0.05)
-        begun = resume(phase.outputs, shapes, first.q, first.v, span)  # type: ignore[arg-type]
+        begun = resume(phase.outputs, shapes, first.q, first.v, span)
         for i, node in enumerate(nodes):
             terms = dynamics(node.q, node.v)
-            past = 0.0 if stance or i < 2 * INTERVALS else 1.0
+            past = 0.0 if stance or i < 2 * intervals else 1.0
             _follow(programme, label, phase, replace(begun, past=past), node)
             if bearing is not None:
                 held = {f"{bearing.name}_{k}_torque": law[f"{bearing.name}_{k}_torque"] for k in ("hip", "knee")}
@@ -232,8 +247,8 @@ def transcribe(robot: Robot, request: Request, seed: int = 0) -> Transcription:
                 swing = list(zip(phase.outputs.motors, ca.vertsplit(node.u), strict=True))
                 node.u = ca.vertcat(*[torque for _, torque in sorted([*given, *swing], key=lambda pair: pair[0])])
                 joints = node.u + _on(bearing, elastic)
-                _stand(programme, label, request, bearing, lifted, node, terms, joints, i == 2 * INTERVALS)
-                if 0 < i < 2 * INTERVALS:
+                _stand(programme, label, request, bearing, node, terms, joints, i == 2 * intervals)
+                if 0 < i < 2 * intervals:
                     programme.require(f"knee flexed in {label}", bearing.side * node.q[bearing.knee], p.knee_rest)
                 swings = next(leg for leg in legs if leg != bearing)
                 height = terms[swings.toe][0][1]
@@ -244,7 +259,7 @@ def transcribe(robot: Robot, request: Request, seed: int = 0) -> Transcription:
                 D, h = terms["D"], terms["h"]
                 applied = ca.vertcat(ca.SX.zeros(3), node.u)
                 programme.require(f"motion in {label}", D @ node.a + h - applied, 0.0, 0.0, scale=50.0)
-                if 0 < i < 2 * INTERVALS:
+                if 0 < i < 2 * intervals:
                     for leg in legs:
                         programme.require(f"toes in the air in {label}", terms[leg.toe][0][1], 5e-4, scale=0.1)
             _limit(programme, request, label, node, weights)
@@ -254,15 +269,16 @@ def transcribe(robot: Robot, request: Request, seed: int = 0) -> Transcription:
             result.start = first.q, first.v
         else:
             programme.require(f"motion in {label}", first.q - before.q, 0.0, 0.0)
-            if stance:
+            if bearing is not None:
                 _strike(programme, request, bearing, before, first.v, dynamics)
-            else:
-                programme.require(f"motion in {label}", first.v - before.v, 0.0, 0.0)
-                _, J, drift = dynamics(first.q, first.v)[lifted.toe]
-                rises = (J @ first.a + drift)[1]
-                programme.require(f"toe leaves the ground into {label}", rises, 5.0, scale=10.0)
-        if stance and request.lift_off == "knee":
-            programme.require(f"knee at lift-off from {label}", bearing.side * last.q[bearing.knee], p.knee_rest, p.knee_rest)
+        if phase.lifted is not None and before is not None:
+            programme.require(f"motion in {label}", first.v - before.v, 0.0, 0.0)
+            _, J, drift = dynamics(first.q, first.v)[phase.lifted.toe]
+            rises = (J @ first.a + drift)[1]
+            programme.require(f"toe leaves the ground into {label}", rises, 5.0, scale=10.0)
+        if bearing is not None and request.lift_off == "knee":
+            knee = bearing.side * last.q[bearing.knee]
+            programme.require(f"knee at lift-off from {label}", knee, p.knee_rest, p.knee_rest)
         before = last
     assert before is not None
     _close(programme, request, result, legs[0], before, dynamics)
@@ -302,38 +318,43 @@ def _posture(phase: str, x: float, duration: float, speed: float, s: float) -> A
     return np.array([x + speed * duration * s, 0.57, 0.0, posterior + 0.5 * p, p, anterior + 0.5 * a, a])
 
 
-def _node(programme: Programme, posture: Array, stance: bool, rng: np.random.Generator) -> _Node:
+def _node(programme: Programme, phase: str, s: float, posture: Array, stance: bool, rng: np.random.Generator) -> _Node:
+    def variable(part: str, *arguments: Any) -> Any:
+        return programme.variable(node_name(phase, s, part), *arguments)
+
     lower, upper = [-1.0, 0.3, -0.8, -1.9, -0.3, -1.9, -2.5], [4.0, 0.9, 0.8, 1.9, 2.5, 1.9, 0.3]
     rates = np.array([2.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    q = programme.variable(np.clip(posture + 0.03 * rng.normal(size=7), lower, upper), lower, upper)
-    v = programme.variable(rates + 0.1 * rng.normal(size=7), -30.0, 30.0, 10.0)
-    a = programme.variable(np.zeros(7), -1500.0, 1500.0, 100.0)
-    u = programme.variable(np.zeros(2 if stance else 4), -600.0, 600.0, 100.0)
-    F = programme.variable([0.0, 430.0], [-3000.0, -1.0], [3000.0, 6000.0], 100.0) if stance else None
+    q = variable("q", np.clip(posture + 0.03 * rng.normal(size=7), lower, upper), lower, upper)
+    v = variable("v", rates + 0.1 * rng.normal(size=7), -30.0, 30.0, 10.0)
+    a = variable("a", np.zeros(7), -1500.0, 1500.0, 100.0)
+    u = variable("u", np.zeros(2 if stance else 4), -600.0, 600.0, 100.0)
+    F = variable("F", [0.0, 430.0], [-3000.0, -1.0], [3000.0, 6000.0], 100.0) if stance else None
     return _Node(q, v, a, u, F)
 
 
-def _shapes(programme: Programme, law: dict[str, Any], phase: Phase, lifted: Leg | None, landing: Leg | None) -> Any:
+def _shapes(programme: Programme, law: dict[str, Any], phase: Phase) -> Any:
     """Bézier coefficients from the third on, as the law holds them, new unknowns among them."""
     shapes: list[tuple[Any, ...]] = []
     for leg in phase.legs:
-        if leg == landing:
+        if leg == phase.landing:
             ends = law[f"{leg.name}_leg_touchdown"], leg.side * law["knee_touchdown"]
-            thirds = programme.variable(0.2, *ANGLES), _knee(programme, leg, 1.0)
+            third = f"{phase.name} {leg.name} third"
+            thirds = programme.variable(f"{third} angle", 0.2, *ANGLES), _knee(programme, f"{third} knee", leg)
             law[f"{phase.name}_landing"] = thirds
             shapes += [(third, end, end, end) for third, end in zip(thirds, ends, strict=True)]
         else:
+            name = f"{phase.name} {leg.name}"
             free = (
-                tuple(programme.variable(0.0, *ANGLES) for _ in range(4)),
-                tuple(_knee(programme, leg, 1.0) for _ in range(4)),
+                tuple(programme.variable(f"{name} angle {i}", 0.0, *ANGLES) for i in range(4)),
+                tuple(_knee(programme, f"{name} knee {i}", leg) for i in range(4)),
             )
-            law[f"{phase.name}_{'trailing' if leg == lifted else 'swing'}"] = free
+            law[f"{phase.name}_{'trailing' if leg == phase.lifted else 'swing'}"] = free
             shapes += free
     return shapes
 
 
-def _knee(programme: Programme, leg: Leg, guess: float) -> Any:
-    return leg.side * programme.variable(guess, *FLEXIONS)
+def _knee(programme: Programme, name: str, leg: Leg) -> Any:
+    return leg.side * programme.variable(name, 1.0, *FLEXIONS)
 
 
 def _follow(programme: Programme, label: str, phase: Phase, begun: Evolution, node: _Node) -> None:
@@ -365,7 +386,6 @@ def _stand(
     label: str,
     request: Request,
     leg: Leg,
-    lifted: Leg | None,
     node: _Node,
     terms: Mapping[str, Any],
     joints: Any,
@@ -396,7 +416,7 @@ def _strike(programme: Programme, request: Request, leg: Leg, before: _Node, v: 
     label = f"{leg.name} touchdown"
     terms = dynamics(before.q, before.v)
     position, J, _ = terms[leg.toe]
-    impulse = programme.variable([0.0, 30.0], [-300.0, 0.01], [300.0, 600.0], 10.0)
+    impulse = programme.variable(f"{leg.name} impulse", [0.0, 30.0], [-300.0, 0.01], [300.0, 600.0], 10.0)
     programme.require(label, position[1], 0.0, 0.0)
     programme.require(f"approach at {label}", (J @ before.v)[1], -np.inf, -0.2)
     programme.require(label, terms["D"] @ (v - before.v) - J.T @ impulse, 0.0, 0.0)
@@ -404,9 +424,7 @@ def _strike(programme: Programme, request: Request, leg: Leg, before: _Node, v: 
     _cone(programme, f"friction at {label}", request, impulse, 10.0)
 
 
-def _close(
-    programme: Programme, request: Request, result: Transcription, leg: Leg, last: _Node, dynamics: Any
-) -> None:
+def _close(programme: Programme, request: Request, result: Transcription, leg: Leg, last: _Node, dynamics: Any) -> None:
     """Periodicity, speed, duration."""
     q, v = result.start
     programme.require("origin", q[0], 0.0, 0.0)
@@ -419,7 +437,7 @@ def _close(
 
 def _peaks(request: Request, programme: Programme) -> Any:
     """The unknown that bounds every torque, for the objective that minimises it."""
-    return programme.variable(200.0, 0.0, 1000.0, 100.0) if request.objective == "peak" else None
+    return programme.variable("peak torque", 200.0, 0.0, 1000.0, 100.0) if request.objective == "peak" else None
 
 
 def _limit(programme: Programme, request: Request, label: str, node: _Node, peak: Any) -> None:
@@ -469,11 +487,13 @@ def search(
 ) -> tuple[Gait, Solution]:
     """A gait that meets the request, locally optimal, as a fixed point of the event-exact simulation.
 
+    A cold search goes over a coarse mesh first.
+
     Args:
         robot: Q-SPEAR in the sagittal plane.
         request: what is asked.
-        seed: of the initial guess.
-        start: an earlier solution to start from, of a request that differs in numbers only.
+        seed: of the initial guess of a cold search.
+        start: the solution of another request to start from instead.
         contact: the ground of the simulation; the friction that the gait may use is the request's.
         on_iteration: called with the optimiser's iteration, objective and largest violation.
 
@@ -485,11 +505,13 @@ def search(
         NoGait: what the optimiser found is not a fixed point nearby.
         MissingExtra: CasADi is not installed.
     """
-    transcription = transcribe(robot, request, seed)
-    given = (None, None) if start is None else (start.x, start.multipliers)
-    solution = transcription.programme.solve(*given, on_iteration=on_iteration)
-    if not solution.success:
-        raise obstacle(transcription, solution.x if start is None else start.x)
+    for intervals in (FINE,) if start else (COARSE, FINE):
+        guess = resampled(start) if start else None
+        transcription = transcribe(robot, request, intervals, seed=seed, start=guess)
+        solution = transcription.programme.solve(on_iteration=on_iteration)
+        if not solution.success:
+            raise obstacle(transcription, solution)
+        start = solution
     return polish(robot, transcription, solution, contact), solution
 
 
@@ -499,7 +521,7 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
     Raises:
         NoGait: there is none nearby.
     """
-    law, state, stiffness = transcription.read(solution.x)
+    law, state, stiffness = transcription.read(solution)
     system = bounding(robot, law, Spring(stiffness=stiffness, damping=0.0), contact)
     state = _on_ground(robot, ("posterior_toe",), state)
     gait = find_gait(system, [SPEED_BY], {"mean_speed": transcription.request.speed}, guess=state)
@@ -508,14 +530,13 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
     return replace(gait, system=system.build(robot, law, system.spring, system.contact))
 
 
-def obstacle(transcription: Transcription, guess: Array) -> Infeasible:
-    """What stands in the way of a request: the wish that a relaxed solve misses most, in units of its scale."""
-    relaxed, margins = transcription.programme.relaxed()
-    start = np.concatenate([guess, np.ones(len(margins))])
-    solution = relaxed.solve(start)
-    missed = {name: float(relaxed.value(margin, solution.x)[0]) for name, margin in margins.items()}
-    worst = max(missed, key=lambda name: missed[name])
-    return Infeasible(worst, missed[worst])
+def obstacle(transcription: Transcription, solution: Solution) -> Infeasible:
+    """What stands in the way of a request: the wish that a relaxed solve misses most, as a share of its unit."""
+    relaxed, margins = transcription.programme.relaxed(resampled(solution))
+    loosened = relaxed.solve(iterations=300)
+    missed = {label: float(loosened.values[name][0]) for label, (name, _) in margins.items()}
+    worst = max(missed, key=lambda label: missed[label])
+    return Infeasible(worst, missed[worst] * margins[worst][1])
 
 
 def _on_ground(robot: Robot, toes: tuple[str, ...], state: tuple[Array, Array]) -> tuple[Array, Array]:

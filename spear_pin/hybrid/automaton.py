@@ -4,10 +4,11 @@ Control laws and guards share one signature, `f(t, q, v, held, p, dyn, ops)`:
 
     t: time since the phase began, in s.
     q, v: configuration and velocity, sequences of scalars.
-    held: what was latched at events, by name.
+    held: what was latched at events, by name: numbers, or tuples of numbers.
     p: the law's parameters, a frozen dataclass.
     dyn: the dynamics at (q, v): `mass_matrix`, `bias`, `jacobian(toe)`, `height(frame)`,
-        `toe_velocity(toe)`, `force(toe)`, `normal_force(toe, u)`, `pivot(toe)`.
+        `toe_velocity(toe)`, `force(toe)`, `normal_force(toe, u)`, `pivot(toe)`, `spring_torque(joint)`,
+        `response()` for v̇ as an affine function of u.
     ops: elementary functions for whatever scalars are used (`sin`, `cos`, `tanh`, `sqrt`, `maximum`,
         `solve`).
 
@@ -25,7 +26,7 @@ from spear_pin.hybrid.contact import Contact
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
-Held = Mapping[str, float]
+Held = Mapping[str, Any]
 Law = Callable[[Any, Any, Any, Mapping[str, Any], Any, Any, Any], Sequence[Any]]
 GuardValue = Callable[[Any, Any, Any, Mapping[str, Any], Any, Any, Any], Any]
 Latch = Callable[[Sequence[float], Sequence[float], Held, Any], Held]

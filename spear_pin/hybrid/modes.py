@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import OPEN, STICK, Held, HybridSystem
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.phases import AT_REST, ON_GROUND, SIGN, UNLOADED
+from spear_pin.hybrid.record import Moment
+from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
 STARTS_TO_SLIDE = 1e-3  # m/s²: on the cone's edge a sliding toe begins with no acceleration
@@ -40,7 +42,7 @@ def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
     """The phase in which a state lies, and what is held there as if the phase had just begun.
 
     A toe on the ground and not moving vertically is in the phase that follows the section; else
-    the robot is in the air.
+    the robot is in the air, in the flight before the section.
 
     Raises:
         BadValue: the state has the wrong shape, is not finite, or has a toe below the ground.
@@ -48,12 +50,8 @@ def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
     robot = system.robot
     if not (isinstance(state, (tuple, list)) and len(state) == 2):
         raise BadValue("state", state, "a pair (q, v)")
-    robot.bias(*state)  # checks both
+    heights = _heights(robot, *state)
     q, v = np.asarray(state[0], dtype=float), np.asarray(state[1], dtype=float)
-    heights = {toe: robot.toe_position(q, toe)[1] for toe in robot.toes}
-    for toe, height in heights.items():
-        if height < -ON_GROUND:
-            raise BadValue(f"height of {toe}", height, "at or above the ground, at 0 m")
     stance = system.section_phase
     closed = [toe for toe, mode in zip(robot.toes, system.of_phase(stance)[0].contacts, strict=True) if mode != OPEN]
     rests = all(heights[toe] <= ON_GROUND and abs(robot.toe_jacobian(q, toe)[1] @ v) <= 10 * AT_REST for toe in closed)
@@ -61,8 +59,33 @@ def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
     flight, lands = system.landing
     for latch in (system.reset_into(flight).latch, lands.latch):
         if latch is not None:
-            held = {**held, **latch(q.tolist(), v.tolist(), held, system.law)}
+            try:
+                held = {**held, **latch(q.tolist(), v.tolist(), held, system.law)}
+            except ArithmeticError:
+                raise BadValue("state", state, "one from which the control law has a value") from None
     return (stance if rests else flight), held
+
+
+def resuming_phase(system: HybridSystem, moment: Moment) -> tuple[str, Held]:
+    """The phase of a moment and what is held there.
+
+    Raises:
+        UnknownName: there is no such phase.
+        BadValue: the state has the wrong shape, is not finite, or has a toe below the ground.
+    """
+    if moment.phase not in system.phases:
+        raise UnknownName("phase", moment.phase, system.phases)
+    _heights(system.robot, moment.q, moment.v)
+    return moment.phase, moment.held
+
+
+def _heights(robot: Robot, q: Any, v: Any) -> dict[str, float]:
+    robot.bias(q, v)  # checks both
+    heights = {toe: float(robot.toe_position(q, toe)[1]) for toe in robot.toes}
+    for toe, height in heights.items():
+        if height < -ON_GROUND:
+            raise BadValue(f"height of {toe}", height, "at or above the ground, at 0 m")
+    return heights
 
 
 def _consistent(system: HybridSystem, flow: Flow) -> tuple[bool, bool]:

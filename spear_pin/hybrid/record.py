@@ -16,6 +16,26 @@ from spear_pin.hybrid.trajectory import Event
 Array = NDArray[np.float64]
 State = tuple[Array, Array]
 
+
+@dataclass(frozen=True)
+class Moment:
+    """A point of a run from which it can go on: in the middle of a phase, with what is held there.
+
+    Attributes:
+        q: configuration, (nq,).
+        v: velocity, (nv,).
+        phase: name of the phase.
+        held: what is held.
+        t: time since the phase began, in s.
+    """
+
+    q: Array
+    v: Array
+    phase: str
+    held: Held
+    t: float = 0.0
+
+
 REASONS = {
     "complete": "all cycles were run",
     "fall": "a part other than a toe reached the ground",

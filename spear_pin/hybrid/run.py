@@ -20,9 +20,9 @@ from spear_pin.hybrid.contact import Impact, JointImpact, joint_impact, plastic_
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import Sliding, alternation, chatter
-from spear_pin.hybrid.modes import choose, starting_phase
+from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase
 from spear_pin.hybrid.phases import AT_REST, rise
-from spear_pin.hybrid.record import BOOKED, Options, Piece, Run, Segment, State
+from spear_pin.hybrid.record import BOOKED, Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.trajectory import Event
 
 Array = NDArray[np.float64]
@@ -36,12 +36,12 @@ MAX_STEP = 0.05  # s
 
 def run(
     system: HybridSystem,
-    state: State,
+    state: State | Moment,
     cycles: int,
     options: Options,
     on_cycle: Callable[[int], object] = lambda n: None,
 ) -> Run:
-    """Run whole cycles from a state (q, v), on the section or in the air.
+    """Run whole cycles from a state (q, v), on the section or in the air, or from a moment of another run.
 
     Numerical and physical failure end the run with a reason; nothing is raised for them.
 
@@ -58,22 +58,30 @@ class _Runner:
     """The loop's variables: time, state, phase, what is held."""
 
     def __init__(
-        self, system: HybridSystem, state: State, cycles: int, options: Options, on_cycle: Callable[[int], object]
+        self,
+        system: HybridSystem,
+        state: State | Moment,
+        cycles: int,
+        options: Options,
+        on_cycle: Callable[[int], object],
     ) -> None:
         if not cycles >= 1 or cycles % 1:
             raise BadValue("cycles", cycles, "a whole number, at least 1")
         robot = system.robot
         self.system, self.options, self.wanted, self.on_cycle = system, options, cycles, on_cycle
         self.nw = len(flow_names(system))
-        phase, held = starting_phase(system, state)
-        q, v = (np.array(part, dtype=float) for part in state)
+        if isinstance(state, Moment):
+            (phase, held), begun, pair = resuming_phase(system, state), state.t, (state.q, state.v)
+        else:
+            (phase, held), begun, pair = starting_phase(system, state), 0.0, state
+        q, v = (np.array(part, dtype=float) for part in pair)
         self.y = np.concatenate([q, v, np.zeros(self.nw)])
-        self.t, self.began, self.switches = 0.0, 0.0, 0  # t counts from the phase's beginning
+        self.t, self.began, self.switches = begun, -begun, 0  # t counts from the phase's beginning
         self.booked: dict[str, float] = defaultdict(float)
         self.spent: dict[str, float] = defaultdict(float)
         self.came: tuple[Domain, Reset] | None = None  # from where the present phase was entered
         self.instant_events, self.cycle_events, self.last_event = 0, 0, -math.inf
-        self.on_section = phase == system.section_phase
+        self.on_section = phase == system.section_phase and begun == 0.0
         self.flow = choose(system, phase, held, self.t, self.y)
         self.run = Run((q, v), (q, v), held, self.flow.domain)
         self.energy = self._energy()
@@ -192,9 +200,13 @@ class _Runner:
                 rises = np.where(impact.leaves, (jacobian @ v)[1::2], 0.0).tolist()
                 held = {**held, **dict(zip(map(rise, struck), rises, strict=True))}
         self.y = np.concatenate([q, v, self.y[nq + nv :]])
-        if reset.latch is not None:
-            held = {**held, **reset.latch(q.tolist(), v.tolist(), held, self.system.law)}
         now = self._now()
+        if reset.latch is not None:
+            try:
+                held = {**held, **reset.latch(q.tolist(), v.tolist(), held, self.system.law)}
+            except ArithmeticError:
+                self._end("not_finite", f"what {guard.name} latches at t = {now:.6g} s")
+                return
         event = Event(guard.name, now, domain.name, q.copy(), before, v.copy(), impulse, work)
         self.run.events.append(event)
         for name, energy in work.items():
@@ -303,11 +315,12 @@ class _Runner:
         return robot.kinetic_energy(q, v) + robot.potential_energy(q) + self._spring_energy(everything)
 
     def _spring_energy(self, reset: Reset) -> float:
-        held, energy = self.flow.held, 0.0
+        held = self.flow.held
+        energy = 0.0
         for mount in self.flow.domain.mounts:
             if mount.joint in reset.release:
                 deflection = float(self.y[self.system.robot.index(mount.joint)]) - held[mount.rest]
-                energy += 0.5 * mount.spring.stiffness * held[mount.taut] * deflection**2
+                energy += float(0.5 * mount.spring.stiffness * held[mount.taut] * deflection**2)
         return energy
 
 

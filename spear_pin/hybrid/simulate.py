@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines.pinocchio import flow_names
 from spear_pin.hybrid.filippov import flow_of
-from spear_pin.hybrid.record import BOOKED, Options, Run, Segment, State
+from spear_pin.hybrid.record import BOOKED, Moment, Options, Run, Segment, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.trajectory import Ledger, Trajectory
 
@@ -20,7 +20,7 @@ SAMPLES = 100  # a phase, at least
 
 def simulate(
     system: HybridSystem,
-    state: State,
+    state: State | Moment,
     cycles: int = 1,
     rtol: float = 1e-9,
     *,
@@ -34,7 +34,7 @@ def simulate(
 
     Args:
         system: robot, law and ground.
-        state: (q, v).
+        state: (q, v), or a moment of another run.
         cycles: number of whole cycles, from section to section.
         rtol: relative tolerance of the integrator.
         atol: absolute tolerance; None means 0.01 rtol.

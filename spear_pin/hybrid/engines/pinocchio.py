@@ -124,7 +124,7 @@ class Flow:
         """Torque of the joint's spring in the last call, in N·m; 0 where none is engaged."""
         for mount, (index, stiffness, rest, _) in zip(self.domain.mounts, self._springs, strict=True):
             if mount.joint == joint:
-                return stiffness * (rest - float(self.q[index]))
+                return float(stiffness * (rest - self.q[index]))
         return 0.0
 
     def value(self, guard: Guard, t: float, y: Array) -> float:
