@@ -36,6 +36,7 @@ INPUTS = (
     "anterior_leg_touchdown",
 )
 """Parameters that event feedback adjusts once a stride."""
+NEARLY = 1e-3  # rad: this near θ̄, whether a leg will come back to it depends on whether it flexes
 NO_ADJUSTMENT = (0.0,) * len(INPUTS)
 
 
@@ -71,9 +72,11 @@ class BoundingLaw:
         knee_touchdown: knee angle of a landing leg, by magnitude, in rad (source: 40°).
         epsilon: ε of (5.16), in s (not in the source).
         lift_off: "knee": a leg is lifted when its knee is back at θ̄ (what the source implies), or
-            earlier if its foot bears nothing; "force": when the normal force falls to zero.
+            earlier if its foot bears nothing; a leg that came down flexed less than that has nothing
+            to come back from, and stays until its foot bears nothing. "force": always the latter.
         nominal: section state (q, v) of the gait, without torso_x; what feedback compares with.
         feedback: event feedback, one row for each of `INPUTS`, one column for each of `nominal`.
+        feedback_limits: largest adjustment of each of `INPUTS`, in N·m and rad.
         speed_gain: gain of β += K (ẋ_td - ẋ*) at each touchdown, posterior and anterior, in N·s.
         speed_nominal: ẋ* just after posterior and anterior touchdown, in m/s.
     """
@@ -101,6 +104,7 @@ class BoundingLaw:
     lift_off: str = "knee"
     nominal: tuple[float, ...] = ()
     feedback: Shape = ()
+    feedback_limits: tuple[float, ...] = (100.0, 100.0, 100.0, 100.0, 0.2, 0.2)
     speed_gain: tuple[float, ...] = (0.0, 0.0)
     speed_nominal: tuple[float, ...] = (0.0, 0.0)
 
@@ -124,6 +128,8 @@ class BoundingLaw:
             require(f"BoundingLaw.{field.name}", value, test, expected)
         if self.lift_off not in ("knee", "force"):
             raise BadValue("BoundingLaw.lift_off", self.lift_off, "'knee' or 'force'")
+        if len(self.feedback_limits) != len(INPUTS) or not all(limit >= 0 for limit in self.feedback_limits):
+            raise BadValue("BoundingLaw.feedback_limits", self.feedback_limits, f"{len(INPUTS)} numbers >= 0")
         if self.feedback and [len(row) for row in self.feedback] != [len(self.nominal)] * len(INPUTS):
             expected = f"{len(INPUTS)} rows of {len(self.nominal)}, as many as `nominal` has numbers"
             raise BadValue("BoundingLaw.feedback", self.feedback, expected)
@@ -387,7 +393,9 @@ def _knee_back(leg: Leg, reset: Reset) -> Guard:
     """The knee is back at θ̄ and extends."""
 
     def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
-        return ops.maximum(leg.side * q[leg.knee] - p.knee_rest, leg.side * v[leg.knee])
+        back = ops.maximum(leg.side * q[leg.knee] - p.knee_rest, leg.side * v[leg.knee])
+        flexed = held[f"{leg.name}_flexed"]
+        return flexed * back + (1.0 - flexed)
 
     return Guard(f"{leg.name}_lift_off", value, reset)
 
@@ -402,24 +410,30 @@ def _bear(
     name, first = leg.name, leg.name == "posterior"
     adjust = held.get("adjust", NO_ADJUSTMENT)
     if first and not resumed:
-        state = (*q[1:], *v)
-        adjust = (
-            tuple(
-                sum(gain * (now - then) for gain, now, then in zip(row, state, p.nominal, strict=True))
-                for row in p.feedback
-            )
-            or NO_ADJUSTMENT
-        )
+        adjust = _adjustment(p, (*q[1:], *v))
     i = 0 if first else 1
+    flexed = leg.side * q[leg.knee]
     faster = p.speed_gain[i] * (v[0] - p.speed_nominal[i])
     return {
         f"{name}_rest": q[leg.knee],
         f"{name}_taut": 1.0,
+        f"{name}_flexed": float(
+            flexed > p.knee_rest + NEARLY or (flexed > p.knee_rest - NEARLY and leg.side * v[leg.knee] > 0.0)
+        ),
         f"{name}_leg": held[f"{name}_leg"] if resumed and f"{name}_leg" in held else dot(leg.angle, q),
         f"{name}_hip_torque": getattr(p, f"{name}_hip_torque") + adjust[2 * i] + faster,
         f"{name}_knee_torque": getattr(p, f"{name}_knee_torque") + adjust[2 * i + 1],
         "adjust": adjust,
     }
+
+
+def _adjustment(p: BoundingLaw, state: Sequence[float]) -> tuple[float, ...]:
+    """What event feedback adds to `INPUTS` for a stride, within its limits."""
+    if not p.feedback:
+        return NO_ADJUSTMENT
+    error = [now - then for now, then in zip(state, p.nominal, strict=True)]
+    wanted = [sum(gain * e for gain, e in zip(row, error, strict=True)) for row in p.feedback]
+    return tuple(min(max(w, -limit), limit) for w, limit in zip(wanted, p.feedback_limits, strict=True))
 
 
 def _swing(leg: Leg, phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from spear_pin.hybrid.engines.pinocchio import Flow
 
 Array = NDArray[np.float64]
 CHATTER = "chatter"
+ON_EDGE = 1e-6  # of a share: where a force fades to zero, the motion begins with one law's share all but whole
 
 
 class Sliding(Flow):
@@ -71,12 +73,20 @@ def chatter(between: Alternation) -> Domain:
         airborne,
         name=CHATTER,
         guards=(
-            Guard(_name(airborne, between.touch), lambda t, q, v, held, p, dyn, ops: 1.0 - dyn.share, between.touch),
-            Guard(_name(between.grounded, between.leave), lambda t, q, v, held, p, dyn, ops: dyn.share, between.leave),
+            Guard(_name(airborne, between.touch), _grounded_alone, between.touch, tolerance=ON_EDGE),
+            Guard(_name(between.grounded, between.leave), _airborne_alone, between.leave, tolerance=ON_EDGE),
             *kept,
         ),
         between=between,
     )
+
+
+def _grounded_alone(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+    return 1.0 - dyn.share
+
+
+def _airborne_alone(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+    return dyn.share
 
 
 def alternation(system: HybridSystem, domains: Sequence[Domain], resets: Sequence[Reset]) -> Alternation | None:

@@ -19,7 +19,7 @@ from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem, Reset
 from spear_pin.hybrid.contact import Impact, JointImpact, joint_impact, plastic_impact
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
 from spear_pin.hybrid.events import Watch
-from spear_pin.hybrid.filippov import Sliding, alternation, chatter
+from spear_pin.hybrid.filippov import ON_EDGE, Sliding, alternation, chatter
 from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase
 from spear_pin.hybrid.phases import AT_REST, rise
 from spear_pin.hybrid.record import BOOKED, Moment, Options, Piece, Run, Segment, State
@@ -262,7 +262,7 @@ class _Runner:
             return None
         sliding = Sliding(self.system, chatter(between), held)
         sliding(0.0, y)
-        return sliding if 0.0 < sliding.share < 1.0 else None
+        return sliding if -ON_EDGE < sliding.share < 1.0 + ON_EDGE else None
 
     def _close_cycle(self) -> None:
         if self.on_section and sum(self.spent.values()) < INSTANT:
