@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from spear_pin.errors import SpearError
-    from spear_pin.gaits.bounding import BoundingLaw, bounding
+    from spear_pin.gaits.bounding import bounding
+    from spear_pin.gaits.bounding_law import BoundingLaw
     from spear_pin.gaits.gait import Gait
     from spear_pin.gaits.hopping import HoppingLaw, hopping
     from spear_pin.gaits.search import find_gait
@@ -49,7 +50,7 @@ _HOMES = {
     "simulate": "hybrid.simulate",
     "Trajectory": "hybrid.trajectory",
     "bounding": "gaits.bounding",
-    "BoundingLaw": "gaits.bounding",
+    "BoundingLaw": "gaits.bounding_law",
     "vary": "model.variants",
     "hopping": "gaits.hopping",
     "HoppingLaw": "gaits.hopping",

@@ -1,16 +1,25 @@
-"""The command line: `spear robots | dynamics | hop | doctor`. Imports stand inside the commands."""
+"""The command line: `spear robots | dynamics | hop | bound | doctor`. Imports stand inside the commands."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
+import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from spear_pin.errors import BadValue, SpearError
+
+if TYPE_CHECKING:
+    from spear_pin.gaits.gait import Gait
+
+
+BOUND = "long_stride"  # the bounding gait that is shown unless another is asked for
+SPEED_SUFFIX = r"_(\d+(?:\.\d+)?)$"  # of a gait's name: in m/s
 
 
 class Parser(argparse.ArgumentParser):
@@ -57,7 +66,9 @@ def _is_number(word: str) -> bool:
 
 
 def _parser() -> Parser:
-    parser = Parser(prog="spear", description="Switchable parallel elastic legs: dynamics and gaits of SPEAR-II.")
+    parser = Parser(
+        prog="spear", description="Switchable parallel elastic legs: dynamics and gaits of SPEAR-II and Q-SPEAR."
+    )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)
 
     def add(name: str, run: Any, summary: str) -> argparse.ArgumentParser:
@@ -92,6 +103,17 @@ def _parser() -> Parser:
     hop.add_argument("--out", type=Path, default=Path(), metavar="DIR", help="folder for the files (default: here)")
     hop.add_argument("--open", action="store_true", help="open hop.html in the browser")
 
+    bound = add("bound", _bound, "simulate a bounding gait of Q-SPEAR, write bound.html and bound.npz")
+    bound.add_argument(
+        "--gait", default=BOUND, metavar="NAME|PATH", help=f"a shipped gait, or a saved one (default: {BOUND})"
+    )
+    bound.add_argument("--speed", type=float, metavar="M/S", help="continue the gait to this mean speed")
+    bound.add_argument("--cycles", type=int, default=5, metavar="N", help="strides to simulate (default: 5)")
+    bound.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance (default: 1e-9)")
+    bound.add_argument("--out", type=Path, default=Path(), metavar="DIR", help="folder for the files (default: here)")
+    bound.add_argument("--open", action="store_true", help="open bound.html in the browser")
+    bound.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
+
     add("doctor", _doctor, "show what is installed, and whether it works")
     return parser
 
@@ -114,9 +136,9 @@ def _robots(arguments: argparse.Namespace) -> dict[str, Any]:
                 "source": shipped.provenance,
             }
         )
-    lines = [f"{'robot':<10}{'DoF':>4}{'motors':>8}{'mass':>11}  what it is"]
+    lines = [f"{'robot':<14}{'DoF':>4}{'motors':>8}{'mass':>11}  what it is"]
     for row in rows:
-        head = f"{row['name']:<10}{row['degrees_of_freedom']:>4}{row['motors']:>8}{row['mass']:>8.2f} kg"
+        head = f"{row['name']:<14}{row['degrees_of_freedom']:>4}{row['motors']:>8}{row['mass']:>8.2f} kg"
         lines.append(f"{head}  {row['summary']} ({row['source']})")
     return {"robots": rows, "text": "\n".join(lines)}
 
@@ -155,17 +177,12 @@ def _dynamics(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _hop(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin import Contact, HoppingLaw, Spring, find_gait, hopping, load, simulate
-    from spear_pin.hybrid.record import Options
     from spear_pin.studies.hop import summarize
     from spear_pin.viz.player import record
 
     if arguments.flight_time is not None and not arguments.flight_time > 0:
         raise BadValue("--flight-time", arguments.flight_time, "a number > 0, in s")
-    if not arguments.out.is_dir():
-        raise BadValue("--out", str(arguments.out), "an existing folder")
-    Options(rtol=arguments.rtol)  # checks it before the gait is solved for
-    if arguments.cycles < 1:
-        raise BadValue("--cycles", arguments.cycles, "a whole number, at least 1")
+    _check_run(arguments)
     robot = load("spear_ii", locked=[] if arguments.free_x else ["boom_x"])
     law = HoppingLaw(
         knee_touchdown=arguments.knee,
@@ -189,9 +206,7 @@ def _hop(arguments: argparse.Namespace) -> dict[str, Any]:
     page = record(robot, trajectory, arguments.out / "hop.html", title="SPEAR-II hopping in place")
     data = trajectory.save(arguments.out / "hop.npz")
     if arguments.open:
-        import webbrowser
-
-        webbrowser.open(page.resolve().as_uri())
+        _open(page)
     summary = summarize(gait, trajectory)
     return summary | {"files": [str(page), str(data)], "text": _hop_text(summary, page, data)}
 
@@ -213,6 +228,139 @@ def _hop_text(summary: dict[str, Any], page: Path, data: Path) -> str:
         ("files", f"{page}, {data}"),
     ]
     return "\n".join(f"{name:<21}{value}" for name, value in rows)
+
+
+def _bound(arguments: argparse.Namespace) -> dict[str, Any]:
+    from spear_pin import simulate
+    from spear_pin.studies.bound import at_speed, summarize
+    from spear_pin.viz.player import record
+
+    if arguments.list:
+        return _bounds()
+    if arguments.speed is not None and not 0 < arguments.speed < math.inf:
+        raise BadValue("--speed", arguments.speed, "a number > 0, in m/s")
+    _check_run(arguments)
+    name, gait = _gait_of(arguments.gait, arguments.speed)
+    if arguments.speed is not None:
+        with _iterations() as tell:
+            gait = at_speed(gait, arguments.speed, on_iteration=tell)
+    trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol)
+    summary = {"gait": name, **summarize(gait, trajectory)}
+    title = f"Q-SPEAR bounding at {summary['speed']:.2f} m/s"
+    page = record(gait.system.robot, trajectory, arguments.out / "bound.html", title=title)
+    data = trajectory.save(arguments.out / "bound.npz")
+    if arguments.open:
+        _open(page)
+    return summary | {"files": [str(page), str(data)], "text": _bound_text(summary, page, data)}
+
+
+def _gait_of(name: str, speed: float | None) -> tuple[str, Gait]:
+    """A bounding gait by its name or path; asked for a speed, the one of its family that is nearest to it.
+
+    Gaits of a family have the same name but for the speed behind it: long_stride and long_stride_3.00.
+    """
+    from spear_pin.gaits import library
+    from spear_pin.gaits.gait import Gait
+    from spear_pin.studies.bound import mean_speed
+
+    if name in library.names() and speed is not None:
+        family = {other: re.search(SPEED_SUFFIX, other) for other in library.names() if _base(other) == _base(name)}
+        speeds = {
+            other: float(found[1]) if found else mean_speed(Gait.load(library.path(other)))
+            for other, found in family.items()
+        }
+        name = min(speeds, key=lambda other: abs(speeds[other] - speed))
+    gait = Gait.load(library.path(name) if name in library.names() else name)
+    if gait.system.kind != "bounding":
+        raise BadValue("--gait", name, f"a bounding gait; this one is of the kind {gait.system.kind!r}")
+    return name, gait
+
+
+def _base(name: str) -> str:
+    return re.sub(SPEED_SUFFIX, "", name)
+
+
+def _bounds() -> dict[str, Any]:
+    """The bounding gaits that ship."""
+    from spear_pin.gaits import library
+    from spear_pin.gaits.gait import Gait
+    from spear_pin.studies.bound import mean_speed
+
+    rows = []
+    for name in library.names():
+        gait = Gait.load(library.path(name))
+        if gait.system.kind == "bounding":
+            rows.append(
+                {
+                    "name": name,
+                    "speed": mean_speed(gait),
+                    "lift_off": gait.system.law.lift_off,
+                    "largest_multiplier": abs(gait.multipliers[0]),
+                    "residual": gait.residual,
+                }
+            )
+    width = max(len("gait"), *(len(row["name"]) for row in rows)) + 2
+    lines = [f"{'gait':<{width}}{'speed':>10}  {'lift-off by':<13}{'largest multiplier':<20}residual"]
+    for row in rows:
+        head = f"{row['name']:<{width}}{row['speed']:>6.2f} m/s  {row['lift_off']:<13}"
+        lines.append(f"{head}{row['largest_multiplier']:<20.4f}{row['residual']:.1e}")
+    return {"gaits": rows, "text": "\n".join(lines)}
+
+
+def _bound_text(summary: dict[str, Any], page: Path, data: Path) -> str:
+    largest = abs(summary["multipliers"][0])
+
+    def legs(key: str, form: str, unit: str) -> str:
+        return ", ".join(format(summary[key][leg], form) for leg in ("posterior", "anterior")) + unit
+
+    def torques(key: str, part: str) -> str:
+        return ", ".join(f"{summary[key][f'{leg}_{part}']:.1f}" for leg in ("posterior", "anterior"))
+
+    rule = {
+        "knee": f"when the knee is back at {math.degrees(summary['knee_rest']):.0f}°",
+        "force": "when the normal force is zero",
+    }[summary["lift_off"]]
+    share = summary["friction_used"], summary["friction_used_last_ms"]
+    late = f", {share[1]:.2f} in the last ms" if summary["lift_off"] == "force" else ""
+    rows = [
+        ("gait", summary["gait"]),
+        ("speed", f"{summary['speed']:.4f} m/s"),
+        ("stride", f"{summary['stride']:.4f} m in {summary['period']:.4f} s"),
+        *((phase.replace("_", " "), f"{time:.4f} s") for phase, time in summary["durations"].items()),
+        ("lift-off", f"{rule}; force there {legs('lift_off_force', '.1f', ' N')} (posterior, anterior)"),
+        ("peak normal force", legs("peak_force", ".0f", " N")),
+        ("friction used", f"{share[0]:.2f}{late}; at impact {legs('friction_at_impact', '.2f', '')}"),
+        ("clearance", f"{legs('clearance', '.3f', ' m')}{'' if summary['scuff_free'] else '; a toe scuffs'}"),
+        ("knee motor, peak", f"{torques('peak_torque_stance', 'knee')} N·m in stance"),
+        ("", f"{torques('peak_torque_swing', 'knee')} N·m in swing"),
+        ("hip motor, peak", f"{torques('peak_torque_stance', 'hip')} N·m in stance"),
+        ("", f"{torques('peak_torque_swing', 'hip')} N·m in swing"),
+        ("motors", f"net {summary['net_joint_work']:.2f} J a stride; impacts lose {summary['impact_loss']:.2f} J"),
+        ("cost of transport", f"{summary['cost_of_transport']:.3f} (mechanical, |power|)"),
+        ("multipliers", f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"),
+        ("fixed point", f"residual {summary['residual']:.1e}"),
+        ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a stride"),
+        ("simulated", f"{summary['cycles']} strides ({summary['reason']})"),
+        ("files", f"{page}, {data}"),
+    ]
+    return "\n".join(f"{name:<21}{value}" for name, value in rows)
+
+
+def _check_run(arguments: argparse.Namespace) -> None:
+    """Refuse what cannot be simulated or written, before anything is solved for."""
+    from spear_pin.hybrid.record import Options
+
+    if not arguments.out.is_dir():
+        raise BadValue("--out", str(arguments.out), "an existing folder")
+    Options(rtol=arguments.rtol)
+    if arguments.cycles < 1:
+        raise BadValue("--cycles", arguments.cycles, "a whole number, at least 1")
+
+
+def _open(page: Path) -> None:
+    import webbrowser
+
+    webbrowser.open(page.resolve().as_uri())
 
 
 def _doctor(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -265,7 +413,17 @@ def _check_hop() -> None:
         raise BadValue("one hop", trajectory.reason, "complete, with its energy ledger closed")
 
 
-_CHECKS = {"dynamics of spear_ii": _check_dynamics, "one hop": _check_hop}
+def _check_bound() -> None:
+    from spear_pin import simulate
+
+    _, gait = _gait_of(BOUND, None)
+    trajectory = simulate(gait.system, gait.state, cycles=1, rtol=1e-8)
+    left = abs(trajectory.q[-1, 1:] - gait.state[0][1:]).max() if trajectory.complete else math.inf
+    if left > 1e-5 or abs(trajectory.ledger.residual).max() > 1e-5:
+        raise BadValue("one stride", f"{trajectory.reason}, open by {left:.1e}", "closed, with its energy ledger")
+
+
+_CHECKS = {"dynamics of spear_ii": _check_dynamics, "one hop": _check_hop, "one stride": _check_bound}
 
 
 def _works(check: Any) -> str:

@@ -185,16 +185,19 @@ def quadruped(
         "anterior_hip",
         "anterior_knee",
     ),
+    hip_offset: float = HIP_OFFSET,
+    torso: tuple[float, float] = (TORSO_MASS, TORSO_INERTIA),
+    pair: Leg = Q_SPEAR_PAIR,
 ) -> Lagrangian:
     """Q-SPEAR at its torso's centre of mass, pitch (nose up) and joint angles, in any order."""
     system = _System(coordinates)
-    torso = sp.Matrix([system.coordinate("torso_x"), system.coordinate("torso_z")])
+    middle = sp.Matrix([system.coordinate("torso_x"), system.coordinate("torso_z")])
     pitch = system.coordinate("pitch")
     axis = sp.Matrix([sp.cos(pitch), sp.sin(pitch)])
-    system.add_body(TORSO_MASS, TORSO_INERTIA, torso, pitch)
-    for name, offset in (("posterior", -HIP_OFFSET), ("anterior", HIP_OFFSET)):
+    system.add_body(*torso, middle, pitch)
+    for name, offset in (("posterior", -hip_offset), ("anterior", hip_offset)):
         bends = system.coordinate(f"{name}_hip"), system.coordinate(f"{name}_knee")
-        system.add_leg(f"{name}_toe", Q_SPEAR_PAIR, torso + _exact(offset) * axis, pitch, bends)
+        system.add_leg(f"{name}_toe", pair, middle + _exact(offset) * axis, pitch, bends)
     return system.lagrangian()
 
 

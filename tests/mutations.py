@@ -128,6 +128,19 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/contact",
+        ["hybrid/test_contact", "hybrid/test_double_stance"],
+        {
+            "joint impact: friction speeds up": (
+                "unit[2 * i + 1] - mode * friction * unit[2 * i]",
+                "unit[2 * i + 1] + mode * friction * unit[2 * i]",
+            ),
+            "joint impact: sticks outside the cone": ("max(abs(tangential) - friction * normal, -normal)", "-normal"),
+            "joint impact: pulls at a sliding toe": ("abs(rise), -weight * normal)", "abs(rise))"),
+            "joint impact: loss without the half": ("work = 0.5 * float(impulse", "work = float(impulse"),
+        },
+    ),
+    *mistakes_in(
         "hybrid/phases",
         ["hybrid/test_events", "hybrid/test_simulate", "hybrid/test_periodic"],
         {
@@ -161,7 +174,7 @@ MUTATIONS = [
             ),
             "release left out of the ledger": ("-self._spring_energy(reset)", "0.0"),
             "impact left out of the ledger": ("- impact.loss", ""),
-            "energy of a spring without the half": ("energy += 0.5 * mount", "energy += mount"),
+            "energy of a spring without the half": ("float(0.5 * mount", "float(1.0 * mount"),
             "absolute tolerance ten thousand times looser": ("0.01 * options.rtol", "100.0 * options.rtol"),
         },
     ),
@@ -221,6 +234,51 @@ MUTATIONS = [
             ),
             "foot placed to the wrong side": ("+ p.foot_placement *", "- p.foot_placement *"),
             "a knee on the ground goes unnoticed": ('fall(["hip", "knee"])', 'fall(["hip"])'),
+        },
+    ),
+    *mistakes_in(
+        "model/planar",
+        ["model/test_planar"],
+        {
+            "planar: half of Coriolis on a slide": ("_scaled(2.0 * spin * v[i],", "_scaled(spin * v[i],"),
+            "planar: gravity upward": ("pull[1] + self.gravity", "pull[1] - self.gravity"),
+            "planar: rotors left out": ("mass_matrix[i][i] + body.armature", "mass_matrix[i][i]"),
+            "planar: Steiner's mixed term halved": ("2.0 * _dot(moment, arm)", "_dot(moment, arm)"),
+            "planar: torque of what hangs below left out": ("+ torque + _cross(arm, force)", "+ torque"),
+        },
+    ),
+    *mistakes_in(
+        "gaits/virtual_constraints",
+        ["gaits/test_virtual_constraints"],
+        {
+            "virtual constraints: curvature left out": (
+                "curvature * rate * rate - y[i]",
+                "0.0 * curvature * rate * rate - y[i]",
+            ),
+            "virtual constraints: damped by half": ("- 2.0 * dy[i] / epsilon", "- dy[i] / epsilon"),
+            "virtual constraints: other motors forgotten": ("for j, torque in others)", "for j, torque in others[:0])"),
+            "virtual constraints: slope at the beginning": ("/ rate / (len(shape) + 1)", "/ rate / (len(shape) + 2)"),
+            "virtual constraints: held beyond the end": ("value + slope * (s - inside)", "value"),
+            "virtual constraints: curved beyond the end": ("(1.0 - evolution.past) * curvature", "curvature"),
+        },
+    ),
+    *mistakes_in(
+        "gaits/bounding",
+        ["gaits/test_bounding"],
+        {
+            "bounding: physical spring added to the virtual one": ("total - dyn.spring_torque(leg.joint)", "total"),
+            "bounding: virtual spring pulls": (
+                "+ p.virtual_stiffness * flexed)",
+                "- p.virtual_stiffness * flexed)",
+            ),
+            "bounding: lift-off from a double stance into the other one": (
+                "leg.toe: lifts(leg, stances[other], other)",
+                "leg.toe: lifts(leg, stance, leg)",
+            ),
+            "bounding: spring kept at lift-off": ("Reset(release=(leg.joint,), latch", "Reset(latch"),
+            "bounding: a stance that resumes begins anew": ("if resumed and f", "if not resumed and f"),
+            "bounding: feedback at each touchdown": ("if first and not resumed:", "if not resumed:"),
+            "bounding: feedback to the wrong leg's angle": ("+ adjust[4 + i]", "+ adjust[5 - i]"),
         },
     ),
     *mistakes_in(

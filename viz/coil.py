@@ -84,7 +84,7 @@ def fit_coil(robot: Robot, joint: str, q: Array, shapes: tuple[Shape, ...]) -> C
     start_root, end_root = pose[:3, 3] + ALONG * length * upper, ALONG * length * (back @ lower)
     start = start_root + BESIDE * length * _across(inward, upper)
     end = end_root + BESIDE * length * (back @ _across(inward, lower))
-    shifts = _shifts(shapes, index, back @ axis)
+    shifts = places_across(shapes, index, back @ axis)
     return Coil(index, start, end, start_root, end_root, axis, shifts, RADIUS * length, WIRE * length)
 
 
@@ -143,8 +143,14 @@ def _behind(robot: Robot, index: int) -> Array:
     return np.array(next(end for end in ends if np.linalg.norm(end) > 1e-3))
 
 
-def _shifts(shapes: tuple[Shape, ...], index: int, axis: Array) -> tuple[float, ...]:
-    """Where along the joint's axis the links are: one place, or two for a pair of legs."""
+def places_across(shapes: tuple[Shape, ...], index: int, axis: Array) -> tuple[float, ...]:
+    """Where along a joint's axis its link is, in m: one place, or two for a pair of legs, the right one first.
+
+    Args:
+        shapes: what the links look like.
+        index: of the joint that carries the link.
+        axis: direction in the joint's frame, (3,).
+    """
     places = np.array([shape.placement[:3, 3] @ axis for shape in shapes if shape.joint == index])
     if not len(places):
         return (0.0,)

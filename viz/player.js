@@ -2,7 +2,9 @@
 (function () {
   const data = JSON.parse(document.getElementById("data").textContent);
   const at = (id) => document.getElementById(id);
-  const COLORS = new Map([["stance", "#2f5fa8"], ["flight", "#7b96ad"]]);
+  const COLORS = new Map([["stance", "#2f5fa8"], ["flight", "#7b96ad"], ["posterior stance", "#2f5fa8"],
+    ["anterior stance", "#2a8c86"], ["flight 1", "#7b96ad"], ["flight 2", "#93a3b5"],
+    ["double stance 1", "#6d5bb0"], ["double stance 2", "#6d5bb0"]]);
   const SLIPPING = "#c2873a";
   const OTHERS = ["#2a8c86", "#6d5bb0", "#a65f94", "#5c7f4c", "#8a5a40"];
   let named = 0;

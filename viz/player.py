@@ -123,7 +123,10 @@ def _page(motion: Motion, scene: Scene, animation: str, title: str) -> str:
 
 
 def _data(motion: Motion, scene: Scene, animation: str, title: str) -> dict[str, Any]:
-    legend = [["ground force" + f", peak {scene.peak_force:.0f} N" * (scene.peak_force > 0), _css(ARROW_COLOR)]]
+    force = (
+        "ground force" + " on each foot" * scene.paired + f", peak {scene.peak_force:.0f} N" * (scene.peak_force > 0)
+    )
+    legend = [[force, _css(ARROW_COLOR)]]
     if motion.springs:
         legend.insert(0, ["spring engaged", _css(COIL_COLOR)])
     legend.append(["toe path", _css(TRAIL_COLOR)])
@@ -131,8 +134,8 @@ def _data(motion: Motion, scene: Scene, animation: str, title: str) -> dict[str,
         "title": title,
         "start": motion.start,
         "duration": motion.duration,
-        "spans": [[span.name, span.begin, span.end] for span in motion.spans],
-        "events": [[name, time] for name, time in motion.events],
+        "spans": [[in_words(span.name), span.begin, span.end] for span in motion.spans],
+        "events": [[in_words(name), time] for name, time in motion.events],
         "speeds": SPEEDS,
         "legend": legend,
         "notes": scene.notes,
@@ -141,6 +144,14 @@ def _data(motion: Motion, scene: Scene, animation: str, title: str) -> dict[str,
         "horizon": _css(HORIZON),
         "commands": [*map(_base64, scene.commands), animation],
     }
+
+
+def in_words(name: str) -> str:
+    """A domain or event as a reader says it: "double_1 anterior slip+" is "double stance 1, anterior slipping"."""
+    head, *rest = re.split(r" (?=slip[+-]|\w+ slip[+-])", name)
+    words = re.sub(r"^double\b", "double stance", head.replace("_", " "))
+    legs = " and ".join(word for word in rest if not word.startswith("slip"))
+    return f"{words}, {legs} slipping".replace("  ", " ") if rest else words
 
 
 def _base64(command: c.Command) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from spear_pin.model.robot import Robot
 from spear_pin.viz import commands as c
+from spear_pin.viz.coil import places_across
 from spear_pin.viz.kinematics import center_of_mass, local_poses, quaternions, world_poses
 from spear_pin.viz.marks import TRAIL_POINTS, Mark, arrow_mark, spring_marks, trail_mark
 from spear_pin.viz.motion import Motion
@@ -33,7 +34,8 @@ class Scene:
         commands: objects, places and properties.
         clips: tracks by path, times in s from the start.
         view: where the camera looks from.
-        peak_force: largest ground force on a toe, in N.
+        peak_force: largest ground force on a foot, in N; of a pair of legs, each foot has half.
+        paired: whether some legs are pairs.
         notes: one line for each thing that is not drawn.
     """
 
@@ -41,6 +43,7 @@ class Scene:
     clips: Mapping[str, tuple[c.Track, ...]]
     view: View
     peak_force: float = 0.0
+    paired: bool = False
     notes: tuple[str, ...] = ()
 
 
@@ -72,8 +75,9 @@ def moving(robot: Robot, motion: Motion) -> Scene:
     origin = _follow(motion.t, center[:, 0])
     view = fit_view(*_bounds(robot.model, looks.shapes, world, origin))
     springs, brackets = spring_marks(robot, motion, local, paths, looks.shapes)
-    peak = float(np.linalg.norm(motion.force, axis=2).max(initial=0.0))
-    marks = springs + _toe_marks(robot, motion, world, max(float(center[:, 2].max()), 0.1), peak)
+    feet = _feet(robot, motion, world, looks.shapes)
+    peak = max((float(np.linalg.norm(foot.force, axis=1).max(initial=0.0)) for foot in feet), default=0.0)
+    marks = springs + _foot_marks(feet, motion.t, max(float(center[:, 2].max()), 0.1), peak)
     commands = [
         *_place(origin[0]),
         *_body(paths, local[0], (*looks.shapes, *brackets)),
@@ -86,19 +90,37 @@ def moving(robot: Robot, motion: Motion) -> Scene:
         clips[WORLD] = (c.Track("position", "vector3", motion.t, shift),)
     for mark in marks:
         clips.update(mark.clips)
-    return Scene(tuple(commands), clips, view, peak, looks.notes)
+    return Scene(tuple(commands), clips, view, peak, len(feet) > len(robot.toes), looks.notes)
 
 
-def _toe_marks(robot: Robot, motion: Motion, world: Array, size: float, peak: float) -> list[Mark]:
-    marks = []
+@dataclass(frozen=True)
+class _Foot:
+    """A toe as it is drawn: twice, with half the force each, where its leg is a pair."""
+
+    name: str
+    position: Array
+    force: Array
+
+
+def _feet(robot: Robot, motion: Motion, world: Array, shapes: tuple[Shape, ...]) -> list[_Foot]:
+    feet = []
     for number, toe in enumerate(robot.toes):
         frame = robot.model.frames[robot.toe_id(toe)]
-        offset = np.append(frame.placement.translation, 1.0)
-        position = (world[:, frame.parentJoint] @ offset)[:, :3]
-        marks.append(trail_mark(toe, motion.t, position, 0.005 * size, 2 * TRAIL_POINTS // max(2, len(robot.toes))))
+        joint, at = int(frame.parentJoint), np.array(frame.placement.translation)
+        places = places_across(shapes, joint, np.array([0.0, 1.0, 0.0]))
+        named = [(f"{toe} right", places[0]), (f"{toe} left", places[1])] if len(places) == 2 else [(toe, at[1])]
+        for name, y in named:
+            position = (world[:, joint] @ [at[0], y, at[2], 1.0])[:, :3]
+            feet.append(_Foot(name, position, motion.force[:, number] / len(named)))
+    return feet
+
+
+def _foot_marks(feet: list[_Foot], t: Array, size: float, peak: float) -> list[Mark]:
+    marks = []
+    for foot in feet:
+        marks.append(trail_mark(foot.name, t, foot.position, 0.005 * size, 2 * TRAIL_POINTS // max(2, len(feet))))
         if peak > 0:
-            force = motion.force[:, number]
-            marks.append(arrow_mark(toe, motion.t, position, force, 0.6 * size / peak, 0.022 * size))
+            marks.append(arrow_mark(foot.name, t, foot.position, foot.force, 0.6 * size / peak, 0.022 * size))
     return marks
 
 

@@ -11,7 +11,7 @@ from scipy.linalg import solve_discrete_are
 from scipy.optimize import minimize_scalar
 
 from spear_pin.errors import BadValue, NoGait, UnknownName
-from spear_pin.gaits.bounding import INPUTS
+from spear_pin.gaits.bounding_law import INPUTS
 from spear_pin.gaits.gait import Gait, parameter, with_parameters
 from spear_pin.hybrid.periodic import STEP, chart, differentiate, multipliers, return_map
 

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
 from spear_pin.files import atomic
 from spear_pin.gaits import library
-from spear_pin.gaits.bounding import BoundingLaw, bounding
+from spear_pin.gaits.bounding import bounding
+from spear_pin.gaits.bounding_law import BoundingLaw
 from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
@@ -87,7 +88,7 @@ class Gait:
             UnknownName: no gait of that name ships, and it is not a path (it has no suffix or separator).
             BadFile: it cannot be read, or is not a gait.
         """
-        if not ({"/", "\\", "."} & set(str(path))):
+        if str(path) in library.names() or not ({"/", "\\", "."} & set(str(path))):
             path = library.path(str(path))
         try:
             data = json.loads(Path(path).read_text(encoding="utf-8"))

@@ -57,7 +57,7 @@ def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
     rests = all(heights[toe] <= ON_GROUND and abs(robot.toe_jacobian(q, toe)[1] @ v) <= 10 * AT_REST for toe in closed)
     held: Held = {}
     flight, lands = system.landing
-    for latch in (system.reset_into(flight).latch, lands.latch):
+    for latch in (system.reset_into(flight).latch, lands.latch if rests else None):
         if latch is not None:
             try:
                 held = {**held, **latch(q.tolist(), v.tolist(), held, system.law)}

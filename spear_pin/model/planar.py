@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.errors import BadValue
-from spear_pin.model.robot import Robot
+from spear_pin.model.robot import WORLD_ALIGNED, Robot
 
 Vector = tuple[Any, Any]
 ZERO: Vector = (0.0, 0.0)
@@ -25,12 +25,11 @@ ZERO: Vector = (0.0, 0.0)
 
 @dataclass(frozen=True)
 class Body:
-    """A joint and the rigid body that it moves.
+    """A joint and the rigid body that it moves, in a frame that is parallel to the world's at q = 0.
 
     Attributes:
         parent: number of the body it hangs on, -1 for the world.
         placement: of the joint in the parent, in m.
-        turn: angle of the joint's frame in the parent, in rad.
         turns: +1 or -1 for a revolute joint, by the sense of its axis; 0 for a prismatic one.
         slides: direction of a prismatic joint in its own frame.
         mass: in kg.
@@ -41,7 +40,6 @@ class Body:
 
     parent: int
     placement: tuple[float, float]
-    turn: float
     turns: float
     slides: tuple[float, float]
     mass: float
@@ -83,12 +81,15 @@ class Planar:
         if not robot.planar or robot.nq != robot.nv or robot.nv != robot.model.njoints - 1:
             raise BadValue("robot", robot, "a planar robot whose joints have one coordinate each")
         self.coordinates, self.nv = robot.coordinates, robot.nv
-        self.bodies = _bodies(robot.model)
+        at_zero = robot.model.createData()
+        pin.computeJointJacobians(robot.model, at_zero, pin.neutral(robot.model))
+        self.bodies = _bodies(robot.model, at_zero)
         self.gravity = float(-robot.model.gravity.linear[2])
         self.toes: dict[str, tuple[int, tuple[float, float]]] = {}
         for toe in robot.toes:
             frame = robot.model.frames[robot.toe_id(toe)]
-            self.toes[toe] = int(frame.parentJoint) - 1, _plane(frame.placement.translation)
+            turn = at_zero.oMi[frame.parentJoint].rotation
+            self.toes[toe] = int(frame.parentJoint) - 1, _plane(turn @ frame.placement.translation)
 
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
         """The equations of motion at (q, v).
@@ -142,9 +143,10 @@ class Planar:
                 above[4] = above[4] + torque + _cross(arm, force)
         positions, jacobians, drifts = {}, {}, {}
         for toe, (i, offset) in self.toes.items():
-            lever = _turned(offset, joints[i].cosine, joints[i].sine)
-            positions[toe] = position = _added(joints[i].origin, lever)
-            drifts[toe] = _added(joints[i].acceleration, _scaled(-joints[i].spin * joints[i].spin, lever))
+            joint = joints[i] if i >= 0 else _WORLD
+            lever = _turned(offset, joint.cosine, joint.sine)
+            positions[toe] = position = _added(joint.origin, lever)
+            drifts[toe] = _added(joint.acceleration, _scaled(-joint.spin * joint.spin, lever))
             jacobians[toe] = [[0.0] * self.nv, [0.0] * self.nv]
             while i >= 0:
                 column: Vector = joints[i].axis
@@ -160,12 +162,10 @@ class Planar:
         for i, body in enumerate(self.bodies):
             above = joints[body.parent] if body.parent >= 0 else _WORLD
             arm = _turned(body.placement, above.cosine, above.sine)
-            angle = above.angle if body.turn == 0.0 else above.angle + body.turn
-            spin = above.spin
+            angle, spin, cosine, sine = above.angle, above.spin, above.cosine, above.sine
             if body.turns:
                 angle, spin = angle + body.turns * q[i], spin + body.turns * v[i]
-            turned = body.turns or body.turn
-            cosine, sine = (ops.cos(angle), ops.sin(angle)) if turned else (above.cosine, above.sine)
+                cosine, sine = ops.cos(angle), ops.sin(angle)
             axis: Vector = ZERO
             acceleration = above.acceleration
             if not body.turns:
@@ -195,25 +195,22 @@ class _Joint:
 _WORLD = _Joint(0.0, 1.0, 0.0, ZERO, 0.0, ZERO, ZERO)
 
 
-def _bodies(model: pin.Model) -> tuple[Body, ...]:
-    data = model.createData()
-    pin.computeJointJacobians(model, data, pin.neutral(model))
+def _bodies(model: pin.Model, at_zero: pin.Data) -> tuple[Body, ...]:
     bodies = []
     for joint in range(1, model.njoints):
-        row = int(model.joints[joint].idx_v)
-        axis = pin.getJointJacobian(model, data, joint, pin.ReferenceFrame.LOCAL)[:, row]
-        placement, inertia = model.jointPlacements[joint], model.inertias[joint]
+        row, parent = int(model.joints[joint].idx_v), int(model.parents[joint])
+        axis = pin.getJointJacobian(model, at_zero, joint, WORLD_ALIGNED)[:, row]
+        place, inertia = at_zero.oMi[joint], model.inertias[joint]
         turns = -float(np.round(axis[4]))  # about -y angles turn x towards z
         bodies.append(
             Body(
-                parent=int(model.parents[joint]) - 1,
-                placement=_plane(placement.translation),
-                turn=float(np.arctan2(placement.rotation[2, 0], placement.rotation[0, 0])),
+                parent=parent - 1,
+                placement=_plane(place.translation - at_zero.oMi[parent].translation),
                 turns=turns,
                 slides=ZERO if turns else _plane(axis[:3]),
                 mass=float(inertia.mass),
-                com=_plane(inertia.lever),
-                inertia=float(inertia.inertia[1, 1]),
+                com=_plane(place.rotation @ inertia.lever),
+                inertia=float((place.rotation @ inertia.inertia @ place.rotation.T)[1, 1]),
                 armature=float(model.armature[row]),
             )
         )

@@ -17,7 +17,7 @@ from spear_pin.model.urdf import MAX_NUMBER
 
 FULL = ("q_spear_full",)
 BOTH = ("q_spear", *FULL)
-TABLE, ASSUMPTION = "source Table 5.1", "assumption"
+TABLE, COMPUTED, ASSUMPTION = "source Table 5.1", "computed from source Table 5.1", "assumption"
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,8 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
         "torso_inertia": Parameter(2.1, "kg·m²", TABLE, "of the torso in pitch; in roll and yaw in proportion"),
         "hip_ratio": Parameter(60.0, "1", TABLE, "turns of a hip's rotor per turn of the hip"),
         "knee_ratio": Parameter(15.0, "1", TABLE, "turns of a knee's rotor per turn of the knee"),
+        "hip_rotor": Parameter(0.047 / 60**2, "kg·m²", COMPUTED, "inertia of a hip's rotor, not reflected"),
+        "knee_rotor": Parameter(0.027 / 15**2, "kg·m²", COMPUTED, "inertia of a knee's rotor, not reflected"),
         "adduction_ratio": Parameter(60.0, "1", ASSUMPTION, "turns of an adduction rotor per turn of its joint", FULL),
     }
 )
@@ -55,7 +57,8 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
 def vary(robot: Robot, **values: float) -> Robot:
     """The same robot with other numbers, the given one being left alone.
 
-    A rotor keeps its own inertia J, so with another ratio N the joint's reflected inertia is N² J.
+    A rotor keeps its own inertia J unless that is changed, so with another ratio N the joint's reflected
+    inertia is N² J.
     Shapes that are drawn keep their size.
 
     Args:
@@ -104,19 +107,22 @@ def _change(model: pin.Model, name: str, value: float) -> None:
     elif name == "torso_inertia":
         model.inertias[torso] = pin.Inertia(body.mass, body.lever, body.inertia * (value / body.inertia[1, 1]))
     elif name.endswith("_ratio"):
-        _set_ratio(model, name.removesuffix("_ratio"), value)
+        _set_gears(model, name.removesuffix("_ratio"), ratio=value)
+    elif name.endswith("_rotor"):
+        _set_gears(model, name.removesuffix("_rotor"), rotor=value / PARAMETERS[name].default)
     else:
         _move_hips(model, torso, {"hip_distance": 0, "hip_spacing": 1}[name], value)
 
 
-def _set_ratio(model: pin.Model, kind: str, ratio: float) -> None:
-    """Set the gear ratio of every joint of a kind, such as "knee"."""
-    armature, gear_ratio = model.armature.copy(), model.rotorGearRatio.copy()
+def _set_gears(model: pin.Model, kind: str, ratio: float | None = None, rotor: float = 1.0) -> None:
+    """Set the gear ratio, and multiply the rotor's inertia, of every joint of a kind, such as "knee"."""
+    armature, ratios, rotors = model.armature.copy(), model.rotorGearRatio.copy(), model.rotorInertia.copy()
     for joint, name in enumerate(model.names):
         if name.endswith(f"_{kind}"):
             row = model.joints[joint].idx_v
-            gear_ratio[row], armature[row] = ratio, ratio**2 * model.rotorInertia[row]
-    model.armature, model.rotorGearRatio = armature, gear_ratio
+            ratios[row], rotors[row] = ratio or ratios[row], rotor * rotors[row]
+            armature[row] = ratios[row] ** 2 * rotors[row]
+    model.armature, model.rotorGearRatio, model.rotorInertia = armature, ratios, rotors
 
 
 def _move_hips(model: pin.Model, torso: int, axis: int, distance: float) -> None:

@@ -73,7 +73,9 @@ def midway(gait: Gait, phase: str, fraction: float = 0.5, rtol: float = 1e-9) ->
     raise BadValue("fraction", fraction, "a time within the phase")
 
 
-def pushed(gait: Gait, moment: Moment, q: Mapping[str, float] | None = None, v: Mapping[str, float] | None = None) -> Moment:
+def pushed(
+    gait: Gait, moment: Moment, q: Mapping[str, float] | None = None, v: Mapping[str, float] | None = None
+) -> Moment:
     """A moment with something added to coordinates and velocities.
 
     Args:
@@ -157,6 +159,4 @@ def basin(
 
 def airborne(gait: Gait) -> tuple[str, ...]:
     """Names of the gait's phases with no toe on the ground."""
-    return tuple(
-        dict.fromkeys(d.phase for d in gait.system.domains if all(mode == OPEN for mode in d.contacts))
-    )
+    return tuple(dict.fromkeys(d.phase for d in gait.system.domains if all(mode == OPEN for mode in d.contacts)))

@@ -10,7 +10,9 @@ from spear_pin.errors import UnknownName
 
 def names() -> tuple[str, ...]:
     """Names of the gaits that ship."""
-    return tuple(sorted(Path(str(entry)).stem for entry in files(__name__).iterdir() if entry.name.endswith(".json")))
+    return tuple(
+        sorted(entry.name.removesuffix(".json") for entry in files(__name__).iterdir() if entry.name.endswith(".json"))
+    )
 
 
 def path(name: str) -> Path:

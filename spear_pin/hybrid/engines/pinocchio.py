@@ -203,13 +203,19 @@ class Flow:
         return normal
 
     def response(self) -> tuple[list[float], list[list[float]]]:
-        """(a, A) with v̇ = a + A u in the present contacts: (nv,) and nv rows of nu."""
+        """(a, A) with v̇ = a + A u while the toes on the ground stick: (nv,) and nv rows of nu.
+
+        A controller does not know that its foot slips; torques that jumped with slip could not even be
+        consistent with it.
+        """
         applied = self._passive - self._data.nle
         if self._has_friction:
             applied += self.friction
         forces = np.column_stack([applied, self._motors])
         if self._closed:
-            forced, _, _ = constrained(self._data.M, forces, *self._constraint())
+            rows, drifts = self._rows()
+            jacobian = np.concatenate(rows)
+            forced, _, _ = constrained(self._data.M, forces, jacobian, jacobian.T, np.concatenate(drifts))
         else:
             forced = np.linalg.solve(self._data.M, forces)
         return forced[:, 0].tolist(), forced[:, 1:].tolist()

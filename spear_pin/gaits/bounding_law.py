@@ -1,0 +1,300 @@
+"""The bounding controller: its parameters, its legs and phases, and the torques of (5.4)-(5.6), (5.15), (5.20).
+
+A leg of the sagittal model is a pair; torques are those of the pair, a motor's are half.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from numbers import Real
+from typing import Any
+
+from spear_pin.errors import BadValue, require
+from spear_pin.gaits.virtual_constraints import Evolution, Outputs, Row, zeroing
+from spear_pin.hybrid.automaton import Law
+from spear_pin.model.robot import Robot
+
+Shape = tuple[tuple[float, ...], ...]
+INPUTS = (
+    "posterior_hip_torque",
+    "posterior_knee_torque",
+    "anterior_hip_torque",
+    "anterior_knee_torque",
+    "posterior_leg_touchdown",
+    "anterior_leg_touchdown",
+)
+"""Parameters that event feedback adjusts once a stride."""
+STATES = 13  # numbers of a section state, torso_x left out
+SHAPES = {
+    "posterior_stance_swing": (2, 4),
+    "anterior_stance_swing": (2, 4),
+    "flight_1_trailing": (2, 4),
+    "flight_2_trailing": (2, 4),
+    "flight_1_landing": (2,),
+    "flight_2_landing": (2,),
+    "feedback_limits": (len(INPUTS),),
+    "speed_gain": (2,),
+    "speed_nominal": (2,),
+}
+NO_ADJUSTMENT = (0.0,) * len(INPUTS)
+
+
+@dataclass(frozen=True)
+class BoundingLaw:
+    """Parameters of the bounding controller.
+
+    The source gives k's equivalent (Fig. 5.6), θ̄ and the form of the law; every other number is a
+    result of a search, see `spear_pin.gaits.optimize`. Leg angles γ are those of the line from hip
+    to toe from straight down, > 0 with the toe ahead.
+
+    Attributes:
+        posterior_hip_torque: β_sp of (5.4), in N·m.
+        anterior_hip_torque: β_sa of (5.4), in N·m.
+        posterior_knee_torque: |ū_p| of (5.5), extending, in N·m.
+        anterior_knee_torque: |ū_a| of (5.6), extending, in N·m.
+        posterior_leg_touchdown: γ the posterior leg lands with, in rad.
+        anterior_leg_touchdown: γ the anterior leg lands with, in rad.
+        posterior_stance_span: Δ_sp of (5.10), in rad, negative.
+        anterior_stance_span: Δ_sa of (5.10), in rad, negative.
+        flight_1_span: Δ of (5.19) in the flight after posterior stance, in m.
+        flight_2_span: Δ of (5.19) in the flight after anterior stance, in m.
+        posterior_stance_swing: Bézier coefficients from the third on of the anterior leg's angle and
+            knee in posterior stance (the first two follow from the state, (5.22)).
+        anterior_stance_swing: those of the posterior leg in anterior stance.
+        flight_1_trailing: those of the posterior leg, just lifted.
+        flight_2_trailing: those of the anterior leg, just lifted.
+        flight_1_landing: the third coefficient of the anterior leg's angle and knee; the last three
+            are the touchdown values, so that the leg comes to rest.
+        flight_2_landing: the same for the posterior leg.
+        virtual_stiffness: k_p = k_a of (5.5)-(5.6), in N·m/rad (200 per motor: implied by Fig. 5.6).
+        knee_rest: θ̄ of (5.5)-(5.6), by magnitude, in rad (source: 40°).
+        knee_touchdown: knee angle of a landing leg, by magnitude, in rad (source: 40°).
+        epsilon: ε of (5.16), in s (not in the source).
+        lift_off: "knee": a leg is lifted when its knee is back at θ̄ (what the source implies), or
+            earlier if its foot bears nothing; a knee that never flexes beyond θ̄ has nothing to come
+            back from. "force": when the foot bears nothing.
+        nominal: section state (q, v) of the gait, without torso_x; what feedback compares with.
+        feedback: event feedback, one row for each of `INPUTS`, one column for each of `nominal`.
+        feedback_limits: largest adjustment of each of `INPUTS`, in N·m and rad.
+        speed_gain: gain of β += K (ẋ_td - ẋ*) at each touchdown, posterior and anterior, in N·s.
+        speed_nominal: ẋ* just after posterior and anterior touchdown, in m/s.
+    """
+
+    posterior_hip_torque: float
+    anterior_hip_torque: float
+    posterior_knee_torque: float
+    anterior_knee_torque: float
+    posterior_leg_touchdown: float
+    anterior_leg_touchdown: float
+    posterior_stance_span: float
+    anterior_stance_span: float
+    flight_1_span: float
+    flight_2_span: float
+    posterior_stance_swing: Shape
+    anterior_stance_swing: Shape
+    flight_1_trailing: Shape
+    flight_2_trailing: Shape
+    flight_1_landing: tuple[float, ...]
+    flight_2_landing: tuple[float, ...]
+    virtual_stiffness: float = 400.0
+    knee_rest: float = math.radians(40.0)
+    knee_touchdown: float = math.radians(40.0)
+    epsilon: float = 0.015
+    lift_off: str = "knee"
+    nominal: tuple[float, ...] = ()
+    feedback: Shape = ()
+    feedback_limits: tuple[float, ...] = (100.0, 100.0, 100.0, 100.0, 0.2, 0.2)
+    speed_gain: tuple[float, ...] = (0.0, 0.0)
+    speed_nominal: tuple[float, ...] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        valid: dict[str, tuple[Callable[[float], bool], str]] = {
+            "virtual_stiffness": (lambda k: k >= 0, "a number >= 0, in N·m/rad"),
+            "epsilon": (lambda e: e > 0, "a number > 0, in s"),
+            "knee_rest": (lambda a: 0 < a < math.pi, "between 0 and π rad"),
+            "knee_touchdown": (lambda a: 0 < a < math.pi, "between 0 and π rad"),
+            "posterior_stance_span": (lambda span: span < 0, "a number < 0, in rad"),
+            "anterior_stance_span": (lambda span: span < 0, "a number < 0, in rad"),
+            "flight_1_span": (lambda span: span > 0, "a number > 0, in m"),
+            "flight_2_span": (lambda span: span > 0, "a number > 0, in m"),
+        }
+        for name, shape in SHAPES.items():
+            if not _has_shape(getattr(self, name), shape):
+                expected = f"{' x '.join(map(str, shape))} finite numbers, as tuples"
+                raise BadValue(f"BoundingLaw.{name}", getattr(self, name), expected)
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name in (*SHAPES, "lift_off", "nominal", "feedback"):
+                continue
+            test, expected = valid.get(field.name, (lambda number: abs(number) >= 0, "a finite number"))
+            require(f"BoundingLaw.{field.name}", value, test, expected)
+        if self.lift_off not in ("knee", "force"):
+            raise BadValue("BoundingLaw.lift_off", self.lift_off, "'knee' or 'force'")
+        if min(self.feedback_limits) < 0:
+            raise BadValue("BoundingLaw.feedback_limits", self.feedback_limits, "numbers >= 0")
+        if self.nominal != () and not _has_shape(self.nominal, (STATES,)):
+            raise BadValue("BoundingLaw.nominal", self.nominal, f"{STATES} finite numbers, or ()")
+        if self.feedback != () and not (self.nominal and _has_shape(self.feedback, (len(INPUTS), STATES))):
+            expected = f"{len(INPUTS)} x {STATES} finite numbers, and `nominal` given, or ()"
+            raise BadValue("BoundingLaw.feedback", self.feedback, expected)
+
+
+def _has_shape(value: Any, shape: tuple[int, ...]) -> bool:
+    """Whether these are nested tuples of so many finite numbers."""
+    if not shape:
+        return isinstance(value, Real) and math.isfinite(value)
+    fits = isinstance(value, tuple) and len(value) == shape[0]
+    return fits and all(_has_shape(item, shape[1:]) for item in value)
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A leg of the sagittal model.
+
+    Attributes:
+        name: "posterior" or "anterior".
+        hip: index of its hip.
+        knee: index of its knee.
+        side: +1 if the knee flexes to positive angles, -1 if to negative.
+        angle: row of its leg angle γ = pitch + hip - knee / 2 (exact: thigh and shank are as long).
+        motors: columns of its motors.
+    """
+
+    name: str
+    hip: int
+    knee: int
+    side: float
+    angle: Row
+    motors: tuple[int, int]
+
+    @property
+    def toe(self) -> str:
+        """Name of its toe."""
+        return f"{self.name}_toe"
+
+    @property
+    def joint(self) -> str:
+        """Name of its knee."""
+        return f"{self.name}_knee"
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """What is controlled of it: γ and the knee."""
+        return self.angle, ((self.knee, 1.0),)
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A phase in which some leg swings.
+
+    Attributes:
+        name: its name.
+        legs: those that swing, in the order of the outputs.
+        outputs: what is controlled.
+        bearing: the leg on the ground, in a stance.
+        lifted: the leg that lifted last, in a flight.
+        landing: the leg that lands next, in a flight.
+    """
+
+    name: str
+    legs: tuple[Leg, ...]
+    outputs: Outputs
+    bearing: Leg | None = None
+    lifted: Leg | None = None
+    landing: Leg | None = None
+
+
+def support(leg: Leg, q: Any, held: Mapping[str, Any], p: BoundingLaw, dyn: Any) -> list[tuple[int, Any]]:
+    """Motor torques of a supporting leg, (5.4)-(5.6) with corrected signs, as (column, torque).
+
+    The virtual spring is shared: the motor gives what the physical one does not.
+    """
+    hip, knee = leg.motors
+    flexed = leg.side * q[leg.knee] - p.knee_rest
+    total = -leg.side * (held[f"{leg.name}_knee_torque"] + p.virtual_stiffness * flexed)
+    return [(hip, held[f"{leg.name}_hip_torque"]), (knee, total - dyn.spring_torque(leg.joint))]
+
+
+def phases_of(robot: Robot) -> tuple[Phase, ...]:
+    """The four phases of the gait in order.
+
+    Raises:
+        BadValue: the robot has not the coordinates, toes and motors of `q_spear`.
+    """
+    posterior, anterior = legs_of(robot)
+    return (
+        _stance(posterior, anterior),
+        _flight("flight_1", posterior, anterior),
+        _stance(anterior, posterior),
+        _flight("flight_2", anterior, posterior),
+    )
+
+
+def legs_of(robot: Robot) -> tuple[Leg, Leg]:
+    """The posterior and the anterior leg.
+
+    Raises:
+        BadValue: the robot has not the coordinates, toes and motors of `q_spear`.
+    """
+    joints = tuple(f"{name}_{part}" for name in ("posterior", "anterior") for part in ("hip", "knee"))
+    expected = ("torso_x", "torso_z", "pitch", *joints)
+    if robot.coordinates != expected or robot.actuated != joints or robot.toes != ("posterior_toe", "anterior_toe"):
+        raise BadValue("robot", robot, f"the coordinates {', '.join(expected)}, motors on the last four, and two toes")
+    legs = []
+    for i, (name, side) in enumerate((("posterior", 1.0), ("anterior", -1.0))):
+        hip, knee = 3 + 2 * i, 4 + 2 * i
+        legs.append(Leg(name, hip, knee, side, ((2, 1.0), (hip, 1.0), (knee, -0.5)), (2 * i, 2 * i + 1)))
+    return legs[0], legs[1]
+
+
+def _stance(leg: Leg, other: Leg) -> Phase:
+    """Single stance: the other leg swings, s from the supporting leg's angle."""
+    return Phase(f"{leg.name}_stance", (other,), Outputs(other.rows, leg.angle, other.motors), bearing=leg)
+
+
+def _flight(name: str, lifted: Leg, landing: Leg) -> Phase:
+    """Flight: both legs swing, s from the torso's travel."""
+    first, second = legs = sorted((lifted, landing), key=lambda leg: leg.hip)
+    outputs = Outputs((*first.rows, *second.rows), ((0, 1.0),), (*first.motors, *second.motors))
+    return Phase(name, tuple(legs), outputs, lifted=lifted, landing=landing)
+
+
+def evolution(held: Mapping[str, Any]) -> Evolution:
+    """The desired evolution that is held."""
+    return Evolution(held["alpha"], held["origin"], held["span"], held["past"])
+
+
+def stance_law(leg: Leg, phase: Phase) -> Law:
+    """Torques in single stance: (5.4)-(5.6) for the leg that bears, (5.15) for the other."""
+
+    def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Sequence[Any]:
+        given = support(leg, q, held, p, dyn)
+        swing = zeroing(phase.outputs, evolution(held), q, v, p.epsilon, dyn.response(), given, ops)
+        return _ordered([*given, *zip(phase.outputs.motors, swing, strict=True)])
+
+    return law
+
+
+def flight_law(phase: Phase) -> Law:
+    """Torques in flight, (5.20)."""
+
+    def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Sequence[Any]:
+        return zeroing(phase.outputs, evolution(held), q, v, p.epsilon, dyn.response(), (), ops)
+
+    return law
+
+
+def double_law(legs: tuple[Leg, Leg]) -> Law:
+    """Torques in double stance: (5.4)-(5.6) for both legs."""
+
+    def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Sequence[Any]:
+        return _ordered([*support(legs[0], q, held, p, dyn), *support(legs[1], q, held, p, dyn)])
+
+    return law
+
+
+def _ordered(torques: Sequence[tuple[int, Any]]) -> Sequence[Any]:
+    return [torque for _, torque in sorted(torques, key=lambda pair: pair[0])]

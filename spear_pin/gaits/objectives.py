@@ -1,0 +1,114 @@
+"""Objectives and motor limits of the gait search, as expressions over the nodes of a transcription."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.gaits.collocation import Programme, casadi, quadrature
+from spear_pin.gaits.request import Request
+from spear_pin.model.motor import Drive
+
+Array = NDArray[np.float64]
+GRAVITY = 9.81
+MOTORS = ("posterior hip", "posterior knee", "anterior hip", "anterior knee")
+PAIR = 2.0  # motors to a joint of the sagittal model
+SMOOTH = 1.0  # W: how sharply the sign of a power is told
+
+
+def ceiling(programme: Programme, request: Request) -> Any:
+    """The unknown that bounds every torque, or every excess over an envelope, where that is minimised."""
+    if request.objective == "peak":
+        return programme.variable("peak torque", 200.0, 0.0, 1000.0, 100.0)
+    if request.objective == "violation":
+        return programme.variable("violation", 20.0, 0.0, 1000.0, 10.0)
+    return 0.0
+
+
+def limit(programme: Programme, request: Request, u: Any, v: Any, top: Any) -> None:
+    """Bounds on torques at a node, and the motors' torque-speed envelopes."""
+    for i, name in enumerate(MOTORS):
+        torque, rate = u[i], v[3 + i]
+        knee = "knee" in name
+        if request.objective == "peak":
+            for side in (1.0, -1.0):
+                programme.require("peak torque", top - side * torque, 0.0, scale=100.0)
+        if not knee and request.hip_torque is not None:
+            most = request.hip_torque
+            programme.require(f"torque of the {name}", torque, -most, most, scale=100.0, wish=True)
+        drive = request.knee_drive if knee else request.hip_drive
+        if drive is not None:
+            excess = top if knee and request.objective == "violation" else 0.0
+            _within(programme, f"envelope of the {name} motor", drive, torque / PAIR, rate, excess)
+
+
+def _within(programme: Programme, label: str, drive: Drive, torque: Any, rate: Any, excess: Any) -> None:
+    """One motor's voltage and current, its gearbox taken as lossy both ways, which is on the safe side."""
+    line = replace(drive, current_limit=None).stall_torque
+    for side in (1.0, -1.0):
+        available = line * (1.0 - side * rate / drive.no_load_speed) + excess
+        programme.require(label, available - side * torque, 0.0, scale=50.0, wish=True)
+        if drive.current_limit is not None:
+            programme.require(label, drive.stall_torque + excess - side * torque, 0.0, scale=50.0, wish=True)
+
+
+def objective(
+    request: Request,
+    weight: float,
+    phases: Sequence[tuple[Any, Sequence[Any]]],
+    distance: Any,
+    top: Any,
+) -> Any:
+    """What is minimised, scaled to order ten.
+
+    Args:
+        request: says which.
+        weight: of the robot, in N.
+        phases: duration and nodes, with `u` and `v`, of each phase.
+        distance: of a stride, in m.
+        top: what `ceiling` made.
+    """
+    even = np.ones(4)
+    if request.objective == "peak":
+        return 0.1 * top + 1e-5 * _effort(phases, even) / distance
+    if request.objective == "violation":
+        return top + 1e-4 * _effort(phases, even) / distance
+    if request.objective == "cot":
+        return 10.0 * _power(phases, lambda power: (power * power + SMOOTH**2) ** 0.5) / (weight * distance)
+    if request.objective == "electrical":
+        assert request.knee_drive is not None
+        return 10.0 * _electrical(phases, request.knee_drive) / (weight * distance)
+    weights = np.array([10.0, 1.0, 10.0, 1.0]) if request.objective == "hip" else even
+    return 0.01 * _effort(phases, weights) / distance
+
+
+def _effort(phases: Sequence[tuple[Any, Sequence[Any]]], weights: Array) -> Any:
+    ca = casadi()
+    return sum(quadrature(duration, [ca.dot(weights, node.u * node.u) for node in nodes]) for duration, nodes in phases)
+
+
+def _power(phases: Sequence[tuple[Any, Sequence[Any]]], of: Any) -> Any:
+    return sum(
+        quadrature(duration, [casadi().sum1(of(node.u * node.v[3:])) for node in nodes]) for duration, nodes in phases
+    )
+
+
+def _electrical(phases: Sequence[tuple[Any, Sequence[Any]]], drive: Drive) -> Any:
+    """Energy drawn by the knee motors, heat included and none given back, and the hips' positive work."""
+    # heat of one motor per squared torque, its gearbox taken as lossy both ways
+    heat = float(drive.joule_power(1.0, 1.0))
+
+    def drawn(node: Any) -> Any:
+        total = 0.0
+        for i, name in enumerate(MOTORS):
+            power = node.u[i] * node.v[3 + i]
+            if "knee" in name:
+                power = power + PAIR * heat * (node.u[i] / PAIR) ** 2
+            total = total + 0.5 * (power + (power * power + SMOOTH**2) ** 0.5)
+        return total
+
+    return sum(quadrature(duration, [drawn(node) for node in nodes]) for duration, nodes in phases)

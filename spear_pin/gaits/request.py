@@ -1,0 +1,79 @@
+"""What is asked of a bounding gait, and what may be minimised."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from spear_pin.errors import BadValue, UnknownName, require
+from spear_pin.model.motor import Drive
+
+OBJECTIVES: dict[str, tuple[str, str]] = {
+    "effort": ("N²m²s/m", "integral of the squared motor torques, per metre"),
+    "hip": ("N²m²s/m", "the same, the hips' counted ten times"),
+    "cot": ("1", "mechanical cost of transport: integral of |motor power| over weight and distance"),
+    "peak": ("N·m", "largest motor torque"),
+    "electrical": ("1", "cost of transport of the power that the knee motors draw and the hips' positive power"),
+    "violation": ("N·m", "most that a knee motor's envelope is exceeded by"),
+}
+"""What can be minimised: name -> unit, meaning."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked of a bounding gait. Torques and forces are those of a pair of legs.
+
+    Attributes:
+        speed: mean forward speed, in m/s (source: 2.5).
+        objective: a key of `OBJECTIVES`.
+        lift_off: "knee" or "force", see `BoundingLaw`.
+        friction: coefficient of friction that forces and impulses may use.
+        minimum_force: least normal force in stance, in N; with lift-off by force it fades out at the end.
+        clearance: least height of the other toe during a stance, in m.
+        minimum_stride: least duration of a stride, in s.
+        minimum_stance: least duration of a stance, in s.
+        minimum_knee_torque: least |ū| of (5.5)-(5.6), in N·m.
+        hip_torque: largest hip torque, in N·m; None means no bound.
+        stiffness: of the physical knee springs, in N·m/rad; None leaves it free.
+        virtual_stiffness: k of (5.5)-(5.6), in N·m/rad.
+        knee_touchdown: knee angle at touchdown, by magnitude, in rad; None leaves it free.
+        leg_touchdown: bounds on the leg angle at touchdown, in rad.
+        knee_drive: motor, gearbox and bus of each knee, two a pair; None means no bound.
+        hip_drive: those of each hip.
+    """
+
+    speed: float = 2.5
+    objective: str = "effort"
+    lift_off: str = "knee"
+    friction: float = 0.6
+    minimum_force: float = 20.0
+    clearance: float = 0.03
+    minimum_stride: float = 0.0
+    minimum_stance: float = 0.05
+    minimum_knee_torque: float = 10.0
+    hip_torque: float | None = None
+    stiffness: float | None = 112.0
+    virtual_stiffness: float = 400.0
+    knee_touchdown: float | None = math.radians(40.0)
+    leg_touchdown: tuple[float, float] = (-0.3, 0.7)
+    knee_drive: Drive | None = None
+    hip_drive: Drive | None = None
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        if self.objective not in OBJECTIVES:
+            raise UnknownName("objective", self.objective, OBJECTIVES)
+        if self.objective in ("electrical", "violation") and self.knee_drive is None:
+            raise BadValue("knee_drive", None, f"a drive, for the objective {self.objective!r}")
+        if self.lift_off not in ("knee", "force"):
+            raise UnknownName("rule of lift-off", self.lift_off, ("knee", "force"))
+        require("speed", self.speed, lambda s: s > 0, "a number > 0, in m/s")
+        require("friction", self.friction, lambda mu: mu > 0, "a number > 0")
+        for name in ("clearance", "minimum_force", "minimum_stride", "minimum_knee_torque", "virtual_stiffness"):
+            require(name, getattr(self, name), lambda number: number >= 0, "a number >= 0")
+        require("minimum_stance", self.minimum_stance, lambda t: 0 < t < 0.4, "between 0 and 0.4 s")
+        for name in ("stiffness", "hip_torque"):
+            if getattr(self, name) is not None:
+                require(name, getattr(self, name), lambda number: number >= 0, "a number >= 0, or None")
+        if self.knee_touchdown is not None:
+            require("knee_touchdown", self.knee_touchdown, lambda a: 0 < a < math.pi, "between 0 and π rad, or None")
