@@ -60,9 +60,12 @@ class NoGait(SpearError):
 class Infeasible(SpearError):
     """What was asked cannot be met, as far as a local search tells; names what stands in the way."""
 
-    def __init__(self, constraint: str, violation: float) -> None:
-        self.constraint, self.violation = constraint, violation
-        super().__init__(f"no gait meets the request: {constraint} is missed by {violation:.3g} at best (local search)")
+    def __init__(self, constraint: str, violation: float, unit: str) -> None:
+        self.constraint, self.violation, self.unit = constraint, violation, unit
+        super().__init__(
+            f"no gait was found: with every wish relaxed, {constraint} is still missed by {violation:.3g} {unit}"
+            " (a local search: evidence, no proof)"
+        )
 
 
 class MissingExtra(SpearError):

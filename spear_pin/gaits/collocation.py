@@ -53,6 +53,21 @@ class Solution:
     iterations: int
 
 
+@dataclass(frozen=True)
+class Margin:
+    """By how much a wish may be missed.
+
+    Attributes:
+        unknown: its name among the unknowns.
+        scale: what it counts in.
+        unit: of the scale.
+    """
+
+    unknown: str
+    scale: float
+    unit: str
+
+
 class Programme:
     """A nonlinear programme under construction.
 
@@ -88,7 +103,7 @@ class Programme:
         most: ArrayLike = np.inf,
         *,
         scale: float = 1.0,
-        wish: bool = False,
+        wish: str = "",
     ) -> None:
         """Require least <= expression <= most.
 
@@ -98,8 +113,8 @@ class Programme:
             least: lower bounds.
             most: upper bounds.
             scale: the unit in which it is of order one.
-            wish: whether it was asked for, and may be given up to find out what is in the way;
-                the laws of motion may not.
+            wish: unit of the expression if this was asked for, and may be given up to find out what is
+                in the way; the laws of motion may not.
         """
         row = casadi().vertcat(expression)
         low, high = (np.broadcast_to(np.asarray(bound, dtype=float), (row.numel(),)) for bound in (least, most))
@@ -159,18 +174,18 @@ class Programme:
             int(stats["iter_count"]),
         )
 
-    def relaxed(self, start: Guess) -> tuple[Programme, dict[str, tuple[Any, float]]]:
+    def relaxed(self, start: Guess) -> tuple[Programme, dict[str, Margin]]:
         """The programme in which each named wish may be missed by a margin of its own, at the cost of the margin.
 
         Returns:
-            the programme; the name of each wish's margin among its unknowns, and the unit it counts in.
+            the programme; the margin of each wish.
         """
         other = Programme()
         for unknown in self._unknowns:
             given = start(unknown.name)
             guess = unknown.guess if given is None else np.clip(given / unknown.scale, unknown.lower, unknown.upper)
             other._unknowns.append(replace(unknown, guess=guess))
-        wishes = {condition.label: condition.scale for condition in self._conditions if condition.wish}
+        wishes = {condition.label: condition for condition in self._conditions if condition.wish}
         margins = {label: other.variable(f"margin of {label}", 1.0, 0.0, np.inf) for label in wishes}
         for condition in self._conditions:
             if not condition.wish:
@@ -181,7 +196,7 @@ class Programme:
                     loosened = side * (condition.row - bound) + margins[condition.label]
                     other.require(condition.label, loosened, 0.0)
         other.objective = sum(margins.values())
-        return other, {label: (f"margin of {label}", scale) for label, scale in wishes.items()}
+        return other, {label: Margin(f"margin of {label}", wish.scale, wish.wish) for label, wish in wishes.items()}
 
     def read(self, expression: Any, solution: Solution) -> Array:
         """An expression's value at a solution."""
@@ -235,7 +250,7 @@ class _Condition:
     least: Array
     most: Array
     scale: float
-    wish: bool
+    wish: str
 
 
 def hermite_simpson(

@@ -39,7 +39,7 @@ def limit(programme: Programme, request: Request, u: Any, v: Any, top: Any) -> N
                 programme.require("peak torque", top - side * torque, 0.0, scale=100.0)
         if not knee and request.hip_torque is not None:
             most = request.hip_torque
-            programme.require(f"torque of the {name}", torque, -most, most, scale=100.0, wish=True)
+            programme.require(f"torque of the {name}", torque, -most, most, scale=100.0, wish="N·m")
         drive = request.knee_drive if knee else request.hip_drive
         if drive is not None:
             excess = top if knee and request.objective == "violation" else 0.0
@@ -51,9 +51,9 @@ def _within(programme: Programme, label: str, drive: Drive, torque: Any, rate: A
     line = replace(drive, current_limit=None).stall_torque
     for side in (1.0, -1.0):
         available = line * (1.0 - side * rate / drive.no_load_speed) + excess
-        programme.require(label, available - side * torque, 0.0, scale=50.0, wish=True)
+        programme.require(label, available - side * torque, 0.0, scale=50.0, wish="N·m")
         if drive.current_limit is not None:
-            programme.require(label, drive.stall_torque + excess - side * torque, 0.0, scale=50.0, wish=True)
+            programme.require(label, drive.stall_torque + excess - side * torque, 0.0, scale=50.0, wish="N·m")
 
 
 def objective(

@@ -87,9 +87,9 @@ def obstacle(transcription: Transcription, solution: Solution) -> Infeasible:
     """What stands in the way of a request: the wish that a relaxed solve misses most, as a share of its unit."""
     relaxed, margins = transcription.programme.relaxed(resampled(solution))
     loosened = relaxed.solve(iterations=300)
-    missed = {label: float(loosened.values[name][0]) for label, (name, _) in margins.items()}
+    missed = {label: float(loosened.values[margin.unknown][0]) for label, margin in margins.items()}
     worst = max(missed, key=lambda label: missed[label])
-    return Infeasible(worst, missed[worst] * margins[worst][1])
+    return Infeasible(worst, missed[worst] * margins[worst].scale, margins[worst].unit)
 
 
 def _on_ground(robot: Robot, toes: tuple[str, ...], state: tuple[Array, Array]) -> tuple[Array, Array]:

@@ -144,7 +144,7 @@ def transcribe(
                     programme.require(f"knee flexed in {label}", bearing.side * node.q[bearing.knee], p.knee_rest)
                 swings = next(leg for leg in legs if leg != bearing)
                 height = terms[swings.toe][0][1]
-                programme.require(f"clearance in {label}", height, request.clearance, scale=0.1, wish=True)
+                programme.require(f"clearance in {label}", height, request.clearance, scale=0.1, wish="m")
                 rate = dot(phase.outputs.phase, node.v)
                 programme.require(f"sweep of the leg in {label}", rate, -30.0, -0.3)
             else:
@@ -294,14 +294,14 @@ def _stand(
     if last and request.lift_off == "force":
         programme.require(f"no force at lift-off from {label}", node.F, 0.0, 0.0, scale=50.0)
         return
-    _cone(programme, f"friction in {label}", request, node.F, 100.0)
+    _cone(programme, f"friction in {label}", request, node.F, 100.0, "N")
     least = 0.0 if request.lift_off == "force" else request.minimum_force
-    programme.require(f"normal force in {label}", node.F[1], least, scale=100.0, wish=True)
+    programme.require(f"normal force in {label}", node.F[1], least, scale=100.0, wish="N")
 
 
-def _cone(programme: Programme, label: str, request: Request, F: Any, scale: float) -> None:
+def _cone(programme: Programme, label: str, request: Request, F: Any, scale: float, unit: str) -> None:
     for side in (1.0, -1.0):
-        programme.require(label, CONE * request.friction * F[1] + side * F[0], 0.0, scale=scale, wish=True)
+        programme.require(label, CONE * request.friction * F[1] + side * F[0], 0.0, scale=scale, wish=unit)
 
 
 def _strike(programme: Programme, request: Request, leg: Leg, before: _Node, v: Any, dynamics: Any) -> None:
@@ -314,7 +314,7 @@ def _strike(programme: Programme, request: Request, leg: Leg, before: _Node, v: 
     programme.require(f"approach at {label}", (J @ before.v)[1], -np.inf, -0.2)
     programme.require(label, terms["D"] @ (v - before.v) - J.T @ impulse, 0.0, 0.0)
     programme.require(label, J @ v, 0.0, 0.0)
-    _cone(programme, f"friction at {label}", request, impulse, 10.0)
+    _cone(programme, f"friction at {label}", request, impulse, 10.0, "N·s")
 
 
 def _close(programme: Programme, request: Request, result: Transcription, leg: Leg, last: _Node, dynamics: Any) -> None:
@@ -323,6 +323,6 @@ def _close(programme: Programme, request: Request, result: Transcription, leg: L
     programme.require("origin", q[0], 0.0, 0.0)
     programme.require("periodicity", last.q[1:] - q[1:], 0.0, 0.0)
     period = sum(result.durations.values())
-    programme.require("mean speed", last.q[0] - request.speed * period, 0.0, 0.0, wish=True)
-    programme.require("duration of the stride", period, request.minimum_stride, 1.0, wish=True)
+    programme.require("mean speed", last.q[0] / period, request.speed, request.speed, wish="m/s")
+    programme.require("duration of the stride", period, request.minimum_stride, 1.0, wish="s")
     _strike(programme, request, leg, last, v, dynamics)

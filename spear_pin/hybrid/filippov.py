@@ -8,6 +8,7 @@ speeds. A switch with a delay or hysteresis would bounce instead; that is not mo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -23,38 +24,54 @@ CHATTER = "chatter"
 ON_EDGE = 1e-6  # of a share: where a force fades to zero, the motion begins with one law's share all but whole
 
 
+class Unloaded(Flow):
+    """A stance's law while its toe bears nothing: the controller reckons with the toe at rest all the same."""
+
+    def __init__(self, system: HybridSystem, grounded: Domain, airborne: Domain, held: Held) -> None:
+        super().__init__(system, replace(grounded, contacts=airborne.contacts), held)
+        self._at_rest = [toe for toe, mode in zip(system.robot.toes, grounded.contacts, strict=True) if mode != OPEN]
+
+
 class Sliding(Flow):
     """ẏ = α f_stance + (1 - α) f_flight, α being such that the toe does not accelerate vertically.
 
-    Each part acts as if its phase had just begun: what it holds is latched anew at every instant.
+    Each law acts as if its phase had just begun: what it holds is latched anew at every instant.
+
+    Attributes:
+        share: α of the last call.
     """
 
     def __init__(self, system: HybridSystem, domain: Domain, held: Held) -> None:
         super().__init__(system, domain, held)
         assert domain.between is not None
         self._between = domain.between
-        grounded, airborne = self._between.grounded, self._between.airborne
-        unloaded = replace(grounded, contacts=airborne.contacts)
-        self._parts = (Flow(system, unloaded, held), Flow(system, airborne, held))
-        self.share = 0.0
+        self._stance = Unloaded(system, domain.between.grounded, domain, held)
+        self._kept = held
+        self.share = math.nan
 
     def _derivative(self, t: float, y: Array) -> Array:
-        super()._derivative(t, y)  # places the frames that guards ask for
-        nv = self._nv
-        q, v = y[:nv].tolist(), y[nv : 2 * nv].tolist()
-        slopes, rises = [], []
-        for part, reset in zip(self._parts, (self._between.touch, self._between.leave), strict=True):
-            if reset.latch is not None:
-                part.hold({**self.held, **reset.latch(q, v, self.held, self.system.law)})
-            slopes.append(part(0.0, y))
-            rises.append(part.toe_acceleration(self._between.toe)[1])
-        self.share = share = rises[1] / (rises[1] - rises[0])
-        stance, flight = self._parts
-        self.u = [share * s + (1.0 - share) * f for s, f in zip(stance.u, flight.u, strict=True)]
-        self._applied = share * np.array(stance._applied) + (1.0 - share) * np.array(flight._applied)
-        derivative: Array = share * slopes[0] + (1.0 - share) * slopes[1]
+        self.share = math.nan
+        nv, between, stance = self._nv, self._between, self._stance
+        self.hold(self._latched(between.leave, y))
+        stance.hold(self._latched(between.touch, y))
+        flight_slope, stance_slope = super()._derivative(0.0, y), stance(0.0, y)
+        rise, fall = self.toe_acceleration(between.toe)[1], stance.toe_acceleration(between.toe)[1]
+        self.share = share = rise / (rise - fall)
+        self.u = [share * s + (1.0 - share) * f for s, f in zip(stance.u, self.u, strict=True)]
+        self._applied = share * np.array(stance._applied) + (1.0 - share) * np.array(self._applied)
+        for toe, _ in self._closed:
+            pairs = zip(stance.force(toe), self.force(toe), strict=True)
+            tangential, normal = (share * s + (1.0 - share) * f for s, f in pairs)
+            self._forces[toe] = tangential, normal
+        derivative: Array = share * stance_slope + (1.0 - share) * flight_slope
         self.a = derivative[nv : 2 * nv]
         return derivative
+
+    def _latched(self, reset: Reset, y: Array) -> Held:
+        if reset.latch is None:
+            return self._kept
+        q, v = y[: self._nv].tolist(), y[self._nv : 2 * self._nv].tolist()
+        return {**self._kept, **reset.latch(q, v, self._kept, self.system.law)}
 
 
 def flow_of(system: HybridSystem, domain: Domain, held: Held) -> Flow:
@@ -65,10 +82,11 @@ def flow_of(system: HybridSystem, domain: Domain, held: Held) -> Flow:
 def chatter(between: Alternation) -> Domain:
     """The domain of motion between two others; it ends when one of them alone can go on.
 
-    It belongs to the airborne phase: the toe bears nothing and no spring is engaged.
+    It belongs to the airborne phase, whose other events may happen in it: the toe bears nothing and
+    its spring is not engaged.
     """
     airborne = between.airborne
-    kept = tuple(guard for guard in airborne.guards if guard.reset is None)
+    kept = tuple(guard for guard in airborne.guards if guard.reset is not between.touch)
     return replace(
         airborne,
         name=CHATTER,

@@ -1,9 +1,9 @@
 """The bounding automaton and the gaits that ship: every claim about them, by means other than the package's."""
 
 import math
+import re
 from dataclasses import replace
 from functools import cache
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ from spear_pin.hybrid.run import run
 from tests.lagrangian import Q_SPEAR_PAIR, quadruped
 
 NAMES = [name for name in library.names() if Gait.load(name).system.kind == "bounding"]
-SPEED = 2.5  # m/s: at which all of them run
+SPEED = 2.5  # m/s: at which those run whose names do not say another
 FRICTION = 0.6  # that they may use, of the ground's 0.8
 PHASES = ("posterior_stance", "flight_1", "anterior_stance", "flight_2")
 POSTERIOR, ANTERIOR = (((2, 1.0), (3, 1.0), (4, -0.5)), ((4, 1.0),)), (((2, 1.0), (5, 1.0), (6, -0.5)), ((6, 1.0),))
@@ -87,9 +87,11 @@ class TestGait:
     def test_speed(self, name):
         cycle = stride(name)
         travelled = cycle.state[0][0] - cycle.start[0][0]
-        assert travelled / sum(cycle.durations.values()) == pytest.approx(SPEED, abs=1e-6)
-        assert gait(name).system.measures["mean_speed"](cycle) == pytest.approx(SPEED, abs=1e-6)
-        assert gait(name).system.measures["stride"](cycle) == pytest.approx(SPEED * gait(name).period, abs=1e-6)
+        said = re.search(r"_(\d\.\d\d)$", name)
+        speed = float(said[1]) if said else SPEED
+        assert travelled / sum(cycle.durations.values()) == pytest.approx(speed, abs=1e-6)
+        assert gait(name).system.measures["mean_speed"](cycle) == pytest.approx(speed, abs=1e-6)
+        assert gait(name).system.measures["stride"](cycle) == pytest.approx(speed * gait(name).period, abs=1e-6)
         assert gait(name).system.measures["period"](cycle) == pytest.approx(gait(name).period, abs=1e-7)
 
     def test_events_in_order(self, name):
@@ -104,7 +106,11 @@ class TestGait:
         np.testing.assert_allclose(np.concatenate(guess)[1:], [*q[1:], *v], rtol=0, atol=1e-9)
 
     def test_outputs_stay_zero(self, name):
-        """Hybrid zero dynamics: from just after each transition through the whole phase."""
+        """Hybrid zero dynamics: from just after each transition through the whole phase.
+
+        While a foot slips, in the last instants of a stance that ends by force, the law, which takes it to
+        stick, lets them leave zero a little.
+        """
         seen = set()
         for segment in stride(name).segments:
             outputs = OUTPUTS[segment.domain.phase]
@@ -112,7 +118,7 @@ class TestGait:
                 for t in np.linspace(piece.begin, piece.end, 5):
                     state = np.ravel(piece.state(np.array([t])))
                     y, dy = errors(outputs, evolution(segment.held), state[:7], state[7:14])
-                    assert np.abs([*y, *dy]).max() < 1e-7
+                    assert np.abs([*y, *dy]).max() < (1e-5 if "slip" in segment.domain.name else 1e-7)
             seen.add(segment.domain.phase)
         assert seen == set(PHASES)
 
@@ -499,19 +505,24 @@ class TestTransitions:
             held = system.landing[1].latch(q.tolist(), v.tolist(), {}, law)
             assert held["adjust"] == tuple(sign * limit for limit in limits)
 
-    def test_a_leg_that_came_down_straight_stays(self):
-        """Its knee has nothing to come back from: it lifts off when its foot bears nothing."""
+    def test_a_knee_that_never_flexed_has_nothing_to_come_back_from(self):
+        """The rule of the knee counts from when it has flexed beyond θ̄; until then only a foot without force leaves."""
         found = gait(NAMES[0])
         law = replace(found.system.law, lift_off="knee")
         system = bounding(found.system.robot, law)
-        (guard, *_) = [g for g in system.of_phase("posterior_stance")[0].guards if g.name == "posterior_lift_off"]
+        guards = {guard.name: guard for guard in system.of_phase("posterior_stance")[0].guards[:2]}
         q, v = found.state[0].copy(), found.state[1].copy()
-        for flexed, rate, leaves in ((0.1, 1.0, True), (0.1, -1.0, True), (-0.1, -1.0, False)):
-            q[4], v[4] = law.knee_rest + flexed, rate
-            held = system.landing[1].latch(q.tolist(), v.tolist(), {}, law)
-            q[4], v[4] = law.knee_rest - 0.2, -1.0
-            value = guard.value(0.0, q.tolist(), v.tolist(), held, law, None, SimpleNamespace(maximum=max))
-            assert (value < 0.0) is leaves
+        held = system.landing[1].latch(q.tolist(), v.tolist(), {}, law)
+
+        def value(name, knee, **more):
+            q[4] = law.knee_rest + knee
+            return guards[name].value(0.0, q.tolist(), v.tolist(), {**held, **more}, law, None, None)
+
+        assert value("posterior_flexed", -0.1) > 0.0 > value("posterior_flexed", 0.1)
+        assert value("posterior_lift_off", -0.1) > 0.0
+        latched = guards["posterior_flexed"].reset.latch(q.tolist(), v.tolist(), held, law)
+        assert value("posterior_lift_off", 0.1, **latched) > 0.0 > value("posterior_lift_off", -0.1, **latched)
+        assert value("posterior_flexed", 0.1, **latched) > 0.0
 
     def test_feedback_at_the_nominal_state_changes_nothing(self):
         found = gait(NAMES[0])

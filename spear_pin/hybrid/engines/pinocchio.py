@@ -6,7 +6,7 @@ The state is y = (q, v, w), w holding the work done so far by each flow of the l
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from types import SimpleNamespace
 
 import numpy as np
@@ -61,6 +61,7 @@ class Flow:
         self._frame_ids: dict[str, int] = {}
         self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
         self._slips = [(toe, SIGN[mode]) for toe, mode in self._closed if mode in SIGN]
+        self._at_rest = [toe for toe, _ in self._closed]  # as a controller sees them
         self._forces: dict[str, tuple[float, float]] = dict.fromkeys(robot.toes, (0.0, 0.0))
         self._pivots: dict[str, float] = {}
         self._accelerate: Callable[[Array], Array] = (
@@ -212,8 +213,8 @@ class Flow:
         if self._has_friction:
             applied += self.friction
         forces = np.column_stack([applied, self._motors])
-        if self._closed:
-            rows, drifts = self._rows()
+        if self._at_rest:
+            rows, drifts = self._rows(self._at_rest)
             jacobian = np.concatenate(rows)
             forced, _, _ = constrained(self._data.M, forces, jacobian, jacobian.T, np.concatenate(drifts))
         else:
@@ -227,7 +228,7 @@ class Flow:
         return a
 
     def _stick(self, applied: Array) -> Array:
-        rows, drifts = self._rows()
+        rows, drifts = self._rows(toe for toe, _ in self._closed)
         if len(rows) == 1:
             jacobian, drift = rows[0], drifts[0]
         else:
@@ -257,7 +258,8 @@ class Flow:
         """Rows A, directions G and drift of the closed toes, as `constrained` takes them."""
         friction = self.system.contact.friction
         A, G, drift = [], [], []
-        for (_, mode), jacobian, toe_drift in zip(self._closed, *self._rows(), strict=True):
+        rows = self._rows(toe for toe, _ in self._closed)
+        for (_, mode), jacobian, toe_drift in zip(self._closed, *rows, strict=True):
             if mode == STICK:
                 A += [jacobian[0], jacobian[1]]
                 G += [jacobian[0], jacobian[1]]
@@ -268,11 +270,11 @@ class Flow:
                 drift.append(toe_drift[1])
         return np.array(A), np.array(G).T, np.array(drift)
 
-    def _rows(self) -> tuple[list[Array], list[Array]]:
+    def _rows(self, toes: Iterable[str]) -> tuple[list[Array], list[Array]]:
         model, data = self._model, self._data
         pin.forwardKinematics(model, data, self.q, self.v, self._zeros)
         rows, drifts = [], []
-        for toe, _ in self._closed:
+        for toe in toes:
             index = self._toe_ids[toe]
             rows.append(pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[0:3:2])
             drifts.append(pin.getFrameClassicalAcceleration(model, data, index, WORLD_ALIGNED).linear[0:3:2])
