@@ -35,6 +35,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
 SHORTEST_SPAN = 0.2  # of a stance's span: what is left of it when a stance is resumed late
+STEEPEST = 2.0  # rad: between a polynomial's first two coefficients; the gaits that ship have less than half of it
 BEYOND = 1e-3  # rad: a knee that flexed so far beyond θ̄ has something to come back from
 
 
@@ -215,7 +216,12 @@ def _fly(phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: Bo
 
 
 def _held(begun: Evolution) -> Held:
-    return {"alpha": begun.alpha, "origin": begun.origin, "span": begun.span, "past": begun.past}
+    """What is held of an evolution.
+
+    Where the phase variable hardly moves at first, y and ẏ cannot both begin at zero within reason; ẏ then does not.
+    """
+    alpha = tuple((a, a + min(max(b - a, -STEEPEST), STEEPEST), *rest) for a, b, *rest in begun.alpha)
+    return {"alpha": alpha, "origin": begun.origin, "span": begun.span, "past": begun.past}
 
 
 def _guess(law: BoundingLaw) -> tuple[Any, Any]:
