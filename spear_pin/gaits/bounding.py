@@ -35,6 +35,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
 SHORTEST_SPAN = 0.2  # of a stance's span: what is left of it when a stance is resumed late
+OVERLOAD = 1e4  # N·m: a hundred times what the gaits that ship take
 STEEPEST = 2.0  # rad: between a polynomial's first two coefficients; the gaits that ship have less than half of it
 BEYOND = 1e-3  # rad: a knee that flexed so far beyond θ̄ has something to come back from
 
@@ -60,7 +61,7 @@ def bounding(
     spring, contact = spring or Spring(stiffness=112.0, damping=0.0), contact or Contact()
     posterior, anterior = legs = legs_of(robot)
     mounts = {leg: _mount(leg, spring) for leg in legs}
-    fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])
+    lost = (*fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")]), _overload())
     phases = phases_of(robot)
     stances = {phase.bearing: phase for phase in phases if phase.bearing}
     flights = {phase.lifted: phase for phase in phases if phase.lifted}
@@ -96,7 +97,7 @@ def bounding(
             guards=(
                 *(guard for leg in bearing for guard in spring_switches(mounts[leg], leg.knee)),
                 *guards,
-                *fallen,
+                *lost,
             ),
         )
         knees = [guard for leg in bearing if p.lift_off == "knee" for guard in _knee_back(leg, resets[leg.toe])]
@@ -112,7 +113,7 @@ def bounding(
         resets = {leg.toe: lifts(leg, stances[other], other), other.toe: lifts(other, stance, leg)}
         domains += grounded(double, legs, double_law(legs), resets, ())
         returns = lands(leg, stance, "return", resumed=True)
-        guards = (lands(other, stances[other]), returns, _passing(flight), *fallen)
+        guards = (lands(other, stances[other]), returns, _passing(flight), *lost)
         domains.append(Domain(flight.name, flight.name, (OPEN, OPEN), flight_law(flight), guards=guards))
     return HybridSystem(
         kind="bounding",
@@ -158,6 +159,15 @@ def _knee_back(leg: Leg, reset: Reset) -> tuple[Guard, Guard]:
 
     flexed = Reset(latch=lambda q, v, held, p: {name: 1.0})
     return Guard(name, flexes, flexed), Guard(f"{leg.name}_lift_off", returns, reset)
+
+
+def _overload() -> Guard:
+    """The decoupling matrix is all but singular, and the torques grow without bound."""
+
+    def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+        return OVERLOAD**2 - sum(torque * torque for torque in dyn.u)
+
+    return Guard("overload", value, ends="overload")
 
 
 # what events latch

@@ -41,6 +41,7 @@ REASONS = {
     "fall": "a part other than a toe reached the ground",
     "zeno": "events accumulate: the control laws of two phases undo each other without time passing",
     "painleve": "the slip equation has no unique solution (Painlevé's paradox)",
+    "overload": "the control law asked for more torque than any motor has: it is near a singularity",
     "no_event": "a phase went on beyond its time limit",
     "step_size": "the integrator's step size fell to nothing",
     "evaluation_cap": "the run used up its right-hand side evaluations",
