@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,6 +23,8 @@ from spear_pin.model.robot import Robot
 Array = NDArray[np.float64]
 CONE = 0.98  # of the friction asked for: what the collocation's error may use up
 END = {True: 0.98, False: 1.02}  # s at the end of a stance, where the polynomial is not to run out, and of a flight
+KNEE_REST = math.radians(40.0)  # θ̄ (source)
+LONGEST_STRIDE = 1.0  # s
 ANGLES, FLEXIONS = (-1.2, 1.2), (-0.2, 2.4)  # rad: of Bézier coefficients of leg angles and knees
 
 
@@ -43,7 +46,6 @@ class Transcription:
     request: Request
     programme: Programme
     law: dict[str, Any]
-    start: tuple[Any, Any]
     stiffness: Any
     nodes: dict[str, list[_Node]] = field(default_factory=dict)
     durations: dict[str, Any] = field(default_factory=dict)
@@ -51,7 +53,8 @@ class Transcription:
     def read(self, solution: Solution) -> tuple[BoundingLaw, tuple[Array, Array], float]:
         """The law, the section state and the springs' stiffness at a solution."""
         values = {name: _read(self.programme, entry, solution) for name, entry in self.law.items()}
-        q, v = (self.programme.read(part, solution) for part in self.start)
+        first = next(iter(self.nodes.values()))[0]
+        q, v = (self.programme.read(part, solution) for part in (first.q, first.v))
         stiffness = float(self.programme.read(self.stiffness, solution)[0])
         request = self.request
         law = BoundingLaw(
@@ -81,102 +84,169 @@ def transcribe(
         seed: of the perturbation of the initial guess.
         start: values to start from, by name.
     """
-    ca = casadi()
-    rng = np.random.default_rng(seed)
-    programme = Programme(start)
-    planar = Planar(robot)
-    dynamics = _dynamics(planar)
-    p = SimpleNamespace(virtual_stiffness=request.virtual_stiffness, knee_rest=math.radians(40.0))
-    bounds = request.leg_touchdown
-    if request.knee_touchdown is None:
-        touchdown = programme.variable("knee touchdown", p.knee_rest, math.radians(20.0), math.radians(70.0))
-    else:
-        touchdown = ca.SX(request.knee_touchdown)
-    if request.stiffness is None:
-        stiffness = programme.variable("stiffness", 112.0, 0.0, 800.0, 100.0)
-    else:
-        stiffness = ca.SX(request.stiffness)
-    law: dict[str, Any] = {"knee_touchdown": touchdown}
-    for name in ("posterior", "anterior"):
-        law[f"{name}_hip_torque"] = programme.variable(f"{name} hip", 0.0, -400.0, 400.0, 100.0)
-        least = request.minimum_knee_torque
-        law[f"{name}_knee_torque"] = programme.variable(f"{name} knee", max(20.0, least), least, least + 400.0, 100.0)
-        law[f"{name}_leg_touchdown"] = programme.variable(f"{name} leg", np.clip(0.22, *bounds), *bounds)
-    result = Transcription(request, programme, law, (None, None), stiffness)
-    top = ceiling(programme, request)
-    legs = legs_of(robot)
-    before: _Node | None = None
-    x = 0.0
+    writer = _Writer(robot, request, Programme(start), np.random.default_rng(seed))
+    travelled = 0.0
     for phase in phases_of(robot):
-        bearing = phase.bearing
-        stance = bearing is not None
-        label = phase.name.replace("_", " ")
-        guess = 0.1 if stance else 0.06
-        shortest = request.minimum_stance if stance else 0.02
-        duration = programme.variable(f"{label} lasts", guess * (1.0 + 0.2 * rng.uniform(-1.0, 1.0)), shortest, 0.4)
+        travelled += writer.add_phase(phase, intervals, travelled)
+    for before, phase in pairwise(phases_of(robot)):
+        writer.join(before, phase)
+    writer.close()
+    return writer.result
+
+
+class _Writer:
+    """What the parts of the programme share while they are written."""
+
+    def __init__(self, robot: Robot, request: Request, programme: Programme, rng: np.random.Generator) -> None:
+        self.request, self.programme, self.rng = request, programme, rng
+        self.legs, self.weight = legs_of(robot), robot.mass * GRAVITY
+        self.dynamics = _dynamics(Planar(robot))
+        self.law = _law(programme, request)
+        # what `support` reads of a law
+        self.p: Any = SimpleNamespace(virtual_stiffness=request.virtual_stiffness, knee_rest=KNEE_REST)
+        stiffness = request.stiffness
+        self.stiffness = programme.variable("stiffness", 112.0, 0.0, 800.0, 100.0) if stiffness is None else stiffness
+        self.top = ceiling(programme, request)
+        self.result = Transcription(request, programme, self.law, self.stiffness)
+
+    def add_phase(self, phase: Phase, intervals: int, travelled: float) -> float:
+        """One phase by itself; returns how far its guess travels."""
+        programme, request, bearing = self.programme, self.request, phase.bearing
+        label, stance = _words(phase), bearing is not None
+        guess, shortest = (0.1, request.minimum_stance) if stance else (0.06, 0.02)
+        duration = programme.variable(f"{label} lasts", guess * (1.0 + 0.2 * self.rng.uniform(-1, 1)), shortest, 0.4)
         nodes = []
         for i in range(2 * intervals + 1):
             s = i / (2 * intervals)
-            posture = _posture(phase.name, x, guess, request.speed, s)
-            nodes.append(_node(programme, phase.name, s, posture, stance, rng))
-        x += request.speed * guess
-        result.nodes[phase.name], result.durations[phase.name] = nodes, duration
-        first, last = nodes[0], nodes[-1]
-        span = (dot(phase.outputs.phase, last.q) - dot(phase.outputs.phase, first.q)) / END[stance]
-        law[f"{phase.name}_span"] = span
-        shapes = _shapes(programme, law, phase)
-        if stance:
-            programme.require(f"sweep of the leg in {label}", span, -1.5, -0.05)
-        begun = resume(phase.outputs, shapes, first.q, first.v, span)
+            posture = _posture(phase.name, travelled, request.speed * guess, s)
+            nodes.append(_node(programme, phase.name, s, posture, request.speed, stance, self.rng))
+        self.result.nodes[phase.name], self.result.durations[phase.name] = nodes, duration
+        span = (dot(phase.outputs.phase, nodes[-1].q) - dot(phase.outputs.phase, nodes[0].q)) / END[stance]
+        self.law[f"{phase.name}_span"] = span
+        begun = resume(phase.outputs, _shapes(programme, self.law, phase), nodes[0].q, nodes[0].v, span)
         for i, node in enumerate(nodes):
-            terms = dynamics(node.q, node.v)
-            past = 0.0 if stance or i < 2 * intervals else 1.0
-            _follow(programme, label, phase, replace(begun, past=past), node)
-            if bearing is not None:
-                held = {f"{bearing.name}_{k}_torque": law[f"{bearing.name}_{k}_torque"] for k in ("hip", "knee")}
-                elastic = _spring(request, stiffness, touchdown, bearing, node.q)
-                given = support(bearing, node.q, held, p, SimpleNamespace(spring_torque=lambda joint, e=elastic: e))  # type: ignore[arg-type]
-                swing = list(zip(phase.outputs.motors, ca.vertsplit(node.u), strict=True))
-                node.u = ca.vertcat(*[torque for _, torque in sorted([*given, *swing], key=lambda pair: pair[0])])
-                joints = node.u + _on(bearing, elastic)
-                _stand(programme, label, request, bearing, node, terms, joints, i == 2 * intervals)
-                if 0 < i < 2 * intervals:
-                    programme.require(f"knee flexed in {label}", bearing.side * node.q[bearing.knee], p.knee_rest)
-                swings = next(leg for leg in legs if leg != bearing)
-                height = terms[swings.toe][0][1]
-                programme.require(f"clearance in {label}", height, request.clearance, scale=0.1, wish="m")
-                rate = dot(phase.outputs.phase, node.v)
-                programme.require(f"sweep of the leg in {label}", rate, -30.0, -0.3)
+            last = i == 2 * intervals
+            _follow(programme, label, phase, replace(begun, past=0.0 if stance or not last else 1.0), node)
+            if bearing is None:
+                self.fly(label, node, 0 < i and not last)
             else:
-                D, h = terms["D"], terms["h"]
-                applied = ca.vertcat(ca.SX.zeros(3), node.u)
-                programme.require(f"motion in {label}", D @ node.a + h - applied, 0.0, 0.0, scale=50.0)
-                if 0 < i < 2 * intervals:
-                    for leg in legs:
-                        programme.require(f"toes in the air in {label}", terms[leg.toe][0][1], 5e-4, scale=0.1)
-            limit(programme, request, node.u, node.v, top)
-        hermite_simpson(programme, f"motion in {label}", duration, [n.q for n in nodes], [n.v for n in nodes])
-        hermite_simpson(programme, f"motion in {label}", duration, [n.v for n in nodes], [n.a for n in nodes])
-        if before is None:
-            result.start = first.q, first.v
+                self.stand(label, phase, bearing, node, 0 < i and not last, last)
+            limit(programme, request, node.u, node.v, self.top)
+        if bearing is not None:
+            programme.require(f"sweep of the leg in {label}", span, -1.5, -0.05)
+        for part, slope in (("q", "v"), ("v", "a")):
+            x, f = ([getattr(node, name) for node in nodes] for name in (part, slope))
+            hermite_simpson(programme, f"motion in {label}", duration, x, f)
+        return request.speed * guess
+
+    def fly(self, label: str, node: _Node, inside: bool) -> None:
+        """Motion in the air, with the toes above the ground."""
+        terms = self.dynamics(node.q, node.v)
+        applied = casadi().vertcat(casadi().SX.zeros(3), node.u)
+        motion = terms["D"] @ node.a + terms["h"] - applied
+        self.programme.require(f"motion in {label}", motion, 0.0, 0.0, scale=50.0)
+        for leg in self.legs if inside else ():
+            self.programme.require(f"toes in the air in {label}", terms[leg.toe][0][1], 5e-4, scale=0.1)
+
+    def stand(self, label: str, phase: Phase, leg: Leg, node: _Node, inside: bool, last: bool) -> None:
+        """Motion with a toe at rest, its force within the cone, the other leg clear of the ground."""
+        ca, programme, request = casadi(), self.programme, self.request
+        held = {f"{leg.name}_{part}_torque": self.law[f"{leg.name}_{part}_torque"] for part in ("hip", "knee")}
+        elastic = self.spring(leg, node.q)
+        dyn = SimpleNamespace(spring_torque=lambda joint: elastic)
+        given = support(leg, node.q, held, self.p, dyn)
+        swing = zip(phase.outputs.motors, ca.vertsplit(node.u), strict=True)
+        node.u = ca.vertcat(*[torque for _, torque in sorted([*given, *swing], key=lambda pair: pair[0])])
+        applied = ca.vertcat(ca.SX.zeros(3), node.u)
+        applied[leg.knee] += elastic
+        terms = self.dynamics(node.q, node.v)
+        _, J, drift = terms[leg.toe]
+        motion = terms["D"] @ node.a + terms["h"] - applied - J.T @ node.F
+        programme.require(f"motion in {label}", motion, 0.0, 0.0, scale=50.0)
+        programme.require(f"motion in {label}", J @ node.a + drift, 0.0, 0.0, scale=10.0)
+        if last and request.lift_off == "force":
+            programme.require(f"no force at lift-off from {label}", node.F, 0.0, 0.0, scale=50.0)
         else:
-            programme.require(f"motion in {label}", first.q - before.q, 0.0, 0.0)
-            if bearing is not None:
-                _strike(programme, request, bearing, before, first.v, dynamics)
-        if phase.lifted is not None and before is not None:
-            programme.require(f"motion in {label}", first.v - before.v, 0.0, 0.0)
-            _, J, drift = dynamics(first.q, first.v)[phase.lifted.toe]
-            rises = (J @ first.a + drift)[1]
-            programme.require(f"toe leaves the ground into {label}", rises, 5.0, scale=10.0)
-        if bearing is not None and request.lift_off == "knee":
-            knee = bearing.side * last.q[bearing.knee]
-            programme.require(f"knee at lift-off from {label}", knee, p.knee_rest, p.knee_rest)
-        before = last
-    assert before is not None
-    _close(programme, request, result, legs[0], before, dynamics)
-    phases = [(result.durations[name], nodes) for name, nodes in result.nodes.items()]
-    programme.objective = objective(request, robot.mass * GRAVITY, phases, before.q[0], top)
-    return result
+            self.cone(f"friction in {label}", node.F, 100.0, "N")
+            least = 0.0 if request.lift_off == "force" else request.minimum_force
+            programme.require(f"normal force in {label}", node.F[1], least, scale=100.0, wish="N")
+        if inside:
+            programme.require(f"knee flexed in {label}", leg.side * node.q[leg.knee], KNEE_REST)
+        if last and request.lift_off == "knee":
+            programme.require(f"knee at lift-off from {label}", leg.side * node.q[leg.knee], KNEE_REST, KNEE_REST)
+        (other,) = phase.legs
+        programme.require(f"clearance in {label}", terms[other.toe][0][1], request.clearance, scale=0.1, wish="m")
+        programme.require(f"sweep of the leg in {label}", dot(phase.outputs.phase, node.v), -30.0, -0.3)
+
+    def spring(self, leg: Leg, q: Any) -> Any:
+        """Torque of the physical spring, smooth about its rest angle where the knee may pass that."""
+        deflection = leg.side * q[leg.knee] - self.law["knee_touchdown"]
+        if self.request.lift_off == "force" or self.request.knee_touchdown != KNEE_REST:
+            deflection = 0.5 * (deflection + (deflection * deflection + 1e-6) ** 0.5)
+        return -leg.side * self.stiffness * deflection
+
+    def cone(self, label: str, F: Any, scale: float, unit: str) -> None:
+        """A force or impulse inside the friction cone."""
+        for side in (1.0, -1.0):
+            inside = CONE * self.request.friction * F[1] + side * F[0]
+            self.programme.require(label, inside, 0.0, scale=scale, wish=unit)
+
+    def join(self, before: Phase, after: Phase) -> None:
+        """One phase follows another: by an impact, or by a toe that leaves the ground."""
+        label, programme = f"motion in {_words(after)}", self.programme
+        last, first = self.result.nodes[before.name][-1], self.result.nodes[after.name][0]
+        programme.require(label, first.q - last.q, 0.0, 0.0)
+        if after.bearing is not None:
+            self.strike(after.bearing, last, first.v)
+            return
+        assert after.lifted is not None
+        programme.require(label, first.v - last.v, 0.0, 0.0)
+        _, J, drift = self.dynamics(first.q, first.v)[after.lifted.toe]
+        rises = (J @ first.a + drift)[1]
+        programme.require(f"toe leaves the ground into {_words(after)}", rises, 5.0, scale=10.0)
+
+    def strike(self, leg: Leg, before: _Node, v: Any) -> None:
+        """The leg touches down: the toe reaches the ground, falling, and stops, by an impulse within the cone."""
+        label, programme = f"{leg.name} touchdown", self.programme
+        terms = self.dynamics(before.q, before.v)
+        position, J, _ = terms[leg.toe]
+        impulse = programme.variable(f"{leg.name} impulse", [0.0, 30.0], [-300.0, 0.01], [300.0, 600.0], 10.0)
+        programme.require(label, position[1], 0.0, 0.0)
+        programme.require(f"approach at {label}", (J @ before.v)[1], -np.inf, -0.2)
+        programme.require(label, terms["D"] @ (v - before.v) - J.T @ impulse, 0.0, 0.0)
+        programme.require(label, J @ v, 0.0, 0.0)
+        self.cone(f"friction at {label}", impulse, 10.0, "N·s")
+
+    def close(self) -> None:
+        """Periodicity, speed, duration, and what is minimised."""
+        programme, request, result = self.programme, self.request, self.result
+        everything = list(result.nodes.values())
+        first, last = everything[0][0], everything[-1][-1]
+        period = sum(result.durations.values())
+        programme.require("origin", first.q[0], 0.0, 0.0)
+        programme.require("periodicity", last.q[1:] - first.q[1:], 0.0, 0.0)
+        self.strike(self.legs[0], last, first.v)
+        programme.require("mean speed", last.q[0] / period, request.speed, request.speed, wish="m/s")
+        programme.require("duration of the stride", period, request.minimum_stride, LONGEST_STRIDE, wish="s")
+        phases = list(zip(result.durations.values(), everything, strict=True))
+        programme.objective = objective(request, self.weight, phases, last.q[0], self.top)
+
+
+def _words(phase: Phase) -> str:
+    return phase.name.replace("_", " ")
+
+
+def _law(programme: Programme, request: Request) -> dict[str, Any]:
+    """The unknowns among the law's parameters that belong to no phase."""
+    knee, bounds, least = request.knee_touchdown, request.leg_touchdown, request.minimum_knee_torque
+    if knee is None:
+        knee = programme.variable("knee touchdown", KNEE_REST, math.radians(20.0), math.radians(70.0))
+    law: dict[str, Any] = {"knee_touchdown": knee}
+    for name in ("posterior", "anterior"):
+        law[f"{name}_hip_torque"] = programme.variable(f"{name} hip", 0.0, -400.0, 400.0, 100.0)
+        law[f"{name}_knee_torque"] = programme.variable(f"{name} knee", max(20.0, least), least, least + 400.0, 100.0)
+        law[f"{name}_leg_touchdown"] = programme.variable(f"{name} leg", np.clip(0.22, *bounds), *bounds)
+    return law
 
 
 def _dynamics(planar: Planar) -> Callable[[Any, Any], dict[str, Any]]:
@@ -198,9 +268,9 @@ def _dynamics(planar: Planar) -> Callable[[Any, Any], dict[str, Any]]:
     return evaluate
 
 
-def _posture(phase: str, x: float, duration: float, speed: float, s: float) -> Array:
+def _posture(phase: str, x: float, distance: float, s: float) -> Array:
     """A rough guess of the configuration: level torso, legs sweeping, swing knees flexed."""
-    rest = math.radians(40.0)
+    rest = KNEE_REST
     posterior, anterior, knees = {
         "posterior_stance": (0.22 - 0.44 * s, -0.2 + 0.25 * s, (rest + 0.2 * math.sin(math.pi * s), rest + 0.6)),
         "flight_1": (-0.22 + 0.1 * s, 0.1 + 0.12 * s, (rest + 0.3 * s, rest + 0.6 * (1.0 - s))),
@@ -208,15 +278,17 @@ def _posture(phase: str, x: float, duration: float, speed: float, s: float) -> A
         "flight_2": (0.1 + 0.12 * s, -0.22 + 0.1 * s, (rest + 0.6 * (1.0 - s), rest + 0.3 * s)),
     }[phase]
     p, a = knees[0], -knees[1]
-    return np.array([x + speed * duration * s, 0.57, 0.0, posterior + 0.5 * p, p, anterior + 0.5 * a, a])
+    return np.array([x + distance * s, 0.57, 0.0, posterior + 0.5 * p, p, anterior + 0.5 * a, a])
 
 
-def _node(programme: Programme, phase: str, s: float, posture: Array, stance: bool, rng: np.random.Generator) -> _Node:
+def _node(
+    programme: Programme, phase: str, s: float, posture: Array, speed: float, stance: bool, rng: np.random.Generator
+) -> _Node:
     def variable(part: str, *arguments: Any) -> Any:
         return programme.variable(node_name(phase, s, part), *arguments)
 
     lower, upper = [-1.0, 0.3, -0.8, -1.9, -0.3, -1.9, -2.5], [4.0, 0.9, 0.8, 1.9, 2.5, 1.9, 0.3]
-    rates = np.array([2.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    rates = np.array([speed, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     q = variable("q", np.clip(posture + 0.03 * rng.normal(size=7), lower, upper), lower, upper)
     v = variable("v", rates + 0.1 * rng.normal(size=7), -30.0, 30.0, 10.0)
     a = variable("a", np.zeros(7), -1500.0, 1500.0, 100.0)
@@ -257,72 +329,3 @@ def _follow(programme: Programme, label: str, phase: Phase, begun: Evolution, no
         programme.require(
             f"motion in {label}", dot(row, node.a) - slope * second - curvature * rate * rate, 0.0, 0.0, scale=50.0
         )
-
-
-def _spring(request: Request, stiffness: Any, touchdown: Any, leg: Leg, q: Any) -> Any:
-    """Torque of the physical spring, smooth about its rest angle where that is free."""
-    deflection = leg.side * q[leg.knee] - touchdown
-    if request.knee_touchdown is None:
-        deflection = 0.5 * (deflection + (deflection * deflection + 1e-6) ** 0.5)
-    return -leg.side * stiffness * deflection
-
-
-def _on(leg: Leg, torque: Any) -> Any:
-    ca = casadi()
-    column = ca.SX.zeros(4)
-    column[leg.motors[1]] = torque
-    return column
-
-
-def _stand(
-    programme: Programme,
-    label: str,
-    request: Request,
-    leg: Leg,
-    node: _Node,
-    terms: Mapping[str, Any],
-    joints: Any,
-    last: bool,
-) -> None:
-    """Motion with the toe at rest, and its force within the cone."""
-    ca = casadi()
-    _, J, drift = terms[leg.toe]
-    applied = ca.vertcat(ca.SX.zeros(3), joints)
-    motion = terms["D"] @ node.a + terms["h"] - applied - J.T @ node.F
-    programme.require(f"motion in {label}", motion, 0.0, 0.0, scale=50.0)
-    programme.require(f"motion in {label}", J @ node.a + drift, 0.0, 0.0, scale=10.0)
-    if last and request.lift_off == "force":
-        programme.require(f"no force at lift-off from {label}", node.F, 0.0, 0.0, scale=50.0)
-        return
-    _cone(programme, f"friction in {label}", request, node.F, 100.0, "N")
-    least = 0.0 if request.lift_off == "force" else request.minimum_force
-    programme.require(f"normal force in {label}", node.F[1], least, scale=100.0, wish="N")
-
-
-def _cone(programme: Programme, label: str, request: Request, F: Any, scale: float, unit: str) -> None:
-    for side in (1.0, -1.0):
-        programme.require(label, CONE * request.friction * F[1] + side * F[0], 0.0, scale=scale, wish=unit)
-
-
-def _strike(programme: Programme, request: Request, leg: Leg, before: _Node, v: Any, dynamics: Any) -> None:
-    """The leg touches down: the toe reaches the ground, falling, and stops, by an impulse within the cone."""
-    label = f"{leg.name} touchdown"
-    terms = dynamics(before.q, before.v)
-    position, J, _ = terms[leg.toe]
-    impulse = programme.variable(f"{leg.name} impulse", [0.0, 30.0], [-300.0, 0.01], [300.0, 600.0], 10.0)
-    programme.require(label, position[1], 0.0, 0.0)
-    programme.require(f"approach at {label}", (J @ before.v)[1], -np.inf, -0.2)
-    programme.require(label, terms["D"] @ (v - before.v) - J.T @ impulse, 0.0, 0.0)
-    programme.require(label, J @ v, 0.0, 0.0)
-    _cone(programme, f"friction at {label}", request, impulse, 10.0, "N·s")
-
-
-def _close(programme: Programme, request: Request, result: Transcription, leg: Leg, last: _Node, dynamics: Any) -> None:
-    """Periodicity, speed, duration."""
-    q, v = result.start
-    programme.require("origin", q[0], 0.0, 0.0)
-    programme.require("periodicity", last.q[1:] - q[1:], 0.0, 0.0)
-    period = sum(result.durations.values())
-    programme.require("mean speed", last.q[0] / period, request.speed, request.speed, wish="m/s")
-    programme.require("duration of the stride", period, request.minimum_stride, 1.0, wish="s")
-    _strike(programme, request, leg, last, v, dynamics)
