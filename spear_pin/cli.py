@@ -1,4 +1,4 @@
-"""The command line: `spear robots | dynamics | hop | bound | doctor`. Imports stand inside the commands."""
+"""The command line: `spear robots | dynamics | hop | bound | search | doctor`. Imports stand inside the commands."""
 
 from __future__ import annotations
 
@@ -15,10 +15,20 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from spear_pin.errors import BadValue, SpearError
 
 if TYPE_CHECKING:
+    from spear_pin.gaits.collocation import Solution
     from spear_pin.gaits.gait import Gait
+    from spear_pin.gaits.request import Request
+    from spear_pin.model.motor import Drive
+    from spear_pin.model.robot import Robot
 
 
 BOUND = "long_stride"  # the bounding gait that is shown unless another is asked for
+SEARCH = "least_effort"  # the one that is searched for
+FREE = math.inf  # what an option says for "free": the search chooses
+SAME = 1e-5  # between fixed points that are one
+MOTORS = 2  # of a joint of the quadruped in the plane, whose legs are pairs
+KNEE_EFFICIENCY = 0.83  # of the knee's gearbox, a two-stage GP 52 C
+RATIO, BUS = 15.0, 48.0  # of the knee's gearbox; in V
 SPEED_SUFFIX = r"_(\d+(?:\.\d+)?)$"  # of a gait's name: in m/s
 
 
@@ -114,8 +124,55 @@ def _parser() -> Parser:
     bound.add_argument("--open", action="store_true", help="open bound.html in the browser")
     bound.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
 
+    _add_search(add("search", _search, "search a bounding gait of Q-SPEAR from cold, write gait.json (needs casadi)"))
     add("doctor", _doctor, "show what is installed, and whether it works")
     return parser
+
+
+def _add_search(search: argparse.ArgumentParser) -> None:
+    search.add_argument(
+        "gait",
+        nargs="?",
+        default=SEARCH,
+        help=f"a shipped gait: what was asked of it is asked again (default: {SEARCH})",
+    )
+    search.add_argument("--speed", type=float, metavar="M/S", help="mean forward speed")
+    search.add_argument(
+        "--objective", metavar="NAME", help="what is minimised: effort, hip, cot, peak, electrical or violation"
+    )
+    search.add_argument("--lift-off", metavar="RULE", help="knee (back at 40°) or force (zero)")
+    search.add_argument(
+        "--friction", type=float, metavar="MU", help="that the gait may use; the ground has 0.8, or this if it is more"
+    )
+    search.add_argument("--clearance", type=float, metavar="M", help="of the other toe during a stance, at least")
+    search.add_argument("--minimum-stride", type=float, metavar="S", help="least duration of a stride")
+    search.add_argument("--minimum-knee-torque", type=float, metavar="N·m", help="least |ū| of a motor")
+    search.add_argument("--hip-torque", type=float, metavar="N·m", help="largest torque of a hip motor")
+    search.add_argument("--stiffness", type=_number_or_free, metavar="N·m/RAD", help="of a leg's knee spring, or: free")
+    search.add_argument("--knee-touchdown", type=_number_or_free, metavar="DEG", help="of a landing knee, or: free")
+    search.add_argument(
+        "--knee-motor", metavar="NAME", help="stay within this motor's envelope, its rotor in the knees"
+    )
+    search.add_argument("--ratio", type=float, metavar="N", help=f"of its gearbox (default: {RATIO:g})")
+    search.add_argument("--bus", type=float, metavar="V", help=f"of its supply (default: {BUS:g})")
+    search.add_argument("--hip-distance", type=float, metavar="M", help="posterior to anterior hips (default: 0.7)")
+    search.add_argument("--seed", type=int, default=0, metavar="N", help="of the initial guess (default: 0)")
+    search.add_argument(
+        "--feedback", choices=("none", "regulated", "speed"), default="none", help="that stabilises it (default: none)"
+    )
+    search.add_argument("--out", type=Path, default=Path(), metavar="DIR", help="folder for gait.json (default: here)")
+
+
+def _number_or_free(word: str) -> float:
+    if word.strip() == "free":
+        return FREE
+    try:
+        number = float(word)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{word!r} is neither a number nor 'free'") from None
+    if not math.isfinite(number):
+        raise argparse.ArgumentTypeError(f"{word!r} is not a finite number")
+    return number
 
 
 def _robots(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -346,12 +403,183 @@ def _bound_text(summary: dict[str, Any], page: Path, data: Path) -> str:
     return "\n".join(f"{name:<21}{value}" for name, value in rows)
 
 
+def _search(arguments: argparse.Namespace) -> dict[str, Any]:
+    from spear_pin import simulate
+    from spear_pin.gaits.collocation import casadi
+    from spear_pin.gaits.feedback import regulated, speed_regulated
+    from spear_pin.gaits.optimize import search
+    from spear_pin.gaits.request import OBJECTIVES
+    from spear_pin.hybrid.contact import Contact
+    from spear_pin.studies.bound import summarize
+
+    _check_out(arguments)
+    if arguments.seed < 0:
+        raise BadValue("--seed", arguments.seed, "a whole number >= 0")
+    robot, request = _asked(arguments)
+    casadi()
+    ground = Contact(friction=max(Contact().friction, request.friction))
+    with _shown() as show:
+
+        def tell(iteration: int, objective: float, violation: float) -> None:
+            show(f"searching: iteration {iteration}, objective {objective:.4f}, violation {violation:.1e}")
+
+        gait, solution = search(robot, request, seed=arguments.seed, contact=ground, on_iteration=tell)
+        if arguments.feedback != "none":
+            show(f"designing feedback: {arguments.feedback}")
+            gait = regulated(gait) if arguments.feedback == "regulated" else speed_regulated(gait)
+        figures = summarize(gait, simulate(gait.system, gait.state, progress=False))
+    shipped = None if robot.varied else _shipped_as(request)
+    unit, meaning = OBJECTIVES[request.objective]
+    summary = {
+        "gait": arguments.gait,
+        "seed": arguments.seed,
+        "objective": request.objective,
+        "objective_value": _objective(request, solution),
+        "objective_unit": unit,
+        "objective_meaning": meaning,
+        "iterations": solution.iterations,
+        "violation": max(solution.violations.values()),
+        **figures,
+        "stiffness_of_a_leg": figures["stiffness"] / MOTORS,
+        "feedback": arguments.feedback,
+        "shipped": shipped,
+        "distance_from_shipped": None if shipped is None else _distance(gait, shipped),
+    }
+    path = gait.save(arguments.out / "gait.json")
+    return summary | {"files": [str(path)], "text": _search_text(summary, path)}
+
+
+def _asked(arguments: argparse.Namespace) -> tuple[Robot, Request]:
+    """The robot, and a shipped gait's request with the options in the place of its own."""
+    from dataclasses import replace
+
+    from spear_pin.errors import UnknownName
+    from spear_pin.gaits.library import REQUESTS
+    from spear_pin.gaits.request import FLEXED, OBJECTIVES
+    from spear_pin.model.loading import load
+    from spear_pin.model.variants import vary
+
+    if arguments.gait not in REQUESTS:
+        raise UnknownName("gait", arguments.gait, REQUESTS)
+    if arguments.objective is not None and arguments.objective not in OBJECTIVES:
+        raise UnknownName("objective", arguments.objective, OBJECTIVES)
+    names = ("speed", "objective", "lift_off", "friction", "clearance", "minimum_stride")
+    changes: dict[str, Any] = {name: getattr(arguments, name) for name in names}
+    for name in ("minimum_knee_torque", "hip_torque", "stiffness"):
+        value = getattr(arguments, name)
+        if value is not None and not value >= 0:
+            raise BadValue(f"--{name.replace('_', '-')}", value, "a number >= 0")
+        changes[name] = None if value is None else MOTORS * value
+    if arguments.knee_touchdown is not None:
+        if arguments.knee_touchdown != FREE and not 0 < arguments.knee_touchdown <= math.degrees(FLEXED):
+            expected = f"a number > 0, at most {math.degrees(FLEXED):.1f}, in degrees, or free"
+            raise BadValue("--knee-touchdown", arguments.knee_touchdown, expected)
+        changes["knee_touchdown"] = math.radians(arguments.knee_touchdown)
+    given: dict[str, Any] = {
+        name: None if value == FREE else value for name, value in changes.items() if value is not None
+    }
+    robot = load("q_spear")
+    if arguments.hip_distance is not None:
+        robot = vary(robot, hip_distance=arguments.hip_distance)
+    drive = _knee_drive(arguments)
+    if drive is not None:
+        rotor = drive.motor.known("rotor_inertia")
+        robot = vary(robot, knee_ratio=drive.gearbox.ratio, knee_rotor=rotor)
+        given["knee_drive"] = drive
+    elif arguments.objective in ("electrical", "violation"):
+        raise BadValue("--knee-motor", None, f"a motor, for the objective {arguments.objective!r}")
+    return robot, replace(REQUESTS[arguments.gait], **given)
+
+
+def _knee_drive(arguments: argparse.Namespace) -> Drive | None:
+    from spear_pin.model.catalogue import motor
+    from spear_pin.model.motor import Drive, Gearbox
+
+    if arguments.knee_motor is None:
+        for name in ("ratio", "bus"):
+            if getattr(arguments, name) is not None:
+                raise BadValue("--knee-motor", None, f"a motor, for --{name} to belong to")
+        return None
+    ratio = RATIO if arguments.ratio is None else arguments.ratio
+    bus = BUS if arguments.bus is None else arguments.bus
+    drive = Drive(motor(arguments.knee_motor), Gearbox(ratio, KNEE_EFFICIENCY), bus)
+    for quantity in ("torque_constant", "resistance"):
+        drive.motor.known(quantity)
+    return drive
+
+
+def _objective(request: Request, solution: Solution) -> float:
+    """Its value in its own unit; torques are those of a motor."""
+    if request.objective == "violation":
+        return float(solution.values["violation"][0])
+    if request.objective == "peak":
+        return float(solution.values["peak torque"][0]) / MOTORS
+    return solution.objective * (0.1 if request.objective in ("cot", "electrical") else 100.0)
+
+
+def _shipped_as(request: Request) -> str | None:
+    """Name of the shipped gait of which just this was asked."""
+    from spear_pin.gaits.library import REQUESTS
+
+    return next((name for name, asked in REQUESTS.items() if asked == request), None)
+
+
+def _distance(gait: Gait, shipped: str) -> float:
+    """Largest difference of the fixed point's coordinates and velocities from a shipped one's."""
+    import numpy as np
+
+    from spear_pin.gaits.gait import Gait
+
+    other = Gait.load(shipped)
+    return float(np.abs(np.concatenate(gait.state) - np.concatenate(other.state)).max())
+
+
+def _search_text(summary: dict[str, Any], path: Path) -> str:
+    largest = abs(summary["multipliers"][0])
+
+    def peak(joint: str) -> str:
+        torques = [
+            max(summary[key][f"{leg}_{joint}"] for key in ("peak_torque_stance", "peak_torque_swing"))
+            for leg in ("posterior", "anterior")
+        ]
+        return ", ".join(f"{torque:.1f}" for torque in torques) + " N·m (posterior, anterior)"
+
+    rows = [
+        ("minimised", f"{summary['objective']}: {summary['objective_meaning']}"),
+        ("value", f"{summary['objective_value']:.6g} {summary['objective_unit'].removeprefix('1')}".rstrip()),
+        ("optimiser", f"{summary['iterations']} iterations, constraints kept to {summary['violation']:.1e}"),
+        ("speed", f"{summary['speed']:.4f} m/s"),
+        ("stride", f"{summary['stride']:.4f} m in {summary['period']:.4f} s"),
+        *((phase.replace("_", " "), f"{time:.4f} s") for phase, time in summary["durations"].items()),
+        ("spring of a leg", f"{summary['stiffness_of_a_leg']:.2f} N·m/rad"),
+        ("knee at touchdown", f"{math.degrees(summary['knee_touchdown']):.2f}°"),
+        ("knee motor, peak", peak("knee")),
+        ("hip motor, peak", peak("hip")),
+        ("friction used", f"{summary['friction_used']:.2f}"),
+        ("cost of transport", f"{summary['cost_of_transport']:.3f} (mechanical, |power|)"),
+        ("feedback", summary["feedback"]),
+        ("multipliers", ", ".join(f"{abs(value):.4f}" for value in summary["multipliers"][:4]) + ", ... (magnitudes)"),
+        ("", f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"),
+        ("fixed point", f"residual {summary['residual']:.1e}"),
+        ("file", str(path)),
+    ]
+    if summary["shipped"] is not None:
+        away = summary["distance_from_shipped"]
+        verdict = "the same gait" if away < SAME else "another local optimum: another seed may lead to it"
+        rows.insert(-1, ("shipped gait", f"{summary['shipped']}: {away:.1e} from its fixed point, {verdict}"))
+    return "\n".join(f"{name:<21}{value}" for name, value in rows)
+
+
+def _check_out(arguments: argparse.Namespace) -> None:
+    if not arguments.out.is_dir():
+        raise BadValue("--out", str(arguments.out), "an existing folder")
+
+
 def _check_run(arguments: argparse.Namespace) -> None:
     """Refuse what cannot be simulated or written, before anything is solved for."""
     from spear_pin.hybrid.record import Options
 
-    if not arguments.out.is_dir():
-        raise BadValue("--out", str(arguments.out), "an existing folder")
+    _check_out(arguments)
     Options(rtol=arguments.rtol)
     if arguments.cycles < 1:
         raise BadValue("--cycles", arguments.cycles, "a whole number, at least 1")
@@ -436,17 +664,22 @@ def _works(check: Any) -> str:
 
 @contextmanager
 def _iterations() -> Iterator[Callable[[int, float], None]]:
-    """Show a solver's iterations on a terminal's stderr, and clear them when it is done."""
+    """Show a solver's iterations."""
+    with _shown() as show:
+        yield lambda iteration, residual: show(f"solving: iteration {iteration}, residual {residual:.1e}")
+
+
+@contextmanager
+def _shown() -> Iterator[Callable[[str], None]]:
+    """Show what is going on in one line of a terminal's stderr, and clear it when that is done."""
     seen = sys.stderr.isatty()
 
-    def tell(iteration: int, residual: float) -> None:
+    def show(text: str) -> None:
         if seen:
-            print(
-                f"\rsolving: iteration {iteration}, residual {residual:.1e}\033[K", end="", file=sys.stderr, flush=True
-            )
+            print(f"\r{text}\033[K", end="", file=sys.stderr, flush=True)
 
     try:
-        yield tell
+        yield show
     finally:
         if seen:
             print("\r\033[K", end="", file=sys.stderr, flush=True)

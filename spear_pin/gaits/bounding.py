@@ -228,10 +228,15 @@ def _fly(phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: Bo
 def _held(begun: Evolution) -> Held:
     """What is held of an evolution.
 
-    Where the phase variable hardly moves at first, y and ẏ cannot both begin at zero within reason; ẏ then does not.
+    Where the phase variable hardly moves at first, y and ẏ cannot both begin at zero within reason; ẏ then
+    does not, and what begins is continuous as the phase variable's rate passes zero.
     """
-    alpha = tuple((a, a + min(max(b - a, -STEEPEST), STEEPEST), *rest) for a, b, *rest in begun.alpha)
+    alpha = tuple((a, a + _within_reason(b - a), *rest) for a, b, *rest in begun.alpha)
     return {"alpha": alpha, "origin": begun.origin, "span": begun.span, "past": begun.past}
+
+
+def _within_reason(rise: float) -> float:
+    return rise if abs(rise) <= STEEPEST else STEEPEST**2 / rise
 
 
 def _guess(law: BoundingLaw) -> tuple[Any, Any]:

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import Infeasible
+from spear_pin.errors import Infeasible, NoGait
 from spear_pin.gaits.bounding import bounding
 from spear_pin.gaits.collocation import Progress, Solution, resampled
 from spear_pin.gaits.gait import Gait
@@ -26,6 +26,9 @@ from spear_pin.model.spring import Spring
 
 Array = NDArray[np.float64]
 COARSE, FINE = 6, 10  # intervals of each phase, for a cold start and for what is polished
+ATTEMPTS, APART = 3, 1000  # initial guesses of a cold search, and between their seeds
+PATIENCE = 300  # iterations of each; one that succeeds takes 40 to 250
+MET = 1e-5  # of a wish's scale: missed by less, it is met
 SPEED_BY = "posterior_hip_torque"  # what the polishing varies to meet the speed
 
 
@@ -55,17 +58,26 @@ def search(
 
     Raises:
         Infeasible: the optimiser found nothing; names the wish that a relaxed solve misses most.
-        NoGait: what the optimiser found is not a fixed point nearby.
+        NoGait: the optimiser failed though every wish can be met, or what it found is no fixed point.
         MissingExtra: CasADi is not installed.
     """
-    for intervals in (FINE,) if start else (COARSE, FINE):
-        guess = resampled(start) if start else None
-        transcription = transcribe(robot, request, intervals, seed=seed, start=guess)
-        solution = transcription.programme.solve(on_iteration=on_iteration)
-        if not solution.success:
-            raise obstacle(transcription, solution)
-        start = solution
+    first = start or _cold(robot, request, seed, on_iteration)
+    transcription = transcribe(robot, request, FINE, start=resampled(first))
+    solution = transcription.programme.solve(on_iteration=on_iteration)
+    if not solution.success:
+        raise obstacle(transcription, solution)
     return polish(robot, transcription, solution, contact), solution
+
+
+def _cold(robot: Robot, request: Request, seed: int, on_iteration: Progress | None) -> Solution:
+    """A solution on a coarse mesh, from several initial guesses; effort, the easiest objective, leads to others."""
+    easier = request if request.objective == "violation" else replace(request, objective="effort")
+    for attempt in range(ATTEMPTS):
+        transcription = transcribe(robot, easier, COARSE, seed=seed + attempt * APART)
+        solution = transcription.programme.solve(iterations=PATIENCE, on_iteration=on_iteration)
+        if solution.success:
+            return solution
+    raise obstacle(transcription, solution)
 
 
 def polish(robot: Robot, transcription: Transcription, solution: Solution, contact: Contact | None = None) -> Gait:
@@ -83,12 +95,15 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
     return replace(gait, system=system.build(robot, law, system.spring, system.contact))
 
 
-def obstacle(transcription: Transcription, solution: Solution) -> Infeasible:
-    """What stands in the way of a request: the wish that a relaxed solve misses most, as a share of its unit."""
+def obstacle(transcription: Transcription, solution: Solution) -> Infeasible | NoGait:
+    """What stands in the way of a request: the wish that a relaxed solve misses most, counted in its scale."""
     relaxed, margins = transcription.programme.relaxed(resampled(solution))
     loosened = relaxed.solve(iterations=300)
     missed = {label: float(loosened.values[margin.unknown][0]) for label, margin in margins.items()}
     worst = max(missed, key=lambda label: missed[label])
+    if missed[worst] < MET:
+        reason = f"the optimiser ended with {solution.status}, though every wish can be met; try another seed"
+        return NoGait(reason, max(solution.violations.values()))
     return Infeasible(worst, missed[worst] * margins[worst].scale, margins[worst].unit)
 
 

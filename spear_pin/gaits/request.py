@@ -18,6 +18,13 @@ OBJECTIVES: dict[str, tuple[str, str]] = {
 }
 """What can be minimised: name -> unit, meaning."""
 
+LONGEST_STRIDE = 1.0  # s: what the search considers, as in the next lines
+FASTEST, FARTHEST = 30.0, 4.0  # m/s, m
+HIGHEST = 0.9  # m: of the torso
+SHORTEST_FLIGHT, LONGEST_PHASE = 0.02, 0.4  # s
+FLEXED = 2.4  # rad: of a knee
+STEEPEST = 1.2  # rad: of a leg
+
 
 @dataclass(frozen=True)
 class Request:
@@ -67,13 +74,38 @@ class Request:
             raise BadValue("knee_drive", None, f"a drive, for the objective {self.objective!r}")
         if self.lift_off not in ("knee", "force"):
             raise UnknownName("rule of lift-off", self.lift_off, ("knee", "force"))
-        require("speed", self.speed, lambda s: s > 0, "a number > 0, in m/s")
+        require("speed", self.speed, lambda v: 0 < v <= FASTEST, f"a number > 0, at most {FASTEST:g}, in m/s")
         require("friction", self.friction, lambda mu: mu > 0, "a number > 0")
-        for name in ("clearance", "minimum_force", "minimum_stride", "minimum_knee_torque", "virtual_stiffness"):
-            require(name, getattr(self, name), lambda number: number >= 0, "a number >= 0")
-        require("minimum_stance", self.minimum_stance, lambda t: 0 < t < 0.4, "between 0 and 0.4 s")
-        for name in ("stiffness", "hip_torque"):
+        for name, unit in (("minimum_force", "N"), ("minimum_knee_torque", "N·m"), ("virtual_stiffness", "N·m/rad")):
+            require(name, getattr(self, name), lambda number: number >= 0, f"a number >= 0, in {unit}")
+        require("clearance", self.clearance, lambda z: 0 <= z < HIGHEST, f"a number >= 0, below {HIGHEST:g}, in m")
+        for name, unit in (("stiffness", "N·m/rad"), ("hip_torque", "N·m")):
             if getattr(self, name) is not None:
-                require(name, getattr(self, name), lambda number: number >= 0, "a number >= 0, or None")
+                require(name, getattr(self, name), lambda number: number >= 0, f"a number >= 0, in {unit}, or None")
+        self._check_durations()
+        self._check_angles()
+
+    def _check_durations(self) -> None:
+        """Whether a stride can be as long, and the phases as short, as is asked."""
+        within = f"a number >= 0, at most {LONGEST_STRIDE:g}, in s"
+        require("minimum_stride", self.minimum_stride, lambda t: 0 <= t <= LONGEST_STRIDE, within)
+        within = f"between 0 and {LONGEST_PHASE:g} s"
+        require("minimum_stance", self.minimum_stance, lambda t: 0 < t < LONGEST_PHASE, within)
+        shortest = max(self.minimum_stride, 2.0 * (self.minimum_stance + SHORTEST_FLIGHT))
+        if self.speed * shortest > FARTHEST:
+            expected = f"at most {FARTHEST / shortest:.3g} m/s, for a stride of at least {shortest:g} s has to end"
+            raise BadValue("speed", self.speed, f"{expected} within {FARTHEST:g} m")
+
+    def _check_angles(self) -> None:
         if self.knee_touchdown is not None:
-            require("knee_touchdown", self.knee_touchdown, lambda a: 0 < a < math.pi, "between 0 and π rad, or None")
+            within = f"a number > 0, at most {FLEXED:g}, in rad, or None"
+            require("knee_touchdown", self.knee_touchdown, lambda a: 0 < a <= FLEXED, within)
+        expected = f"two angles in rad, the lower one first, within ±{STEEPEST:g}"
+        try:
+            least, most = self.leg_touchdown
+        except (TypeError, ValueError):
+            raise BadValue("leg_touchdown", self.leg_touchdown, expected) from None
+        for bound in (least, most):
+            require("leg_touchdown", bound, lambda angle: abs(angle) <= STEEPEST, expected)
+        if least > most:
+            raise BadValue("leg_touchdown", self.leg_touchdown, expected)

@@ -146,7 +146,7 @@ class _Writer:
         motion = terms["D"] @ node.a + terms["h"] - applied
         self.programme.require(f"motion in {label}", motion, 0.0, 0.0, scale=50.0)
         for leg in self.legs if inside else ():
-            self.programme.require(f"toes in the air in {label}", terms[leg.toe][0][1], 5e-4, scale=0.1)
+            self.programme.require(f"toes in the air in {label}", terms[leg.toe][0][1], 0.0, scale=0.1)
 
     def stand(self, label: str, phase: Phase, leg: Leg, node: _Node, inside: bool, last: bool) -> None:
         """Motion with a toe at rest, its force within the cone, the other leg clear of the ground."""

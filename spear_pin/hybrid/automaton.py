@@ -144,6 +144,7 @@ class Alternation:
         touch: the reset into `grounded`.
         leave: the reset into `airborne`.
         toe: the toe.
+        follow: resets of `grounded` that happen at once after `touch`, such as the limit on a torque.
     """
 
     grounded: Domain
@@ -151,6 +152,7 @@ class Alternation:
     touch: Reset
     leave: Reset
     toe: str
+    follow: tuple[Reset, ...] = ()
 
 
 @dataclass(frozen=True)

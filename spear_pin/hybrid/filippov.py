@@ -4,6 +4,10 @@ Where the stance law unloads the toe and the flight law presses it down, an idea
 alternates between them without end. The toe then stays on the ground without force, and each law
 acts for the share that keeps it there: the limit of laws blended over an ever thinner layer of toe
 speeds. A switch with a delay or hysteresis would bounce instead; that is not modelled.
+
+At the end of such motion one law alone keeps the toe where it is, as long as its phase has just
+begun. As the phase goes on it may undo that: a latched spring pulls. The laws then go on alternating,
+in turns that grow from nothing; the motion is carried on beyond its end until they last.
 """
 
 from __future__ import annotations
@@ -18,10 +22,16 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import OPEN, Alternation, Domain, Guard, Held, HybridSystem, Reset
 from spear_pin.hybrid.engines.pinocchio import Flow
+from spear_pin.hybrid.events import Watch
+from spear_pin.hybrid.modes import choose, fitting
+from spear_pin.hybrid.phases import AT_REST
 
 Array = NDArray[np.float64]
 CHATTER = "chatter"
+MOST_AT_ONCE = 8  # events within a phase before it is left
 ON_EDGE = 1e-6  # of a share: where a force fades to zero, the motion begins with one law's share all but whole
+ENDS = (0, 1)  # which guards of `chatter` are its ends
+BEYOND = (0.0, 1e-4, 1e-3, 1e-2)  # of a share: tried in turn
 
 
 class Unloaded(Flow):
@@ -52,8 +62,8 @@ class Sliding(Flow):
     def _derivative(self, t: float, y: Array) -> Array:
         self.share = math.nan
         nv, between, stance = self._nv, self._between, self._stance
-        self.hold(self._latched(between.leave, y))
-        stance.hold(self._latched(between.touch, y))
+        self.hold(latched(self.system, self._kept, y, between.leave))
+        stance.hold(latched(self.system, self._kept, y, between.touch, *between.follow))
         flight_slope, stance_slope = super()._derivative(0.0, y), stance(0.0, y)
         rise, fall = self.toe_acceleration(between.toe)[1], stance.toe_acceleration(between.toe)[1]
         self.share = share = rise / (rise - fall)
@@ -67,47 +77,99 @@ class Sliding(Flow):
         self.a = derivative[nv : 2 * nv]
         return derivative
 
-    def _latched(self, reset: Reset, y: Array) -> Held:
-        if reset.latch is None:
-            return self._kept
-        q, v = y[: self._nv].tolist(), y[self._nv : 2 * self._nv].tolist()
-        return {**self._kept, **reset.latch(q, v, self._kept, self.system.law)}
-
 
 def flow_of(system: HybridSystem, domain: Domain, held: Held) -> Flow:
     """The flow of a domain."""
     return Flow(system, domain, held) if domain.between is None else Sliding(system, domain, held)
 
 
-def chatter(between: Alternation) -> Domain:
+def chatter(between: Alternation, beyond: float = 0.0) -> Domain:
     """The domain of motion between two others; it ends when one of them alone can go on.
 
     It belongs to the airborne phase, whose other events may happen in it: the toe bears nothing and
     its spring is not engaged.
+
+    Args:
+        between: the two domains.
+        beyond: how far beyond 0 and 1 the share may go.
     """
     airborne = between.airborne
+
+    def grounded_alone(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+        return 1.0 - dyn.share + beyond
+
+    def airborne_alone(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+        return dyn.share + beyond
+
     kept = tuple(guard for guard in airborne.guards if guard.reset is not between.touch)
     return replace(
         airborne,
         name=CHATTER,
         guards=(
-            Guard(_name(airborne, between.touch), _grounded_alone, between.touch, tolerance=ON_EDGE),
-            Guard(_name(between.grounded, between.leave), _airborne_alone, between.leave, tolerance=ON_EDGE),
+            Guard(_name(airborne, between.touch), grounded_alone, between.touch, tolerance=ON_EDGE),
+            Guard(_name(between.grounded, between.leave), airborne_alone, between.leave, tolerance=ON_EDGE),
             *kept,
         ),
         between=between,
     )
 
 
-def _grounded_alone(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
-    return 1.0 - dyn.share
+def sliding(system: HybridSystem, flow: Flow, guard: Guard, came: tuple[Domain, Reset], y: Array) -> Sliding | None:
+    """Motion on the switching surface, if the phase that `guard` leads to would be left at once for this one again.
+
+    Args:
+        system: the system.
+        flow: the present motion, left as soon as it was entered.
+        guard: by which it is left.
+        came: the domain before it, and the reset by which that was left.
+        y: the state.
+    """
+    assert guard.reset is not None
+    between = _alternation(system, (flow.domain, came[0]), (guard.reset, came[1]))
+    nq, nv = system.robot.nq, system.robot.nv
+    q, v = y[:nq], y[nq : nq + nv]
+    if between is None or abs(system.robot.toe_jacobian(q, between.toe)[1] @ v) > AT_REST:
+        return None
+    follow, left, held = _entered(system, flow.held, y, between.touch)
+    if left is not between.leave or _entered(system, held, y, left)[1] is not between.touch:
+        return None
+    between = replace(between, follow=follow)
+    modes = [replace(between, airborne=airborne) for airborne in system.of_phase(between.airborne.phase)]
+    for beyond in BEYOND:
+        result = fitting(system, (Sliding(system, chatter(mode, beyond), flow.held) for mode in modes), 0.0, y)
+        ends = Watch(result, 0.0, y).at_once in ENDS
+        result(0.0, y)
+        if not ends and -beyond - ON_EDGE < result.share < 1.0 + beyond + ON_EDGE:
+            return result
+    return None
 
 
-def _airborne_alone(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
-    return dyn.share
+def _entered(system: HybridSystem, held: Held, y: Array, reset: Reset) -> tuple[tuple[Reset, ...], Reset | None, Held]:
+    """What happens at once after a reset: events within the phase, the reset that leaves it, what is held then."""
+    assert reset.phase is not None
+    held = latched(system, held, y, reset)
+    follow: list[Reset] = []
+    while len(follow) < MOST_AT_ONCE:
+        flow = choose(system, reset.phase, held, 0.0, y)
+        index = Watch(flow, 0.0, y).at_once
+        then = None if index is None else flow.domain.guards[index].reset
+        if then is None or then.phase is not None:
+            return tuple(follow), then, held
+        follow.append(then)
+        held = latched(system, held, y, then)
+    return tuple(follow), None, held
 
 
-def alternation(system: HybridSystem, domains: Sequence[Domain], resets: Sequence[Reset]) -> Alternation | None:
+def latched(system: HybridSystem, held: Held, y: Array, *resets: Reset) -> Held:
+    """What is held after resets."""
+    q, v = y[: system.robot.nq].tolist(), y[system.robot.nq : system.robot.nq + system.robot.nv].tolist()
+    for reset in resets:
+        if reset.latch is not None:
+            held = {**held, **reset.latch(q, v, held, system.law)}
+    return held
+
+
+def _alternation(system: HybridSystem, domains: Sequence[Domain], resets: Sequence[Reset]) -> Alternation | None:
     """What two domains that lead into each other make: None unless just one of them has a toe on the ground.
 
     Args:

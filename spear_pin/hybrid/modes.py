@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from spear_pin.hybrid.record import Moment
 from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
+F = TypeVar("F", bound=Flow)
 STARTS_TO_SLIDE = 1e-3  # m/s²: on the cone's edge a sliding toe begins with no acceleration
 
 
@@ -24,18 +26,28 @@ def choose(system: HybridSystem, phase: str, held: Held, t: float, y: Array) -> 
     Where no mode holds, it is the domain whose guard then says why: lift-off where the toe would be
     pulled, Painlevé's paradox where it can neither stick nor slide.
     """
-    fitting: list[Flow] = []
-    for domain in system.of_phase(phase):
-        flow = Flow(system, domain, held)
+    flows = (Flow(system, domain, held) for domain in system.of_phase(phase))
+    return fitting(system, flows, t, y)
+
+
+def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
+    """The first of some flows whose contact modes are consistent, or the one whose guard says why none is."""
+    moving: list[tuple[F, list[str]]] = []
+    for flow in flows:
         flow(t, y)
-        motion, force = _consistent(system, flow)
-        if motion and force:
-            return flow
-        if motion:
-            fitting.append(flow)
-    pulled = [flow for flow in fitting if _pulled(system, flow)]
-    ill_posed = [flow for flow in fitting if flow.ill_posed]
-    return (pulled[:1] + ill_posed + fitting)[0]
+        closed = [
+            (toe, mode) for toe, mode in zip(system.robot.toes, flow.domain.contacts, strict=True) if mode != OPEN
+        ]
+        if all(_moves(flow, toe, mode) for toe, mode in closed):
+            failing = [toe for toe, mode in closed if not _keeps(system, flow, toe, mode)]
+            if not failing:
+                return flow
+            moving.append((flow, failing))
+    # where a toe has to be held down, the others had better be in their right modes: it leaves, not they
+    only = [flow for flow, failing in moving if all(_pulled(flow, toe) for toe in failing)]
+    pulled = [flow for flow, failing in moving if any(_pulled(flow, toe) for toe in failing)]
+    ill_posed = [flow for flow, _ in moving if flow.ill_posed]
+    return (only + pulled[:1] + ill_posed + [flow for flow, _ in moving])[0]
 
 
 def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
@@ -88,28 +100,23 @@ def _heights(robot: Robot, q: Any, v: Any) -> dict[str, float]:
     return heights
 
 
-def _consistent(system: HybridSystem, flow: Flow) -> tuple[bool, bool]:
-    """Whether a domain's contact modes fit the toes' sliding, and whether its forces keep them there."""
-    motion, force = True, True
-    friction = system.contact.friction
-    for toe, mode in zip(system.robot.toes, flow.domain.contacts, strict=True):
-        if mode == OPEN:
-            continue
-        sliding = flow.toe_velocity(toe)[0]
-        tangential, normal = flow.force(toe)
-        force = force and normal > 0.0 and not flow.ill_posed
-        if mode == STICK:
-            motion = motion and abs(sliding) <= AT_REST
-            # on the cone's edge, within the slip guard's tolerance, it is about to slide
-            force = force and abs(tangential) < friction * normal - UNLOADED
-        elif abs(sliding) > AT_REST:
-            motion = motion and sliding * SIGN[mode] > 0.0
-        else:
-            force = force and flow.toe_acceleration(toe)[0] * SIGN[mode] > -STARTS_TO_SLIDE
-    return motion, force
+def _moves(flow: Flow, toe: str, mode: str) -> bool:
+    """Whether a toe's sliding fits its mode."""
+    sliding = flow.toe_velocity(toe)[0]
+    return abs(sliding) <= AT_REST or (mode != STICK and sliding * SIGN[mode] > 0.0)
 
 
-def _pulled(system: HybridSystem, flow: Flow) -> bool:
-    """Whether some toe on the ground would have to be held down."""
-    closed = [toe for toe, mode in zip(system.robot.toes, flow.domain.contacts, strict=True) if mode != OPEN]
-    return not flow.ill_posed and any(flow.force(toe)[1] <= 0.0 for toe in closed)
+def _keeps(system: HybridSystem, flow: Flow, toe: str, mode: str) -> bool:
+    """Whether the forces keep a toe in its mode."""
+    tangential, normal = flow.force(toe)
+    if flow.ill_posed or not normal > 0.0:
+        return False
+    if mode == STICK:  # on the cone's edge, within the slip guard's tolerance, it is about to slide
+        return abs(tangential) < system.contact.friction * normal - UNLOADED
+    at_rest = abs(flow.toe_velocity(toe)[0]) <= AT_REST
+    return not at_rest or flow.toe_acceleration(toe)[0] * SIGN[mode] > -STARTS_TO_SLIDE
+
+
+def _pulled(flow: Flow, toe: str) -> bool:
+    """Whether a toe on the ground would have to be held down."""
+    return not flow.ill_posed and flow.force(toe)[1] <= 0.0

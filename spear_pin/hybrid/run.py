@@ -19,9 +19,9 @@ from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem, Reset
 from spear_pin.hybrid.contact import Impact, JointImpact, joint_impact, plastic_impact
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
 from spear_pin.hybrid.events import Watch
-from spear_pin.hybrid.filippov import ON_EDGE, Sliding, alternation, chatter
+from spear_pin.hybrid.filippov import sliding
 from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase
-from spear_pin.hybrid.phases import AT_REST, rise
+from spear_pin.hybrid.phases import rise
 from spear_pin.hybrid.record import BOOKED, Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.trajectory import Event
 
@@ -108,12 +108,12 @@ class _Runner:
             y = self.y
             segment.pieces.append(Piece(self.t, self.t, lambda times: np.tile(y[:, None], len(times))))
             guard = self.flow.domain.guards[watch.at_once]
-            sliding = self._chatter(guard)
-            if sliding is None:
+            chatter = self._chatter(guard)
+            if chatter is None:
                 self._happen(guard)
             else:
-                self._enter(sliding.domain.phase)
-                self._move_to(sliding)
+                self._enter(chatter.domain.phase)
+                self._move_to(chatter)
             return
         limit = self.system.phase_limit
         switch = self.flow.domain.switch
@@ -212,7 +212,8 @@ class _Runner:
         for name, energy in work.items():
             self.booked[name] += energy
         if self._accumulate(now):
-            self._end("zeno", f"{guard.name} in {domain.name} at t = {now:.6g} s")
+            among = dict.fromkeys(event.domain for event in self.run.events[-INSTANT_EVENTS:])
+            self._end("zeno", f"{guard.name} in {domain.name} at t = {now:.6g} s, among {', '.join(among)}")
             return
         phase = reset.phase or domain.phase
         if reset.phase is not None:
@@ -248,21 +249,7 @@ class _Runner:
         """Motion on the switching surface, where this phase is left as soon as entered for one that would be too."""
         if self.came is None or self.t > AT_ONCE or guard.reset is None or guard.reset.phase != self.came[0].phase:
             return None
-        here, held, y = self.flow.domain, self.flow.held, self.y
-        between = alternation(self.system, (here, self.came[0]), (guard.reset, self.came[1]))
-        nq, nv = self.robot.nq, self.robot.nv
-        q, v = y[:nq], y[nq : nq + nv]
-        if between is None or abs(self.robot.toe_jacobian(q, between.toe)[1] @ v) > AT_REST:
-            return None
-        if guard.reset.latch is not None:
-            held = {**held, **guard.reset.latch(q.tolist(), v.tolist(), held, self.system.law)}
-        there = choose(self.system, guard.reset.phase, held, 0.0, y)
-        back = Watch(there, 0.0, y).at_once
-        if back is None or there.domain.guards[back].reset is not self.came[1]:
-            return None
-        sliding = Sliding(self.system, chatter(between), held)
-        sliding(0.0, y)
-        return sliding if -ON_EDGE < sliding.share < 1.0 + ON_EDGE else None
+        return sliding(self.system, self.flow, guard, self.came, self.y)
 
     def _close_cycle(self) -> None:
         if self.on_section and sum(self.spent.values()) < INSTANT:

@@ -17,6 +17,7 @@ from spear_pin.hybrid.run import run
 
 Array = NDArray[np.float64]
 RECOVERED = 0.01  # of the first section error
+NOTHING = 1e-7  # section error that the fixed point's and the integrator's own errors leave
 
 
 @dataclass(frozen=True)
@@ -111,11 +112,11 @@ def recover(gait: Gait, moment: Moment, strides: int = 25, rtol: float = 1e-8) -
     errors = np.array([np.linalg.norm(local.coordinates((event.q, event.v))) for event in crossings])
     usual = {"posterior_stance", "flight_1", "anterior_stance", "flight_2"}
     domains = tuple(dict.fromkeys(event.domain for event in result.events if event.domain not in usual))
-    settled = None
+    settled: int | None = None
     if len(errors) > 1:
-        above = np.flatnonzero(errors > RECOVERED * errors[0])
-        if above[-1] + 1 < len(errors):
-            settled = int(above[-1]) + 1
+        above = np.flatnonzero(errors > max(RECOVERED * errors[0], NOTHING))
+        first = int(above[-1]) + 1 if len(above) else 0
+        settled = first if first < len(errors) else None
     return Recovery(errors, domains, result.reason, result.message, settled)
 
 

@@ -315,11 +315,11 @@ class _Stride:
         return np.array([self.robot.toe_position(q, leg.toe)[1] for q in self.q])
 
     def _lift_off_force(self, name: str, normal: Array) -> float:
-        """Of several lift-offs the one with the most."""
-        found = []
+        """Of several lift-offs the one with the most; 0 where the foot slid too briefly for a sample."""
+        found = [0.0]
         for event in self._named(f"{name}_lift_off"):
             before = np.flatnonzero((self.t <= event.time + INSTANT) & (self.domain == event.domain))
-            found.append(float(normal[before[-1]]))
+            found += normal[before[-1:]].tolist()
         return max(found)
 
 

@@ -2,10 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
+from types import MappingProxyType
 
 from spear_pin.errors import UnknownName
+from spear_pin.gaits.request import Request
+
+_LONG_STRIDE = Request(minimum_stride=0.35, minimum_knee_torque=30.0)
+_SPEEDS = (1.5, 1.75, 2.0, 2.25, 2.75, 3.0, 3.25, 3.5)  # m/s
+
+REQUESTS: Mapping[str, Request] = MappingProxyType(
+    {
+        "least_effort": Request(),
+        "long_stride": _LONG_STRIDE,
+        "force_lift_off": Request(lift_off="force", minimum_stride=0.3, minimum_knee_torque=30.0),
+        **{f"long_stride_{speed:.2f}": replace(_LONG_STRIDE, speed=speed) for speed in _SPEEDS},
+    }
+)
+"""What was asked of each gait that ships, by name."""
 
 
 def names() -> tuple[str, ...]:

@@ -6,7 +6,7 @@ The state is y = (q, v, w), w holding the work done so far by each flow of the l
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from types import SimpleNamespace
 
 import numpy as np
@@ -183,32 +183,19 @@ class Flow:
         return any(not self._pivots.get(toe, 1.0) > 0.0 for toe, _ in self._slips)
 
     def normal_force(self, toe: str, u: Sequence[float]) -> float:
-        """F_z that the motor torques `u` would give here, in N: affine in `u`.
+        """F_z that the motor torques `u` would give here with the toes on the ground at rest, in N: affine in `u`.
 
-        For a toe that is not on the ground, what a smooth ground would have to give to hold it there.
+        A controller does not know that its foot slips; a torque that jumped with slip could not even be
+        consistent with it.
         """
-        kept = self._forces.copy(), self._pivots.copy()
         applied = self._passive + self._motors @ np.asarray(u, dtype=float)
         if self._has_friction:
             applied += self.friction
-        if not any(toe == closed for closed, _ in self._closed):
-            pin.forwardKinematics(self._model, self._data, self.q, self.v, self._zeros)
-            index = self._toe_ids[toe]
-            drift = pin.getFrameClassicalAcceleration(self._model, self._data, index, WORLD_ALIGNED).linear[2]
-            row = self.jacobian(toe)[1:]
-            _, held_by, _ = constrained(self._data.M, applied - self._data.nle, row, row.T, np.array([drift]))
-            return float(held_by[0])
-        self._accelerate(applied)
-        normal = self._forces[toe][1]
-        self._forces, self._pivots = kept
-        return normal
+        _, multipliers = self._resting(self._at_rest, applied)
+        return multipliers[2 * self._at_rest.index(toe) + 1]
 
     def response(self) -> tuple[list[float], list[list[float]]]:
-        """(a, A) with v̇ = a + A u while the toes on the ground stick: (nv,) and nv rows of nu.
-
-        A controller does not know that its foot slips; torques that jumped with slip could not even be
-        consistent with it.
-        """
+        """(a, A) with v̇ = a + A u with the toes on the ground at rest: (nv,) and nv rows of nu."""
         applied = self._passive - self._data.nle
         if self._has_friction:
             applied += self.friction
@@ -228,16 +215,20 @@ class Flow:
         return a
 
     def _stick(self, applied: Array) -> Array:
-        rows, drifts = self._rows(toe for toe, _ in self._closed)
+        a, multipliers = self._resting([toe for toe, _ in self._closed], applied)
+        for i, (toe, _) in enumerate(self._closed):
+            self._forces[toe] = multipliers[2 * i], multipliers[2 * i + 1]
+        return a
+
+    def _resting(self, toes: Sequence[str], applied: Array) -> tuple[Array, list[float]]:
+        """Acceleration with these toes at rest, and the forces F_x and F_z that keep them there."""
+        rows, drifts = self._rows(toes)
         if len(rows) == 1:
             jacobian, drift = rows[0], drifts[0]
         else:
             jacobian, drift = np.concatenate(rows), np.concatenate(drifts)
         a: Array = pin.forwardDynamics(self._model, self._data, applied, jacobian, drift)
-        multipliers = self._data.lambda_c.tolist()
-        for i, (toe, _) in enumerate(self._closed):
-            self._forces[toe] = multipliers[2 * i], multipliers[2 * i + 1]
-        return a
+        return a, self._data.lambda_c.tolist()
 
     def _slip(self, applied: Array) -> Array:
         friction = self.system.contact.friction
@@ -258,8 +249,8 @@ class Flow:
         """Rows A, directions G and drift of the closed toes, as `constrained` takes them."""
         friction = self.system.contact.friction
         A, G, drift = [], [], []
-        rows = self._rows(toe for toe, _ in self._closed)
-        for (_, mode), jacobian, toe_drift in zip(self._closed, *rows, strict=True):
+        rows, drifts = self._rows([toe for toe, _ in self._closed])
+        for (_, mode), jacobian, toe_drift in zip(self._closed, rows, drifts, strict=True):
             if mode == STICK:
                 A += [jacobian[0], jacobian[1]]
                 G += [jacobian[0], jacobian[1]]
@@ -270,7 +261,7 @@ class Flow:
                 drift.append(toe_drift[1])
         return np.array(A), np.array(G).T, np.array(drift)
 
-    def _rows(self, toes: Iterable[str]) -> tuple[list[Array], list[Array]]:
+    def _rows(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
         model, data = self._model, self._data
         pin.forwardKinematics(model, data, self.q, self.v, self._zeros)
         rows, drifts = [], []
