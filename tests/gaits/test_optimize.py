@@ -101,7 +101,6 @@ class TestTranscription:
         assert told[-1][1] == pytest.approx(solution.objective)
         assert told[0][2] > 1.0 > 1e-5 > told[-1][2]
 
-    @pytest.mark.xfail(reason="in flight, the toes' least height at the nodes is stricter the finer the mesh")
     def test_the_mesh_converges(self, q_spear, coarse):
         objectives, solution = [coarse[1].objective], coarse[1]
         for intervals in (10, 16):
