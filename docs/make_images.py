@@ -1,11 +1,13 @@
-"""Make the pictures of the README and the documentation: `python -m docs.make_images`.
+"""Make the pictures of the README and the documentation: `python -m docs.make_images [hop] [design]`.
 
-Needs Chromium. The picture on top of the README is what the recorded page shows at one instant,
-beside plots of the same hop with that instant marked.
+Those of the hop need Chromium; those of the design studies take some minutes. The picture on top of
+the README is what the recorded page shows at one instant, beside plots of the same hop with that
+instant marked.
 """
 
 from __future__ import annotations
 
+import argparse
 import tempfile
 from pathlib import Path
 
@@ -13,17 +15,37 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from spear_pin import Gait, HoppingLaw, Trajectory, find_gait, hopping, load, simulate
-from spear_pin.viz import plots
+from spear_pin.gaits.feedback import regulated
+from spear_pin.model.catalogue import motor
+from spear_pin.model.motor import Drive, Gearbox
+from spear_pin.studies.basin import basin
+from spear_pin.studies.design import Member
+from spear_pin.viz import design_plots, plots
 from spear_pin.viz.player import record
 from tests.viz.chromium import Browser
 
 IMAGES = Path(__file__).parent / "images"
 INSTANT = 0.27  # s: the knee extends, spring and motor push
 WIDTH, HEIGHT = 1000, 900  # of the page, in pixels
+SPEEDS = (1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5)  # m/s, of the long strides that ship
+PUSHES = {"torso_x": np.linspace(-0.6, 0.6, 9), "pitch": np.linspace(-1.2, 1.2, 9)}  # m/s, rad/s
 
 
 def main() -> None:
-    """Solve the gaits and write every picture."""
+    """Write the pictures asked for, or every one."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", nargs="*", help="hop, design; both if none is named")
+    what = set(parser.parse_args().what) or {"hop", "design"}
+    if unknown := what - {"hop", "design"}:
+        parser.error(f"no pictures of {', '.join(sorted(unknown))}")
+    if "hop" in what:
+        hop()
+    if "design" in what:
+        design()
+
+
+def hop() -> None:
+    """Solve the hops and write their pictures."""
     robot = load("spear_ii", locked=["boom_x"])
     gait = find_gait(hopping(robot), vary=["stance_torque"], target={"flight_time": 0.2})
     hops = simulate(gait.system, gait.state, cycles=11)
@@ -33,6 +55,30 @@ def main() -> None:
     print(plots.save_figure(plots.boom_height(recovery), IMAGES / "recovery.svg"))
     late = find_gait(hopping(robot, HoppingLaw(stance_torque=7.5)))
     print(plots.save_figure(plots.knee_torque(simulate(late.system, late.state, cycles=2)), IMAGES / "late.svg"))
+
+
+def design() -> None:
+    """Write the pictures of the design studies, of gaits that ship."""
+    gait = Gait.load("long_stride")
+    names = {2.5: "long_stride"}
+    family = [Member(speed, Gait.load(names.get(speed, f"long_stride_{speed:.2f}")), None) for speed in SPEEDS]
+    pictures = {
+        "compliance": design_plots.compliance(gait),
+        "stiffness": design_plots.stiffness_sweep(gait),
+        "hip_torques": design_plots.hip_torques(gait),
+        "torque_speed": design_plots.torque_speed(gait, drives()),
+        "family": design_plots.family_plot(family, "speed"),
+    }
+    for name, figure in pictures.items():
+        print(plots.save_figure(figure, IMAGES / f"{name}.svg"))
+    strides = basin(regulated(gait), "flight_1", PUSHES)
+    print(plots.save_figure(design_plots.basin_map(strides, PUSHES), IMAGES / "basin.svg"))
+
+
+def drives() -> dict[str, Drive]:
+    """The knee drives of the catalogue that stand for the source's 260 W and 600 W."""
+    motors = {"260 W": "ec_90_flat_260w", "600 W": "assumed_600w"}
+    return {name: Drive(motor(key), Gearbox(15.0, 0.83), bus=48.0) for name, key in motors.items()}
 
 
 def overview(gait: Gait, hops: Trajectory, path: Path) -> Path:

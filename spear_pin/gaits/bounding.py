@@ -26,7 +26,7 @@ from spear_pin.gaits.bounding_law import (
     phases_of,
     stance_law,
 )
-from spear_pin.gaits.virtual_constraints import Evolution, dot, progress, resume
+from spear_pin.gaits.virtual_constraints import dot, progress, resume
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem, Law, Mount, Reset
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.phases import contact_domains, fall, spring_switches, touchdown
@@ -34,9 +34,9 @@ from spear_pin.hybrid.record import Run
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
+SLOWEST = 1.0  # 1/s: of s; the gaits that ship begin their phases faster
 SHORTEST_SPAN = 0.2  # of a stance's span: what is left of it when a stance is resumed late
 OVERLOAD = 1e4  # N·m: a hundred times what the gaits that ship take
-STEEPEST = 2.0  # rad: between a polynomial's first two coefficients; the gaits that ship have less than half of it
 BEYOND = 1e-3  # rad: a knee that flexed so far beyond θ̄ has something to come back from
 
 
@@ -61,7 +61,7 @@ def bounding(
     spring, contact = spring or Spring(stiffness=112.0, damping=0.0), contact or Contact()
     posterior, anterior = legs = legs_of(robot)
     mounts = {leg: _mount(leg, spring) for leg in legs}
-    lost = (*fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")]), _overload())
+    fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])
     phases = phases_of(robot)
     stances = {phase.bearing: phase for phase in phases if phase.bearing}
     flights = {phase.lifted: phase for phase in phases if phase.lifted}
@@ -95,9 +95,10 @@ def bounding(
             law,
             mounts=tuple(mounts[leg] for leg in bearing),
             guards=(
+                _overload(),
                 *(guard for leg in bearing for guard in spring_switches(mounts[leg], leg.knee)),
                 *guards,
-                *lost,
+                *fallen,
             ),
         )
         knees = [guard for leg in bearing if p.lift_off == "knee" for guard in _knee_back(leg, resets[leg.toe])]
@@ -113,7 +114,7 @@ def bounding(
         resets = {leg.toe: lifts(leg, stances[other], other), other.toe: lifts(other, stance, leg)}
         domains += grounded(double, legs, double_law(legs), resets, ())
         returns = lands(leg, stance, "return", resumed=True)
-        guards = (lands(other, stances[other]), returns, _passing(flight), *lost)
+        guards = (lands(other, stances[other]), returns, _passing(flight), _overload(), *fallen)
         domains.append(Domain(flight.name, flight.name, (OPEN, OPEN), flight_law(flight), guards=guards))
     return HybridSystem(
         kind="bounding",
@@ -208,7 +209,7 @@ def _swing(leg: Leg, phase: Phase, q: Sequence[float], v: Sequence[float], held:
     whole = getattr(p, f"{phase.name}_span")
     left = 1.0 - (dot(leg.angle, q) - held[f"{leg.name}_leg"]) / whole
     span = whole * max(left, SHORTEST_SPAN)
-    return _held(resume(phase.outputs, getattr(p, f"{phase.name}_swing"), q, v, span))
+    return _begin(phase, getattr(p, f"{phase.name}_swing"), q, v, span)
 
 
 def _fly(phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
@@ -222,21 +223,21 @@ def _fly(phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: Bo
         angle, knee = getattr(p, f"{phase.name}_landing")
         target = getattr(p, f"{leg.name}_leg_touchdown") + adjust[4 + i]
         shapes += [(angle, *3 * (target,)), (knee, *3 * (leg.side * p.knee_touchdown,))]
-    return _held(resume(phase.outputs, shapes, q, v, getattr(p, f"{phase.name}_span")))
+    return _begin(phase, shapes, q, v, getattr(p, f"{phase.name}_span"))
 
 
-def _held(begun: Evolution) -> Held:
-    """What is held of an evolution.
+def _begin(
+    phase: Phase, shapes: Sequence[Sequence[float]], q: Sequence[float], v: Sequence[float], span: float
+) -> Held:
+    """The evolution that begins with y = ẏ = 0, (5.22).
 
-    Where the phase variable hardly moves at first, y and ẏ cannot both begin at zero within reason; ẏ then
-    does not, and what begins is continuous as the phase variable's rate passes zero.
+    Where s hardly moves, no slope within reason does so: it then fades to nothing with the rate of s, so
+    that what begins is continuous in the state.
     """
-    alpha = tuple((a, a + _within_reason(b - a), *rest) for a, b, *rest in begun.alpha)
+    begun = resume(phase.outputs, shapes, q, v, span)
+    within = min(abs(dot(phase.outputs.phase, v) / span) / SLOWEST, 1.0) ** 2
+    alpha = tuple((a, a + within * (b - a), *rest) for a, b, *rest in begun.alpha)
     return {"alpha": alpha, "origin": begun.origin, "span": begun.span, "past": begun.past}
-
-
-def _within_reason(rise: float) -> float:
-    return rise if abs(rise) <= STEEPEST else STEEPEST**2 / rise
 
 
 def _guess(law: BoundingLaw) -> tuple[Any, Any]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_discrete_are
 from scipy.optimize import minimize_scalar
 
-from spear_pin.errors import BadValue, NoGait, UnknownName
+from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.bounding_law import INPUTS
 from spear_pin.gaits.gait import Gait, parameter, with_parameters
 from spear_pin.hybrid.periodic import STEP, chart, differentiate, multipliers, return_map
@@ -69,8 +69,9 @@ def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 1.0, r
     for name in inputs:
         if name not in INPUTS:
             raise UnknownName("input of event feedback", name, INPUTS)
-    if not weight > 0:
-        raise BadValue("weight", weight, "a number > 0")
+    if not inputs:
+        raise BadValue("inputs", inputs, f"at least one of {', '.join(INPUTS)}")
+    require("weight", weight, lambda w: w > 0, "a number > 0")
     system = gait.system
     A, B = linearized(gait, inputs, rtol)
     R = weight * np.diag([SCALES[name] ** -2 for name in inputs])
@@ -88,12 +89,13 @@ def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 1.0, r
     return _with_law(gait, {"feedback": feedback, "nominal": (*q[1:].tolist(), *v.tolist())}, rtol)
 
 
-def speed_regulated(gait: Gait, gain: float | None = None, rtol: float = 1e-9) -> Gait:
+def speed_regulated(gait: Gait, gain: float | tuple[float, float] | None = None, rtol: float = 1e-9) -> Gait:
     """The gait with β += K (ẋ - ẋ*) at each touchdown, one gain for both stances.
 
     Args:
         gait: a bounding gait without event feedback.
-        gain: K, in N·s; None takes the one with the least spectral radius, searched to 1 N·s.
+        gain: K, in N·s, or one for posterior and one for anterior touchdown; None takes the single one
+            with the least spectral radius, searched to 1 N·s.
         rtol: of the integrator in that search.
 
     Raises:
@@ -104,8 +106,8 @@ def speed_regulated(gait: Gait, gain: float | None = None, rtol: float = 1e-9) -
     cycle = return_map(gait.system, gait.state)
     speeds = float(gait.state[1][0]), float(cycle.event("anterior_touchdown").v[0])
 
-    def law(k: float) -> Mapping[str, object]:
-        return {"speed_gain": (k, k), "speed_nominal": speeds}
+    def law(k: float | tuple[float, float]) -> Mapping[str, object]:
+        return {"speed_gain": k if isinstance(k, tuple) else (k, k), "speed_nominal": speeds}
 
     def radius(k: float) -> float:
         try:

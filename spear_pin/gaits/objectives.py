@@ -39,21 +39,33 @@ def limit(programme: Programme, request: Request, u: Any, v: Any, top: Any) -> N
                 programme.require("peak torque", top - side * torque, 0.0, scale=100.0)
         if not knee and request.hip_torque is not None:
             most = request.hip_torque
-            programme.require(f"torque of the {name}", torque, -most, most, scale=100.0, wish="N·m")
+            programme.require(
+                f"torque of the {name} motor", torque / PAIR, -most / PAIR, most / PAIR, scale=50.0, wish="N·m"
+            )
         drive = request.knee_drive if knee else request.hip_drive
         if drive is not None:
             excess = top if knee and request.objective == "violation" else 0.0
-            _within(programme, f"envelope of the {name} motor", drive, torque / PAIR, rate, excess)
+            _within(programme, name, drive, torque / PAIR, rate, excess)
 
 
-def _within(programme: Programme, label: str, drive: Drive, torque: Any, rate: Any, excess: Any) -> None:
-    """One motor's voltage and current, its gearbox taken as lossy both ways, which is on the safe side."""
+def _within(programme: Programme, name: str, drive: Drive, torque: Any, rate: Any, excess: Any) -> None:
+    """One motor's voltage, current and speed.
+
+    Driving, its gears take away; beyond the no-load speed, where it has to brake, they help. Of the two
+    lines through the no-load speed, the lower one is the limit on either side of it; where it brakes
+    below that speed, that is on the safe side.
+    """
+    label = f"envelope of the {name} motor"
     line = replace(drive, current_limit=None).stall_torque
     for side in (1.0, -1.0):
-        available = line * (1.0 - side * rate / drive.no_load_speed) + excess
-        programme.require(label, available - side * torque, 0.0, scale=50.0, wish="N·m")
+        for slope in (1.0, drive.gearbox.efficiency**-2):
+            available = slope * line * (1.0 - side * rate / drive.no_load_speed) + excess
+            programme.require(label, available - side * torque, 0.0, scale=50.0, wish="N·m")
         if drive.current_limit is not None:
             programme.require(label, drive.stall_torque + excess - side * torque, 0.0, scale=50.0, wish="N·m")
+    if drive.motor.max_speed is not None:
+        most = drive.motor.max_speed / drive.gearbox.ratio
+        programme.require(f"speed of the {name} motor", rate, -most, most, scale=10.0, wish="rad/s")
 
 
 def objective(
@@ -78,7 +90,7 @@ def objective(
     if request.objective == "violation":
         return top + 1e-4 * _effort(phases, even) / distance
     if request.objective == "cot":
-        return 10.0 * _power(phases, lambda power: (power * power + SMOOTH**2) ** 0.5) / (weight * distance)
+        return 10.0 * _power(phases, _size) / (weight * distance)
     if request.objective == "electrical":
         assert request.knee_drive is not None
         return 10.0 * _electrical(phases, request.knee_drive) / (weight * distance)
@@ -100,15 +112,22 @@ def _power(phases: Sequence[tuple[Any, Sequence[Any]]], of: Any) -> Any:
 def _electrical(phases: Sequence[tuple[Any, Sequence[Any]]], drive: Drive) -> Any:
     """Energy drawn by the knee motors, heat included and none given back, and the hips' positive work."""
     # heat of one motor per squared torque, its gearbox taken as lossy both ways
-    heat = float(drive.joule_power(1.0, 1.0))
+    heat, efficiency = float(drive.joule_power(1.0, 1.0)), drive.gearbox.efficiency
 
     def drawn(node: Any) -> Any:
         total = 0.0
         for i, name in enumerate(MOTORS):
             power = node.u[i] * node.v[3 + i]
             if "knee" in name:
+                size = _size(power)
+                power = 0.5 * (power + size) / efficiency + 0.5 * (power - size) * efficiency
                 power = power + PAIR * heat * (node.u[i] / PAIR) ** 2
-            total = total + 0.5 * (power + (power * power + SMOOTH**2) ** 0.5)
+            total = total + 0.5 * (power + _size(power))
         return total
 
     return sum(quadrature(duration, [drawn(node) for node in nodes]) for duration, nodes in phases)
+
+
+def _size(power: Any) -> Any:
+    """Its magnitude, smooth within a watt."""
+    return (power * power + SMOOTH**2) ** 0.5

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import Infeasible, NoGait
+from spear_pin.errors import BadValue, Infeasible, NoGait
 from spear_pin.gaits.bounding import bounding
 from spear_pin.gaits.collocation import Progress, Solution, resampled
 from spear_pin.gaits.gait import Gait
@@ -61,6 +61,8 @@ def search(
         NoGait: the optimiser failed though every wish can be met, or what it found is no fixed point.
         MissingExtra: CasADi is not installed.
     """
+    if contact is not None and contact.friction < request.friction:
+        raise BadValue("contact.friction", contact.friction, f"at least the request's, {request.friction}")
     first = start or _cold(robot, request, seed, on_iteration)
     transcription = transcribe(robot, request, FINE, start=resampled(first))
     solution = transcription.programme.solve(on_iteration=on_iteration)
@@ -99,6 +101,9 @@ def obstacle(transcription: Transcription, solution: Solution) -> Infeasible | N
     """What stands in the way of a request: the wish that a relaxed solve misses most, counted in its scale."""
     relaxed, margins = transcription.programme.relaxed(resampled(solution))
     loosened = relaxed.solve(iterations=300)
+    if not loosened.success:
+        reason = f"the optimiser ended with {solution.status} and its relaxed search with {loosened.status}"
+        return NoGait(reason, max(solution.violations.values()))
     missed = {label: float(loosened.values[margin.unknown][0]) for label, margin in margins.items()}
     worst = max(missed, key=lambda label: missed[label])
     if missed[worst] < MET:

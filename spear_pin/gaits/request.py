@@ -9,10 +9,10 @@ from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.model.motor import Drive
 
 OBJECTIVES: dict[str, tuple[str, str]] = {
-    "effort": ("N²m²s/m", "integral of the squared motor torques, per metre"),
+    "effort": ("N²m²s/m", "integral of the squared torques of the pairs, per metre"),
     "hip": ("N²m²s/m", "the same, the hips' counted ten times"),
     "cot": ("1", "mechanical cost of transport: integral of |motor power| over weight and distance"),
-    "peak": ("N·m", "largest motor torque"),
+    "peak": ("N·m", "largest torque of a pair"),
     "electrical": ("1", "cost of transport of the power that the knee motors draw and the hips' positive power"),
     "violation": ("N·m", "most that a knee motor's envelope is exceeded by"),
 }
@@ -35,7 +35,7 @@ class Request:
         objective: a key of `OBJECTIVES`.
         lift_off: "knee" or "force", see `BoundingLaw`.
         friction: coefficient of friction that forces and impulses may use.
-        minimum_force: least normal force in stance, in N; with lift-off by force it fades out at the end.
+        minimum_force: least normal force in stance, in N; with lift-off by force the force is only kept from pulling.
         clearance: least height of the other toe during a stance, in m.
         minimum_stride: least duration of a stride, in s.
         minimum_stance: least duration of a stance, in s.

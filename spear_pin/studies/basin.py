@@ -113,7 +113,7 @@ def recover(gait: Gait, moment: Moment, strides: int = 25, rtol: float = 1e-8) -
     usual = {"posterior_stance", "flight_1", "anterior_stance", "flight_2"}
     domains = tuple(dict.fromkeys(event.domain for event in result.events if event.domain not in usual))
     settled: int | None = None
-    if len(errors) > 1:
+    if result.reason == "complete":
         above = np.flatnonzero(errors > max(RECOVERED * errors[0], NOTHING))
         first = int(above[-1]) + 1 if len(above) else 0
         settled = first if first < len(errors) else None
@@ -128,7 +128,7 @@ def basin(
     rtol: float = 1e-7,
     on_point: Callable[[int], object] = lambda n: None,
 ) -> Array:
-    """Strides to recovery over a grid of pushes in the middle of a phase; NaN where the gait is lost.
+    """Strides to recovery over a grid of pushes in the middle of a phase; NaN where it does not recover in time.
 
     Args:
         gait: the gait.

@@ -64,7 +64,8 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         - friction_used_last_ms*: the same in the last millisecond of each stance, which the two
           before leave out where lift-off is by force.
         - friction_at_impact: |Λ_x| / Λ_z of the impulse at touchdown.
-        - clearance: lowest height of the toe while the other leg alone bears, in m; None if it never does.
+        - clearance: lowest height of the toe while the other leg alone bears, 1 ms around its own events
+          left out, in m; None if it never does.
         - flight_clearance: lowest height of the toe in flight, 1 ms around its own events left out, in m; None
           without flight.
         - scuff_free*: whether all of these heights are above zero.
@@ -165,9 +166,11 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
     if law.nominal:
         q, v = gait.state
         gait = _with_law(gait, nominal=(*q[1:].tolist(), *v.tolist()))
+    if law.feedback and any(law.speed_gain):
+        raise BadValue("gait", "one with two kinds of event feedback", "one kind at most")
     if law.feedback:
         return regulated(gait, [name for name, row in zip(INPUTS, law.feedback, strict=True) if any(row)])
-    return speed_regulated(gait, law.speed_gain[0]) if any(law.speed_gain) else gait
+    return speed_regulated(gait, law.speed_gain) if any(law.speed_gain) else gait
 
 
 def _continued(gait: Gait, speed: float, on_iteration: Callable[[int, float], object]) -> Gait:
@@ -244,13 +247,13 @@ class _Stride:
             ratio = np.abs(self.force[:, i, 0]) / np.where(loaded, normal[name], 1.0)
             last = self._until(f"{name}_lift_off") <= LAST
             counted = self.bears[name] & ~(last if self.law.lift_off == "force" else np.zeros_like(last))
-            used.append(ratio[loaded & counted].max())
+            used.append(ratio[loaded & counted].max(initial=0.0))
             late.append(ratio[loaded & last].max(initial=0.0))
-            least.append(normal[name][counted].min())
+            least.append(normal[name][counted].min(initial=np.inf))
         heights = {leg.name: self._heights(leg) for leg in self.legs}
         other = dict(zip(names, names[::-1], strict=True))
-        clearance = {name: _lowest(heights[name][self.phase == f"{other[name]}_stance"]) for name in names}
-        flight = {name: _lowest(heights[name][self._aloft(name)]) for name in names}
+        clearance = {name: _lowest(heights[name][self._aloft(name, f"{other[name]}_stance")]) for name in names}
+        flight = {name: _lowest(heights[name][self._aloft(name, "flight")]) for name in names}
         return {
             "peak_force": {name: float(normal[name].max()) for name in names},
             "lift_off_force": {name: self._lift_off_force(name, normal[name]) for name in names},
@@ -259,8 +262,12 @@ class _Stride:
             "friction_used_last_ms": float(max(late)),
             "friction_at_impact": {
                 name: max(
-                    abs(float(event.impulse[i, 0])) / float(event.impulse[i, 1])
-                    for event in self._named(f"{name}_touchdown")
+                    [
+                        abs(float(event.impulse[i, 0])) / float(event.impulse[i, 1])
+                        for event in self._named(f"{name}_touchdown")
+                        if event.impulse[i, 1] > 0.0
+                    ],
+                    default=0.0,
                 )
                 for i, name in enumerate(names)
             },
@@ -306,10 +313,10 @@ class _Stride:
         times = np.array([-np.inf, *(event.time for event in self._named(name))])
         return np.asarray(self.t - times[np.searchsorted(times, self.t + INSTANT) - 1])
 
-    def _aloft(self, name: str) -> Mask:
-        """Flight, away from the leg's own events."""
+    def _aloft(self, name: str, phase: str) -> Mask:
+        """Phases whose names begin so, away from the leg's own events."""
         near = (self._until(f"{name}_touchdown") < NEAR) | (self._since(f"{name}_lift_off") < NEAR)
-        return np.char.startswith(self.phase, "flight") & ~near
+        return np.char.startswith(self.phase, phase) & ~near
 
     def _heights(self, leg: Leg) -> Array:
         return np.array([self.robot.toe_position(q, leg.toe)[1] for q in self.q])

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue, Infeasible, NoGait, SpearError, UnknownName
+from spear_pin.errors import BadValue, Infeasible, NoGait, UnknownName
 from spear_pin.gaits.bounding_law import legs_of
 from spear_pin.gaits.collocation import Solution
 from spear_pin.gaits.gait import Gait
@@ -207,6 +207,8 @@ def family(
         raise UnknownName("what to vary", name, [*asked, *PARAMETERS])
     members = []
     for value in values:
+        if name == "knee_ratio" and request.knee_drive is not None:
+            raise BadValue("name", name, "another than the ratio while a knee drive is asked for: see codesign")
         varied = robot if name in asked else vary(robot, **{name: value})
         changes: dict[str, Any] = {name: value}
         wanted = replace(request, **changes) if name in asked else request
@@ -274,7 +276,7 @@ def codesign(
             wanted = replace(request, objective="electrical", stiffness=None, knee_touchdown=None, knee_drive=drive)
             try:
                 gait, _ = search(fitted, wanted, start=start)
-            except SpearError as error:
+            except (Infeasible, NoGait) as error:
                 nothing = float("nan")
                 yield Design(name, ratio, nothing, nothing, nothing, nothing, nothing, None, str(error))
                 continue
@@ -311,18 +313,18 @@ def smallest_violation(
         the gait, and by how much it exceeds the envelope, in N·m; zero or less: it fits.
 
     Raises:
-        Infeasible: no start led to a gait.
+        Infeasible, NoGait: no start led to a gait.
     """
     if starts < 1:
         raise BadValue("starts", starts, "at least 1")
     wanted = replace(request, objective="violation", knee_drive=drive)
     best: tuple[Gait, float] | None = None
-    failure: SpearError | None = None
+    failure: Infeasible | NoGait | None = None
     for seed in range(starts):
         try:
             gait, _ = search(robot, wanted, seed=seed)
             excess = -float(against(points(gait), drive).worst.min())
-        except SpearError as error:
+        except (Infeasible, NoGait) as error:
             failure = error
             on_start(seed, float("nan"))
             continue

@@ -51,7 +51,8 @@ class TestForceLimit:
         q, v = np.array([0.0, 0.0, 0.4, 0.9]), np.array([0.3, -0.2, 1.0, 2.0])
         y = np.concatenate([q, v, np.zeros(5)])
         sticking, flow = (
-            Flow(system, next(domain for domain in stance if domain.contacts == (kind,)), held) for kind in (STICK, mode)
+            Flow(system, next(domain for domain in stance if domain.contacts == (kind,)), held)
+            for kind in (STICK, mode)
         )
         sticking(0.0, y), flow(0.0, y)
         assert sticking.normal_force("toe", sticking.u) == sticking.force("toe")[1]
@@ -156,7 +157,12 @@ def test_where_no_motion_goes_on_the_message_names_the_domains():
     (down, up) = (guard for guard in flight.guards if guard.name.endswith("touchdown"))
     never = lambda t, q, v, held, p, dyn, ops: -1.0  # noqa: E731
     again = [
-        replace(flight, name=name, phase=name, guards=(replace(down, value=never, reset=replace(down.reset, impact=(), phase=to)),))
+        replace(
+            flight,
+            name=name,
+            phase=name,
+            guards=(replace(down, value=never, reset=replace(down.reset, impact=(), phase=to)),),
+        )
         for name, to in (("flight", "other"), ("other", "flight"))
     ]
     alternating = replace(system, domains=(*(d for d in system.domains if d.phase != "flight"), *again))
