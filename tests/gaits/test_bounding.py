@@ -119,7 +119,7 @@ class TestGait:
                 for t in np.linspace(piece.begin, piece.end, 5):
                     state = np.ravel(piece.state(np.array([t])))
                     y, dy = errors(outputs, evolution(segment.held), state[:7], state[7:14])
-                    assert np.abs([*y, *dy]).max() < (1e-5 if "slip" in segment.domain.name else 1e-7)
+                    assert np.abs([*y, *dy]).max() < (1e-4 if "slip" in segment.domain.name else 1e-7)
             seen.add(segment.domain.phase)
         assert seen == set(PHASES)
 
