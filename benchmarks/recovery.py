@@ -33,7 +33,7 @@ PUSHES: tuple[tuple[str, str, float, str], ...] = (
 )
 
 
-def stabilised(gait: Gait, scheme: str, weight: float = 1.0) -> Gait:
+def stabilised(gait: Gait, scheme: str, weight: float = 0.2) -> Gait:
     """The gait with event feedback: "regulated", "speed" or "none"."""
     if scheme == "regulated":
         return regulated(gait, weight=weight)
@@ -65,7 +65,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--gait", default="long_stride", choices=names())
     parser.add_argument("--scheme", default="regulated", choices=("regulated", "speed", "none"))
-    parser.add_argument("--weight", type=float, default=1.0, help="of the inputs of the regulator")
+    parser.add_argument("--weight", type=float, default=0.2, help="of the inputs of the regulator")
     parser.add_argument("--strides", type=int, default=STRIDES)
     parser.add_argument("--json", action="store_true")
     given = parser.parse_args()

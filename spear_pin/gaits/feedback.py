@@ -48,7 +48,7 @@ def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[
     return jacobian[:, :n], jacobian[:, n:] / scales
 
 
-def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 1.0, rtol: float = 1e-10) -> Gait:
+def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 0.2, rtol: float = 1e-10) -> Gait:
     """The gait with discrete linear-quadratic feedback of its section state to parameters of the law.
 
     Once a stride, just after posterior touchdown, w = -K ξ is added to the `inputs`; K minimises

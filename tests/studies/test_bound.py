@@ -189,7 +189,7 @@ class TestAnotherSpeed:
         monkeypatch.setattr(bound, "speed_regulated", lambda gait, gain: gain)
         result = at_speed(regulated, 3.1)
         assert asked == pytest.approx([2.75, 3.0, 3.1], abs=1e-4)
-        assert result == (["posterior_hip_torque", "posterior_leg_touchdown"] if kind == "feedback" else 1e-6)
+        assert result == (["posterior_hip_torque", "posterior_leg_touchdown"] if kind == "feedback" else (1e-6, 1e-6))
 
     def test_needs_a_cycle(self, gait):
         with pytest.raises(BadValue, match="a gait whose cycle ends"):
