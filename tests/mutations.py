@@ -295,10 +295,14 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "cli",
-        ["test_cli"],
+        "cli/dynamics",
+        ["cli/test_dynamics"],
+        {"degrees on the command line": ("else np.array(arguments.q)", "else np.radians(arguments.q)")},
+    ),
+    *mistakes_in(
+        "cli/__init__",
+        ["cli/test_main"],
         {
-            "degrees on the command line": ("else np.array(arguments.q)", "else np.radians(arguments.q)"),
             "a mistake ends with status 0": (
                 'split())}", file=sys.stderr)\n        return 2',
                 'split())}", file=sys.stderr)\n        return 0',

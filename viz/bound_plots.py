@@ -10,16 +10,15 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
+from spear_pin.gaits.bounding_law import LEGS, PAIR
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.viz.plots import BLUE, DETAIL, GREEN, VERMILLION, style
 
 Array = NDArray[np.float64]
 
-LEGS = ("posterior", "anterior")
 COLORS = {"posterior": BLUE, "anterior": VERMILLION}
 SHADES = {"posterior": "#dfe9f3", "anterior": "#f9e7db"}
-PAIR = 2  # legs, and so motors of a joint, that the sagittal model takes together
 
 
 def bound_summary(trajectory: Trajectory, gait: Gait) -> Figure:

@@ -16,12 +16,13 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue
+from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.gait import Gait
 from spear_pin.model.catalogue import MOTORS
 from spear_pin.model.motor import Drive
 from spear_pin.model.variants import PARAMETERS
 from spear_pin.studies.design import STIFFNESSES, Member, Points, against, points, spring_sweep
-from spear_pin.viz.bound_plots import COLORS, LEGS, SHADES
+from spear_pin.viz.bound_plots import COLORS, SHADES
 from spear_pin.viz.plots import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, style
 
 Array = NDArray[np.float64]

@@ -16,6 +16,7 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import (
     NO_ADJUSTMENT,
     STATES,
+    STIFFNESS,
     BoundingLaw,
     Leg,
     Phase,
@@ -34,6 +35,7 @@ from spear_pin.hybrid.record import Run
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
+SPEED_BY = "posterior_hip_torque"  # the parameter to vary for a "mean_speed"
 SLOWEST = 1.0  # 1/s: of s; the gaits that ship begin their phases faster
 SHORTEST_SPAN = 0.2  # of a stance's span: what is left of it when a stance is resumed late
 OVERLOAD = 1e4  # N·m: a hundred times what the gaits that ship take
@@ -58,7 +60,7 @@ def bounding(
     Raises:
         BadValue: the robot has not the coordinates, toes and motors of `q_spear`.
     """
-    spring, contact = spring or Spring(stiffness=112.0, damping=0.0), contact or Contact()
+    spring, contact = spring or Spring(STIFFNESS, damping=0.0), contact or Contact()
     posterior, anterior = legs = legs_of(robot)
     mounts = {leg: _mount(leg, spring) for leg in legs}
     fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])

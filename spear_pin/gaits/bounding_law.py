@@ -17,6 +17,9 @@ from spear_pin.hybrid.automaton import Law
 from spear_pin.model.robot import Robot
 
 Shape = tuple[tuple[float, ...], ...]
+LEGS = ("posterior", "anterior")
+PAIR = 2  # legs that one of the sagittal model stands for, and so motors of a joint
+STIFFNESS = PAIR * 56.0  # N·m/rad: of a pair's knee springs (source: Table 5.1)
 INPUTS = (
     "posterior_hip_torque",
     "posterior_knee_torque",
@@ -239,12 +242,12 @@ def legs_of(robot: Robot) -> tuple[Leg, Leg]:
     Raises:
         BadValue: the robot has not the coordinates, toes and motors of `q_spear`.
     """
-    joints = tuple(f"{name}_{part}" for name in ("posterior", "anterior") for part in ("hip", "knee"))
+    joints = tuple(f"{name}_{part}" for name in LEGS for part in ("hip", "knee"))
     expected = ("torso_x", "torso_z", "pitch", *joints)
     if robot.coordinates != expected or robot.actuated != joints or robot.toes != ("posterior_toe", "anterior_toe"):
         raise BadValue("robot", robot, f"the coordinates {', '.join(expected)}, motors on the last four, and two toes")
     legs = []
-    for i, (name, side) in enumerate((("posterior", 1.0), ("anterior", -1.0))):
+    for i, (name, side) in enumerate(zip(LEGS, (1.0, -1.0), strict=True)):
         hip, knee = 3 + 2 * i, 4 + 2 * i
         legs.append(Leg(name, hip, knee, side, ((2, 1.0), (hip, 1.0), (knee, -0.5)), (2 * i, 2 * i + 1)))
     return legs[0], legs[1]

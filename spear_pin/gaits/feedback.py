@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +17,7 @@ from spear_pin.hybrid.periodic import STEP, chart, differentiate, multipliers, r
 
 Array = NDArray[np.float64]
 SCALES = {name: 0.05 if name.endswith("touchdown") else 50.0 for name in INPUTS}  # rad and N·m: what counts as one
+GAINS, GAIN_STEP = (-150.0, 150.0), 20.0  # N·s: among which the best is sought, and between those simulated
 
 
 def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[Array, Array]:
@@ -86,7 +87,7 @@ def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 0.2, r
     rows = dict(zip(inputs, (-K @ to_chart).tolist(), strict=True))
     zero = [0.0] * to_chart.shape[1]
     feedback = tuple(tuple(rows.get(name, zero)) for name in INPUTS)
-    return _with_law(gait, {"feedback": feedback, "nominal": (*q[1:].tolist(), *v.tolist())}, rtol)
+    return _multiplied(gait.with_law(feedback=feedback, nominal=(*q[1:].tolist(), *v.tolist())), rtol)
 
 
 def speed_regulated(gait: Gait, gain: float | tuple[float, float] | None = None, rtol: float = 1e-9) -> Gait:
@@ -95,8 +96,8 @@ def speed_regulated(gait: Gait, gain: float | tuple[float, float] | None = None,
     Args:
         gait: a bounding gait without event feedback.
         gain: K, in N·s, or one for posterior and one for anterior touchdown; None takes the single one
-            with the least spectral radius, searched to 1 N·s.
-        rtol: of the integrator in that search.
+            with the least spectral radius, to 1 N·s.
+        rtol: of the integrator in the search of that one.
 
     Raises:
         BadValue: the gait has feedback already.
@@ -106,19 +107,24 @@ def speed_regulated(gait: Gait, gain: float | tuple[float, float] | None = None,
     cycle = return_map(gait.system, gait.state)
     speeds = float(gait.state[1][0]), float(cycle.event("anterior_touchdown").v[0])
 
-    def law(k: float | tuple[float, float]) -> Mapping[str, object]:
-        return {"speed_gain": k if isinstance(k, tuple) else (k, k), "speed_nominal": speeds}
+    def trial(k: float | tuple[float, float]) -> Gait:
+        return gait.with_law(speed_gain=k if isinstance(k, tuple) else (k, k), speed_nominal=speeds)
+
+    return _multiplied(trial(_best_gain(trial, rtol) if gain is None else gain), 1e-10)
+
+
+def _best_gain(trial: Callable[[float], Gait], rtol: float) -> float:
+    """The gain of least spectral radius.
+
+    A stride's Jacobian is the product of one for each half of it, either linear in the gain: so three give all.
+    """
+    less, none, more = (linearized(trial(k), (), rtol)[0] for k in (-GAIN_STEP, 0.0, GAIN_STEP))
+    slope, curvature = (more - less) / (2.0 * GAIN_STEP), (more + less - 2.0 * none) / (2.0 * GAIN_STEP**2)
 
     def radius(k: float) -> float:
-        try:
-            trial = _rebuilt(gait, law(k))
-            return float(np.abs(multipliers(trial.system, trial.state, rtol)).max())
-        except NoGait:
-            return 10.0
+        return float(np.abs(np.linalg.eigvals(none + k * (slope + k * curvature))).max())
 
-    if gain is None:
-        gain = float(minimize_scalar(radius, bounds=(-150.0, 150.0), method="bounded", options={"xatol": 1.0}).x)
-    return _with_law(gait, law(gain), 1e-10)
+    return float(minimize_scalar(radius, bounds=GAINS, method="bounded", options={"xatol": 1.0}).x)
 
 
 def _without_feedback(gait: Gait) -> None:
@@ -129,13 +135,6 @@ def _without_feedback(gait: Gait) -> None:
         raise BadValue("gait", "one with event feedback", "one without")
 
 
-def _rebuilt(gait: Gait, values: Mapping[str, object]) -> Gait:
-    system = gait.system
-    law = replace(system.law, **values)
-    return replace(gait, system=system.build(system.robot, law, system.spring, system.contact))
-
-
-def _with_law(gait: Gait, values: Mapping[str, object], rtol: float) -> Gait:
-    """The gait with other feedback: the same orbit, other multipliers."""
-    other = _rebuilt(gait, values)
-    return replace(other, multipliers=multipliers(other.system, other.state, rtol))
+def _multiplied(gait: Gait, rtol: float) -> Gait:
+    """The gait with its multipliers anew."""
+    return replace(gait, multipliers=multipliers(gait.system, gait.state, rtol))

@@ -62,6 +62,12 @@ class Gait:
         """Seconds of one cycle."""
         return float(sum(self.durations.values()))
 
+    def with_law(self, **values: object) -> Gait:
+        """The gait with other values in its law, such as feedback, that leave its orbit alone; multipliers are kept."""
+        system = self.system
+        law = replace(system.law, **values)
+        return replace(self, system=system.build(system.robot, law, system.spring, system.contact))
+
     def save(self, path: str | Path) -> Path:
         """Write as JSON."""
         robot = self.system.robot

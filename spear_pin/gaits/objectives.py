@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.collocation import Programme, casadi, quadrature
 from spear_pin.gaits.request import Request
 from spear_pin.model.motor import Drive
 
 Array = NDArray[np.float64]
-GRAVITY = 9.81
 MOTORS = ("posterior hip", "posterior knee", "anterior hip", "anterior knee")
-PAIR = 2.0  # motors to a joint of the sagittal model
 SMOOTH = 1.0  # W: how sharply the sign of a power is told
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, Infeasible, NoGait
-from spear_pin.gaits.bounding import bounding
+from spear_pin.gaits.bounding import SPEED_BY, bounding
 from spear_pin.gaits.collocation import Progress, Solution, resampled
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.request import Request
@@ -29,7 +29,6 @@ COARSE, FINE = 6, 10  # intervals of each phase, for a cold start and for what i
 ATTEMPTS, APART = 3, 1000  # initial guesses of a cold search, and between their seeds
 PATIENCE = 300  # iterations of each; one that succeeds takes 40 to 250
 MET = 1e-5  # of a wish's scale: missed by less, it is met
-SPEED_BY = "posterior_hip_torque"  # what the polishing varies to meet the speed
 
 
 def search(
@@ -93,8 +92,7 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
     state = _on_ground(robot, ("posterior_toe",), state)
     gait = find_gait(system, [SPEED_BY], {"mean_speed": transcription.request.speed}, guess=state)
     q, v = gait.state
-    law = replace(gait.system.law, nominal=(*q[1:].tolist(), *v.tolist()))
-    return replace(gait, system=system.build(robot, law, system.spring, system.contact))
+    return gait.with_law(nominal=(*q[1:].tolist(), *v.tolist()))
 
 
 def obstacle(transcription: Transcription, solution: Solution) -> Infeasible | NoGait:

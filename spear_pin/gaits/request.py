@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from spear_pin.errors import BadValue, UnknownName, require
+from spear_pin.gaits.bounding_law import STIFFNESS, BoundingLaw
 from spear_pin.model.motor import Drive
 
 OBJECTIVES: dict[str, tuple[str, str]] = {
@@ -59,9 +59,9 @@ class Request:
     minimum_stance: float = 0.05
     minimum_knee_torque: float = 10.0
     hip_torque: float | None = None
-    stiffness: float | None = 112.0
-    virtual_stiffness: float = 400.0
-    knee_touchdown: float | None = math.radians(40.0)
+    stiffness: float | None = STIFFNESS
+    virtual_stiffness: float = BoundingLaw.virtual_stiffness
+    knee_touchdown: float | None = BoundingLaw.knee_touchdown
     leg_touchdown: tuple[float, float] = (-0.3, 0.7)
     knee_drive: Drive | None = None
     hip_drive: Drive | None = None

@@ -12,10 +12,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.gaits.bounding_law import BoundingLaw, Leg, Phase, legs_of, phases_of, support
+from spear_pin.gaits.bounding_law import LEGS, STIFFNESS, BoundingLaw, Leg, Phase, legs_of, phases_of, support
 from spear_pin.gaits.collocation import Guess, Programme, Solution, casadi, hermite_simpson, node_name
-from spear_pin.gaits.objectives import GRAVITY, ceiling, limit, objective
-from spear_pin.gaits.request import Request
+from spear_pin.gaits.objectives import ceiling, limit, objective
+from spear_pin.gaits.request import (
+    FARTHEST,
+    FASTEST,
+    FLEXED,
+    HIGHEST,
+    LONGEST_PHASE,
+    LONGEST_STRIDE,
+    SHORTEST_FLIGHT,
+    STEEPEST,
+    Request,
+)
 from spear_pin.gaits.virtual_constraints import Evolution, desired, dot, resume
 from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
@@ -23,9 +33,8 @@ from spear_pin.model.robot import Robot
 Array = NDArray[np.float64]
 CONE = 0.98  # of the friction asked for: what the collocation's error may use up
 END = {True: 0.98, False: 1.02}  # s at the end of a stance, where the polynomial is not to run out, and of a flight
-KNEE_REST = math.radians(40.0)  # θ̄ (source)
-LONGEST_STRIDE = 1.0  # s
-ANGLES, FLEXIONS = (-1.2, 1.2), (-0.2, 2.4)  # rad: of Bézier coefficients of leg angles and knees
+KNEE_REST = BoundingLaw.knee_rest
+ANGLES, FLEXIONS = (-STEEPEST, STEEPEST), (-0.2, FLEXED)  # rad: of Bézier coefficients of leg angles and knees
 
 
 @dataclass
@@ -99,13 +108,14 @@ class _Writer:
 
     def __init__(self, robot: Robot, request: Request, programme: Programme, rng: np.random.Generator) -> None:
         self.request, self.programme, self.rng = request, programme, rng
-        self.legs, self.weight = legs_of(robot), robot.mass * GRAVITY
-        self.dynamics = _dynamics(Planar(robot))
+        planar = Planar(robot)
+        self.legs, self.weight, self.dynamics = legs_of(robot), robot.mass * planar.gravity, _dynamics(planar)
         self.law = _law(programme, request)
         # what `support` reads of a law
         self.p: Any = SimpleNamespace(virtual_stiffness=request.virtual_stiffness, knee_rest=KNEE_REST)
-        stiffness = request.stiffness
-        self.stiffness = programme.variable("stiffness", 112.0, 0.0, 800.0, 100.0) if stiffness is None else stiffness
+        self.stiffness: Any = request.stiffness
+        if request.stiffness is None:
+            self.stiffness = programme.variable("stiffness", STIFFNESS, 0.0, 800.0, 100.0)
         self.top = ceiling(programme, request)
         self.result = Transcription(request, programme, self.law, self.stiffness)
 
@@ -113,8 +123,9 @@ class _Writer:
         """One phase by itself; returns how far its guess travels."""
         programme, request, bearing = self.programme, self.request, phase.bearing
         label, stance = _words(phase), bearing is not None
-        guess, shortest = (0.1, request.minimum_stance) if stance else (0.06, 0.02)
-        duration = programme.variable(f"{label} lasts", guess * (1.0 + 0.2 * self.rng.uniform(-1, 1)), shortest, 0.4)
+        guess, shortest = (0.1, request.minimum_stance) if stance else (0.06, SHORTEST_FLIGHT)
+        around = guess * (1.0 + 0.2 * self.rng.uniform(-1, 1))
+        duration = programme.variable(f"{label} lasts", around, shortest, LONGEST_PHASE)
         nodes = []
         for i in range(2 * intervals + 1):
             s = i / (2 * intervals)
@@ -242,7 +253,7 @@ def _law(programme: Programme, request: Request) -> dict[str, Any]:
     if knee is None:
         knee = programme.variable("knee touchdown", KNEE_REST, math.radians(20.0), math.radians(70.0))
     law: dict[str, Any] = {"knee_touchdown": knee}
-    for name in ("posterior", "anterior"):
+    for name in LEGS:
         law[f"{name}_hip_torque"] = programme.variable(f"{name} hip", 0.0, -400.0, 400.0, 100.0)
         law[f"{name}_knee_torque"] = programme.variable(f"{name} knee", max(20.0, least), least, least + 400.0, 100.0)
         law[f"{name}_leg_touchdown"] = programme.variable(f"{name} leg", np.clip(0.22, *bounds), *bounds)
@@ -287,10 +298,10 @@ def _node(
     def variable(part: str, *arguments: Any) -> Any:
         return programme.variable(node_name(phase, s, part), *arguments)
 
-    lower, upper = [-1.0, 0.3, -0.8, -1.9, -0.3, -1.9, -2.5], [4.0, 0.9, 0.8, 1.9, 2.5, 1.9, 0.3]
+    lower, upper = [-1.0, 0.3, -0.8, -1.9, -0.3, -1.9, -2.5], [FARTHEST, HIGHEST, 0.8, 1.9, 2.5, 1.9, 0.3]
     rates = np.array([speed, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     q = variable("q", np.clip(posture + 0.03 * rng.normal(size=7), lower, upper), lower, upper)
-    v = variable("v", rates + 0.1 * rng.normal(size=7), -30.0, 30.0, 10.0)
+    v = variable("v", rates + 0.1 * rng.normal(size=7), -FASTEST, FASTEST, 10.0)
     a = variable("a", np.zeros(7), -1500.0, 1500.0, 100.0)
     u = variable("u", np.zeros(2 if stance else 4), -600.0, 600.0, 100.0)
     F = variable("F", [0.0, 430.0], [-3000.0, -1.0], [3000.0, 6000.0], 100.0) if stance else None

@@ -65,8 +65,8 @@ class Sliding(Flow):
         self.hold(latched(self.system, self._kept, y, between.leave))
         stance.hold(latched(self.system, self._kept, y, between.touch, *between.follow))
         flight_slope, stance_slope = super()._derivative(0.0, y), stance(0.0, y)
-        rise, fall = self.toe_acceleration(between.toe)[1], stance.toe_acceleration(between.toe)[1]
-        self.share = share = rise / (rise - fall)
+        fall, rise = self.toe_acceleration(between.toe)[1], stance.toe_acceleration(between.toe)[1]
+        self.share = share = fall / (fall - rise)
         self.u = [share * s + (1.0 - share) * f for s, f in zip(stance.u, self.u, strict=True)]
         self._applied = share * np.array(stance._applied) + (1.0 - share) * np.array(self._applied)
         for toe, _ in self._closed:

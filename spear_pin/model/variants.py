@@ -1,4 +1,4 @@
-"""Numbers of the quadrupeds that a study may change, each by its name: the assumed ones and the torso's and gears'."""
+"""Numbers of the shipped robots that a study may change, each by its name: assumed ones, the torso's and gears'."""
 
 from __future__ import annotations
 
@@ -16,8 +16,10 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.urdf import MAX_NUMBER
 
 FULL = ("q_spear_full",)
-BOTH = ("q_spear", *FULL)
-TABLE, COMPUTED, ASSUMPTION = "source Table 5.1", "computed from source Table 5.1", "assumption"
+QUADRUPEDS = ("q_spear", *FULL)
+ALL = ("spear_ii", *QUADRUPEDS)
+TABLE, TABLES, ASSUMPTION = "source Table 5.1", "source Tables 2.4 and 5.1", "assumption"
+COMPUTED = f"computed from {TABLES}"
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class Parameter:
     unit: str
     provenance: str
     summary: str
-    robots: tuple[str, ...] = BOTH
+    robots: tuple[str, ...] = QUADRUPEDS
 
 
 PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
@@ -45,10 +47,10 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
         "hip_spacing": Parameter(0.32, "m", ASSUMPTION, "from the left to the right hips", FULL),
         "torso_mass": Parameter(35.0, "kg", TABLE, "mass of the torso"),
         "torso_inertia": Parameter(2.1, "kg·m²", TABLE, "of the torso in pitch; in roll and yaw in proportion"),
-        "hip_ratio": Parameter(60.0, "1", TABLE, "turns of a hip's rotor per turn of the hip"),
-        "knee_ratio": Parameter(15.0, "1", TABLE, "turns of a knee's rotor per turn of the knee"),
-        "hip_rotor": Parameter(0.047 / 60**2, "kg·m²", COMPUTED, "inertia of a hip's rotor, not reflected"),
-        "knee_rotor": Parameter(0.027 / 15**2, "kg·m²", COMPUTED, "inertia of a knee's rotor, not reflected"),
+        "hip_ratio": Parameter(60.0, "1", TABLES, "turns of a hip's rotor per turn of the hip", ALL),
+        "knee_ratio": Parameter(15.0, "1", TABLES, "turns of a knee's rotor per turn of the knee", ALL),
+        "hip_rotor": Parameter(0.047 / 60**2, "kg·m²", COMPUTED, "inertia of a hip's rotor, not reflected", ALL),
+        "knee_rotor": Parameter(0.027 / 15**2, "kg·m²", COMPUTED, "inertia of a knee's rotor, not reflected", ALL),
         "adduction_ratio": Parameter(60.0, "1", ASSUMPTION, "turns of an adduction rotor per turn of its joint", FULL),
     }
 )
@@ -62,7 +64,7 @@ def vary(robot: Robot, **values: float) -> Robot:
     Shapes that are drawn keep their size.
 
     Args:
-        robot: `q_spear` or `q_spear_full`, as loaded or varied already.
+        robot: a shipped robot, as loaded or varied already.
         **values: by names of `PARAMETERS`, in the units there. What was varied before stays so.
 
     Raises:
@@ -73,8 +75,9 @@ def vary(robot: Robot, **values: float) -> Robot:
     for name, value in values.items():
         if name not in valid:
             raise UnknownName("parameter", name, valid)
-        if isinstance(value, bool) or not (isinstance(value, Real) and 0 < value <= MAX_NUMBER):
-            raise BadValue(name, value, f"a finite number > 0, in {PARAMETERS[name].unit}")
+        none = name.endswith("_rotor")  # a joint without a motor has no rotor
+        if isinstance(value, bool) or not (isinstance(value, Real) and 0 <= value <= MAX_NUMBER and (value or none)):
+            raise BadValue(name, value, f"a finite number {'>=' if none else '>'} 0, in {PARAMETERS[name].unit}")
     if not values:
         return robot
     if robot.model != _model(robot, robot.varied):
@@ -100,25 +103,26 @@ def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
 
 
 def _change(model: pin.Model, name: str, value: float) -> None:
-    torso = int(model.frames[model.getFrameId("torso", pin.FrameType.BODY)].parentJoint)
-    body = model.inertias[torso]
-    if name == "torso_mass":
-        model.inertias[torso] = pin.Inertia(value, body.lever, body.inertia)
-    elif name == "torso_inertia":
-        model.inertias[torso] = pin.Inertia(body.mass, body.lever, body.inertia * (value / body.inertia[1, 1]))
-    elif name.endswith("_ratio"):
+    if name.endswith("_ratio"):
         _set_gears(model, name.removesuffix("_ratio"), ratio=value)
     elif name.endswith("_rotor"):
         _set_gears(model, name.removesuffix("_rotor"), rotor=value / PARAMETERS[name].default)
     else:
-        _move_hips(model, torso, {"hip_distance": 0, "hip_spacing": 1}[name], value)
+        torso = int(model.frames[model.getFrameId("torso", pin.FrameType.BODY)].parentJoint)
+        body = model.inertias[torso]
+        if name == "torso_mass":
+            model.inertias[torso] = pin.Inertia(value, body.lever, body.inertia)
+        elif name == "torso_inertia":
+            model.inertias[torso] = pin.Inertia(body.mass, body.lever, body.inertia * (value / body.inertia[1, 1]))
+        else:
+            _move_hips(model, torso, {"hip_distance": 0, "hip_spacing": 1}[name], value)
 
 
 def _set_gears(model: pin.Model, kind: str, ratio: float | None = None, rotor: float = 1.0) -> None:
     """Set the gear ratio, and multiply the rotor's inertia, of every joint of a kind, such as "knee"."""
     armature, ratios, rotors = model.armature.copy(), model.rotorGearRatio.copy(), model.rotorInertia.copy()
     for joint, name in enumerate(model.names):
-        if name.endswith(f"_{kind}"):
+        if name == kind or name.endswith(f"_{kind}"):
             row = model.joints[joint].idx_v
             ratios[row], rotors[row] = ratio or ratios[row], rotor * rotors[row]
             armature[row] = ratios[row] ** 2 * rotors[row]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,26 +11,25 @@ from numpy.typing import NDArray
 from scipy.integrate import trapezoid
 
 from spear_pin.errors import BadValue, NoGait, require
-from spear_pin.gaits.bounding_law import INPUTS, Leg, legs_of
+from spear_pin.gaits.bounding import SPEED_BY
+from spear_pin.gaits.bounding_law import INPUTS, PAIR, Leg, legs_of
 from spear_pin.gaits.feedback import regulated, speed_regulated
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import Measure, find_gait
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.trajectory import Event, Trajectory
+from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-GRAVITY = 9.81
 LAST = 1e-3  # s: the end of a stance in which, with lift-off by force, force and its friction fade together
 NEAR = 1e-3  # s: around its own events a toe is near the ground in flight
 UNLOADED = 1e-3  # N: below, the ratio of two forces means nothing
 INSTANT = 1e-12  # s: an event's time and its samples' may differ by rounding
-SPEED_BY = "posterior_hip_torque"
 SPEED_STEP, SHORTEST_STEP = 0.25, 0.06  # m/s
 PATIENCE = 12  # iterations of the solver for a step; one that succeeds takes six to nine
-MOTORS = 2  # of a joint of the sagittal model, whose legs are pairs
 
 
 def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
@@ -122,6 +120,11 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     }
 
 
+def weight(robot: Robot) -> float:
+    """Weight of a robot, in N."""
+    return float(-robot.mass * robot.model.gravity.linear[2])
+
+
 def mean_speed(gait: Gait, rtol: float = 1e-8) -> float:
     """Mean forward speed of a gait, in m/s, from one cycle of it.
 
@@ -150,7 +153,7 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
     """
     require("speed", speed, lambda v: v > 0, "a number > 0, in m/s")
     law, begin = gait.system.law, mean_speed(gait)
-    gait = _with_law(gait, feedback=(), speed_gain=(0.0, 0.0))
+    gait = gait.with_law(feedback=(), speed_gain=(0.0, 0.0))
     reached, step = begin, SPEED_STEP
     while reached != speed:
         wanted = speed if abs(speed - reached) <= step else reached + math.copysign(step, speed - reached)
@@ -165,7 +168,7 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
                 raise NoGait(problem, failure.residual) from None
     if law.nominal:
         q, v = gait.state
-        gait = _with_law(gait, nominal=(*q[1:].tolist(), *v.tolist()))
+        gait = gait.with_law(nominal=(*q[1:].tolist(), *v.tolist()))
     if law.feedback and any(law.speed_gain):
         raise BadValue("gait", "one with two kinds of event feedback", "one kind at most")
     if law.feedback:
@@ -192,12 +195,6 @@ def _continued(gait: Gait, speed: float, on_iteration: Callable[[int, float], ob
 
 class _Enough(Exception):
     """The solver has been given enough time."""
-
-
-def _with_law(gait: Gait, **values: object) -> Gait:
-    system = gait.system
-    law = replace(system.law, **values)
-    return replace(gait, system=system.build(system.robot, law, system.spring, system.contact))
 
 
 class _Stride:
@@ -280,10 +277,10 @@ class _Stride:
         """Of the motors, and what they cost."""
         joints = self.robot.actuated
         leg_of = {column: leg.name for leg in self.legs for column in leg.motors}
-        torque = np.abs(self.u) / MOTORS
+        torque = np.abs(self.u) / PAIR
         rate = self.v[:, [self.robot.index(joint) for joint in joints]]
         power = self.u * rate
-        weight = self.robot.mass * GRAVITY * self.stride
+        work = weight(self.robot) * self.stride
         return {
             "peak_torque_stance": {
                 joint: float(torque[self.bears[leg_of[i]], i].max()) for i, joint in enumerate(joints)
@@ -292,8 +289,8 @@ class _Stride:
                 joint: float(torque[~self.bears[leg_of[i]], i].max()) for i, joint in enumerate(joints)
             },
             "peak_speed": {joint: float(np.abs(rate[:, i]).max()) for i, joint in enumerate(joints)},
-            "cost_of_transport": float(trapezoid(np.abs(power).sum(axis=1), self.t)) / weight,
-            "cost_of_transport_positive": float(trapezoid(np.maximum(power, 0.0).sum(axis=1), self.t)) / weight,
+            "cost_of_transport": float(trapezoid(np.abs(power).sum(axis=1), self.t)) / work,
+            "cost_of_transport_positive": float(trapezoid(np.maximum(power, 0.0).sum(axis=1), self.t)) / work,
             "effort": float(trapezoid((self.u**2).sum(axis=1), self.t)) / self.stride,
         }
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, Infeasible, NoGait, UnknownName
-from spear_pin.gaits.bounding_law import legs_of
+from spear_pin.gaits.bounding_law import PAIR, legs_of
 from spear_pin.gaits.collocation import Solution
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.optimize import search
@@ -23,11 +23,10 @@ from spear_pin.model.motor import Drive, drawn_power
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import PARAMETERS, vary
+from spear_pin.studies.bound import mean_speed, weight
 
 Array = NDArray[np.float64]
-PAIR = 2  # legs to a leg of the sagittal model
 STIFFNESSES = (0.0, 56.0, 112.0, 200.0, 300.0, 400.0)  # N·m/rad, of Fig. 5.6; 112 is twice the source's 56
-GRAVITY = 9.81
 
 
 @dataclass(frozen=True)
@@ -177,8 +176,8 @@ def electrical_cost(gait: Gait, knee: Drive, regeneration: float = 0.0) -> float
     knees, hips = points(gait, "knee"), points(gait, "hip")
     power = drawn_power(knee.bus_power(knees.torque, knees.speed), regeneration).sum(axis=1)
     power = power + np.maximum(hips.torque * hips.speed, 0.0).sum(axis=1)
-    distance = gait.period * _speed(gait)
-    return float(PAIR * np.trapezoid(power, knees.t) / (gait.system.robot.mass * GRAVITY * distance))
+    distance = gait.period * mean_speed(gait)
+    return float(PAIR * np.trapezoid(power, knees.t) / (weight(gait.system.robot) * distance))
 
 
 def family(
@@ -335,8 +334,3 @@ def smallest_violation(
         assert failure is not None
         raise failure
     return best
-
-
-def _speed(gait: Gait) -> float:
-    end = simulate(gait.system, gait.state, progress=False)
-    return float((end.q[-1, 0] - end.q[0, 0]) / (end.t[-1] - end.t[0]))

@@ -234,16 +234,28 @@ class TestRefusals:
         )
 
     def test_robot_without_parameters(self):
-        with pytest.raises(UnknownName, match="^unknown parameter 'hip_distance'; valid: none$"):
+        gears = "hip_ratio, knee_ratio, hip_rotor, knee_rotor"
+        with pytest.raises(UnknownName, match=f"^unknown parameter 'hip_distance'; valid: {gears}$"):
             vary(load("spear_ii"), hip_distance=0.9)
 
     @each_parameter
-    @pytest.mark.parametrize("value", [0.0, -1, np.nan, np.inf, -np.inf, 1e200, 1j, "1", None, True, [1.0]])
+    @pytest.mark.parametrize("value", [-1, -1e-9, np.nan, np.inf, -np.inf, 1e200, 1j, "1", None, True, [1.0]])
     def test_bad_value(self, name, source, value):
         with pytest.raises(BadValue) as caught:
             vary(load(source), **{name: value})
         assert caught.value.name == name
-        assert caught.value.expected == f"a finite number > 0, in {PARAMETERS[name].unit}"
+        sign = ">=" if name.endswith("_rotor") else ">"
+        assert caught.value.expected == f"a finite number {sign} 0, in {PARAMETERS[name].unit}"
+
+    @each_parameter
+    def test_zero(self, name, source):
+        """Of a rotor only: none."""
+        if name.endswith("_rotor"):
+            rows = [i for i, c in enumerate(load(source).coordinates) if c.endswith(name.removesuffix("_rotor"))]
+            assert rows and not vary(load(source), **{name: 0.0}).model.armature[rows].any()
+        else:
+            with pytest.raises(BadValue, match="> 0"):
+                vary(load(source), **{name: 0.0})
 
     @pytest.mark.parametrize("value", [1, np.float64(1), np.float32(1), np.int64(1)])
     def test_numbers(self, value):

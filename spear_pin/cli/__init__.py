@@ -1,0 +1,50 @@
+"""The command line, `spear`. A command is one module, whose `add` stands in COMMANDS; imports stand in its `run`."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from spear_pin.cli import bound, doctor, dynamics, hop, robots, search
+from spear_pin.cli.arguments import Parser
+from spear_pin.cli.output import print_result
+from spear_pin.errors import SpearError
+
+COMMANDS = (robots.add, dynamics.add, hop.add, bound.add, search.add, doctor.add)  # as the help lists them
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command; 0, or 2 with one line on stderr."""
+    words = sys.argv[1:] if argv is None else argv
+    # argparse takes "-1e-3" for an option, unless something stands before the sign
+    arguments = _parser().parse_args([f" {word}" if _is_number(word) else word for word in words])
+    try:
+        result: dict[str, Any] = arguments.run(arguments)
+    except (SpearError, OSError) as error:
+        print(f"spear: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("spear: interrupted", file=sys.stderr)
+        return 2
+    status = 2 if result.pop("failed", False) else 0
+    print_result(result, arguments.json)
+    return status
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _parser() -> Parser:
+    parser = Parser(
+        prog="spear", description="Switchable parallel elastic legs: dynamics and gaits of SPEAR-II and Q-SPEAR."
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)
+    for add in COMMANDS:
+        add(commands)
+    return parser

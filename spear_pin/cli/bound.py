@@ -1,0 +1,115 @@
+"""`spear bound`."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+from typing import Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
+from spear_pin.cli.gaits import BOUND, bounding_gait
+from spear_pin.cli.output import aligned, iterations, open_page
+from spear_pin.errors import BadValue
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    parser = add_command(commands, "bound", run, "simulate a bounding gait of Q-SPEAR, write bound.html and bound.npz")
+    parser.add_argument(
+        "--gait", default=BOUND, metavar="NAME|PATH", help=f"a shipped gait, or a saved one (default: {BOUND})"
+    )
+    parser.add_argument("--speed", type=float, metavar="M/S", help="continue the gait to this mean speed")
+    add_simulation(parser, 5, "strides", "bound.html")
+    parser.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Simulate the gait and write its files, or list the gaits."""
+    from spear_pin import simulate
+    from spear_pin.studies.bound import at_speed, summarize
+    from spear_pin.viz.player import record
+
+    if arguments.list:
+        return _shipped()
+    if arguments.speed is not None and not 0 < arguments.speed < math.inf:
+        raise BadValue("--speed", arguments.speed, "a number > 0, in m/s")
+    check_simulation(arguments)
+    name, gait = bounding_gait(arguments.gait, arguments.speed)
+    if arguments.speed is not None:
+        with iterations() as tell:
+            gait = at_speed(gait, arguments.speed, on_iteration=tell)
+    trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol)
+    summary = {"gait": name, **summarize(gait, trajectory)}
+    title = f"Q-SPEAR bounding at {summary['speed']:.2f} m/s"
+    page = record(gait.system.robot, trajectory, arguments.out / "bound.html", title=title)
+    data = trajectory.save(arguments.out / "bound.npz")
+    if arguments.open:
+        open_page(page)
+    return summary | {"files": [str(page), str(data)], "text": _text(summary, page, data)}
+
+
+def _shipped() -> dict[str, Any]:
+    """The bounding gaits that ship."""
+    from spear_pin.gaits import library
+    from spear_pin.gaits.gait import Gait
+    from spear_pin.studies.bound import mean_speed
+
+    rows = []
+    for name in library.names():
+        gait = Gait.load(library.path(name))
+        if gait.system.kind == "bounding":
+            rows.append(
+                {
+                    "name": name,
+                    "speed": mean_speed(gait),
+                    "lift_off": gait.system.law.lift_off,
+                    "largest_multiplier": abs(gait.multipliers[0]),
+                    "residual": gait.residual,
+                }
+            )
+    width = max(len("gait"), *(len(row["name"]) for row in rows)) + 2
+    lines = [f"{'gait':<{width}}{'speed':>10}  {'lift-off by':<13}{'largest multiplier':<20}residual"]
+    for row in rows:
+        head = f"{row['name']:<{width}}{row['speed']:>6.2f} m/s  {row['lift_off']:<13}"
+        lines.append(f"{head}{row['largest_multiplier']:<20.4f}{row['residual']:.1e}")
+    return {"gaits": rows, "text": "\n".join(lines)}
+
+
+def _text(summary: dict[str, Any], page: Path, data: Path) -> str:
+    largest = abs(summary["multipliers"][0])
+
+    def legs(key: str, form: str, unit: str) -> str:
+        return ", ".join(format(summary[key][leg], form) for leg in ("posterior", "anterior")) + unit
+
+    def torques(key: str, part: str) -> str:
+        return ", ".join(f"{summary[key][f'{leg}_{part}']:.1f}" for leg in ("posterior", "anterior"))
+
+    rule = {
+        "knee": f"when the knee is back at {math.degrees(summary['knee_rest']):.0f}°",
+        "force": "when the normal force is zero",
+    }[summary["lift_off"]]
+    share = summary["friction_used"], summary["friction_used_last_ms"]
+    late = f", {share[1]:.2f} in the last ms" if summary["lift_off"] == "force" else ""
+    rows = [
+        ("gait", summary["gait"]),
+        ("speed", f"{summary['speed']:.4f} m/s"),
+        ("stride", f"{summary['stride']:.4f} m in {summary['period']:.4f} s"),
+        *((phase.replace("_", " "), f"{time:.4f} s") for phase, time in summary["durations"].items()),
+        ("lift-off", f"{rule}; force there {legs('lift_off_force', '.1f', ' N')} (posterior, anterior)"),
+        ("peak normal force", legs("peak_force", ".0f", " N")),
+        ("friction used", f"{share[0]:.2f}{late}; at impact {legs('friction_at_impact', '.2f', '')}"),
+        ("clearance", f"{legs('clearance', '.3f', ' m')}{'' if summary['scuff_free'] else '; a toe scuffs'}"),
+        ("knee motor, peak", f"{torques('peak_torque_stance', 'knee')} N·m in stance"),
+        ("", f"{torques('peak_torque_swing', 'knee')} N·m in swing"),
+        ("hip motor, peak", f"{torques('peak_torque_stance', 'hip')} N·m in stance"),
+        ("", f"{torques('peak_torque_swing', 'hip')} N·m in swing"),
+        ("motors", f"net {summary['net_joint_work']:.2f} J a stride; impacts lose {summary['impact_loss']:.2f} J"),
+        ("cost of transport", f"{summary['cost_of_transport']:.3f} (mechanical, |power|)"),
+        ("multipliers", f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"),
+        ("fixed point", f"residual {summary['residual']:.1e}"),
+        ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a stride"),
+        ("simulated", f"{summary['cycles']} strides ({summary['reason']})"),
+        ("files", f"{page}, {data}"),
+    ]
+    return aligned(rows)

@@ -1,0 +1,51 @@
+"""`spear dynamics`."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from spear_pin.cli.arguments import Commands, add_command
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    parser = add_command(commands, "dynamics", run, "print D, C, G, J and J̇v of a robot at a state")
+    parser.add_argument("robot", help="a robot's name, or the path of a URDF")
+    parser.add_argument("--q", type=float, nargs="+", metavar="RAD", help="configuration (default: zero)")
+    parser.add_argument("--v", type=float, nargs="+", metavar="RAD/S", help="velocity (default: zero)")
+    parser.add_argument("--lock", nargs="+", default=[], metavar="JOINT", help="joints held at zero")
+    parser.add_argument("--toes", nargs="+", metavar="FRAME", help="toe frames of a URDF")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Evaluate the terms of the equations of motion."""
+    import numpy as np
+    import pinocchio as pin
+
+    from spear_pin.model.loading import load
+
+    robot = load(arguments.robot, toes=arguments.toes, locked=arguments.lock)
+    q = pin.neutral(robot.model) if arguments.q is None else np.array(arguments.q)
+    v = np.zeros(robot.nv) if arguments.v is None else np.array(arguments.v)
+    result: dict[str, Any] = {
+        "robot": robot.name,
+        "coordinates": robot.coordinates,
+        "q": q,
+        "v": v,
+        "D": robot.mass_matrix(q),
+        "C": robot.coriolis_matrix(q, v),
+        "G": robot.gravity(q),
+        "bias": robot.bias(q, v),
+        "B": robot.actuation_matrix,
+        "J": {toe: robot.toe_jacobian(q, toe) for toe in robot.toes},
+        "J_dot_v": {toe: robot.toe_drift(q, v, toe) for toe in robot.toes},
+        "toe_position": {toe: robot.toe_position(q, toe) for toe in robot.toes},
+    }
+    lines = [f"{robot.name}: {', '.join(robot.coordinates)}  (SI units, radians)"]
+    with np.printoptions(precision=6, suppress=True):
+        for key, value in list(result.items())[2:]:
+            by_toe = {f" {toe}": array for toe, array in value.items()} if isinstance(value, dict) else {"": value}
+            for label, array in by_toe.items():
+                lines.append(f"{key}{label} =\n{array}" if array.ndim == 2 else f"{key}{label} = {array}")
+    return result | {"text": "\n".join(lines)}

@@ -1,0 +1,52 @@
+"""The bounding gaits that commands show, by name, path or speed."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from spear_pin.errors import BadValue
+
+if TYPE_CHECKING:
+    from spear_pin.gaits.gait import Gait
+
+BOUND = "long_stride"  # the one that is shown unless another is asked for
+SPEED_SUFFIX = r"_(\d+(?:\.\d+)?)$"  # of a gait's name: in m/s
+
+
+def bounding_gait(name: str, speed: float | None) -> tuple[str, Gait]:
+    """A bounding gait by its name or path; asked for a speed, the one of its family that is nearest to it.
+
+    Gaits of a family have the same name but for the speed behind it: long_stride and long_stride_3.00.
+
+    Args:
+        name: of a shipped gait, or the path of a saved one.
+        speed: in m/s; None for the gait of just this name.
+
+    Returns:
+        Its name or path, and the gait.
+
+    Raises:
+        BadValue: if it does not bound.
+        UnknownName: if there is no such gait.
+        BadFile: if the file is none of a gait.
+    """
+    from spear_pin.gaits import library
+    from spear_pin.gaits.gait import Gait
+    from spear_pin.studies.bound import mean_speed
+
+    if name in library.names() and speed is not None:
+        family = {other: re.search(SPEED_SUFFIX, other) for other in library.names() if _base(other) == _base(name)}
+        speeds = {
+            other: float(found[1]) if found else mean_speed(Gait.load(library.path(other)))
+            for other, found in family.items()
+        }
+        name = min(speeds, key=lambda other: abs(speeds[other] - speed))
+    gait = Gait.load(library.path(name) if name in library.names() else name)
+    if gait.system.kind != "bounding":
+        raise BadValue("--gait", name, f"a bounding gait; this one is of the kind {gait.system.kind!r}")
+    return name, gait
+
+
+def _base(name: str) -> str:
+    return re.sub(SPEED_SUFFIX, "", name)

@@ -1,0 +1,86 @@
+"""`spear hop`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
+from spear_pin.cli.output import aligned, iterations, open_page
+from spear_pin.errors import BadValue
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    parser = add_command(commands, "hop", run, "solve SPEAR-II's hop in place, simulate it, write hop.html and hop.npz")
+    wanted = parser.add_mutually_exclusive_group()
+    wanted.add_argument("--flight-time", type=float, metavar="S", help="solve the stance torque for it (default: 0.2)")
+    wanted.add_argument("--stance-torque", type=float, metavar="N·m", help="given; solve the fixed point only")
+    parser.add_argument("--knee", type=float, default=1.0, metavar="RAD", help="commanded knee angle (default: 1.0)")
+    parser.add_argument(
+        "--frequency", type=float, default=2.56, metavar="HZ", help="of the square wave (default: 2.56)"
+    )
+    parser.add_argument("--stiffness", type=float, metavar="N·m/RAD", help="of the knee spring (default: 48.84)")
+    parser.add_argument("--friction", type=float, metavar="MU", help="of the ground (default: 0.8, an assumption)")
+    parser.add_argument(
+        "--free-x", action="store_true", help="let the boom slide along x too; solve the hip angle for no drift"
+    )
+    parser.add_argument("--foot-placement", type=float, default=0.0, metavar="RAD·S/M", help="gain, with --free-x")
+    add_simulation(parser, 11, "hops", "hop.html")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Solve the hop, simulate it and write its files."""
+    from spear_pin import Contact, HoppingLaw, Spring, find_gait, hopping, load, simulate
+    from spear_pin.studies.hop import summarize
+    from spear_pin.viz.player import record
+
+    if arguments.flight_time is not None and not arguments.flight_time > 0:
+        raise BadValue("--flight-time", arguments.flight_time, "a number > 0, in s")
+    check_simulation(arguments)
+    robot = load("spear_ii", locked=[] if arguments.free_x else ["boom_x"])
+    law = HoppingLaw(
+        knee_touchdown=arguments.knee,
+        frequency=arguments.frequency,
+        hip_touchdown=0.5 * arguments.knee if arguments.free_x else None,
+        foot_placement=arguments.foot_placement,
+        **{} if arguments.stance_torque is None else {"stance_torque": arguments.stance_torque},
+    )
+    spring = Spring() if arguments.stiffness is None else Spring(stiffness=arguments.stiffness)
+    contact = Contact() if arguments.friction is None else Contact(friction=arguments.friction)
+    system = hopping(robot, law, spring, contact)
+    target: dict[str, float] = {}
+    if arguments.stance_torque is None:
+        target["stance_torque"] = arguments.flight_time or 0.2
+    if arguments.free_x:
+        target["hip_touchdown"] = 0.0
+    measures = {"stance_torque": "flight_time", "hip_touchdown": "mean_speed"}  # what each parameter is solved for
+    with iterations() as tell:
+        gait = find_gait(system, list(target), {measures[k]: v for k, v in target.items()}, on_iteration=tell)
+    trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol)
+    page = record(robot, trajectory, arguments.out / "hop.html", title="SPEAR-II hopping in place")
+    data = trajectory.save(arguments.out / "hop.npz")
+    if arguments.open:
+        open_page(page)
+    summary = summarize(gait, trajectory)
+    return summary | {"files": [str(page), str(data)], "text": _text(summary, page, data)}
+
+
+def _text(summary: dict[str, Any], page: Path, data: Path) -> str:
+    largest = abs(summary["multipliers"][0])
+    rows = [
+        ("stance torque", f"{summary['stance_torque']:.4f} N·m"),
+        ("commanded hip, knee", f"{summary['hip_touchdown']:.4f}, {summary['knee_touchdown']:.4f} rad"),
+        ("flight, stance", f"{summary['flight_time']:.4f} s, {summary['stance_time']:.4f} s"),
+        ("apex of the hip", f"{summary['apex_height']:.4f} m"),
+        ("peak ground force", f"{summary['peak_force']:.1f} N"),
+        ("spring's share", f"{100 * summary['spring_share']:.1f} % of the push"),
+        ("multipliers", ", ".join(f"{value:.4f}" for value in summary["multipliers"])),
+        ("", f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"),
+        ("fixed point", f"residual {summary['residual']:.1e}"),
+        ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a hop"),
+        ("simulated", f"{summary['cycles']} hops ({summary['reason']})"),
+        ("files", f"{page}, {data}"),
+    ]
+    return aligned(rows)

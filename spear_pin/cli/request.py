@@ -1,0 +1,120 @@
+"""What a command asks of a bounding gait: a shipped gait's request, and the options that change it."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from typing import TYPE_CHECKING, Any
+
+from spear_pin.cli.arguments import FREE, number_or_free
+from spear_pin.errors import BadValue
+
+if TYPE_CHECKING:
+    from spear_pin.gaits.request import Request
+    from spear_pin.model.motor import Drive
+    from spear_pin.model.robot import Robot
+
+GAIT = "least_effort"  # of which the request is, unless another is named
+MOTORS = 2  # of a joint of the quadruped in the plane, whose legs are pairs
+KNEE_EFFICIENCY = 0.83  # of the knee's gearbox, a two-stage GP 52 C
+RATIO, BUS = 15.0, 48.0  # of the knee's gearbox; in V
+
+
+def add_request(parser: argparse.ArgumentParser) -> None:
+    """Declare the gait and the options that `requested` reads."""
+    parser.add_argument(
+        "gait",
+        nargs="?",
+        default=GAIT,
+        help=f"a shipped gait: what was asked of it is asked again (default: {GAIT})",
+    )
+    parser.add_argument("--speed", type=float, metavar="M/S", help="mean forward speed")
+    parser.add_argument(
+        "--objective", metavar="NAME", help="what is minimised: effort, hip, cot, peak, electrical or violation"
+    )
+    parser.add_argument("--lift-off", metavar="RULE", help="knee (back at 40°) or force (zero)")
+    parser.add_argument(
+        "--friction", type=float, metavar="MU", help="that the gait may use; the ground has 0.8, or this if it is more"
+    )
+    parser.add_argument("--clearance", type=float, metavar="M", help="of the other toe during a stance, at least")
+    parser.add_argument("--minimum-stride", type=float, metavar="S", help="least duration of a stride")
+    parser.add_argument("--minimum-knee-torque", type=float, metavar="N·m", help="least |ū| of a motor")
+    parser.add_argument("--hip-torque", type=float, metavar="N·m", help="largest torque of a hip motor")
+    parser.add_argument("--stiffness", type=number_or_free, metavar="N·m/RAD", help="of a leg's knee spring, or: free")
+    parser.add_argument("--knee-touchdown", type=number_or_free, metavar="DEG", help="of a landing knee, or: free")
+    parser.add_argument(
+        "--knee-motor", metavar="NAME", help="stay within this motor's envelope, its rotor in the knees"
+    )
+    parser.add_argument("--ratio", type=float, metavar="N", help=f"of its gearbox (default: {RATIO:g})")
+    parser.add_argument("--bus", type=float, metavar="V", help=f"of its supply (default: {BUS:g})")
+    parser.add_argument("--hip-distance", type=float, metavar="M", help="posterior to anterior hips (default: 0.7)")
+
+
+def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
+    """The robot, and a shipped gait's request with the options in the place of its own.
+
+    Args:
+        arguments: those of `add_request`.
+
+    Returns:
+        The robot, varied if options say so, and the request; torques and stiffnesses are those of a pair of legs.
+
+    Raises:
+        BadValue: if an option is out of range, or another one is missing.
+        UnknownName: if there is no such gait, objective or motor.
+    """
+    from dataclasses import replace
+
+    from spear_pin.errors import UnknownName
+    from spear_pin.gaits.library import REQUESTS
+    from spear_pin.gaits.request import FLEXED, OBJECTIVES
+    from spear_pin.model.loading import load
+    from spear_pin.model.variants import vary
+
+    if arguments.gait not in REQUESTS:
+        raise UnknownName("gait", arguments.gait, REQUESTS)
+    if arguments.objective is not None and arguments.objective not in OBJECTIVES:
+        raise UnknownName("objective", arguments.objective, OBJECTIVES)
+    names = ("speed", "objective", "lift_off", "friction", "clearance", "minimum_stride")
+    changes: dict[str, Any] = {name: getattr(arguments, name) for name in names}
+    for name in ("minimum_knee_torque", "hip_torque", "stiffness"):
+        value = getattr(arguments, name)
+        if value is not None and not value >= 0:
+            raise BadValue(f"--{name.replace('_', '-')}", value, "a number >= 0")
+        changes[name] = None if value is None else MOTORS * value
+    if arguments.knee_touchdown is not None:
+        if arguments.knee_touchdown != FREE and not 0 < arguments.knee_touchdown <= math.degrees(FLEXED):
+            expected = f"a number > 0, at most {math.degrees(FLEXED):.1f}, in degrees, or free"
+            raise BadValue("--knee-touchdown", arguments.knee_touchdown, expected)
+        changes["knee_touchdown"] = math.radians(arguments.knee_touchdown)
+    given: dict[str, Any] = {
+        name: None if value == FREE else value for name, value in changes.items() if value is not None
+    }
+    robot = load("q_spear")
+    if arguments.hip_distance is not None:
+        robot = vary(robot, hip_distance=arguments.hip_distance)
+    drive = _knee_drive(arguments)
+    if drive is not None:
+        rotor = drive.motor.known("rotor_inertia")
+        robot = vary(robot, knee_ratio=drive.gearbox.ratio, knee_rotor=rotor)
+        given["knee_drive"] = drive
+    elif arguments.objective in ("electrical", "violation"):
+        raise BadValue("--knee-motor", None, f"a motor, for the objective {arguments.objective!r}")
+    return robot, replace(REQUESTS[arguments.gait], **given)
+
+
+def _knee_drive(arguments: argparse.Namespace) -> Drive | None:
+    from spear_pin.model.catalogue import motor
+    from spear_pin.model.motor import Drive, Gearbox
+
+    if arguments.knee_motor is None:
+        for name in ("ratio", "bus"):
+            if getattr(arguments, name) is not None:
+                raise BadValue("--knee-motor", None, f"a motor, for --{name} to belong to")
+        return None
+    ratio = RATIO if arguments.ratio is None else arguments.ratio
+    bus = BUS if arguments.bus is None else arguments.bus
+    drive = Drive(motor(arguments.knee_motor), Gearbox(ratio, KNEE_EFFICIENCY), bus)
+    for quantity in ("torque_constant", "resistance"):
+        drive.motor.known(quantity)
+    return drive

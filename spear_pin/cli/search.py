@@ -1,0 +1,142 @@
+"""`spear search`."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.output import aligned, progress
+from spear_pin.cli.request import MOTORS, add_request, requested
+from spear_pin.errors import BadValue
+
+if TYPE_CHECKING:
+    from spear_pin.gaits.collocation import Solution
+    from spear_pin.gaits.gait import Gait
+    from spear_pin.gaits.request import Request
+
+SAME = 1e-5  # between fixed points that are one
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    parser = add_command(
+        commands, "search", run, "search a bounding gait of Q-SPEAR from cold, write gait.json (needs casadi)"
+    )
+    add_request(parser)
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the initial guess (default: 0)")
+    parser.add_argument(
+        "--feedback", choices=("none", "regulated", "speed"), default="none", help="that stabilises it (default: none)"
+    )
+    add_out(parser, "gait.json")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Search the gait, stabilise it and write its file."""
+    from spear_pin import simulate
+    from spear_pin.gaits.collocation import casadi
+    from spear_pin.gaits.feedback import regulated, speed_regulated
+    from spear_pin.gaits.optimize import search
+    from spear_pin.gaits.request import OBJECTIVES
+    from spear_pin.hybrid.contact import Contact
+    from spear_pin.studies.bound import summarize
+
+    check_out(arguments)
+    if arguments.seed < 0:
+        raise BadValue("--seed", arguments.seed, "a whole number >= 0")
+    robot, request = requested(arguments)
+    casadi()
+    ground = Contact(friction=max(Contact().friction, request.friction))
+    with progress() as show:
+
+        def tell(iteration: int, objective: float, violation: float) -> None:
+            show(f"searching: iteration {iteration}, objective {objective:.4f}, violation {violation:.1e}")
+
+        gait, solution = search(robot, request, seed=arguments.seed, contact=ground, on_iteration=tell)
+        if arguments.feedback != "none":
+            show(f"designing feedback: {arguments.feedback}")
+            gait = regulated(gait) if arguments.feedback == "regulated" else speed_regulated(gait)
+        figures = summarize(gait, simulate(gait.system, gait.state, progress=False))
+    shipped = None if robot.varied else _shipped_as(request)
+    unit, meaning = OBJECTIVES[request.objective]
+    summary = {
+        "gait": arguments.gait,
+        "seed": arguments.seed,
+        "objective": request.objective,
+        "objective_value": _objective(request, solution),
+        "objective_unit": unit,
+        "objective_meaning": meaning,
+        "iterations": solution.iterations,
+        "violation": max(solution.violations.values()),
+        **figures,
+        "stiffness_of_a_leg": figures["stiffness"] / MOTORS,
+        "feedback": arguments.feedback,
+        "shipped": shipped,
+        "distance_from_shipped": None if shipped is None else _distance(gait, shipped),
+    }
+    path = gait.save(arguments.out / "gait.json")
+    return summary | {"files": [str(path)], "text": _text(summary, path)}
+
+
+def _objective(request: Request, solution: Solution) -> float:
+    """Its value in its own unit; torques are those of a motor."""
+    if request.objective == "violation":
+        return float(solution.values["violation"][0])
+    if request.objective == "peak":
+        return float(solution.values["peak torque"][0]) / MOTORS
+    return solution.objective * (0.1 if request.objective in ("cot", "electrical") else 100.0)
+
+
+def _shipped_as(request: Request) -> str | None:
+    """Name of the shipped gait of which just this was asked."""
+    from spear_pin.gaits.library import REQUESTS
+
+    return next((name for name, asked in REQUESTS.items() if asked == request), None)
+
+
+def _distance(gait: Gait, shipped: str) -> float:
+    """Largest difference of the fixed point's coordinates and velocities from a shipped one's."""
+    import numpy as np
+
+    from spear_pin.gaits.gait import Gait
+
+    other = Gait.load(shipped)
+    return float(np.abs(np.concatenate(gait.state) - np.concatenate(other.state)).max())
+
+
+def _text(summary: dict[str, Any], path: Path) -> str:
+    largest = abs(summary["multipliers"][0])
+
+    def peak(joint: str) -> str:
+        torques = [
+            max(summary[key][f"{leg}_{joint}"] for key in ("peak_torque_stance", "peak_torque_swing"))
+            for leg in ("posterior", "anterior")
+        ]
+        return ", ".join(f"{torque:.1f}" for torque in torques) + " N·m (posterior, anterior)"
+
+    rows = [
+        ("minimised", f"{summary['objective']}: {summary['objective_meaning']}"),
+        ("value", f"{summary['objective_value']:.6g} {summary['objective_unit'].removeprefix('1')}".rstrip()),
+        ("optimiser", f"{summary['iterations']} iterations, constraints kept to {summary['violation']:.1e}"),
+        ("speed", f"{summary['speed']:.4f} m/s"),
+        ("stride", f"{summary['stride']:.4f} m in {summary['period']:.4f} s"),
+        *((phase.replace("_", " "), f"{time:.4f} s") for phase, time in summary["durations"].items()),
+        ("spring of a leg", f"{summary['stiffness_of_a_leg']:.2f} N·m/rad"),
+        ("knee at touchdown", f"{math.degrees(summary['knee_touchdown']):.2f}°"),
+        ("knee motor, peak", peak("knee")),
+        ("hip motor, peak", peak("hip")),
+        ("friction used", f"{summary['friction_used']:.2f}"),
+        ("cost of transport", f"{summary['cost_of_transport']:.3f} (mechanical, |power|)"),
+        ("feedback", summary["feedback"]),
+        ("multipliers", ", ".join(f"{abs(value):.4f}" for value in summary["multipliers"][:4]) + ", ... (magnitudes)"),
+        ("", f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"),
+        ("fixed point", f"residual {summary['residual']:.1e}"),
+        ("file", str(path)),
+    ]
+    if summary["shipped"] is not None:
+        away = summary["distance_from_shipped"]
+        verdict = "the same gait" if away < SAME else "another local optimum: another seed may lead to it"
+        rows.insert(-1, ("shipped gait", f"{summary['shipped']}: {away:.1e} from its fixed point, {verdict}"))
+    return aligned(rows)

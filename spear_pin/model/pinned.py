@@ -1,0 +1,180 @@
+"""A leg whose toe is pinned to the ground and whose hip slides: one degree of freedom, by projection.
+
+The constraint of Section 4.1.2, (4.1)-(4.4), read off the robot: whatever the knee's angle θ, the other
+coordinates follow, q = q(θ) with S = dq/dθ, and the equations of motion projected on S are
+
+    (Sᵀ D S) θ̈ + (Sᵀ D S' + Sᵀ C(q, S) S) θ̇² + Sᵀ G = τ,
+
+where the factor of θ̇² is half the derivative of the effective inertia Sᵀ D S.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial.chebyshev import Chebyshev, chebinterpolate
+from numpy.typing import ArrayLike, NDArray
+
+from spear_pin.errors import BadValue, require
+from spear_pin.model.robot import Robot
+
+Array = NDArray[np.float64]
+
+DEGREES = (16, 32, 64, 128, 256)
+TAIL = 1e-14  # of a series' largest coefficient: what its last ones have to be below
+PLACED = 1e-13  # m or rad: a Newton step that is no step
+
+
+@dataclass(frozen=True)
+class Series:
+    """Functions of the knee's angle as Chebyshev series, evaluated together.
+
+    Attributes:
+        span: the least and the largest angle, in rad.
+        coefficients: (functions, degree + 1).
+    """
+
+    span: tuple[float, float]
+    coefficients: Array
+    orders: Array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Number the polynomials."""
+        object.__setattr__(self, "orders", np.arange(self.coefficients.shape[1], dtype=float))
+
+    def __call__(self, angle: ArrayLike) -> Array:
+        """Values of the functions, (functions,) or (functions, n); beyond the span, those at its end."""
+        low, high = self.span
+        place = np.clip((2.0 * np.asarray(angle) - low - high) / (high - low), -1.0, 1.0)
+        return np.asarray(self.coefficients @ np.cos(np.multiply.outer(self.orders, np.arccos(place))))
+
+    def derivative(self) -> Series:
+        """The derivatives with respect to the angle."""
+        rows = [Chebyshev(row, domain=self.span).deriv().coef for row in self.coefficients]
+        return Series(self.span, np.array(rows))
+
+
+@dataclass(frozen=True)
+class PinnedLeg:
+    """The one-degree-of-freedom model of the push test.
+
+    Attributes:
+        robot: the leg, its boom locked along the ground.
+        joint: name of the coordinate that is left, the knee's.
+            span: least and largest angle, in rad, the joint's limits.
+        rotor: inertia of the joint's rotor, reflected to it, in kg·m²; part of the effective inertia.
+        configuration: q(θ).
+        motion: Sᵀ D S, half its derivative, and Sᵀ G, in kg·m² and N·m.
+        reaction: ground force, x and z, per θ̈, per θ̇² and at rest, in N.
+    """
+
+    robot: Robot
+    joint: str
+    span: tuple[float, float]
+    rotor: float
+    configuration: Series = field(repr=False)
+    motion: Series = field(repr=False)
+    reaction: Series = field(repr=False)
+
+    @cached_property
+    def motion_with_slopes(self) -> Series:
+        """The rows of `motion`, then their derivatives with respect to θ."""
+        slopes = self.motion.derivative().coefficients
+        padded = np.pad(slopes, ((0, 0), (0, self.motion.coefficients.shape[1] - slopes.shape[1])))
+        return Series(self.span, np.vstack([self.motion.coefficients, padded]))
+
+    def with_rotor(self, inertia: float) -> PinnedLeg:
+        """The same leg with another reflected rotor inertia at the joint, in kg·m²; 0 is none.
+
+        Raises:
+            BadValue: the inertia is not a finite number >= 0.
+        """
+        require("inertia", inertia, lambda value: value >= 0, "a number >= 0, in kg·m²")
+        coefficients = self.motion.coefficients.copy()
+        coefficients[0, 0] += inertia - self.rotor
+        return replace(self, rotor=float(inertia), motion=Series(self.span, coefficients))
+
+    def effective_inertia(self, angle: ArrayLike) -> Array:
+        """Sᵀ D S, in kg·m², rotors included."""
+        return np.asarray(self.motion(angle)[0])
+
+    def gravity(self, angle: ArrayLike) -> Array:
+        """Sᵀ G, in N·m: the knee's torque that holds the leg. Negative: the weight flexes the knee."""
+        return np.asarray(self.motion(angle)[2])
+
+    def hip_height(self, angle: ArrayLike) -> Array:
+        """Height of the hip above the toe, in m, y of (4.2)."""
+        return np.asarray(self.configuration(angle)[0])
+
+    def ground_force(self, angle: ArrayLike, rate: ArrayLike, acceleration: ArrayLike) -> Array:
+        """Force of the ground on the toe, (2,) or (2, n), x and z, in N; the pin pulls where z is negative."""
+        inertial, centrifugal, resting = self.reaction(angle).reshape(3, 2, *np.shape(angle))
+        return np.asarray(inertial * np.asarray(acceleration) + centrifugal * np.square(rate) + resting)
+
+
+def pin_toe(robot: Robot, joint: str = "knee") -> PinnedLeg:
+    """Pin the toe of a leg below its hip and leave one joint free.
+
+    Args:
+        robot: planar, with one toe and three coordinates: the height first, and two joints.
+        joint: the one that stays, with finite limits in the URDF.
+
+    Raises:
+        BadValue: the robot is not such a leg, or some angle within the joint's limits cannot be reached
+            with the toe below the hip.
+        UnknownName: there is no such joint.
+    """
+    row = robot.index(joint)
+    if not robot.planar or robot.nv != 3 or robot.nq != 3 or len(robot.toes) != 1 or row == 0:
+        raise BadValue("robot", robot, "a planar leg with one toe, a height and two joints, as spear_ii, boom_x locked")
+    span = float(robot.model.lowerPositionLimit[row]), float(robot.model.upperPositionLimit[row])
+    if not (np.isfinite(span).all() and span[0] < span[1] and max(np.abs(span)) < 2 * np.pi):
+        raise BadValue(f"limits of {joint}", span, "two angles, in rad")
+    if np.abs(robot.toe_jacobian(np.zeros(3), robot.toes[0])[:, 0] - (0.0, 1.0)).max() > PLACED:
+        raise BadValue("robot", robot, "a leg whose first coordinate is the height")
+    half, middle = 0.5 * (span[1] - span[0]), 0.5 * (span[0] + span[1])
+    for degree in DEGREES:
+        coefficients = chebinterpolate(lambda places: _rows(robot, row, middle + half * places), degree).T
+        largest = np.abs(coefficients).max(axis=1, initial=1.0)
+        if (np.abs(coefficients[:, -3:]).max(axis=1) <= TAIL * largest).all():
+            parts = np.split(coefficients, (3, 6))
+            return PinnedLeg(robot, joint, span, float(robot.model.armature[row]), *(Series(span, p) for p in parts))
+    raise BadValue(f"limits of {joint}", span, "angles at which the toe can be below the hip")
+
+
+def _rows(robot: Robot, row: int, angles: Array) -> Array:
+    """What `PinnedLeg` has as series, one row an angle: 3 of the configuration, 3 of the motion, 6 of the reaction."""
+    table = np.empty((angles.size, 12))
+    for side in (angles >= 0, angles < 0):  # from the straight leg outward, each from the one before
+        q = np.zeros(3)
+        for i in sorted(np.flatnonzero(side), key=lambda i: abs(angles[i])):
+            q = _placed(robot, row, q, float(angles[i]))
+            table[i] = np.concatenate([q, *_projected(robot, row, q)])
+    return table
+
+
+def _placed(robot: Robot, row: int, q: Array, angle: float) -> Array:
+    """The configuration with the toe at the origin and the joint at an angle, by Newton's method from another."""
+    q = q.copy()
+    q[row] = angle
+    for _ in range(50):
+        jacobian = np.delete(robot.toe_jacobian(q, robot.toes[0]), row, axis=1)
+        step = np.linalg.solve(jacobian, -robot.toe_position(q, robot.toes[0]))
+        q += np.insert(step, row, 0.0)
+        if np.abs(step).max() < PLACED:
+            return q
+    raise BadValue("robot", robot, f"a leg whose toe reaches the ground below its hip at {angle:g} rad")
+
+
+def _projected(robot: Robot, row: int, q: Array) -> tuple[Array, Array]:
+    """The equations of motion along the joint, and on the toe, each per θ̈, per θ̇² and at rest."""
+    jacobian = robot.toe_jacobian(q, robot.toes[0])
+    dependent = np.delete(jacobian, row, axis=1)
+    along = np.insert(np.linalg.solve(dependent, -jacobian[:, row]), row, 1.0)  # S
+    bend = np.insert(np.linalg.solve(dependent, -robot.toe_drift(q, along, robot.toes[0])), row, 0.0)  # S'
+    mass_matrix, gravity = robot.mass_matrix(q), robot.gravity(q)
+    terms = np.array([mass_matrix @ along, mass_matrix @ bend + robot.bias(q, along) - gravity, gravity])
+    forces = np.linalg.solve(dependent.T, np.delete(terms, row, axis=1).T).T
+    return terms @ along, forces.ravel()

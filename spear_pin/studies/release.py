@@ -1,0 +1,266 @@
+"""The release of Section 4.1 in time: the pinned leg let go, from event to event, with its sensitivities.
+
+    (Sᵀ D S) θ̈ + ½ (Sᵀ D S)' θ̇² + Sᵀ G = -k (θ - θ₀) - b θ̇ - τ_c sign θ̇
+
+Dry friction changes its sign, and a spring that only pulls its stiffness, at events, so that each piece in
+between is smooth; where the knee stands still, dry friction holds what it can.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.integrate import solve_ivp
+
+from spear_pin.errors import BadValue, UnknownName, require
+from spear_pin.model.pinned import PinnedLeg
+
+Array = NDArray[np.float64]
+
+# what a motion can be derived by: the numbers of the passive knee, the reflected rotor inertia, the start
+PARAMETERS = ("stiffness", "damping", "coulomb", "zero", "rotor", "initial_angle")
+RTOL = 1e-10
+PIECES = 10_000  # smooth pieces of a motion, at most
+
+
+@dataclass(frozen=True)
+class PassiveKnee:
+    """What acts on the knee while no motor does: -k (θ - θ₀) - b θ̇ - τ_c sign θ̇, in N·m.
+
+    In the push test the spring stays engaged, its zero is an angle of its own, and it is taken to pull
+    both ways.
+
+    Attributes:
+        stiffness: k_rot, in N·m/rad (default: source Table 4.1, with motor, 10 cm).
+        damping: b, in N·m·s/rad (default: source Table 4.1, with motor, 10 cm).
+        coulomb: τ_c, in N·m; the source has none.
+        zero: θ₀, the angle at which the spring is slack, in rad (default: RA of Table 4.1, read so).
+        unilateral: whether the spring pulls only beyond its zero, as a chain does.
+    """
+
+    stiffness: float = 48.25
+    damping: float = 1.03
+    coulomb: float = 0.0
+    zero: float = 1.0
+    unilateral: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        require("PassiveKnee.stiffness", self.stiffness, lambda k: k >= 0, "a number >= 0, in N·m/rad")
+        require("PassiveKnee.damping", self.damping, lambda b: b >= 0, "a number >= 0, in N·m·s/rad")
+        require("PassiveKnee.coulomb", self.coulomb, lambda c: c >= 0, "a number >= 0, in N·m")
+        require("PassiveKnee.zero", self.zero, lambda z: abs(z) <= 2 * np.pi, "an angle, in rad")
+
+    def spring_torque(self, angle: ArrayLike) -> Array:
+        """-k (θ - θ₀), in N·m."""
+        stretch = np.asarray(angle) - self.zero
+        return np.asarray(-self.stiffness * (np.maximum(stretch, 0.0) if self.unilateral else stretch))
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The knee's motion after the release, sampled.
+
+    Attributes:
+        angle: θ, (n,), in rad.
+        rate: θ̇, (n,), in rad/s.
+        acceleration: θ̈, (n,), in rad/s².
+        sensitivity: ∂θ/∂p, (n, parameters), for those asked for.
+        turns: times at which the knee stands still between two swings, in s.
+        extrema: θ at them, in rad.
+        reason: "complete"; or what ended it, the angle being held from there on: "limit" of the joint,
+            "step_size", "pieces".
+    """
+
+    angle: Array
+    rate: Array
+    acceleration: Array
+    sensitivity: Array
+    turns: Array
+    extrema: Array
+    reason: str
+
+
+def move(
+    leg: PinnedLeg,
+    knee: PassiveKnee,
+    initial_angle: float,
+    times: ArrayLike,
+    wrt: Sequence[str] = (),
+    rtol: float = RTOL,
+) -> Motion:
+    """Let the leg go at rest and integrate its motion.
+
+    Args:
+        leg: the pinned leg, with its rotor.
+        knee: what acts on its knee.
+        initial_angle: at which it is let go, in rad.
+        times: at which the motion is wanted, increasing, (n,), in s since the release.
+        wrt: of `PARAMETERS`, those by which θ is derived.
+        rtol: relative tolerance; the absolute one is a hundredth of it, in rad and rad/s.
+
+    Raises:
+        BadValue: the angle is beyond the joint's limits, or the times do not increase from 0 on.
+        UnknownName: an unknown parameter.
+    """
+    at = np.asarray(times, dtype=float)
+    if at.ndim != 1 or at.size == 0 or not np.isfinite(at).all() or at[0] < 0 or (np.diff(at) <= 0).any():
+        raise BadValue("times", times, "increasing numbers from 0 on, in s")
+    low, high = leg.span
+    require("initial_angle", initial_angle, lambda a: low <= a <= high, f"an angle within {low:g} … {high:g} rad")
+    for name in wrt:
+        if name not in PARAMETERS:
+            raise UnknownName("parameter", name, PARAMETERS)
+    start = np.array([initial_angle, 0.0, *(float(name == "initial_angle") for name in wrt), *np.zeros(len(wrt))])
+    states, accelerations, turns = np.empty((at.size, start.size)), np.zeros(at.size), np.empty((0, 2))
+    flow = _Flow(leg, knee, tuple(wrt), 0.0, not knee.unilateral or initial_angle > knee.zero)
+    now, state, reason = 0.0, start, "pieces"
+    for _ in range(PIECES):
+        if flow.dry and state[1] == 0.0:
+            flow, state = _restarted(flow, state)
+        if now >= at[-1] or (flow.dry and flow.direction == 0.0):
+            reason = "complete"
+            break
+        events = _events(flow)
+        piece = solve_ivp(
+            flow, (now, at[-1]), state, "DOP853", dense_output=True, events=events, rtol=rtol, atol=0.01 * rtol
+        )
+        within = (at >= now) & (at <= piece.t[-1])
+        states[within] = piece.sol(at[within]).T
+        accelerations[within] = flow.acceleration(states[within, 0], states[within, 1])
+        found = np.column_stack([piece.t_events[0], piece.y_events[0].reshape(-1, start.size)[:, 0]])
+        turns = np.vstack([turns, found[found[:, 0] > now]])
+        now, state = float(piece.t[-1]), piece.y[:, -1].copy()
+        if piece.status == 0:
+            reason = "complete"
+            break
+        met = [e for e, t in zip(events, piece.t_events, strict=True) if e.terminal and t.size and t[-1] == now]
+        if piece.status < 0 or isinstance(met[0], _Limit):
+            reason = "limit" if met else "step_size"
+            break
+        if isinstance(met[0], _Turn):
+            state[1] = 0.0
+        else:
+            flow = replace(flow, pulls=not flow.pulls)
+    states[at > now] = state
+    angle, rate, sensitivity = states[:, 0], states[:, 1], states[:, 2 : 2 + len(wrt)]
+    return Motion(angle, rate, accelerations, sensitivity, turns[:, 0], turns[:, 1], reason)
+
+
+@dataclass(frozen=True)
+class _Flow:
+    """The right-hand side of one smooth piece: (θ, θ̇), then ∂θ/∂p and ∂θ̇/∂p of each parameter.
+
+    Attributes:
+        leg: with its rotor.
+        knee: what acts on it.
+        wrt: the parameters.
+        direction: of the motion as dry friction sees it, -1, 0 or 1.
+        pulls: whether the spring does.
+    """
+
+    leg: PinnedLeg
+    knee: PassiveKnee
+    wrt: tuple[str, ...]
+    direction: float
+    pulls: bool
+
+    @property
+    def dry(self) -> bool:
+        """Whether the direction of the motion matters."""
+        return self.knee.coulomb > 0.0 or "coulomb" in self.wrt
+
+    def __call__(self, t: float, state: Array) -> Array:
+        angle, rate = state[:2]
+        inertia, centrifugal, gravity, inertia_slope, centrifugal_slope, gravity_slope = self.leg.motion_with_slopes(angle)
+        knee, stiffness = self.knee, self.knee.stiffness * self.pulls
+        stretch = angle - knee.zero
+        torque = -stiffness * stretch - knee.damping * rate - knee.coulomb * self.direction
+        acceleration = (torque - gravity - centrifugal * rate * rate) / inertia
+        flow = np.empty_like(state)
+        flow[:2] = rate, acceleration
+        if self.wrt:
+            count = len(self.wrt)
+            forcing = {
+                "stiffness": -stretch * self.pulls,
+                "damping": -rate,
+                "coulomb": -self.direction,
+                "zero": stiffness,
+                "rotor": -acceleration,
+                "initial_angle": 0.0,
+            }
+            by_angle = -stiffness - gravity_slope - centrifugal_slope * rate * rate - acceleration * inertia_slope
+            by_rate = -knee.damping - 2.0 * centrifugal * rate
+            flow[2 : 2 + count] = state[2 + count :]
+            flow[2 + count :] = by_angle * state[2 : 2 + count] + by_rate * state[2 + count :]
+            flow[2 + count :] += [forcing[name] for name in self.wrt]
+            flow[2 + count :] /= inertia
+        return flow
+
+    def acceleration(self, angle: Array, rate: Array) -> Array:
+        """θ̈ at many samples."""
+        inertia, centrifugal, gravity = self.leg.motion(angle)
+        knee = self.knee
+        torque = -knee.stiffness * self.pulls * (angle - knee.zero) - knee.damping * rate - knee.coulomb * self.direction
+        return np.asarray((torque - gravity - centrifugal * rate**2) / inertia)
+
+
+def _restarted(flow: _Flow, state: Array) -> tuple[_Flow, Array]:
+    """Where the knee stands still: the direction in which it goes on, 0 if dry friction holds it.
+
+    The acceleration jumps there, and with it ∂θ̇/∂p, in the same ratio, for the time of the turn depends on p.
+    """
+    knee, angle = flow.knee, float(state[0])
+    torque = float(knee.spring_torque(angle) - flow.leg.gravity(angle))
+    direction = float(np.sign(torque)) if abs(torque) > knee.coulomb else 0.0
+    state = state.copy()
+    if flow.direction:
+        before, after = (torque - knee.coulomb * way for way in (flow.direction, direction))
+        state[2 + len(flow.wrt) :] *= after / before if direction else 0.0
+    return replace(flow, direction=direction), state
+
+
+@dataclass(frozen=True)
+class _Turn:
+    """The knee stands still; with dry friction a new piece begins there."""
+
+    terminal: bool
+    direction: float
+
+    def __call__(self, t: float, state: Array) -> float:
+        return float(state[1])
+
+
+@dataclass(frozen=True)
+class _Limit:
+    """The end of the joint's range."""
+
+    span: tuple[float, float]
+    terminal: bool = True
+    direction: float = -1.0
+
+    def __call__(self, t: float, state: Array) -> float:
+        return float(min(state[0] - self.span[0], self.span[1] - state[0]))
+
+
+@dataclass(frozen=True)
+class _Kink:
+    """The zero of a spring that only pulls."""
+
+    zero: float
+    direction: float
+    terminal: bool = True
+
+    def __call__(self, t: float, state: Array) -> float:
+        return float(state[0] - self.zero)
+
+
+def _events(flow: _Flow) -> list[_Turn | _Limit | _Kink]:
+    """What is looked for during a piece: turns first."""
+    events: list[_Turn | _Limit | _Kink] = [_Turn(flow.dry, -flow.direction), _Limit(flow.leg.span)]
+    if flow.knee.unilateral:
+        events.append(_Kink(flow.knee.zero, -1.0 if flow.pulls else 1.0))
+    return events

@@ -1,0 +1,37 @@
+"""Calls of the command line, and what each prints."""
+
+import json
+
+from spear_pin.cli import main
+
+
+def words(value):
+    """The name of a test case, from a list of arguments."""
+    return " ".join(value) if isinstance(value, (list, tuple)) else ""
+
+
+def run(capsys, *arguments):
+    """Status, stdout and stderr of a command."""
+    try:
+        status = main([str(argument) for argument in arguments])
+    except SystemExit as stop:
+        status = stop.code
+    return status, *capsys.readouterr()
+
+
+def printed(capsys, *arguments):
+    """The JSON object a command prints."""
+    status, out, err = run(capsys, *arguments, "--json")
+    assert status == 0, err
+    assert out.count("\n") == 1
+    return json.loads(out)
+
+
+def refused(capsys, *arguments):
+    """The one line of a command that fails."""
+    status, out, err = run(capsys, *arguments)
+    assert status == 2
+    assert out == ""
+    assert err.count("\n") == 1 and err.endswith("\n") and len(err) > 20
+    assert "Traceback" not in err
+    return err

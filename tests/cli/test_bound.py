@@ -1,0 +1,151 @@
+"""`spear bound`: its figures and files, and one line for every mistake."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from spear_pin import Gait, Trajectory
+from spear_pin.errors import NoGait
+from spear_pin.gaits import library
+from tests.cli.calls import printed, refused, run, words
+
+
+@pytest.fixture(scope="module")
+def bound_run(tmp_path_factory):
+    """`spear bound --json` as a process, and the folder it wrote into."""
+    folder = tmp_path_factory.mktemp("bound")
+    command = [sys.executable, "-m", "spear_pin", "bound", "--json", "--cycles", "2", "--out", str(folder)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=Path(__file__).parents[2]), folder
+
+
+class TestBound:
+    def test_figures(self, bound_run):
+        process, folder = bound_run
+        assert process.returncode == 0, process.stderr
+        assert process.stderr == "" and process.stdout.count("\n") == 1
+        result = json.loads(process.stdout)
+        assert {
+            "gait",
+            "speed",
+            "stride",
+            "period",
+            "durations",
+            "lift_off",
+            "lift_off_force",
+            "residual",
+            "multipliers",
+            "friction_used",
+            "friction_at_impact",
+            "clearance",
+            "peak_torque_stance",
+            "peak_torque_swing",
+            "net_joint_work",
+            "energy_balance",
+            "cost_of_transport",
+            "effort",
+        } <= set(result)
+        assert result["gait"] == "long_stride"
+        assert result["speed"] == pytest.approx(2.5, abs=1e-6)
+        assert result["residual"] <= 1e-8 and abs(result["energy_balance"]) <= 1e-6
+        assert list(result["durations"]) == ["posterior_stance", "flight_1", "anterior_stance", "flight_2"]
+        assert (result["cycles"], result["reason"]) == (2, "complete")
+        assert "text" not in result
+
+    def test_files(self, bound_run):
+        process, folder = bound_run
+        assert sorted(path.name for path in folder.iterdir()) == ["bound.html", "bound.npz"]
+        assert json.loads(process.stdout)["files"] == [str(folder / "bound.html"), str(folder / "bound.npz")]
+        trajectory = Trajectory.load(folder / "bound.npz")
+        assert trajectory.complete and trajectory.cycles == 2
+        assert trajectory.toes == ("posterior_toe", "anterior_toe")
+        page = folder / "bound.html"
+        assert "Q-SPEAR bounding at 2.50 m/s" in page.read_text(encoding="utf-8")
+        assert page.stat().st_size < 3_000_000
+
+    @pytest.mark.parametrize(
+        ("name", "rule"), [("least_effort", "knee is back at 40°"), ("force_lift_off", "force is zero")]
+    )
+    def test_text(self, capsys, tmp_path, name, rule):
+        status, out, err = run(capsys, "bound", "--gait", name, "--cycles", 1, "--rtol", 1e-8, "--out", tmp_path)
+        assert status == 0, err
+        assert name in out and rule in out and "2.5000 m/s" in out and "1 strides (complete)" in out
+        assert ("in the last ms" in out) == (name == "force_lift_off")
+        assert str(tmp_path / "bound.html") in out and str(tmp_path / "bound.npz") in out
+
+    def test_a_saved_gait(self, capsys, tmp_path):
+        path = Gait.load("least_effort").save(tmp_path / "mine.json")
+        result = printed(capsys, "bound", "--gait", path, "--cycles", 1, "--out", tmp_path)
+        assert result["gait"] == str(path) and result["speed"] == pytest.approx(2.5, abs=1e-6)
+
+    def test_list(self, capsys, tmp_path):
+        rows = {row["name"]: row for row in printed(capsys, "bound", "--list")["gaits"]}
+        assert {"least_effort", "long_stride", "force_lift_off"} <= set(rows)
+        assert rows["long_stride"]["speed"] == pytest.approx(2.5, abs=1e-6)
+        assert rows["force_lift_off"]["lift_off"] == "force"
+        assert all(row["residual"] <= 1e-8 and row["largest_multiplier"] > 0 for row in rows.values())
+        status, out, err = run(capsys, "bound", "--list", "--out", tmp_path)
+        assert status == 0 and err == "" and not list(tmp_path.iterdir())
+        assert all(name in out for name in rows) and "2.50 m/s" in out
+
+    @pytest.mark.parametrize(
+        ("speed", "start"), [(2.6, "long_stride"), (2.9, "long_stride_3.00"), (4, "long_stride_3.5")]
+    )
+    @pytest.mark.parametrize("asked", ["long_stride", "long_stride_3.00"])
+    def test_continues_the_nearest_of_its_family(self, capsys, tmp_path, monkeypatch, asked, speed, start):
+        source = library.path("long_stride")
+        family = ("least_effort", "long_stride", "long_stride_3.00", "long_stride_3.5", "long_stride_x_4.00")
+        monkeypatch.setattr(library, "names", lambda: family)
+        monkeypatch.setattr(library, "path", lambda name: source)
+        continued = []
+        monkeypatch.setattr(
+            "spear_pin.studies.bound.at_speed", lambda gait, speed, on_iteration: continued.append(speed) or gait
+        )
+        arguments = ["bound", "--gait", asked, "--speed", speed, "--cycles", 1, "--out", tmp_path]
+        assert printed(capsys, *arguments)["gait"] == start
+        assert continued == [speed]
+
+
+class TestMistakes:
+    def test_a_gait_that_does_not_bound(self, capsys, tmp_path, hop):
+        path = hop.save(tmp_path / "hop.json")
+        assert "'hopping'" in refused(capsys, "bound", "--gait", path, "--out", tmp_path)
+
+    def test_a_speed_out_of_reach(self, capsys, tmp_path, monkeypatch):
+        def find(*arguments, **options):
+            raise NoGait("Newton's method makes no progress", 0.1)
+
+        monkeypatch.setattr("spear_pin.studies.bound.find_gait", find)
+        text = refused(capsys, "bound", "--speed", 2.6, "--out", tmp_path)
+        assert "no gait found" in text and "it goes to 2.50" in text
+        assert not list(tmp_path.iterdir())
+
+    @pytest.mark.parametrize(
+        ("arguments", "parts"),
+        [
+            (["--gait", "gallop"], ["unknown gait 'gallop'", "least_effort", "long_stride"]),
+            (["--gait", "missing.json"], ["missing.json"]),
+            (["--gait", "gallop", "--speed", "2.6"], ["unknown gait 'gallop'", "long_stride"]),
+            (["--speed", "0"], ["--speed", "m/s"]),
+            (["--speed", "-2.5"], ["--speed"]),
+            (["--speed", "nan"], ["--speed"]),
+            (["--speed", "inf"], ["--speed"]),
+            (["--speed", "fast"], ["fast"]),
+            (["--cycles", "0"], ["cycles"]),
+            (["--cycles", "1.5"], ["1.5"]),
+            (["--rtol", "1"], ["rtol"]),
+            (["--colour", "red"], ["--colour"]),
+        ],
+        ids=words,
+    )
+    def test_arguments(self, capsys, tmp_path, arguments, parts):
+        text = refused(capsys, "bound", "--out", tmp_path, *arguments)
+        assert all(part in text for part in parts), text
+        assert not list(tmp_path.iterdir())
+
+    @pytest.mark.parametrize("place", ["missing", "file"])
+    def test_where_nothing_can_be_written(self, capsys, tmp_path, place):
+        (tmp_path / "file").touch()
+        assert "--out" in refused(capsys, "bound", "--out", tmp_path / place)

@@ -1,0 +1,85 @@
+"""`spear dynamics`: its numbers, and one line for every mistake."""
+
+import numpy as np
+import pytest
+
+from spear_pin import load
+from spear_pin.model.loading import ROBOTS
+from tests.cli.calls import printed, refused, run, words
+from tests.lagrangian import monopod
+
+STATE = [0.1, 0.55, 0.5, 1.0], [0.2, -0.4, 1.5, -2.5]
+
+
+class TestDynamics:
+    def test_values(self, capsys):
+        result = printed(capsys, "dynamics", "spear_ii", "--q", *STATE[0], "--v", *STATE[1])
+        terms = monopod().terms(*STATE)
+        np.testing.assert_allclose(result["D"], terms.mass_matrix, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(np.array(result["C"]) @ STATE[1], terms.coriolis, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(result["G"], terms.gravity, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(result["bias"], terms.coriolis + terms.gravity, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(result["J"]["toe"], terms.jacobians["toe"], rtol=0, atol=1e-12)
+        np.testing.assert_allclose(result["J_dot_v"]["toe"], terms.drifts["toe"], rtol=0, atol=1e-12)
+        np.testing.assert_allclose(result["toe_position"]["toe"], terms.toes["toe"], rtol=0, atol=1e-12)
+        assert result["B"] == [[0, 0], [0, 0], [1, 0], [0, 1]]
+        assert (result["q"], result["v"]) == STATE
+
+    def test_text(self, capsys):
+        status, out, err = run(capsys, "dynamics", "spear_ii", "--q", *STATE[0])
+        assert status == 0 and err == ""
+        assert out.startswith("spear_ii: boom_x, boom_z, hip, knee  (SI units, radians)")
+        for name in ("D =", "C =", "G =", "J toe =", "J_dot_v toe =", "toe_position toe ="):
+            assert name in out
+        assert f"{monopod().terms(*STATE).mass_matrix[2, 2]:.6f}".rstrip("0") in out
+
+    def test_zero_is_the_default(self, capsys):
+        result = printed(capsys, "dynamics", "q_spear")
+        assert result["q"] == result["v"] == [0.0] * 7
+
+    @pytest.mark.parametrize("number", ["-0.5", "-.5", "-5e-1", "-5E-1"])
+    def test_negative_numbers(self, capsys, number):
+        result = printed(capsys, "dynamics", "spear_ii", "--q", "0", number, "0.5", "1", "--v", number, "0", "0", "0")
+        assert result["q"] == [0.0, -0.5, 0.5, 1.0] and result["v"] == [-0.5, 0.0, 0.0, 0.0]
+
+    def test_lock(self, capsys):
+        result = printed(capsys, "dynamics", "spear_ii", "--lock", "boom_x", "boom_z", "--q", "0.5", "1")
+        assert result["coordinates"] == ["hip", "knee"]
+        np.testing.assert_allclose(result["D"], monopod().terms(*STATE).mass_matrix[2:, 2:], rtol=0, atol=1e-12)
+
+    def test_a_urdf(self, capsys):
+        result = printed(capsys, "dynamics", ROBOTS["spear_ii"].path, "--toes", "toe", "--q", *STATE[0])
+        np.testing.assert_allclose(result["D"], load("spear_ii").mass_matrix(STATE[0]), rtol=1e-15)
+        assert list(result["J"]) == ["toe"]
+
+
+class TestMistakes:
+    def test_an_unknown_robot(self, capsys):
+        assert "unknown robot 'spear_iii'; valid: spear_ii, q_spear" in refused(capsys, "dynamics", "spear_iii")
+
+    def test_a_missing_urdf(self, capsys, tmp_path):
+        assert "missing.urdf" in refused(capsys, "dynamics", tmp_path / "missing.urdf")
+
+    def test_a_urdf_that_is_none(self, capsys, tmp_path):
+        path = tmp_path / "text.urdf"
+        path.write_text("no\nxml\nat all")
+        assert "text.urdf" in refused(capsys, "dynamics", path)
+
+    @pytest.mark.parametrize(
+        ("arguments", "parts"),
+        [
+            (["--q", "1", "2"], ["q is", "4 numbers (boom_x, boom_z, hip, knee)"]),
+            (["--v", "1"], ["v is", "4 numbers"]),
+            (["--q", "0", "nan", "0", "0"], ["q[1]", "nan"]),
+            (["--q", "0", "0", "0", "inf"], ["q[3]", "inf"]),
+            (["--q", "0", "0", "zero", "0"], ["--q", "zero"]),
+            (["--q"], ["--q"]),
+            (["--lock", "ankle"], ["unknown joint 'ankle'", "boom_x"]),
+            (["--toes", "hoof"], ["unknown frame 'hoof'", "toe"]),
+            (["--colour", "red"], ["--colour"]),
+        ],
+        ids=words,
+    )
+    def test_arguments(self, capsys, arguments, parts):
+        text = refused(capsys, "dynamics", "spear_ii", *arguments)
+        assert all(part in text for part in parts), text

@@ -1,0 +1,141 @@
+"""`spear hop`: its figures and files, and one line for every mistake."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spear_pin import Trajectory
+from tests.cli.calls import printed, refused, run, words
+
+
+@pytest.fixture(scope="module")
+def hop_run(tmp_path_factory):
+    """`spear hop --json` as a process, and the folder it wrote into."""
+    folder = tmp_path_factory.mktemp("hop")
+    command = [sys.executable, "-m", "spear_pin", "hop", "--json", "--out", str(folder)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=Path(__file__).parents[2]), folder
+
+
+class TestHop:
+    def test_figures(self, hop_run):
+        process, folder = hop_run
+        assert process.returncode == 0, process.stderr
+        assert process.stderr == "" and process.stdout.count("\n") == 1
+        result = json.loads(process.stdout)
+        assert {
+            "stance_torque",
+            "flight_time",
+            "stance_time",
+            "residual",
+            "multipliers",
+            "apex_height",
+            "peak_force",
+            "energy_residual",
+            "spring_share",
+        } <= set(result)
+        assert result["stance_torque"] == pytest.approx(7.826, abs=1e-3)
+        assert result["flight_time"] == pytest.approx(0.2, abs=1e-8)
+        assert result["stance_time"] == pytest.approx(0.3643, abs=1e-4)
+        assert result["residual"] <= 1e-9
+        assert [abs(complex(*value)) for value in result["multipliers"]] == pytest.approx(
+            [0.406, 0.235, 0.235], abs=1e-3
+        )
+        assert result["stable"] is True
+        assert result["apex_height"] == pytest.approx(0.612, abs=1e-3)
+        assert result["energy_residual"] <= 1e-8
+        assert result["spring_share"] == pytest.approx(0.70, abs=0.01)
+        assert (result["cycles"], result["reason"]) == (11, "complete")
+        assert "text" not in result
+
+    def test_files(self, hop_run):
+        process, folder = hop_run
+        assert sorted(path.name for path in folder.iterdir()) == ["hop.html", "hop.npz"]
+        assert json.loads(process.stdout)["files"] == [str(folder / "hop.html"), str(folder / "hop.npz")]
+        trajectory = Trajectory.load(folder / "hop.npz")
+        assert trajectory.complete and trajectory.cycles == 11
+        assert trajectory.coordinates == ("boom_z", "hip", "knee")
+        page = (folder / "hop.html").read_text(encoding="utf-8")
+        assert page.lstrip().lower().startswith("<!doctype html>") and "</html>" in page
+
+    def test_text_and_options(self, capsys, tmp_path):
+        options = ["--stance-torque", 8.2, "--knee", 0.95, "--frequency", 2.6, "--stiffness", 50, "--friction", 0.9]
+        status, out, err = run(capsys, "hop", *options, "--cycles", 2, "--rtol", 1e-8, "--out", tmp_path)
+        assert status == 0, err
+        assert "8.2000 N·m" in out and "stable" in out and "2 hops (complete)" in out
+        assert str(tmp_path / "hop.html") in out and str(tmp_path / "hop.npz") in out
+        trajectory = Trajectory.load(tmp_path / "hop.npz")
+        assert trajectory.cycles == 2
+        stance, flight = (trajectory.phase == phase for phase in ("stance", "flight"))
+        assert np.abs(trajectory.u[stance, 1]).max() == 8.2
+        assert trajectory.named("torque_switch")[0].time == pytest.approx(0.5 / 2.6)
+        np.testing.assert_allclose(
+            trajectory.u[flight, 1],
+            63.25 * (0.95 - trajectory.q[flight, 2]) - 0.52 * trajectory.v[flight, 2],
+            atol=1e-9,
+        )
+        compression = np.maximum(trajectory.q[stance, 2] - trajectory.q[0, 2], 0)[:50]
+        np.testing.assert_allclose(trajectory.spring[stance, 0][:50], -50 * compression, atol=1e-9)
+        sliding = np.char.startswith(trajectory.domain, "stance slip")
+        np.testing.assert_allclose(
+            np.abs(trajectory.force[sliding, 0, 0]), 0.9 * trajectory.force[sliding, 0, 1], rtol=1e-9, atol=1e-9
+        )
+
+    def test_free(self, capsys, tmp_path):
+        """The hip angle is solved for no drift, and foot placement stabilises it."""
+        arguments = ["hop", "--free-x", "--cycles", 1, "--out", tmp_path]
+        result = printed(capsys, *arguments)
+        assert len(result["multipliers"]) == 4 and result["stable"] is False
+        assert result["flight_time"] == pytest.approx(0.2, abs=1e-8)
+        trajectory = Trajectory.load(tmp_path / "hop.npz")
+        assert trajectory.coordinates[0] == "boom_x"
+        assert trajectory.q[-1, 0] == pytest.approx(trajectory.q[0, 0], abs=1e-8)
+        placed = printed(capsys, *arguments, "--foot-placement", 0.15)
+        assert placed["stable"] is True
+
+
+class TestMistakes:
+    @pytest.mark.parametrize(("arguments", "part"), [(["--cycles", "0"], "cycles"), (["--rtol", "1"], "rtol")])
+    def test_what_is_simulated_before_anything_is_solved(self, capsys, tmp_path, monkeypatch, arguments, part):
+        monkeypatch.setattr("spear_pin.find_gait", lambda *_, **__: pytest.fail("the gait was solved for"))
+        assert part in refused(capsys, "hop", "--out", tmp_path, *arguments)
+
+    @pytest.mark.slow
+    def test_a_hop_that_cannot_be(self, capsys, tmp_path):
+        assert "no gait found" in refused(capsys, "hop", "--out", tmp_path, "--flight-time", "5")
+
+    @pytest.mark.parametrize("place", ["missing", "file"])
+    def test_where_nothing_can_be_written(self, capsys, tmp_path, place):
+        (tmp_path / "file").touch()
+        assert "--out" in refused(capsys, "hop", "--out", tmp_path / place)
+
+    @pytest.mark.parametrize(
+        ("arguments", "part"),
+        [
+            (["--flight-time", "-1"], "--flight-time"),
+            (["--flight-time", "0"], "--flight-time"),
+            (["--flight-time", "nan"], "--flight-time"),
+            (["--flight-time", "inf"], "flight_time"),
+            (["--flight-time", "soon"], "soon"),
+            (["--flight-time", "0.2", "--stance-torque", "8"], "not allowed with"),
+            (["--stance-torque", "-1"], "stance_torque"),
+            (["--stance-torque", "nan"], "stance_torque"),
+            (["--knee", "4"], "knee_touchdown"),
+            (["--frequency", "0"], "frequency"),
+            (["--stiffness", "-5"], "stiffness"),
+            (["--friction", "0"], "friction"),
+            (["--foot-placement", "0.1"], "foot_placement"),
+            (["--colour", "red"], "--colour"),
+            (["--cycles", "1.5"], "1.5"),
+            (["--stance-torque", "8", "--cycles", "0"], "cycles"),
+            (["--stance-torque", "8", "--rtol", "1"], "rtol"),
+            (["--stance-torque", "0"], "no gait found"),
+        ],
+        ids=words,
+    )
+    def test_arguments(self, capsys, tmp_path, arguments, part):
+        assert part in refused(capsys, "hop", "--out", tmp_path, *arguments)
+        assert not list(tmp_path.iterdir())

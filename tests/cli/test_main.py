@@ -1,0 +1,66 @@
+"""`spear`: its help, its commands, and one line for every mistake."""
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.cli.calls import refused, run, words
+
+
+class TestHelp:
+    @pytest.mark.parametrize(
+        "command", [(), ("robots",), ("dynamics",), ("hop",), ("bound",), ("search",), ("doctor",)], ids=words
+    )
+    def test_help(self, capsys, command):
+        status, out, err = run(capsys, *command, "--help")
+        assert status == 0 and err == ""
+        assert out.startswith("usage: spear") and "--help" in out
+
+    def test_lists_the_commands(self, capsys):
+        _, out, _ = run(capsys, "--help")
+        assert all(command in out for command in ("robots", "dynamics", "hop", "bound", "search", "doctor"))
+
+
+class TestMistakes:
+    @pytest.mark.parametrize("arguments", [[], ["fly"], ["--json"], ["robots", "spear_ii"]], ids=words)
+    def test_commands(self, capsys, arguments):
+        refused(capsys, *arguments)
+
+    def test_as_a_process(self):
+        process = subprocess.run(
+            [sys.executable, "-m", "spear_pin", "dynamics", "spear_iii"],
+            capture_output=True,
+            text=True,
+            cwd=Path(__file__).parents[2],
+        )
+        assert process.returncode == 2 and process.stdout == ""
+        assert process.stderr.count("\n") == 1 and "spear_iii" in process.stderr
+
+    def test_a_reader_that_stops_reading(self):
+        """As `spear dynamics q_spear | head -1` does."""
+        process = subprocess.Popen(
+            [sys.executable, "-m", "spear_pin", "dynamics", "q_spear"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            cwd=Path(__file__).parents[2],
+        )
+        process.stdout.close()
+        error = process.stderr.read()
+        process.stderr.close()
+        process.wait()
+        assert b"Traceback" not in error and b"Exception" not in error
+
+
+def test_every_number_is_json(capsys):
+    """Neither NaN nor infinity is ever printed."""
+    status, out, _ = run(capsys, "dynamics", "spear_ii", "--json")
+    assert status == 0
+
+    def refuse(name):
+        raise AssertionError(name)
+
+    assert math.isfinite(json.loads(out, parse_constant=refuse)["D"][0][0])
