@@ -78,7 +78,9 @@ def designs() -> Iterator[Row]:
     _, solution = search(ROBOT, request)
     for found in codesign(ROBOT, request, {name: drive(name) for name in MOTORS}, RATIOS, solution):
         row = {name: value for name, value in vars(found).items() if name != "gait" and value == value}
-        yield row | {"knee_touchdown": math.degrees(found.knee_touchdown)}
+        if found.gait is not None:
+            row["knee_touchdown"] = math.degrees(found.knee_touchdown)
+        yield row
 
 
 def excess() -> Iterator[Row]:

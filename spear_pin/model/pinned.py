@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.polynomial.chebyshev import Chebyshev, chebinterpolate
+from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, require
@@ -52,7 +52,7 @@ class Series:
 
     def derivative(self) -> Series:
         """The derivatives with respect to the angle."""
-        rows = [Chebyshev(row, domain=self.span).deriv().coef for row in self.coefficients]
+        rows = [chebyshev.Chebyshev(row, domain=self.span).deriv().coef for row in self.coefficients]
         return Series(self.span, np.array(rows))
 
 
@@ -136,7 +136,7 @@ def pin_toe(robot: Robot, joint: str = "knee") -> PinnedLeg:
         raise BadValue("robot", robot, "a leg whose first coordinate is the height")
     half, middle = 0.5 * (span[1] - span[0]), 0.5 * (span[0] + span[1])
     for degree in DEGREES:
-        coefficients = chebinterpolate(lambda places: _rows(robot, row, middle + half * places), degree).T
+        coefficients = chebyshev.chebinterpolate(lambda places: _rows(robot, row, middle + half * places), degree).T  # type: ignore[type-var]
         largest = np.abs(coefficients).max(axis=1, initial=1.0)
         if (np.abs(coefficients[:, -3:]).max(axis=1) <= TAIL * largest).all():
             parts = np.split(coefficients, (3, 6))

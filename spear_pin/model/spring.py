@@ -40,3 +40,20 @@ def rotational_stiffness(spring: float, spacer_radius: float, belt: float = 0.0,
         pulley_radius: r_pulley, in m.
     """
     return 2.0 * belt * pulley_radius**2 + spring * spacer_radius**2
+
+
+def belt_stiffness(modulus: float, area: float, length: float, radius: float) -> float:
+    """k_rotBelt = 2 E A r² / L₀, (4.5)-(4.7), in N·m/rad: both strands of a timing belt about its pulley.
+
+    Args:
+        modulus: E, in Pa. That of the rubber alone ignores the belt's cords, which are far stiffer.
+        area: A of one strand, in m².
+        length: L₀ of one strand, in m.
+        radius: r of the pulley, in m.
+
+    Raises:
+        BadValue: a number that is not positive.
+    """
+    for name, value in (("modulus", modulus), ("area", area), ("length", length), ("radius", radius)):
+        require(name, value, lambda number: number > 0, "a number > 0")
+    return 2.0 * modulus * area * radius**2 / length

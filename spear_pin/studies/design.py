@@ -5,6 +5,7 @@ Torques and stiffnesses here are those of one leg and its motor, half of the sag
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -258,25 +259,25 @@ def codesign(
     """The spring and the touchdown angle of least cost for each motor and gear ratio, inside the motor's envelope.
 
     The robot gets the motor's own rotor and its ratio; another motor's mass is not accounted for.
-    A design is a local optimum.
+    A design is a local optimum: the better one of those found from `start` and from the design at the ratio before.
 
     Args:
         robot: Q-SPEAR in the sagittal plane.
         request: what is asked; its objective, stiffness, touchdown angle and knee drive are replaced.
         drives: by name, their gearboxes' ratios being replaced.
-        ratios: of the knee's gears.
+        ratios: of the knee's gears, in an order that makes small steps.
         start: a solution to start from; None searches cold.
     """
+    nothing = math.nan
     for name, base in drives.items():
+        near = start
         for ratio in ratios:
             drive = replace(base, gearbox=replace(base.gearbox, ratio=ratio))
-            rotor = drive.reflected_inertia / ratio**2
-            fitted = vary(robot, knee_ratio=ratio, knee_rotor=rotor)
+            fitted = vary(robot, knee_ratio=ratio, knee_rotor=drive.reflected_inertia / ratio**2)
             wanted = replace(request, objective="electrical", stiffness=None, knee_touchdown=None, knee_drive=drive)
             try:
-                gait, _ = search(fitted, wanted, start=start)
+                gait, near = _cheapest(fitted, wanted, drive, [start] if near is start else [start, near])
             except (Infeasible, NoGait) as error:
-                nothing = float("nan")
                 yield Design(name, ratio, nothing, nothing, nothing, nothing, nothing, None, str(error))
                 continue
             use = against(points(gait), drive)
@@ -290,6 +291,21 @@ def codesign(
                 margin=float(use.worst.min()),
                 gait=gait,
             )
+
+
+def _cheapest(robot: Robot, request: Request, drive: Drive, starts: Sequence[Solution | None]) -> tuple[Gait, Solution]:
+    """Of what is found from each start, the gait of least electrical cost; where nothing is, why not from the last."""
+    found: list[tuple[Gait, Solution]] = []
+    failure: Infeasible | NoGait | None = None
+    for start in starts:
+        try:
+            found.append(search(robot, request, start=start))
+        except (Infeasible, NoGait) as error:
+            failure = error
+    if not found:
+        assert failure is not None
+        raise failure
+    return min(found, key=lambda each: electrical_cost(each[0], drive))
 
 
 def smallest_violation(

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from spear_pin.errors import BadValue, require
@@ -75,6 +76,25 @@ class Swing:
 
 
 @dataclass(frozen=True)
+class BeltFrequencies:
+    """Undamped frequencies of the small oscillation, in Hz, by how the belt is taken.
+
+    Attributes:
+        rigid: no belt in between, the rotor moving with the knee.
+        parallel: the belt added to the spring, the rotor moving with the knee nevertheless: the source's reading.
+        locked: the belt added to the spring, the rotor standing still.
+        low: the belt in series, the rotor floating: the slower mode.
+        high: the faster.
+    """
+
+    rigid: float
+    parallel: float
+    locked: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
 class GearRow:
     """One gear ratio of the study of Figs. 4.5 and 4.6.
 
@@ -115,8 +135,14 @@ def equilibrium(leg: PinnedLeg, knee: PassiveKnee) -> float:
     if stable.size != 1:
         expected = f"a spring that holds the leg at one angle within {leg.span[0]:g} … {leg.span[1]:g} rad"
         raise BadValue("knee", knee, expected)
-    below, above = angles[max(stable[0] - 1, 0)], angles[min(stable[0] + 2, angles.size - 1)]
-    return float(brentq(lambda a: float(knee.spring_torque(a) - leg.gravity(a)), below, above, xtol=1e-14))
+
+    def balance(angle: float) -> float:
+        return float(knee.spring_torque(angle) - leg.gravity(angle))
+
+    below, above = float(angles[stable[0]]), float(angles[stable[0] + 1])
+    if balance(below) <= 0.0 or balance(above) > 0.0:  # at one of the two, but for rounding
+        return min(below, above, key=lambda angle: abs(balance(angle)))
+    return float(brentq(balance, below, above, xtol=1e-14))
 
 
 def resting_at(leg: PinnedLeg, knee: PassiveKnee, rest: float) -> PassiveKnee:
@@ -138,7 +164,12 @@ def pushed_angle(leg: PinnedLeg, knee: PassiveKnee, depth: float) -> float:
 
 
 def release(
-    leg: PinnedLeg, knee: PassiveKnee, depth: float = 0.10, duration: float = 1.5, rate: float = RATE, rtol: float = RTOL
+    leg: PinnedLeg,
+    knee: PassiveKnee,
+    depth: float = 0.10,
+    duration: float = 1.5,
+    rate: float = RATE,
+    rtol: float = RTOL,
 ) -> Release:
     """Push the leg down by a depth, in m, below its rest, and let it go.
 
@@ -190,6 +221,30 @@ def swing(leg: PinnedLeg, knee: PassiveKnee) -> Swing:
         damping_ratio=float(ratio),
         rotor_share=leg.rotor / inertia,
     )
+
+
+def belt_frequencies(leg: PinnedLeg, knee: PassiveKnee, belt: float) -> BeltFrequencies:
+    """The small oscillation with a belt that is not rigid, read in either way.
+
+    The source adds the belt to the spring, which holds while the rotor does not turn. Without current the
+    rotor floats, and the belt lies in series between it and the knee: two inertias, two modes.
+
+    Args:
+        leg: the pinned leg, with its rotor.
+        knee: with the stiffness of its spring alone.
+        belt: k_rotBelt of (4.7), in N·m/rad.
+
+    Raises:
+        BadValue: the belt or the rotor is none, or the leg does not rest on its spring.
+    """
+    require("belt", belt, lambda k: k > 0, "a stiffness > 0, in N·m/rad")
+    require("rotor", leg.rotor, lambda inertia: inertia > 0, "an inertia > 0, in kg·m²")
+    rest = equilibrium(leg, knee)
+    inertia, body = float(leg.effective_inertia(rest)), float(leg.effective_inertia(rest)) - leg.rotor
+    stiffness = knee.stiffness + float(leg.motion_with_slopes(rest)[5])
+    modes = eigh([[stiffness + belt, -belt], [-belt, belt]], np.diag([body, leg.rotor]), eigvals_only=True)
+    squares = np.array([stiffness / inertia, (stiffness + belt) / inertia, (stiffness + belt) / body, *modes])
+    return BeltFrequencies(*(float(f) for f in np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi)))
 
 
 def gear_study(

@@ -52,7 +52,7 @@ class PassiveKnee:
         require("PassiveKnee.stiffness", self.stiffness, lambda k: k >= 0, "a number >= 0, in N·m/rad")
         require("PassiveKnee.damping", self.damping, lambda b: b >= 0, "a number >= 0, in N·m·s/rad")
         require("PassiveKnee.coulomb", self.coulomb, lambda c: c >= 0, "a number >= 0, in N·m")
-        require("PassiveKnee.zero", self.zero, lambda z: abs(z) <= 2 * np.pi, "an angle, in rad")
+        require("PassiveKnee.zero", self.zero, lambda z: abs(z) < np.inf, "an angle, in rad")
 
     def spring_torque(self, angle: ArrayLike) -> Array:
         """-k (θ - θ₀), in N·m."""
@@ -115,13 +115,16 @@ def move(
         if name not in PARAMETERS:
             raise UnknownName("parameter", name, PARAMETERS)
     start = np.array([initial_angle, 0.0, *(float(name == "initial_angle") for name in wrt), *np.zeros(len(wrt))])
-    states, accelerations, turns = np.empty((at.size, start.size)), np.zeros(at.size), np.empty((0, 2))
+    states, accelerations, turns = np.tile(start, (at.size, 1)), np.zeros(at.size), np.empty((0, 2))
     flow = _Flow(leg, knee, tuple(wrt), 0.0, not knee.unilateral or initial_angle > knee.zero)
     now, state, reason = 0.0, start, "pieces"
     for _ in range(PIECES):
         if flow.dry and state[1] == 0.0:
             flow, state = _restarted(flow, state)
-        if now >= at[-1] or (flow.dry and flow.direction == 0.0):
+        held = flow.dry and flow.direction == 0.0
+        if now >= at[-1] or held:
+            if not held:
+                accelerations[at == now] = flow.acceleration(state[0], state[1])
             reason = "complete"
             break
         events = _events(flow)
@@ -129,8 +132,9 @@ def move(
             flow, (now, at[-1]), state, "DOP853", dense_output=True, events=events, rtol=rtol, atol=0.01 * rtol
         )
         within = (at >= now) & (at <= piece.t[-1])
-        states[within] = piece.sol(at[within]).T
-        accelerations[within] = flow.acceleration(states[within, 0], states[within, 1])
+        if within.any():
+            states[within] = piece.sol(at[within]).T
+            accelerations[within] = flow.acceleration(states[within, 0], states[within, 1])
         found = np.column_stack([piece.t_events[0], piece.y_events[0].reshape(-1, start.size)[:, 0]])
         turns = np.vstack([turns, found[found[:, 0] > now]])
         now, state = float(piece.t[-1]), piece.y[:, -1].copy()
@@ -145,6 +149,9 @@ def move(
             state[1] = 0.0
         else:
             flow = replace(flow, pulls=not flow.pulls)
+    state[1] = 0.0
+    if reason == "limit":  # it is there whatever the parameters
+        state[2:] = 0.0
     states[at > now] = state
     angle, rate, sensitivity = states[:, 0], states[:, 1], states[:, 2 : 2 + len(wrt)]
     return Motion(angle, rate, accelerations, sensitivity, turns[:, 0], turns[:, 1], reason)
@@ -175,7 +182,9 @@ class _Flow:
 
     def __call__(self, t: float, state: Array) -> Array:
         angle, rate = state[:2]
-        inertia, centrifugal, gravity, inertia_slope, centrifugal_slope, gravity_slope = self.leg.motion_with_slopes(angle)
+        inertia, centrifugal, gravity, inertia_slope, centrifugal_slope, gravity_slope = self.leg.motion_with_slopes(
+            angle
+        )
         knee, stiffness = self.knee, self.knee.stiffness * self.pulls
         stretch = angle - knee.zero
         torque = -stiffness * stretch - knee.damping * rate - knee.coulomb * self.direction
@@ -204,7 +213,9 @@ class _Flow:
         """θ̈ at many samples."""
         inertia, centrifugal, gravity = self.leg.motion(angle)
         knee = self.knee
-        torque = -knee.stiffness * self.pulls * (angle - knee.zero) - knee.damping * rate - knee.coulomb * self.direction
+        torque = (
+            -knee.stiffness * self.pulls * (angle - knee.zero) - knee.damping * rate - knee.coulomb * self.direction
+        )
         return np.asarray((torque - gravity - centrifugal * rate**2) / inertia)
 
 

@@ -108,6 +108,17 @@ def test_speed_feedback_adds_to_both_hips_and_nothing_on_the_orbit(gait: Gait, m
     assert np.abs(displacement(gait.system, gait.state, once.state)).max() < 1e-8
 
 
+@pytest.mark.slow
+def test_the_gain_of_speed_feedback_that_is_found_beats_those_beside_it(gait: Gait) -> None:
+    """By the multipliers of the simulation itself, at gains that the search does not simulate."""
+    best = speed_regulated(gait)
+    (gain, same), largest = best.system.law.speed_gain, abs(best.multipliers[0])
+    assert gain == same
+    assert largest < 0.75
+    for other in (gain - 5.0, gain + 5.0):
+        assert abs(speed_regulated(gait, other).multipliers[0]) > largest
+
+
 def test_what_cannot_be_asked_for(gait: Gait, stabilised: Gait) -> None:
     with pytest.raises(UnknownName, match="epsilon"):
         regulated(gait, ("posterior_hip_torque", "epsilon"))

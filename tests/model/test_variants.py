@@ -120,15 +120,31 @@ class TestByHand:
     )
     def test_ratio(self, name, ratio, reflected):
         before = {"hip_ratio": 0.047, "knee_ratio": 0.027, "adduction_ratio": 0.047}[name]
+        rotors = {"spear_ii": [1], "q_spear": [2, 2], "q_spear_full": [1, 1, 1, 1]}  # that the kind's joints turn
         for source in PARAMETERS[name].robots:
-            robot, rotors = load(source), 2 if source == "q_spear" else 1
-            rows = [i for i, joint in enumerate(robot.coordinates) if joint.endswith(name.removesuffix("ratio")[:-1])]
-            assert len(rows) == 4 // rotors
+            robot = load(source)
+            rows = [i for i, joint in enumerate(robot.coordinates) if joint.endswith(name.removesuffix("_ratio"))]
+            assert len(rows) == len(rotors[source])
             change = difference(source, state(robot)[0], **{name: ratio})
-            assert_adds(change, {(row, row): rotors * (reflected - before) for row in rows})
+            gain = reflected - before
+            assert_adds(change, {(row, row): n * gain for row, n in zip(rows, rotors[source], strict=True)})
             model = vary(robot, **{name: ratio}).model
             np.testing.assert_array_equal(model.rotorInertia, robot.model.rotorInertia)
             assert set(model.rotorGearRatio[rows]) == {ratio}
+
+    @pytest.mark.parametrize("locked", [[], ["boom_x"]])
+    def test_gears_of_the_monopod(self, locked):
+        """N² J of each motor, whatever the order in which they are varied; 0 takes the motor off."""
+        robot = load("spear_ii", locked=locked)
+        varied = vary(vary(robot, knee_ratio=66.0, hip_rotor=2e-5), knee_rotor=1e-4, hip_ratio=50.0)
+        expected = np.zeros(robot.nv)
+        expected[robot.index("hip")], expected[robot.index("knee")] = 50.0**2 * 2e-5, 66.0**2 * 1e-4
+        np.testing.assert_allclose(varied.model.armature, expected, rtol=1e-14)
+        bare = vary(varied, knee_rotor=0.0)
+        expected[robot.index("knee")] = 0.0
+        np.testing.assert_allclose(bare.model.armature, expected, rtol=1e-14)
+        assert vary(bare, knee_rotor=1e-4).model == varied.model
+        assert varied.varied == {"knee_ratio": 66.0, "hip_rotor": 2e-5, "knee_rotor": 1e-4, "hip_ratio": 50.0}
 
     @pytest.mark.parametrize("distance", [0.4, 1.0])
     def test_hips_are_where_they_should_be(self, distance):
@@ -139,7 +155,8 @@ class TestByHand:
 
     def test_pairs_are_four_legs(self):
         """What both have, changed in both, changes them alike: the legs of the sagittal robot are pairs."""
-        values = {name: 1.4 * parameter.default for name, parameter in PARAMETERS.items() if len(parameter.robots) == 2}
+        both = {name: value for name, value in PARAMETERS.items() if {"q_spear", "q_spear_full"} <= set(value.robots)}
+        values = {name: 1.4 * parameter.default for name, parameter in both.items()}
         assert len(values) == 7
         pairs, legs = vary(load("q_spear"), **values), vary(load("q_spear_full"), **values)
         embedding = np.zeros((18, 7))
@@ -233,7 +250,8 @@ class TestRefusals:
             *("hip_ratio", "knee_ratio", "hip_rotor", "knee_rotor"),
         )
 
-    def test_robot_without_parameters(self):
+    def test_of_another_robot(self):
+        """The monopod has motors, but no torso."""
         gears = "hip_ratio, knee_ratio, hip_rotor, knee_rotor"
         with pytest.raises(UnknownName, match=f"^unknown parameter 'hip_distance'; valid: {gears}$"):
             vary(load("spear_ii"), hip_distance=0.9)

@@ -198,12 +198,12 @@ class TestStudies:
     def test_designs_get_the_motor_s_rotor_and_ratio(self, gait: Gait, searches: list[tuple]) -> None:
         drives = {"large": Drive(motor("ec_90_flat_260w"), Gearbox(15.0, 0.83), 48.0)}
         found = list(codesign(gait.system.robot, Request(), drives, (8.0, 20.0), "given"))
-        for given, ratio, (robot, request, _, start) in zip(found, (8.0, 20.0), searches, strict=True):
+        assert [start for *_, start in searches] == ["given", "given", "solution 1"]
+        for given, ratio, (robot, request, *_) in zip(found, (8.0, 20.0), searches[:2], strict=True):
             row = robot.index("posterior_knee")
             assert robot.model.armature[row] == pytest.approx(2 * ratio**2 * 5.06e-4, rel=1e-9)
             assert request.knee_drive.gearbox == Gearbox(ratio, 0.83)
             assert (request.objective, request.stiffness, request.knee_touchdown) == ("electrical", None, None)
-            assert start == "given"
             assert (given.motor, given.ratio, given.stiffness) == ("large", ratio, 56.0)
             assert given.margin == against(points(gait), request.knee_drive).worst.min()
             assert given.cost == electrical_cost(gait, request.knee_drive)

@@ -1,0 +1,186 @@
+"""Named columns of numbers from a CSV or .mat file that somebody else wrote."""
+
+from __future__ import annotations
+
+import csv
+import re
+import zlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadFile
+
+Array = NDArray[np.float64]
+
+HEAD = 1 << 16  # bytes of a file that are looked at to tell its format
+ROWS = 1 << 19  # that are read at a time
+LARGEST = 200_000_000  # values of a .mat variable
+
+
+@dataclass(frozen=True)
+class Columns:
+    """A file's columns, of equal length.
+
+    Attributes:
+        names: as in the file; "column 1" and so on where it has none.
+        values: one array per column that was asked for, in rows of the file, NaN where it holds no number.
+        comments: lines of the file that begin with #, without it.
+    """
+
+    names: tuple[str, ...]
+    values: tuple[Array, ...]
+    comments: tuple[str, ...]
+
+
+Choice = Callable[[tuple[str, ...]], Sequence[str]]
+
+
+def read_columns(path: str | Path, choose: Choice) -> Columns:
+    """Read some columns of a CSV file (comma, semicolon, tab or blanks; decimal comma too) or of a .mat file.
+
+    Args:
+        path: of the file; a suffix .mat is MATLAB's, anything else is text.
+        choose: says which columns to read, from all their names.
+
+    Raises:
+        BadFile: the file is missing, empty, not text, or not a table of numbers.
+    """
+    path = Path(path)
+    try:
+        with path.open("rb") as file:
+            head = file.read(HEAD)
+    except OSError as error:
+        raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
+    if not head.strip():
+        raise BadFile(path, "the file is empty")
+    return _mat(path, choose) if path.suffix.lower() == ".mat" else _text(path, head, choose)
+
+
+@dataclass(frozen=True)
+class _Dialect:
+    """How a table is written: comment lines, then names or not, a separator, a decimal mark."""
+
+    comments: tuple[str, ...]
+    skipped: int
+    names: tuple[str, ...]
+    headed: bool
+    separator: str
+    decimal: str
+
+
+def _text(path: Path, head: bytes, choose: Choice) -> Columns:
+    import pandas as pd
+
+    dialect = _dialect(path, head)
+    wanted = tuple(choose(dialect.names))
+    places = [dialect.names.index(name) for name in wanted]
+    chunks: list[list[Array]] = [[] for _ in wanted]
+    try:
+        with path.open("rb") as file:
+            tables = pd.read_csv(
+                file,
+                sep=dialect.separator,
+                decimal=dialect.decimal,
+                header=None,
+                skiprows=dialect.skipped + dialect.headed,
+                usecols=sorted(set(places)),
+                names=list(range(len(dialect.names))),
+                index_col=False,
+                comment="#",
+                skipinitialspace=True,
+                chunksize=ROWS,
+                compression=None,
+                encoding="utf-8",
+                encoding_errors="strict",
+            )
+            for table in tables:
+                for place, chunk in zip(places, chunks, strict=True):
+                    chunk.append(pd.to_numeric(table[place], errors="coerce").to_numpy(np.float64))
+    except pd.errors.EmptyDataError:
+        raise BadFile(path, "there are no rows in it") from None
+    except pd.errors.ParserError as error:
+        raise BadFile(path, f"not a table: {_reason(error)}") from None
+    except (UnicodeDecodeError, ValueError) as error:
+        raise BadFile(path, f"not a table of numbers: {_reason(error)}") from None
+    except OSError as error:
+        raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
+    values = tuple(np.concatenate(chunk) if chunk else np.empty(0) for chunk in chunks)
+    return Columns(wanted, values, dialect.comments)
+
+
+def _dialect(path: Path, head: bytes) -> _Dialect:
+    try:
+        text = head.decode("utf-8-sig") if len(head) < HEAD else head[: head.rfind(b"\n") + 1].decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise BadFile(path, "not a text file (UTF-8), nor a .mat file") from None
+    if "\0" in text or not text:
+        raise BadFile(path, "not a text file, nor a .mat file")
+    lines = text.splitlines()
+    skipped = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")), None)
+    if skipped is None:
+        raise BadFile(path, "there are no rows in it")
+    comments = tuple(line[1:].strip() for line in lines[:skipped] if line.startswith("#"))
+    rows = [line for line in lines[skipped : skipped + 20] if line.strip()]
+    separator = next((mark for mark in ("\t", ";", ",") if mark in rows[-1]), r"\s+")
+    split = (
+        re.compile(r"\s+").split if separator == r"\s+" else lambda line: next(csv.reader([line], delimiter=separator))
+    )
+    first = [field.strip() for field in split(rows[0].strip())]
+    headed = not all(_is_number(field.replace(",", ".")) or not field for field in first)
+    names = tuple(first) if headed else tuple(f"column {i + 1}" for i in range(len(first)))
+    if len(set(names)) < len(names):
+        raise BadFile(path, f"two columns have the same name among {', '.join(names)}", skipped + 1)
+    decimal = "," if separator in (";", "\t", r"\s+") and re.search(r"\d,\d", rows[-1]) else "."
+    return _Dialect(comments, skipped, names, headed, separator, decimal)
+
+
+def _mat(path: Path, choose: Choice) -> Columns:
+    from scipy.io import loadmat, whosmat
+
+    try:
+        sizes = {name: shape for name, shape, kind in whosmat(path) if kind in _NUMBERS and _is_vector(shape)}
+        names = tuple(sizes)
+        wanted = tuple(choose(names))
+        content = loadmat(path, variable_names=list(wanted), squeeze_me=True) if wanted else {}
+    except NotImplementedError:
+        raise BadFile(path, "a MATLAB 7.3 file: save it with -v7") from None
+    except (
+        ValueError,
+        TypeError,
+        KeyError,
+        IndexError,
+        EOFError,
+        OSError,
+        OverflowError,
+        MemoryError,
+        zlib.error,
+    ) as error:
+        raise BadFile(path, f"not a .mat file that can be read: {_reason(error)}") from None
+    values = tuple(np.asarray(content[name], dtype=np.float64) for name in wanted)
+    if len({value.size for value in values}) > 1:
+        described = ", ".join(f"{name} has {value.size}" for name, value in zip(wanted, values, strict=True))
+        raise BadFile(path, f"columns of different length: {described}")
+    return Columns(wanted, values, ())
+
+
+_NUMBERS = {"double", "single", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))}
+
+
+def _is_vector(shape: tuple[int, ...]) -> bool:
+    return max(shape, default=0) > 1 and int(np.prod(shape, dtype=np.float64)) == max(shape)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _reason(error: Exception) -> str:
+    return " ".join(str(error).split()).removeprefix("Error tokenizing data. C error: ") or type(error).__name__

@@ -1,0 +1,294 @@
+"""Parameters of the passive knee from recorded releases, by nonlinear least squares, with error bars.
+
+The model of a trial is the angle θ₀ until the leg is let go at t₀, and the pinned leg's motion from there on,
+smoothed as the data were. Each trial has its own θ₀ and t₀; the knee's parameters are shared, or each trial's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations, product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from spear_pin.errors import UnknownName
+from spear_pin.model.pinned import PinnedLeg
+from spear_pin.studies.identification.problem import NUISANCES, Problem, pose
+from spear_pin.studies.identification.trials import Trial
+from spear_pin.studies.identification.uncertainty import nrmse_fit, scatter, whiteness
+from spear_pin.studies.release import PassiveKnee, move
+
+Array = NDArray[np.float64]
+
+VARY = ("stiffness", "damping", "rest_angle")  # what the source estimates
+ALIKE = 0.98  # correlation of two estimates that cannot be told apart
+BY_CHANCE = 0.01  # probability below which residuals are not white
+FRACTIONS = (0.1, 0.25, 0.5, 1.0, 2.0)  # of the friction that would brake the first swing by itself
+POOR = 70.0  # percent: a model that fits worse does not describe the data
+TOLERANCE = 1e-9
+ROUNDING = 1e-6  # rad: residuals below are those of the integration
+# ψ / r and ψ' of the losses of SciPy, of z = (r / scale)²
+LOSSES: Mapping[str, tuple[Callable[[Array], Array], Callable[[Array], Array]]] = {
+    "linear": (np.ones_like, np.ones_like),
+    "soft_l1": (lambda z: (1 + z) ** -0.5, lambda z: (1 + z) ** -1.5),
+    "huber": (lambda z: np.where(z <= 1, 1.0, 1.0 / np.sqrt(np.maximum(z, 1.0))), lambda z: (z <= 1).astype(float)),
+    "cauchy": (lambda z: 1 / (1 + z), lambda z: (1 - z) / (1 + z) ** 2),
+}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """An estimated parameter.
+
+    Attributes:
+        name: of `QUANTITIES`.
+        trial: number of the trial that it belongs to; None if all share it.
+        value: in the quantity's unit.
+        deviation: its standard deviation; infinite where the data do not tell.
+    """
+
+    name: str
+    trial: int | None
+    value: float
+    deviation: float
+
+    @property
+    def label(self) -> str:
+        """The name, with the number of the trial counted from 1."""
+        return self.name if self.trial is None else f"{self.name} of release {self.trial + 1}"
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What was estimated, and how far to trust it.
+
+    Attributes:
+        parameters: those of the knee first.
+        covariance: of all of them, in their order.
+        condition: of the residuals' Jacobian with columns of length one.
+        knees: what acts on the knee, for each trial.
+        rotors: reflected rotor inertia, for each trial, in kg·m².
+        trials: as they were fitted.
+        predicted: the model's angle for each trial, smoothed as the data were, in rad.
+        fits: 100 (1 - ‖y - ŷ‖ / ‖y - ȳ‖) for each trial, MATLAB's NRMSE fit, in percent.
+        noise: standard deviation of the angle's noise before smoothing, in rad.
+        whiteness: probability that white noise has residuals as correlated as these, before smoothing
+            (Ljung and Box); None where the angle before smoothing is not known, or there is no noise.
+        warnings: what a reader has to know.
+        converged: whether the solver met its tolerances.
+        integrations: of a release: a motion counts one, one with sensitivities as many as it has.
+    """
+
+    parameters: tuple[Parameter, ...]
+    covariance: Array
+    condition: float
+    knees: tuple[PassiveKnee, ...]
+    rotors: tuple[float, ...]
+    trials: tuple[Trial, ...]
+    predicted: tuple[Array, ...]
+    fits: tuple[float, ...]
+    noise: float
+    whiteness: float | None
+    warnings: tuple[str, ...]
+    converged: bool
+    integrations: int
+
+    def __getitem__(self, name: str) -> Parameter:
+        """The shared parameter of a name, or the only one.
+
+        Raises:
+            UnknownName: it was not estimated, or each trial has its own.
+        """
+        found = [p for p in self.parameters if p.name == name]
+        if len(found) != 1:
+            raise UnknownName("shared parameter", name, [p.name for p in self.parameters if p.trial is None])
+        return found[0]
+
+    @property
+    def fit(self) -> float:
+        """NRMSE fit over all trials together, each about its own mean, in percent."""
+        missed = sum(float(((t.angle - y) ** 2).sum()) for t, y in zip(self.trials, self.predicted, strict=True))
+        spread = sum(float(((t.angle - t.angle.mean()) ** 2).sum()) for t in self.trials)
+        return 100.0 * (1.0 - float(np.sqrt(missed / spread)))
+
+    @property
+    def correlation(self) -> Array:
+        """Correlation matrix of the parameters, in their order."""
+        deviation = np.sqrt(np.diag(self.covariance))
+        return np.asarray(self.covariance / np.outer(deviation, deviation))
+
+
+def identify(
+    leg: PinnedLeg,
+    trials: Sequence[Trial],
+    vary: Sequence[str] = VARY,
+    *,
+    per_trial: Collection[str] = (),
+    nuisances: Collection[str] = NUISANCES,
+    static_rest: bool = False,
+    knee: PassiveKnee | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    loss: str = "linear",
+    smooth_model: bool = True,
+    on_iteration: Callable[[int, float], None] | None = None,
+) -> Estimate:
+    """Estimate parameters of the passive knee from releases.
+
+    Args:
+        leg: the pinned leg; with its rotor, or without if the belt was off.
+        trials: releases, as `cut` finds them, smoothed or not.
+        vary: stiffness, damping, coulomb, rest_angle, rotor_inertia: any of them.
+        per_trial: those of `vary` of which every trial has its own; the others are shared.
+        nuisances: what else is estimated, for every trial: initial_angle, release_time. What is left out is
+            taken as known: the median of the hold (or first sample), `Trial.let_go`.
+        static_rest: whether the rest angle is where the leg rests, instead of the zero of the spring.
+        knee: holds what is not varied, and the start of the search (default: a guess from the data for what
+            is varied, no dry friction). Its `zero` is read as `static_rest` says.
+        bounds: least and largest values by name, narrower than those of `QUANTITIES`.
+        loss: of `scipy.optimize.least_squares`; one other than "linear" is scaled by the spread of the residuals of
+            a linear fit made first.
+        smooth_model: whether the model is smoothed as the data were; without it the estimates are biased, as
+            those of the source may be.
+        on_iteration: called with the number of evaluations and the residuals' root mean square, in rad.
+
+    Raises:
+        BadValue: nothing to estimate from or nothing to estimate, a trial beyond the joint's limits, bad bounds.
+        UnknownName: an unknown parameter or loss.
+    """
+    if loss not in LOSSES:
+        raise UnknownName("loss", loss, LOSSES)
+    problem = pose(
+        leg,
+        trials,
+        vary,
+        per_trial=per_trial,
+        nuisances=nuisances,
+        static_rest=static_rest,
+        knee=knee,
+        bounds=bounds or {},
+        smooth_model=smooth_model,
+    )
+    spread = 1.0
+    solutions = [_solved(problem, start, "linear", spread, on_iteration) for start in _starts(problem, knee is None)]
+    solution = min(solutions, key=lambda found: float(found.cost))
+    if loss != "linear":
+        spread = max(1.5 * 1.4826 * float(np.median(np.abs(solution.fun))), 1e-9)
+        solution = _solved(problem, solution.x, loss, spread, on_iteration)
+    return _estimate(problem, solution, loss, spread)
+
+
+def _starts(problem: Problem, guessed: bool) -> list[Array]:
+    """Where to begin. Dry friction stops the knee sooner or later, which makes several minima: the best of a grid."""
+    start = np.array([entry.start for entry in problem.entries])
+    names = np.array([entry.name for entry in problem.entries])
+    if not (guessed and "coulomb" in names):
+        return [start]
+    low, high = np.array([entry.bounds for entry in problem.entries]).T
+    parts = product(FRACTIONS, FRACTIONS if "damping" in names else (1.0,))
+    grid = [start * np.where(names == "coulomb", dry, np.where(names == "damping", wet, 1.0)) for dry, wet in parts]
+    grid = [np.clip(each, low, high) for each in grid]
+    return sorted(grid, key=lambda each: float(np.square(problem.residuals(each)).sum()))[:2]
+
+
+def _solved(
+    problem: Problem, start: Array, loss: str, spread: float, on_iteration: Callable[[int, float], None] | None
+) -> Any:
+    evaluations = 0
+
+    def residuals(x: Array) -> Array:
+        nonlocal evaluations
+        evaluations += 1
+        values = problem.residuals(x)
+        if on_iteration is not None:
+            on_iteration(evaluations, float(np.sqrt(np.mean(values**2))))
+        return values
+
+    bounds = np.array([entry.bounds for entry in problem.entries]).T
+    tolerances = {"ftol": TOLERANCE, "xtol": TOLERANCE, "gtol": TOLERANCE}
+    return least_squares(
+        residuals, start, problem.jacobian, bounds, x_scale="jac", loss=loss, f_scale=spread, max_nfev=100, **tolerances
+    )
+
+
+def _estimate(problem: Problem, solution: Any, loss: str, spread: float) -> Estimate:
+    x, trials = np.asarray(solution.x), problem.trials
+    integrations = problem.tally["integrations"]
+    ends = np.cumsum([trial.t.size for trial in trials])[:-1]
+    predicted = [problem.predicted(x, j) for j in range(len(trials))]
+    residuals = [y - trial.angle for y, trial in zip(predicted, trials, strict=True)]
+    unsmoothed = [problem.angle(x, j) - raw for j, trial in enumerate(trials) if (raw := trial.unsmoothed) is not None]
+    known = len(unsmoothed) == len(trials)
+    found = scatter(
+        residuals,
+        np.split(problem.jacobian(x), ends),
+        [trial.smoothing for trial in trials],
+        influence=_influence(np.concatenate(residuals), loss, spread),
+        unsmoothed=unsmoothed if known else None,
+    )
+    deviations = np.sqrt(np.diag(found.covariance))
+    settings = [problem.setting(x, j) for j in range(len(trials))]
+    estimate = Estimate(
+        parameters=tuple(
+            Parameter(entry.name, entry.trial, float(value), float(deviation))
+            for entry, value, deviation in zip(problem.entries, x, deviations, strict=True)
+        ),
+        covariance=found.covariance,
+        condition=found.condition,
+        knees=tuple(setting.knee for setting in settings),
+        rotors=tuple(setting.leg.rotor for setting in settings),
+        trials=trials,
+        predicted=tuple(predicted),
+        fits=tuple(nrmse_fit(trial.angle, y) for trial, y in zip(trials, predicted, strict=True)),
+        noise=found.noise,
+        whiteness=whiteness(unsmoothed) if known and found.noise > ROUNDING else None,
+        warnings=(),
+        converged=bool(solution.status > 0),
+        integrations=integrations,
+    )
+    return replace(estimate, warnings=tuple(_warnings(problem, solution, estimate)))
+
+
+def _influence(residuals: Array, loss: str, spread: float) -> tuple[Array, Array] | None:
+    """ψ and ψ' of a robust loss."""
+    if loss == "linear":
+        return None
+    weight, slope = LOSSES[loss]
+    z = (residuals / spread) ** 2
+    return weight(z) * residuals, slope(z)
+
+
+def _warnings(problem: Problem, solution: Any, estimate: Estimate) -> Iterator[str]:
+    if not estimate.converged:
+        yield f"the search did not converge in {solution.nfev} evaluations"
+    for parameter, side in zip(estimate.parameters, solution.active_mask, strict=True):
+        if side:
+            yield f"{parameter.label} is at its bound, {parameter.value:.4g}: its standard deviation means nothing"
+    if not np.isfinite(estimate.condition):
+        yield "the data do not tell these parameters apart at all: vary fewer"
+    else:
+        correlation = estimate.correlation
+        for (i, one), (j, other) in combinations(enumerate(estimate.parameters), 2):
+            if abs(correlation[i, j]) > ALIKE:
+                pair = f"{one.label} and {other.label}"
+                yield f"{pair} cannot be told apart (correlation {correlation[i, j]:.4f}): hold one of them"
+    for j, (trial, fit) in enumerate(zip(estimate.trials, estimate.fits, strict=True)):
+        if not fit >= POOR:
+            yield f"the model does not describe {trial.label}: fit {fit:.1f} %"
+        setting = problem.setting(np.asarray(solution.x), j)
+        since = trial.t[trial.t > setting.let_go] - setting.let_go
+        motion = move(setting.leg, setting.knee, setting.initial_angle, since)
+        force = setting.leg.ground_force(motion.angle, motion.rate, motion.acceleration)[1]
+        if force.min() < 0.0:
+            pull = f"{force.min():.1f} N after {since[int(np.argmin(force))]:.3f} s"
+            yield f"in {trial.label} the pinned toe pulls on the ground, {pull}: it would lift off"
+    if estimate.whiteness is not None and estimate.whiteness < BY_CHANCE:
+        yield (
+            f"the residuals are not white (p = {estimate.whiteness:.1g}): the model misses something, and the"
+            " standard deviations are too small"
+        )
+    if not problem.smooth_model and any(trial.smoothing for trial in estimate.trials):
+        yield "the data were smoothed and the model was not: the estimates are biased"

@@ -1,0 +1,295 @@
+"""The least-squares problem of the push test: entries of the unknown vector, residuals and their Jacobian."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.model.pinned import PinnedLeg
+from spear_pin.studies.identification.trials import Trial
+from spear_pin.studies.release import PassiveKnee, move
+
+Array = NDArray[np.float64]
+
+RTOL = 1e-8
+ONSET = 0.1  # s, by which the time of a release may be corrected
+TAIL = 0.2  # of a trial: its end, at rest or nearly
+SLACK = 1e-6  # N·m/rad: the least stiffness, which the static rest is divided by
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A parameter that can be estimated.
+
+    Attributes:
+        symbol: as in the source.
+        unit: of the value.
+        derivative: of `move` that it takes; None for the time of release.
+        bounds: least and largest value.
+    """
+
+    symbol: str
+    unit: str
+    derivative: str | None
+    bounds: tuple[float, float]
+
+
+QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
+    {
+        "stiffness": Quantity("k_rot", "N·m/rad", "stiffness", (SLACK, np.inf)),
+        "damping": Quantity("b", "N·m·s/rad", "damping", (0.0, np.inf)),
+        "coulomb": Quantity("τ_c", "N·m", "coulomb", (0.0, np.inf)),
+        "rest_angle": Quantity("RA", "rad", "zero", (-np.pi, np.pi)),
+        "rotor_inertia": Quantity("N²J", "kg·m²", "rotor", (0.0, np.inf)),
+        "initial_angle": Quantity("θ₀", "rad", "initial_angle", (-np.pi, np.pi)),
+        "release_time": Quantity("t₀", "s", None, (-np.inf, np.inf)),
+    }
+)
+NUISANCES = ("initial_angle", "release_time")  # of each trial
+KNEE = tuple(name for name in QUANTITIES if name not in NUISANCES)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One unknown.
+
+    Attributes:
+        name: of `QUANTITIES`.
+        trial: number of the trial it belongs to; None if all share it.
+        start: of the search.
+        bounds: least and largest value.
+    """
+
+    name: str
+    trial: int | None
+    start: float
+    bounds: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What the model of one trial needs.
+
+    Attributes:
+        leg: with its rotor.
+        knee: what acts on its knee.
+        initial_angle: in rad.
+        let_go: in s on the trial's clock.
+        rest_angle: as it is read, in rad.
+    """
+
+    leg: PinnedLeg
+    knee: PassiveKnee
+    initial_angle: float
+    let_go: float
+    rest_angle: float
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Residuals of all trials as a function of the unknowns.
+
+    Attributes:
+        leg: the pinned leg.
+        trials: the data.
+        known: the value of every quantity that is not unknown, for each trial.
+        entries: the unknowns.
+        static_rest: whether the rest angle is where the leg rests.
+        unilateral: whether the spring only pulls.
+        smooth_model: whether the model is smoothed as the data were.
+        tally: integrations of a release so far, under "integrations".
+    """
+
+    leg: PinnedLeg
+    trials: tuple[Trial, ...]
+    known: tuple[Mapping[str, float], ...]
+    entries: tuple[Entry, ...]
+    static_rest: bool
+    unilateral: bool
+    smooth_model: bool
+    tally: Counter[str] = field(default_factory=Counter, compare=False)
+
+    def setting(self, x: Array, j: int) -> Setting:
+        """The model's numbers for trial j."""
+        value = dict(self.known[j])
+        value |= {e.name: float(v) for e, v in zip(self.entries, x, strict=True) if e.trial in (None, j)}
+        zero = value["rest_angle"]
+        if self.static_rest:
+            zero += float(self.leg.gravity(zero)) / value["stiffness"]
+        knee = PassiveKnee(value["stiffness"], value["damping"], value["coulomb"], zero, self.unilateral)
+        leg = self.leg.with_rotor(value["rotor_inertia"])
+        return Setting(leg, knee, value["initial_angle"], value["release_time"], value["rest_angle"])
+
+    def angle(self, x: Array, j: int) -> Array:
+        """The model's angle for trial j, not smoothed, (n,), in rad."""
+        return self._modelled(self.setting(x, j), self.trials[j], ())[0]
+
+    def predicted(self, x: Array, j: int) -> Array:
+        """The model's angle for trial j as it is compared with the data, (n,), in rad."""
+        return self._smoothed(self.angle(x, j), j)
+
+    def residuals(self, x: Array) -> Array:
+        """Model minus data of all trials, one after the other, (N,), in rad."""
+        return np.concatenate([self.predicted(x, j) - trial.angle for j, trial in enumerate(self.trials)])
+
+    def jacobian(self, x: Array) -> Array:
+        """Derivatives of the residuals, (N, unknowns)."""
+        blocks = []
+        for j, trial in enumerate(self.trials):
+            block = np.zeros((trial.t.size, len(self.entries)))
+            mine = [i for i, entry in enumerate(self.entries) if entry.trial in (None, j)]
+            block[:, mine] = self._slopes(self.setting(x, j), trial, [self.entries[i].name for i in mine])
+            blocks.append(self._smoothed(block, j))
+        return np.vstack(blocks)
+
+    def _slopes(self, setting: Setting, trial: Trial, names: Sequence[str]) -> Array:
+        wrt = {QUANTITIES[name].derivative for name in names} - {None}
+        if self.static_rest and "stiffness" in wrt:
+            wrt |= {"zero"}
+        order = sorted(str(name) for name in wrt)
+        angle, rate, sensitivity = self._modelled(setting, trial, order)
+        slopes = {name: sensitivity[:, i] for i, name in enumerate(order)}
+        if self.static_rest:
+            rest, stiffness = setting.rest_angle, setting.knee.stiffness
+            if "stiffness" in slopes:
+                slopes["stiffness"] = (
+                    slopes["stiffness"] - slopes["zero"] * float(setting.leg.gravity(rest)) / stiffness**2
+                )
+            if "zero" in slopes:
+                slopes["zero"] = slopes["zero"] * (1.0 + float(setting.leg.motion_with_slopes(rest)[5]) / stiffness)
+        return np.column_stack([-rate if (d := QUANTITIES[name].derivative) is None else slopes[d] for name in names])
+
+    def _modelled(self, setting: Setting, trial: Trial, wrt: Sequence[str]) -> tuple[Array, Array, Array]:
+        """Angle, rate and sensitivities: the hold, then the motion."""
+        since = trial.t - setting.let_go
+        moving = since > 0.0
+        angle, rate = np.full(since.size, setting.initial_angle), np.zeros(since.size)
+        sensitivity = np.tile([float(name == "initial_angle") for name in wrt], (since.size, 1))
+        if moving.any():
+            motion = move(setting.leg, setting.knee, setting.initial_angle, since[moving], wrt, RTOL)
+            angle[moving], rate[moving], sensitivity[moving] = motion.angle, motion.rate, motion.sensitivity
+            self.tally["integrations"] += max(len(wrt), 1)
+        return angle, rate, sensitivity
+
+    def _smoothed(self, values: Array, j: int) -> Array:
+        smoothing = self.trials[j].smoothing if self.smooth_model else None
+        return values if smoothing is None else smoothing(values)
+
+
+def pose(
+    leg: PinnedLeg,
+    trials: Sequence[Trial],
+    vary: Sequence[str],
+    *,
+    per_trial: Collection[str],
+    nuisances: Collection[str],
+    static_rest: bool,
+    knee: PassiveKnee | None,
+    bounds: Mapping[str, tuple[float, float]],
+    smooth_model: bool,
+) -> Problem:
+    """Set the problem up; see `identify` for the arguments and what is refused."""
+    _check(leg, trials, vary, per_trial, nuisances, bounds)
+    guesses = [_guess(leg, trial, static_rest) for trial in trials]
+    shared = {name: float(np.median([guess[name] for guess in guesses])) for name in KNEE}
+    if knee is not None:
+        given = {"stiffness": knee.stiffness, "damping": knee.damping, "coulomb": knee.coulomb, "rest_angle": knee.zero}
+        shared |= given
+    elif "coulomb" not in vary:
+        shared["coulomb"] = 0.0
+    known = tuple(guess | shared for guess in guesses)
+    entries = []
+    for name in vary:
+        limits = _bounds(leg, name, bounds, static_rest)
+        owners = range(len(trials)) if name in per_trial else (None,)
+        entries += [Entry(name, owner, float(np.clip(shared[name], *limits)), limits) for owner in owners]
+    for j, trial in enumerate(trials):
+        for name in (name for name in NUISANCES if name in nuisances):
+            limits = _bounds(leg, name, bounds, static_rest)
+            if name == "release_time":
+                limits = max(trial.let_go - ONSET, trial.t[0]), min(trial.let_go + ONSET, trial.t[-2])
+            entries.append(Entry(name, j, float(np.clip(known[j][name], *limits)), limits))
+    unilateral = knee is not None and knee.unilateral
+    return Problem(leg, tuple(trials), known, tuple(entries), static_rest, unilateral, smooth_model)
+
+
+def _check(
+    leg: PinnedLeg,
+    trials: Sequence[Trial],
+    vary: Sequence[str],
+    per_trial: Collection[str],
+    nuisances: Collection[str],
+    bounds: Mapping[str, tuple[float, float]],
+) -> None:
+    for kind, names, valid in (
+        ("parameter", vary, KNEE),
+        ("parameter of each trial", per_trial, tuple(vary)),
+        ("nuisance", nuisances, NUISANCES),
+        ("bounded parameter", bounds, (*vary, *nuisances)),
+    ):
+        for name in names:
+            if name not in valid:
+                raise UnknownName(kind, name, valid)
+    if not vary or len(set(vary)) < len(vary):
+        raise BadValue("vary", list(vary), f"one or more of {', '.join(KNEE)}, each once")
+    if not trials:
+        raise BadValue("trials", list(trials), "one release or more")
+    low, high = leg.span
+    for trial in trials:
+        for extreme in (float(trial.angle.min()), float(trial.angle.max())):
+            if not low <= extreme <= high:
+                expected = f"within the joint's limits, {low:g} … {high:g} rad; is the calibration right?"
+                raise BadValue(f"the knee's angle in {trial.label}", extreme, expected)
+
+
+def _bounds(
+    leg: PinnedLeg, name: str, bounds: Mapping[str, tuple[float, float]], static_rest: bool
+) -> tuple[float, float]:
+    """What bounds a quantity: its own, the leg's and the user's."""
+    low, high = QUANTITIES[name].bounds
+    if name == "initial_angle" or (name == "rest_angle" and static_rest):
+        low, high = leg.span
+    least, largest = bounds.get(name, (-np.inf, np.inf))
+    low, high = max(low, least), min(high, largest)
+    if not low < high:
+        raise BadValue(
+            f"bounds of {name}",
+            bounds.get(name),
+            f"two numbers, the first less than the other, within {QUANTITIES[name].bounds}",
+        )
+    return low, high
+
+
+def _guess(leg: PinnedLeg, trial: Trial, static_rest: bool) -> dict[str, float]:
+    """Parameters from the swing's first turn, its depth and the angle in the end.
+
+    Damping and dry friction are each such that it brakes the first swing by itself.
+    """
+    hold = trial.angle[trial.t < trial.let_go]
+    initial = float(np.median(hold)) if hold.size else float(trial.angle[0])
+    since = trial.t - trial.let_go
+    rest = float(np.clip(trial.angle[since > (1.0 - TAIL) * since[-1]].mean(), *leg.span))
+    first = (since > 0) & (since <= 1.0)
+    turn = float(since[first][np.argmin(trial.angle[first])]) if first.any() else 0.2
+    below = (rest - float(trial.angle[first].min(initial=rest))) / max(abs(initial - rest), 1e-3)
+    decrement = -np.log(np.clip(below, 0.05, 0.95)) / np.pi
+    ratio = decrement / np.hypot(1.0, decrement)
+    inertia, slope = float(leg.effective_inertia(rest)), float(leg.motion_with_slopes(rest)[5])
+    undamped = np.pi / max(turn, 0.02) / np.sqrt(1.0 - ratio**2)
+    stiffness = max(inertia * undamped**2 - slope, 5.0)
+    damping = float(2.0 * ratio * inertia * undamped)
+    return {
+        "stiffness": float(stiffness),
+        "damping": damping,
+        "coulomb": 0.25 * np.pi * damping * undamped * abs(initial - rest) * (1.0 + below) / 2.0,
+        "rest_angle": rest if static_rest else rest + float(leg.gravity(rest)) / stiffness,
+        "rotor_inertia": leg.rotor,
+        "initial_angle": float(np.clip(initial, *leg.span)),
+        "release_time": trial.let_go,
+    }

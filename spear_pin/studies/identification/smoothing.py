@@ -1,0 +1,65 @@
+"""The moving average that the source smooths its records with, and its adjoint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spear_pin.errors import BadValue, UnknownName
+
+Array = NDArray[np.float64]
+Kind = Literal["centred", "causal"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+
+
+@dataclass(frozen=True)
+class MovingAverage:
+    """The mean over a window of samples, a linear operator F; at the ends over what there is of the window.
+
+    Attributes:
+        window: number of samples (default: 100, as in Section 4.1.3).
+        kind: "centred", the window reaching half of it to either side and, if even, one more to the past;
+            or "causal", the window ending at the sample, which delays by half of it. The source does not say.
+    """
+
+    window: int = 100
+    kind: Kind = "centred"
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        if isinstance(self.window, bool) or not isinstance(self.window, int) or not 1 <= self.window <= 10**6:
+            raise BadValue("window", self.window, "a whole number of samples, from 1 to 1,000,000")
+        if self.kind not in KINDS:
+            raise UnknownName("kind of moving average", self.kind, KINDS)
+
+    def __call__(self, values: ArrayLike) -> Array:
+        """F x, for x (n,) or each column of (n, m)."""
+        x = np.asarray(values, dtype=float)
+        first, after, count = self._windows(x)
+        level = x.mean(axis=0)  # a running sum of large numbers would lose digits
+        total = np.concatenate([np.zeros((1, *x.shape[1:])), np.cumsum(x - level, axis=0)])
+        return np.asarray((total[after] - total[first]) / count + level)
+
+    def adjoint(self, values: ArrayLike) -> Array:
+        """Fᵀ x, for x (n,) or each column of (n, m)."""
+        x = np.asarray(values, dtype=float)
+        first, after, count = self._windows(x)
+        spread = np.zeros((x.shape[0] + 1, *x.shape[1:]))
+        np.add.at(spread, first, x / count)
+        np.subtract.at(spread, after, x / count)
+        return np.asarray(np.cumsum(spread, axis=0)[:-1])
+
+    def gain(self, samples: int) -> float:
+        """The trace of F Fᵀ: the sum of squares that so many samples of white noise of variance 1 are left with."""
+        return float((1.0 / self._windows(np.empty(samples))[2]).sum())
+
+    def _windows(self, x: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+        """First sample of each window, the one after its last, and how many samples it has."""
+        past = self.window // 2 if self.kind == "centred" else self.window - 1
+        i = np.arange(x.shape[0])
+        first = np.maximum(i - past, 0)
+        after = np.minimum(i - past + self.window, x.shape[0])
+        return first, after, (after - first).astype(float).reshape(-1, *[1] * (x.ndim - 1))

@@ -1,0 +1,159 @@
+"""From a long record of the knee's angle to trials: a hold, the release, the swing after it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import find_peaks
+
+from spear_pin.errors import BadFile, BadValue, require
+from spear_pin.studies.identification.records import Record
+from spear_pin.studies.identification.smoothing import MovingAverage
+
+Array = NDArray[np.float64]
+
+BLUR = 0.02  # s, over which the angle is averaged to see where a fall begins
+STEADY = 0.1  # s, over which it is averaged to find falls, and to see whether it is held
+APART = 1.0  # s, between releases at least
+STEEP = 0.3  # of the steepest fall in the record: what a release has at least
+DROP = 0.03  # rad: a release moves the knee by more
+LOOK_BACK = 10.0  # s before a release that are looked at
+HELD = (0.6, 0.3)  # s before the steepest fall, between which the knee is held
+ENDS = 0.5  # s after the steepest fall, within which the first swing ends
+ONSET = (0.05, 0.35)  # part of the first swing along which its beginning is found
+STILL = 0.05  # of the first swing, by which the angle may wander while it is held
+HOLD = 0.05  # s of hold, at least
+PUSH = 0.5  # s before the next hold that the hand takes to push, at least
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One release as recorded.
+
+    Attributes:
+        t: (n,), in s, increasing.
+        angle: of the knee, (n,), in rad, as it is to be fitted.
+        let_go: when the leg was let go, as far as known, in s on the same clock.
+        label: which it is, for people.
+        smoothing: what the angle has been smoothed with, if at all.
+        raw: the angle before smoothing, if known.
+        synthetic: whether the record says that it is.
+    """
+
+    t: Array
+    angle: Array
+    let_go: float
+    label: str = "release"
+    smoothing: MovingAverage | None = None
+    raw: Array | None = None
+    synthetic: bool = False
+
+    def __post_init__(self) -> None:
+        """Check that the release lies within the samples."""
+        if self.t.ndim != 1 or self.angle.shape != self.t.shape or self.t.size < 10:
+            raise BadValue("trial", self.t.shape, "as many angles as times, at least ten")
+        if not (np.isfinite(self.t).all() and np.isfinite(self.angle).all() and (np.diff(self.t) > 0).all()):
+            raise BadValue("trial", self.label, "finite angles at increasing times")
+        inside = self.t[0] <= self.let_go < self.t[-1]
+        require("let_go", self.let_go, lambda _: inside, f"a time within {self.t[0]:g} … {self.t[-1]:g} s")
+
+    @property
+    def unsmoothed(self) -> Array | None:
+        """The angle before any smoothing, if known."""
+        return self.angle if self.smoothing is None else self.raw
+
+
+def smoothed(trial: Trial, smoothing: MovingAverage | None) -> Trial:
+    """The trial with its angle smoothed; None leaves it as it is.
+
+    Raises:
+        BadValue: it has been smoothed already.
+    """
+    if smoothing is None:
+        return trial
+    if trial.smoothing is not None:
+        raise BadValue("smoothing", smoothing, f"none: {trial.label} has been smoothed already")
+    return replace(trial, angle=smoothing(trial.angle), smoothing=smoothing, raw=trial.angle)
+
+
+def cut(record: Record, before: float = 0.5, after: float = 1.5) -> tuple[list[Trial], list[str]]:
+    """Find the releases in a record: a hold, and then the knee extends swiftly.
+
+    Args:
+        record: of one release or of many.
+        before: of the hold, to keep, in s; less where the hold was shorter.
+        after: of the motion, to keep, in s; less where the record ends or the next push begins.
+
+    Returns:
+        The trials in order of time, and what was left out or shortened, and why.
+
+    Raises:
+        BadFile: there is no release in the record.
+    """
+    require("before", before, lambda s: 0 <= s <= 60, "a number of seconds, at most 60")
+    require("after", after, lambda s: 0.1 <= s <= 60, "a number of seconds from 0.1 to 60")
+    width = max(round(STEADY / record.step), 1)
+    steady = MovingAverage(width)(record.angle)
+    # half a window to either side: the mean before minus the mean after
+    fall = np.zeros_like(steady)
+    half = width // 2 + 1
+    fall[half:-half] = steady[: -2 * half] - steady[2 * half :]
+    peaks, _ = find_peaks(fall, height=max(STEEP * fall.max(), DROP / 2), distance=max(round(APART / record.step), 1))
+    found: list[tuple[int, float]] = []
+    remarks: list[str] = []
+    for peak in peaks:
+        if found and record.t[peak] < found[-1][1] + after:
+            continue  # a later swing
+        onset = _onset(record, steady, int(peak))
+        if isinstance(onset, str):
+            remarks.append(f"{record.source}: the fall at {record.t[peak]:.2f} s is no release: {onset}")
+        else:
+            found.append(onset)
+    if not found:
+        raise BadFile(record.source, remarks[0].partition(": ")[2] if remarks else "there is no release in it")
+    trials = []
+    for i, (held, let_go) in enumerate(found):
+        start = max(record.t[held], let_go - before)
+        end = let_go + after
+        if i + 1 < len(found):
+            end = min(end, float(record.t[found[i + 1][0]]) - PUSH)
+        rows = slice(int(np.searchsorted(record.t, start)), int(np.searchsorted(record.t, end, "right")))
+        kept = float(record.t[rows][-1]) - let_go
+        if kept < 0.95 * after:
+            remarks.append(f"{record.source}: release {i + 1} is followed for {kept:.2f} s, not for {after:g} s")
+        trials.append(Trial(record.t[rows], record.angle[rows], let_go, f"release {i + 1}", synthetic=record.synthetic))
+    return trials, remarks
+
+
+def _onset(record: Record, steady: Array, peak: int) -> tuple[int, float] | str:
+    """Where the hold before a steep fall begins, and when it ended; or why it is no release.
+
+    At first the angle falls with the square of time, so its root is followed back to zero.
+    """
+    origin = int(np.searchsorted(record.t, record.t[peak] - LOOK_BACK))
+    t, measured = record.t[origin : peak + 1], record.angle[origin : peak + 1]
+    before = (t >= t[-1] - HELD[0]) & (t <= t[-1] - HELD[1])
+    if before.sum() < 3:
+        return "the record begins with it"
+    level = float(np.median(measured[before]))
+    depth = level - float(steady[peak : int(np.searchsorted(record.t, t[-1] + ENDS)) + 1].min())
+    if depth < DROP:
+        return f"the knee moves by {max(depth, 0):.3f} rad only"
+    if np.ptp(steady[origin : peak + 1][before]) > 2 * STILL * depth:
+        return "the knee was not held still before it"
+    part = (level - MovingAverage(max(round(BLUR / record.step), 1))(measured)) / depth
+    beginning = (t > t[-1] - HELD[1]) & (part >= ONSET[0]) & (part <= ONSET[1])
+    if beginning.sum() < 3:
+        return "it is too coarsely sampled"
+    slope, root = np.polyfit(t[beginning] - t[-1], np.sqrt(part[beginning]), 1)
+    let_go = float(t[-1] - root / slope) if slope > 0 else np.inf
+    if not t[0] + HOLD <= let_go < t[-1]:
+        return "its beginning cannot be made out"
+    wandering = np.abs(level - steady[origin : peak + 1]) > STILL * depth
+    moving = np.flatnonzero(wandering & (t < let_go - STEADY))
+    held = int(moving[-1]) + 1 if moving.size else 0
+    if let_go - t[held] < HOLD:
+        return "the knee was not held still before it"
+    return origin + held, let_go

@@ -1,0 +1,104 @@
+"""How far a least-squares estimate can be trusted: covariance, conditioning, whiteness of residuals, fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from spear_pin.studies.identification.smoothing import MovingAverage
+
+Array = NDArray[np.float64]
+
+SINGULAR = 1e-10  # least singular value of the Jacobian with columns of length one: below, some cannot be told apart
+LAGS = 20  # of the test of whiteness
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Covariance of an estimate.
+
+    Attributes:
+        covariance: (m, m); infinite on the diagonal where the data do not tell.
+        noise: standard deviation of the white noise before smoothing.
+        condition: of the Jacobian with columns of length one.
+    """
+
+    covariance: Array
+    noise: float
+    condition: float
+
+
+def scatter(
+    residuals: Sequence[Array],
+    jacobians: Sequence[Array],
+    smoothings: Sequence[MovingAverage | None],
+    influence: tuple[Array, Array] | None = None,
+    unsmoothed: Sequence[Array] | None = None,
+) -> Scatter:
+    """Covariance of a least-squares estimate from records that were smoothed, or not.
+
+    White noise of variance σ² that went through F with the data leaves an estimate with the covariance
+    σ² A⁻¹ (FᵀJ)ᵀ(FᵀJ) A⁻¹, A = JᵀJ, and a sum of squared residuals of σ² (tr FFᵀ - tr PFFᵀ) in the mean,
+    P projecting on the columns of J. Without smoothing, F = 1, this is σ² A⁻¹ and σ² (n - m).
+
+    Args:
+        residuals: of each record, (n,).
+        jacobians: of each record, (n, m).
+        smoothings: of each record.
+        influence: ψ and ψ' at all residuals for a robust loss (default: those of least squares, r and 1).
+        unsmoothed: the residuals before smoothing, if known: they tell the noise better.
+    """
+    jacobian = np.vstack(jacobians)
+    lengths = np.linalg.norm(jacobian, axis=0)
+    scale = np.where(lengths > 0, lengths, 1.0)
+    left, singular, right = np.linalg.svd(jacobian / scale, full_matrices=False)
+    count = scale.size
+    condition = float(singular[0] / singular[-1]) if singular[-1] > 0 else np.inf
+    if singular.size < count or singular[-1] < SINGULAR * singular[0] or (lengths == 0).any():
+        return Scatter(np.diag(np.full(count, np.inf)), np.nan, np.inf)
+    back = _backwards(left, jacobians, smoothings)
+    if influence is None and unsmoothed is not None:
+        rows = np.concatenate(unsmoothed)
+        variance = float(rows @ rows) / max(rows.size - count, 1)
+    else:
+        psi, slope = influence or (np.concatenate(residuals), np.ones(1))
+        gain = sum(r.size if f is None else f.gain(r.size) for r, f in zip(residuals, smoothings, strict=True))
+        variance = float(psi @ psi) / float(slope.mean()) ** 2 / max(gain - float((back**2).sum()), 1e-12)
+    root = back @ (right / singular[:, None]) / scale
+    return Scatter(variance * (root.T @ root), float(np.sqrt(variance)), condition)
+
+
+def _backwards(left: Array, jacobians: Sequence[Array], smoothings: Sequence[MovingAverage | None]) -> Array:
+    """Fᵀ applied to the rows of each record."""
+    ends = np.cumsum([jacobian.shape[0] for jacobian in jacobians])[:-1]
+    parts = zip(np.split(left, ends), smoothings, strict=True)
+    return np.vstack([part if smoothing is None else smoothing.adjoint(part) for part, smoothing in parts])
+
+
+def whiteness(residuals: Sequence[Array], lags: int = LAGS) -> float:
+    """Probability that white noise is at least as correlated as these residuals, by the test of Ljung and Box.
+
+    Args:
+        residuals: of each record, (n,), before smoothing.
+        lags: up to which correlations are looked at, at most a fifth of the samples.
+    """
+    statistic, freedom = 0.0, 0
+    for r in residuals:
+        n, centred = r.size, r - r.mean()
+        power = float(centred @ centred)
+        if power == 0.0:
+            continue
+        for lag in range(1, min(lags, n // 5) + 1):
+            statistic += n * (n + 2.0) * (float(centred[lag:] @ centred[:-lag]) / power) ** 2 / (n - lag)
+            freedom += 1
+    return float(chi2.sf(statistic, freedom)) if freedom else 1.0
+
+
+def nrmse_fit(measured: Array, predicted: Array) -> float:
+    """100 (1 - ‖y - ŷ‖ / ‖y - ȳ‖) in percent: MATLAB's NRMSE fit."""
+    spread = float(np.linalg.norm(measured - measured.mean()))
+    return 100.0 * (1.0 - float(np.linalg.norm(measured - predicted)) / spread) if spread else -np.inf

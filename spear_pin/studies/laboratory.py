@@ -1,0 +1,158 @@
+"""A synthetic laboratory: records of push tests as an instrument would write them. Nothing here is measured.
+
+The source's records are not public. These have its protocol (push slowly, hold for 3 s, let go, wait, again)
+and a known truth, to try an identification on; every file says that it is synthetic, and from what.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import require
+from spear_pin.files import atomic
+from spear_pin.model.pinned import PinnedLeg
+from spear_pin.studies.identification.records import SYNTHETIC, Calibration
+from spear_pin.studies.identification.trials import Trial
+from spear_pin.studies.push_test import RATE, equilibrium, pushed_angle
+from spear_pin.studies.release import PassiveKnee, move
+
+Array = NDArray[np.float64]
+
+HOLD, SWING, PUSH = 3.0, 3.0, 1.5  # s; hold and wait as in Section 4.1.3, the push an assumption
+LONGEST = 10_000_000  # samples
+
+
+@dataclass(frozen=True)
+class Instrument:
+    """A knee potentiometer and its converter: every number is an assumption.
+
+    Attributes:
+        calibration: of the potentiometer (default: 5 V over 270°, 0.4 V at the straight leg).
+        noise: standard deviation of the voltage, white, in V.
+        quantum: step of the converter, in V; 0 is none (default: 12 bits of 5 V).
+        drift: of the voltage, in V/s.
+    """
+
+    calibration: Calibration = Calibration(volts_per_rad=1.06, offset=0.4)
+    noise: float = 0.005
+    quantum: float = 5.0 / 4096
+    drift: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        require("noise", self.noise, lambda v: v >= 0, "a number >= 0, in V")
+        require("quantum", self.quantum, lambda v: v >= 0, "a number >= 0, in V")
+        require("drift", self.drift, lambda v: abs(v) < np.inf, "a finite number, in V/s")
+
+    def voltage(self, t: Array, angle: Array, rng: np.random.Generator) -> Array:
+        """What is written down of an angle, in V."""
+        exact = self.calibration.volts_per_rad * angle + self.calibration.offset
+        read = exact + self.drift * t + self.noise * rng.normal(size=t.size)
+        return np.asarray(self.quantum * np.round(read / self.quantum) if self.quantum else read)
+
+
+@dataclass(frozen=True)
+class SyntheticRecord:
+    """A record with what it was made from.
+
+    Attributes:
+        t: (n,), in s.
+        voltage: (n,), in V.
+        angle: the true one, (n,), in rad.
+        let_go: true times of the releases, in s.
+        made_from: the truth in words, for the head of the file.
+    """
+
+    t: Array
+    voltage: Array
+    angle: Array
+    let_go: Array
+    made_from: tuple[str, ...]
+
+
+def synthesize(
+    leg: PinnedLeg,
+    knee: PassiveKnee,
+    depth: float = 0.10,
+    *,
+    repeats: int = 5,
+    instrument: Instrument | None = None,
+    rate: float = RATE,
+    seed: int = 0,
+) -> SyntheticRecord:
+    """Push, hold, let go and wait, several times over, as in Section 4.1.3.
+
+    Args:
+        leg: the pinned leg, with its rotor or without.
+        knee: the truth.
+        depth: of the pushes, in m.
+        repeats: releases.
+        instrument: that reads the knee (default: an assumed one).
+        rate: samples a second.
+        seed: of the noise, and of the moments of release.
+
+    Raises:
+        BadValue: a number out of range, or a leg that does not rest or cannot be pushed so far.
+    """
+    instrument = instrument or Instrument()
+    require("repeats", repeats, lambda n: n >= 1 and int(n) == n, "a whole number >= 1")
+    cycle = PUSH + HOLD + SWING
+    require("rate", rate, lambda r: 50 <= r <= LONGEST / (1 + cycle * repeats), "samples a second, from 50")
+    rng = np.random.default_rng(seed)
+    pushed, level = pushed_angle(leg, knee, depth), equilibrium(leg, knee)
+    t = np.arange(round((1.0 + cycle * int(repeats)) * rate)) / rate
+    angle = np.full(t.size, level)
+    let_go = 1.0 + cycle * np.arange(int(repeats)) + PUSH + HOLD + rng.uniform(0, 1, int(repeats)) / rate
+    for moment in let_go:
+        pushing = np.clip((t - (moment - HOLD - PUSH)) / PUSH, 0.0, 1.0)
+        here = (pushing > 0) & (t <= moment)
+        angle[here] = level + (pushed - level) * (3 - 2 * pushing[here]) * pushing[here] ** 2
+        after = t > moment
+        motion = move(leg, knee, pushed, t[after] - moment)
+        angle[after], level = motion.angle, float(motion.angle[-1])
+    made_from = (
+        f"{SYNTHETIC} record of a push test, computed and not measured",
+        f"truth: k {knee.stiffness:g} N·m/rad, b {knee.damping:g} N·m·s/rad, dry friction {knee.coulomb:g} N·m,"
+        f" spring's zero {knee.zero:.6g} rad, reflected rotor {leg.rotor:g} kg·m², pushed by {depth:g} m",
+        f"calibration: {instrument.calibration.volts_per_rad:g} V/rad, {instrument.calibration.offset:g} V at zero",
+        f"instrument (assumed): noise {instrument.noise:g} V, step {instrument.quantum:.4g} V,"
+        f" drift {instrument.drift:g} V/s; seed {seed}",
+    )
+    return SyntheticRecord(t, instrument.voltage(t, angle, rng), angle, let_go, made_from)
+
+
+def synthetic_trial(
+    leg: PinnedLeg,
+    knee: PassiveKnee,
+    depth: float,
+    noise: float,
+    rng: np.random.Generator,
+    hold: float = 0.5,
+    duration: float = 1.5,
+    rate: float = RATE,
+) -> Trial:
+    """One release with white noise on the angle, in rad, let go at time zero."""
+    t = np.arange(-round(hold * rate), round(duration * rate) + 1) / rate
+    initial = pushed_angle(leg, knee, depth)
+    angle = np.full(t.size, initial)
+    angle[t >= 0] = move(leg, knee, initial, t[t >= 0]).angle
+    return Trial(t, angle + noise * rng.normal(size=t.size), 0.0, synthetic=True)
+
+
+def write_csv(record: SyntheticRecord, path: str | Path) -> Path:
+    """Write a record as a CSV file with the columns time_s and knee_V, whole or not at all.
+
+    Raises:
+        BadFile: the file cannot be written.
+    """
+    with atomic(path) as temporary:
+        header = "\n".join([*(f"# {line}" for line in record.made_from), "time_s,knee_V"])
+        columns = np.column_stack([record.t, record.voltage])
+        np.savetxt(
+            temporary, columns, fmt=("%.6f", "%.7g"), delimiter=",", header=header, comments="", encoding="utf-8"
+        )
+    return Path(path)
