@@ -1,4 +1,4 @@
-"""Make the pictures of the README and the documentation: `python -m docs.make_images [hop] [design]`.
+"""Make the pictures of the README and the documentation: `python -m docs.make_images [hop] [design] [push]`.
 
 Those of the hop need Chromium; those of the design studies take some minutes. The picture on top of
 the README is what the recorded page shows at one instant, beside plots of the same hop with that
@@ -20,7 +20,10 @@ from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.basin import basin
 from spear_pin.studies.design import Member
-from spear_pin.viz import design_plots, plots
+from spear_pin.studies.identification import Estimate, MovingAverage, cut, identify, read_record, smoothed
+from spear_pin.studies.laboratory import Instrument, synthesize, write_csv
+from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, gear_study, spear_ii
+from spear_pin.viz import design_plots, plots, push_plots
 from spear_pin.viz.player import record
 from tests.viz.chromium import Browser
 
@@ -34,14 +37,14 @@ PUSHES = {"torso_x": np.linspace(-0.6, 0.6, 9), "pitch": np.linspace(-1.2, 1.2, 
 def main() -> None:
     """Write the pictures asked for, or every one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="*", help="hop, design; both if none is named")
-    what = set(parser.parse_args().what) or {"hop", "design"}
-    if unknown := what - {"hop", "design"}:
+    parser.add_argument("what", nargs="*", help="hop, design, push; all if none is named")
+    parts = {"hop": hop, "design": design, "push": push}
+    what = parser.parse_args().what or list(parts)
+    if unknown := set(what) - set(parts):
         parser.error(f"no pictures of {', '.join(sorted(unknown))}")
-    if "hop" in what:
-        hop()
-    if "design" in what:
-        design()
+    for name, part in parts.items():
+        if name in what:
+            part()
 
 
 def hop() -> None:
@@ -73,6 +76,28 @@ def design() -> None:
         print(plots.save_figure(figure, IMAGES / f"{name}.svg"))
     strides = basin(regulated(gait), "flight_1", PUSHES)
     print(plots.save_figure(design_plots.basin_map(strides, PUSHES), IMAGES / "basin.svg"))
+
+
+def push() -> None:
+    """Write the pictures of the push test; the records that are fitted are synthetic."""
+    pictures = {
+        "gears": push_plots.gear_comparison(gear_study()),
+        "identification": push_plots.fit_summary(
+            {f"{100 * depth:g} cm, with motor": fitted(depth) for depth in DEPTHS}
+        ),
+        "tables": push_plots.source_comparison(),
+    }
+    for name, figure in pictures.items():
+        print(plots.save_figure(figure, IMAGES / f"{name}.svg"))
+
+
+def fitted(depth: float) -> Estimate:
+    """What is found from a synthetic record of pushes by a depth, in m, read back from its file."""
+    leg, instrument = spear_ii(), Instrument()
+    with tempfile.TemporaryDirectory() as folder:
+        synthetic = synthesize(leg, WITH_MOTOR, depth, instrument=instrument, seed=round(1000 * depth))
+        data = read_record(write_csv(synthetic, Path(folder) / "record.csv"), calibration=instrument.calibration)
+    return identify(leg, [smoothed(trial, MovingAverage(100)) for trial in cut(data)[0]])
 
 
 def drives() -> dict[str, Drive]:

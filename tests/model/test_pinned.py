@@ -19,7 +19,7 @@ STATES = np.random.default_rng(5).uniform((-0.2, -8.0, -90.0), (2.8, 8.0, 90.0),
 LINK = """<link name="{0}"><inertial><origin xyz="{1} 0 {2}"/><mass value="{3}"/>
   <inertia ixx="{4}" iyy="{4}" izz="{4}" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
 JOINT = """<joint name="{0}" type="{1}"><parent link="{2}"/><child link="{3}"/>
-  <origin xyz="{4}" rpy="0 {5} 0"/><axis xyz="{6}"/><limit lower="{7}" upper="{8}" effort="50" velocity="50"/></joint>"""
+  <origin xyz="{4}" rpy="0 {5} 0"/><axis xyz="{6}"/><limit lower="{7}" upper="{8}" effort="9" velocity="9"/></joint>"""
 MOTOR = """<transmission name="{0}_drive"><joint name="{0}"/><actuator name="{0}_motor">
   <mechanicalReduction>{1}</mechanicalReduction><drake:rotor_inertia value="{2}"/></actuator></transmission>"""
 OWN = "\n".join(

@@ -186,6 +186,12 @@ class TestEquilibrium:
         assert rest > zero and -stiffness * (rest - zero) == pytest.approx(Push().at(rest).gravity, abs=1e-10)
         assert move(leg, knee, rest, [0.5]).angle[0] == pytest.approx(rest, abs=1e-9)
 
+    def test_next_to_where_it_tips_over(self):
+        """A spring that only pulls, slack up to almost the straight leg: two roots close to each other."""
+        knee = PassiveKnee(43.0, zero=0.00125, unilateral=True)
+        rest = equilibrium(spear_ii(), knee)
+        assert -43.0 * (rest - 0.00125) == pytest.approx(Push().at(rest).gravity, abs=1e-11) and rest > 0.00125
+
     @pytest.mark.parametrize(
         "knee",
         [

@@ -1,11 +1,14 @@
 """From a laboratory's records to parameters with error bars: read, cut into releases, smooth, estimate."""
 
 from spear_pin.studies.identification.estimate import Estimate, identify
+from spear_pin.studies.identification.problem import NUISANCES, QUANTITIES
 from spear_pin.studies.identification.records import Calibration, Record, read_record
 from spear_pin.studies.identification.smoothing import MovingAverage
 from spear_pin.studies.identification.trials import Trial, cut, smoothed
 
 __all__ = [
+    "NUISANCES",
+    "QUANTITIES",
     "Calibration",
     "Estimate",
     "MovingAverage",

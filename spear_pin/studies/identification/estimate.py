@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 
 from spear_pin.errors import UnknownName
 from spear_pin.model.pinned import PinnedLeg
-from spear_pin.studies.identification.problem import NUISANCES, Problem, pose
+from spear_pin.studies.identification.problem import NUISANCES, QUANTITIES, Problem, pose
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.identification.uncertainty import nrmse_fit, scatter, whiteness
 from spear_pin.studies.release import PassiveKnee, move
@@ -55,6 +55,11 @@ class Parameter:
     trial: int | None
     value: float
     deviation: float
+
+    @property
+    def unit(self) -> str:
+        """Of the value."""
+        return QUANTITIES[self.name].unit
 
     @property
     def label(self) -> str:
@@ -130,7 +135,8 @@ def identify(
     per_trial: Collection[str] = (),
     nuisances: Collection[str] = NUISANCES,
     static_rest: bool = False,
-    knee: PassiveKnee | None = None,
+    known: Mapping[str, float] | None = None,
+    unilateral: bool = False,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     loss: str = "linear",
     smooth_model: bool = True,
@@ -146,8 +152,9 @@ def identify(
         nuisances: what else is estimated, for every trial: initial_angle, release_time. What is left out is
             taken as known: the median of the hold (or first sample), `Trial.let_go`.
         static_rest: whether the rest angle is where the leg rests, instead of the zero of the spring.
-        knee: holds what is not varied, and the start of the search (default: a guess from the data for what
-            is varied, no dry friction). Its `zero` is read as `static_rest` says.
+        known: by name, what is not varied, or where the search begins (default: no dry friction, the leg's rotor,
+            the rest guessed from the data).
+        unilateral: whether the spring only pulls.
         bounds: least and largest values by name, narrower than those of `QUANTITIES`.
         loss: of `scipy.optimize.least_squares`; one other than "linear" is scaled by the spread of the residuals of
             a linear fit made first.
@@ -168,12 +175,14 @@ def identify(
         per_trial=per_trial,
         nuisances=nuisances,
         static_rest=static_rest,
-        knee=knee,
+        known=known or {},
+        unilateral=unilateral,
         bounds=bounds or {},
         smooth_model=smooth_model,
     )
     spread = 1.0
-    solutions = [_solved(problem, start, "linear", spread, on_iteration) for start in _starts(problem, knee is None)]
+    starts = _starts(problem, "coulomb" not in (known or {}))
+    solutions = [_solved(problem, start, "linear", spread, on_iteration) for start in starts]
     solution = min(solutions, key=lambda found: float(found.cost))
     if loss != "linear":
         spread = max(1.5 * 1.4826 * float(np.median(np.abs(solution.fun))), 1e-9)

@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.release import PassiveKnee, move
@@ -190,20 +190,19 @@ def pose(
     per_trial: Collection[str],
     nuisances: Collection[str],
     static_rest: bool,
-    knee: PassiveKnee | None,
+    known: Mapping[str, float],
+    unilateral: bool,
     bounds: Mapping[str, tuple[float, float]],
     smooth_model: bool,
 ) -> Problem:
     """Set the problem up; see `identify` for the arguments and what is refused."""
-    _check(leg, trials, vary, per_trial, nuisances, bounds)
+    _check(leg, trials, vary, per_trial, nuisances, known, bounds)
     guesses = [_guess(leg, trial, static_rest) for trial in trials]
     shared = {name: float(np.median([guess[name] for guess in guesses])) for name in KNEE}
-    if knee is not None:
-        given = {"stiffness": knee.stiffness, "damping": knee.damping, "coulomb": knee.coulomb, "rest_angle": knee.zero}
-        shared |= given
-    elif "coulomb" not in vary:
+    if "coulomb" not in vary:
         shared["coulomb"] = 0.0
-    known = tuple(guess | shared for guess in guesses)
+    shared |= known
+    values = tuple(guess | shared for guess in guesses)
     entries = []
     for name in vary:
         limits = _bounds(leg, name, bounds, static_rest)
@@ -214,9 +213,8 @@ def pose(
             limits = _bounds(leg, name, bounds, static_rest)
             if name == "release_time":
                 limits = max(trial.let_go - ONSET, trial.t[0]), min(trial.let_go + ONSET, trial.t[-2])
-            entries.append(Entry(name, j, float(np.clip(known[j][name], *limits)), limits))
-    unilateral = knee is not None and knee.unilateral
-    return Problem(leg, tuple(trials), known, tuple(entries), static_rest, unilateral, smooth_model)
+            entries.append(Entry(name, j, float(np.clip(values[j][name], *limits)), limits))
+    return Problem(leg, tuple(trials), values, tuple(entries), static_rest, unilateral, smooth_model)
 
 
 def _check(
@@ -225,12 +223,14 @@ def _check(
     vary: Sequence[str],
     per_trial: Collection[str],
     nuisances: Collection[str],
+    known: Mapping[str, float],
     bounds: Mapping[str, tuple[float, float]],
 ) -> None:
     for kind, names, valid in (
         ("parameter", vary, KNEE),
         ("parameter of each trial", per_trial, tuple(vary)),
         ("nuisance", nuisances, NUISANCES),
+        ("known parameter", known, KNEE),
         ("bounded parameter", bounds, (*vary, *nuisances)),
     ):
         for name in names:
@@ -240,6 +240,9 @@ def _check(
         raise BadValue("vary", list(vary), f"one or more of {', '.join(KNEE)}, each once")
     if not trials:
         raise BadValue("trials", list(trials), "one release or more")
+    for name, value in known.items():
+        least, largest = QUANTITIES[name].bounds
+        require(f"known {name}", value, lambda v: least <= v <= largest, f"within {least:g} … {largest:g}")  # noqa: B023
     low, high = leg.span
     for trial in trials:
         for extreme in (float(trial.angle.min()), float(trial.angle.max())):

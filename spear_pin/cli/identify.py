@@ -1,0 +1,182 @@
+"""`spear identify`."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.output import progress
+from spear_pin.cli.push_test import add_leg, leg
+from spear_pin.errors import BadValue
+
+if TYPE_CHECKING:
+    from spear_pin.model.pinned import PinnedLeg
+    from spear_pin.studies.identification import Estimate, MovingAverage, Trial
+
+KNOWN = ("stiffness", "damping", "coulomb", "rest_angle", "rotor_inertia")
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    parser = add_command(
+        commands, "identify", run, "estimate the knee's parameters from records of releases, write identify.svg"
+    )
+    parser.add_argument("files", nargs="+", metavar="FILE", help="CSV or .mat: time, and voltage or angle of the knee")
+    data = parser.add_argument_group("the records")
+    data.add_argument("--volts-per-rad", type=float, metavar="V/RAD", help="slope of the potentiometer")
+    data.add_argument("--offset", type=float, metavar="V", help="its voltage at the straight leg (default: 0)")
+    data.add_argument("--unit", metavar="UNIT", help="V, mV, rad or deg (default: as the column's name says)")
+    data.add_argument("--time-unit", metavar="UNIT", help="s, ms, us or min (default: s, or as its name says)")
+    data.add_argument("--column", metavar="NAME", help="of the voltage or angle")
+    data.add_argument("--time-column", metavar="NAME", help="of the time")
+    data.add_argument("--before", type=float, default=0.5, metavar="S", help="of each hold to use (default: 0.5)")
+    data.add_argument("--after", type=float, default=1.5, metavar="S", help="of each motion to use (default: 1.5)")
+    smoothing = parser.add_argument_group("smoothing, of data and model alike")
+    smoothing.add_argument("--window", type=int, metavar="N", help="samples of a moving average (default: none)")
+    smoothing.add_argument("--filter", default="centred", metavar="KIND", help="centred or causal (default: centred)")
+    smoothing.add_argument("--smoothed-already", action="store_true", help="the records are smoothed already")
+    smoothing.add_argument("--model-as-is", action="store_true", help="do not smooth the model: estimates are biased")
+    model = parser.add_argument_group("the model")
+    add_leg(model)
+    model.add_argument(
+        "--vary",
+        nargs="+",
+        default=["stiffness", "damping", "rest_angle"],
+        metavar="NAME",
+        help=f"of {', '.join(KNOWN)} (default: stiffness damping rest_angle)",
+    )
+    model.add_argument("--per-release", nargs="+", default=[], metavar="NAME", help="of which each release has its own")
+    for name in KNOWN:
+        option = f"--{name.replace('_', '-')}"
+        model.add_argument(option, type=float, metavar="VALUE", help="where it is not varied; else where to begin")
+    model.add_argument("--static-rest", action="store_true", help="the rest angle is where the leg rests")
+    model.add_argument("--unilateral", action="store_true", help="the spring only pulls")
+    model.add_argument("--known-start", action="store_true", help="the held angle and the time of release are known")
+    model.add_argument("--loss", default="linear", metavar="NAME", help="linear, soft_l1, huber or cauchy")
+    model.add_argument("--together", action="store_true", help="one estimate from all files")
+    add_out(parser, "identify.svg")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Read the records, cut them into releases, estimate."""
+    from spear_pin.studies.identification import MovingAverage
+    from spear_pin.viz.plots import save_figure
+    from spear_pin.viz.push_plots import fit_summary
+
+    check_out(arguments)
+    if arguments.window is None and (arguments.smoothed_already or arguments.model_as_is):
+        raise BadValue("--window", None, "the number of samples that the records were smoothed over")
+    smoothing = None if arguments.window is None else MovingAverage(arguments.window, arguments.filter)
+    pinned = leg(arguments)
+    by_file, remarks = {}, []
+    for path in arguments.files:
+        by_file[str(path)], found = _trials(arguments, path, smoothing)
+        remarks += found
+    if arguments.together:
+        by_file = {" + ".join(by_file): [trial for trials in by_file.values() for trial in trials]}
+    estimates = {name: _estimated(arguments, name, pinned, trials) for name, trials in by_file.items()}
+    picture = save_figure(fit_summary(estimates), arguments.out / "identify.svg")
+    return {
+        "estimates": [{"file": name, **_figures(estimate)} for name, estimate in estimates.items()],
+        "remarks": remarks,
+        "files": [str(picture)],
+        "text": "\n".join([*_lines(estimates), *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]),
+    }
+
+
+def _trials(arguments: argparse.Namespace, path: str, smoothing: MovingAverage | None) -> tuple[list[Trial], list[str]]:
+    from dataclasses import replace
+
+    from spear_pin.studies.identification import Calibration, cut, read_record, smoothed
+
+    calibration = None
+    if arguments.volts_per_rad is not None:
+        calibration = Calibration(arguments.volts_per_rad, arguments.offset or 0.0)
+    elif arguments.offset is not None:
+        raise BadValue("--offset", arguments.offset, "to go with --volts-per-rad")
+    record = read_record(
+        path,
+        column=arguments.column,
+        time_column=arguments.time_column,
+        calibration=calibration,
+        unit=arguments.unit,
+        time_unit=arguments.time_unit,
+    )
+    trials, remarks = cut(record, arguments.before, arguments.after)
+    if arguments.smoothed_already:
+        trials = [replace(trial, smoothing=smoothing) for trial in trials]
+    else:
+        trials = [smoothed(trial, smoothing) for trial in trials]
+    return trials, [*record.remarks, *remarks]
+
+
+def _estimated(arguments: argparse.Namespace, name: str, pinned: PinnedLeg, trials: list[Trial]) -> Estimate:
+    from spear_pin.studies.identification import NUISANCES, identify
+
+    with progress() as show:
+        return identify(
+            pinned,
+            trials,
+            arguments.vary,
+            per_trial=arguments.per_release,
+            static_rest=arguments.static_rest,
+            known={each: value for each in KNOWN if (value := getattr(arguments, each)) is not None},
+            unilateral=arguments.unilateral,
+            loss=arguments.loss,
+            smooth_model=not arguments.model_as_is,
+            on_iteration=lambda n, rms: show(f"{name}: evaluation {n}, residual {1e3 * rms:.3f} mrad"),
+            nuisances=() if arguments.known_start else NUISANCES,
+        )
+
+
+def _figures(estimate: Estimate) -> dict[str, Any]:
+    return {
+        "synthetic": any(trial.synthetic for trial in estimate.trials),
+        "releases": len(estimate.trials),
+        "parameters": [
+            {
+                "name": parameter.name,
+                "release": None if parameter.trial is None else parameter.trial + 1,
+                "value": parameter.value,
+                "deviation": _finite(parameter.deviation),
+                "unit": parameter.unit,
+            }
+            for parameter in estimate.parameters
+        ],
+        "correlation": [[_finite(value) for value in row] for row in estimate.correlation.tolist()],
+        "condition": _finite(estimate.condition),
+        "fit": estimate.fit,
+        "fits": estimate.fits,
+        "noise": _finite(estimate.noise),
+        "whiteness": estimate.whiteness,
+        "converged": estimate.converged,
+        "integrations": estimate.integrations,
+        "warnings": estimate.warnings,
+    }
+
+
+def _finite(value: float) -> float | None:
+    """JSON has no infinity."""
+    return value if abs(value) < float("inf") else None
+
+
+def _lines(estimates: dict[str, Estimate]) -> list[str]:
+    """A table like the source's 4.1, then what has to be known about it."""
+    parameters = [parameter for estimate in estimates.values() for parameter in estimate.parameters]
+    shared = {parameter.name: parameter.unit for parameter in parameters if parameter.trial is None}
+    width = max(len(name) for name in estimates)
+    heads = "".join(f"{f'{name}, {unit}':>28}" for name, unit in shared.items())
+    lines = [f"{'':<{width}}{heads}{'fit':>10}{'releases':>10}"]
+    for label, estimate in estimates.items():
+        cells = "".join(
+            f"{f'{found.value:.4f} ± {found.deviation:.4f}':>28}" for found in (estimate[name] for name in shared)
+        )
+        lines.append(f"{label:<{width}}{cells}{estimate.fit:>8.2f} %{len(estimate.trials):>10}")
+    for label, estimate in estimates.items():
+        own = [p for p in estimate.parameters if p.trial is not None and p.name in KNOWN]
+        lines += [f"{label}: {p.label} {p.value:.4f} ± {p.deviation:.4f} {p.unit}" for p in own]
+        if any(trial.synthetic for trial in estimate.trials):
+            lines.append(f"{label}: synthetic, not measured")
+        lines += [f"warning: {label}: {warning}" for warning in estimate.warnings]
+    return lines

@@ -1,0 +1,239 @@
+"""`spear push-test`."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.output import aligned, open_page
+from spear_pin.errors import BadValue
+
+if TYPE_CHECKING:
+    from spear_pin.model.pinned import PinnedLeg
+    from spear_pin.studies.push_test import GearRow, Release
+    from spear_pin.studies.release import PassiveKnee
+
+NONE = "none"  # what --ratios calls the belt taken off
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    parser = add_command(
+        commands, "push-test", run, "release the pushed-down leg: simulate it, write push_test.html and push_test.svg"
+    )
+    parser.add_argument("--depth", type=float, default=0.10, metavar="M", help="of the push (default: 0.10)")
+    add_leg(parser)
+    parser.add_argument(
+        "--stiffness", type=float, metavar="N·m/RAD", help="of the spring (default: 48.25, or 47.12 without motor)"
+    )
+    parser.add_argument(
+        "--damping", type=float, metavar="N·m·S/RAD", help="of the knee (default: 1.03, or 0.80 without motor)"
+    )
+    parser.add_argument("--coulomb", type=float, default=0.0, metavar="N·m", help="dry friction (default: 0)")
+    parser.add_argument("--rest-angle", type=float, default=1.0, metavar="RAD", help="RA of Table 4.1 (default: 1.0)")
+    parser.add_argument(
+        "--static-rest", action="store_true", help="RA is where the leg rests, not the zero of its spring"
+    )
+    parser.add_argument("--unilateral", action="store_true", help="the spring only pulls")
+    parser.add_argument("--duration", type=float, default=1.5, metavar="S", help="of the motion (default: 1.5)")
+    parser.add_argument(
+        "--ratios", nargs="+", type=_ratio, metavar="N", help=f"compare gear ratios, for instance: {NONE} 15 30 66"
+    )
+    records = parser.add_argument_group("synthetic records")
+    records.add_argument(
+        "--write-csv", metavar="NAME", help="write a synthetic record of several releases instead, to identify from"
+    )
+    records.add_argument("--repeats", type=int, default=5, metavar="N", help="releases in it (default: 5)")
+    records.add_argument("--noise", type=float, metavar="V", help="standard deviation (default: 0.005)")
+    records.add_argument("--quantum", type=float, metavar="V", help="step of the converter (default: 5/4096)")
+    records.add_argument("--drift", type=float, metavar="V/S", help="of the voltage (default: 0)")
+    records.add_argument("--volts-per-rad", type=float, metavar="V/RAD", help="of the potentiometer (default: 1.06)")
+    records.add_argument("--offset", type=float, metavar="V", help="at the straight leg (default: 0.4)")
+    records.add_argument("--seed", type=int, default=0, metavar="N", help="of the noise (default: 0)")
+    add_out(parser, "the files")
+    parser.add_argument("--open", action="store_true", help="open push_test.html in the browser")
+
+
+def add_leg(parser: argparse._ActionsContainer) -> None:
+    """Declare --ratio and --no-motor; `leg` reads them."""
+    drive = parser.add_mutually_exclusive_group()
+    drive.add_argument("--ratio", type=float, metavar="N", help="of the knee's gearbox (default: 15)")
+    drive.add_argument("--no-motor", action="store_true", help="the belt taken off: no rotor at the knee")
+
+
+def leg(arguments: argparse.Namespace) -> PinnedLeg:
+    """SPEAR-II as --ratio and --no-motor say."""
+    from spear_pin.studies.push_test import spear_ii
+
+    if arguments.no_motor:
+        return spear_ii(None)
+    if arguments.ratio is not None and not 0 < arguments.ratio < math.inf:
+        raise BadValue("--ratio", arguments.ratio, "a number > 0")
+    return spear_ii(15.0 if arguments.ratio is None else arguments.ratio)
+
+
+def _ratio(word: str) -> float | None:
+    if word.strip() == NONE:
+        return None
+    try:
+        return float(word)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{word!r} is neither a number nor {NONE!r}") from None
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Simulate a release, compare gear ratios, or write a synthetic record."""
+    from dataclasses import replace
+
+    from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, resting_at
+
+    check_out(arguments)
+    if arguments.ratios is not None:
+        return _compared(arguments)
+    pinned = leg(arguments)
+    knee = replace(
+        WITHOUT_MOTOR if arguments.no_motor else WITH_MOTOR,
+        **{name: value for name in ("stiffness", "damping") if (value := getattr(arguments, name)) is not None},
+        coulomb=arguments.coulomb,
+        zero=arguments.rest_angle,
+        unilateral=arguments.unilateral,
+    )
+    if arguments.static_rest:
+        knee = resting_at(pinned, knee, arguments.rest_angle)
+    if arguments.write_csv is not None:
+        return _recorded(arguments, pinned, knee)
+    return _released(arguments, pinned, knee)
+
+
+def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee) -> dict[str, Any]:
+    from spear_pin.studies.push_test import release, swing
+    from spear_pin.viz.plots import save_figure
+    from spear_pin.viz.push_plots import release_summary
+    from spear_pin.viz.release_page import record_release
+
+    result = release(pinned, knee, arguments.depth, arguments.duration)
+    small = swing(pinned, knee)
+    title = f"SPEAR-II released from {100 * arguments.depth:g} cm" + (", no motor" if arguments.no_motor else "")
+    page = record_release(pinned, result, arguments.out / "push_test.html", title=title)
+    picture = save_figure(release_summary({title: result}), arguments.out / "push_test.svg")
+    if arguments.open:
+        open_page(page)
+    figures = {
+        "depth": arguments.depth,
+        "spring_zero": knee.zero,
+        "stiffness": knee.stiffness,
+        "damping": knee.damping,
+        "coulomb": knee.coulomb,
+        "rotor_inertia": pinned.rotor,
+        "rotor_share": small.rotor_share,
+        "frequency": small.frequency,
+        "damped_frequency": small.damped_frequency,
+        "damping_ratio": small.damping_ratio,
+        **_motion(result),
+        "files": [str(page), str(picture)],
+    }
+    pulls = "never" if result.lift_off is None else f"from {result.lift_off:.4f} s on: the toe would lift off"
+    turn = f"{result.extrema[0]:.4f} rad at {result.turns[0]:.4f} s" if result.turns.size else "none"
+    rows = [
+        ("pushed to", f"{result.angle[0]:.4f} rad, {100 * arguments.depth:g} cm below the rest"),
+        ("rests at", f"{result.rest:.4f} rad (zero of the spring: {knee.zero:.4f} rad)"),
+        ("small oscillation", f"{small.frequency:.4f} Hz, damping ratio {small.damping_ratio:.3f}"),
+        ("rotor's share", f"{100 * small.rotor_share:.1f} % of the inertia ({pinned.rotor:.4g} kg·m²)"),
+        ("first extremum", turn),
+        ("least ground force", f"{figures['least_force']:.1f} N; the pin pulls {pulls}"),
+        ("simulated", f"{arguments.duration:g} s ({result.reason})"),
+        ("files", f"{page}, {picture}"),
+    ]
+    return figures | {"text": aligned(rows)}
+
+
+def _motion(result: Release) -> dict[str, Any]:
+    return {
+        "initial_angle": result.angle[0],
+        "rest_angle": result.rest,
+        "first_extremum": [result.turns[0], result.extrema[0]] if result.turns.size else None,
+        "least_force": result.force[:, 1].min(),
+        "lift_off": result.lift_off,
+        "reason": result.reason,
+    }
+
+
+def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
+    from dataclasses import replace
+
+    from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, gear_study
+    from spear_pin.viz.plots import save_figure
+    from spear_pin.viz.push_plots import gear_comparison
+
+    changes: dict[str, Any] = {
+        name: value for name in ("stiffness", "damping") if (value := getattr(arguments, name)) is not None
+    }
+    changes |= {"coulomb": arguments.coulomb, "zero": arguments.rest_angle, "unilateral": arguments.unilateral}
+    rows = gear_study(
+        arguments.ratios,
+        arguments.depth,
+        arguments.static_rest,
+        arguments.duration,
+        replace(WITH_MOTOR, **changes),
+        replace(WITHOUT_MOTOR, **changes),
+    )
+    picture = save_figure(gear_comparison(rows), arguments.out / "gear_ratios.svg")
+    lines = ["ratio   rotor, kg·m²  share   frequency  damping ratio  first extremum        least force"]
+    for row in rows:
+        name = NONE if row.ratio is None else f"{row.ratio:g}:1"
+        result, small = row.release, row.swing
+        turn = f"{result.extrema[0]:.4f} rad, {result.turns[0]:.4f} s" if result.turns.size else "none"
+        lines.append(
+            f"{name:<8}{row.rotor:>12.4f}{100 * small.rotor_share:>6.1f} %{small.frequency:>9.4f} Hz"
+            f"{small.damping_ratio:>15.3f}  {turn:<20}{result.force[:, 1].min():>11.1f} N"
+        )
+    return {"ratios": [_row(row) for row in rows], "files": [str(picture)], "text": "\n".join([*lines, str(picture)])}
+
+
+def _row(row: GearRow) -> dict[str, Any]:
+    return {
+        "ratio": row.ratio,
+        "rotor_inertia": row.rotor,
+        "rotor_share": row.swing.rotor_share,
+        "frequency": row.swing.frequency,
+        "damped_frequency": row.swing.damped_frequency,
+        "damping_ratio": row.swing.damping_ratio,
+        **_motion(row.release),
+    }
+
+
+def _recorded(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee) -> dict[str, Any]:
+    from dataclasses import replace
+
+    from spear_pin.studies.identification import Calibration
+    from spear_pin.studies.laboratory import Instrument, synthesize, write_csv
+
+    default = Instrument()
+    given = {name: value for name in ("noise", "quantum", "drift") if (value := getattr(arguments, name)) is not None}
+    slope, offset = arguments.volts_per_rad, arguments.offset
+    calibration = Calibration(
+        default.calibration.volts_per_rad if slope is None else slope,
+        default.calibration.offset if offset is None else offset,
+    )
+    if arguments.seed < 0:
+        raise BadValue("--seed", arguments.seed, "a whole number >= 0")
+    instrument = replace(default, calibration=calibration, **given)
+    made = synthesize(
+        pinned, knee, arguments.depth, repeats=arguments.repeats, instrument=instrument, seed=arguments.seed
+    )
+    name = arguments.write_csv if Path(arguments.write_csv).suffix else f"{arguments.write_csv}.csv"
+    path = write_csv(made, arguments.out / name)
+    options = f"--volts-per-rad {calibration.volts_per_rad:g} --offset {calibration.offset:g}"
+    options += " --no-motor" if arguments.no_motor else ""
+    options += "" if arguments.ratio is None else f" --ratio {arguments.ratio:g}"
+    rows = [
+        ("synthetic record", f"{path}: {made.t.size} samples, {arguments.repeats} releases; computed, not measured"),
+        ("truth", f"k {knee.stiffness:g} N·m/rad, b {knee.damping:g} N·m·s/rad, zero {knee.zero:.4f} rad"),
+        ("identify it by", f"spear identify {path} {options}"),
+    ]
+    truth = {"stiffness": knee.stiffness, "damping": knee.damping, "coulomb": knee.coulomb, "spring_zero": knee.zero}
+    figures = {"synthetic": True, "truth": truth, "releases": made.let_go, "samples": made.t.size, "files": [str(path)]}
+    return figures | {"text": aligned(rows)}
