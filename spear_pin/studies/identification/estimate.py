@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations, product
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 
 from spear_pin.errors import UnknownName
 from spear_pin.model.pinned import PinnedLeg
-from spear_pin.studies.identification.problem import NUISANCES, QUANTITIES, Problem, pose
+from spear_pin.studies.identification.problem import NUISANCES, QUANTITIES, Problem, first_swing, pose
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.identification.uncertainty import nrmse_fit, scatter, whiteness
 from spear_pin.studies.release import PassiveKnee, move
@@ -27,7 +27,6 @@ Array = NDArray[np.float64]
 VARY = ("stiffness", "damping", "rest_angle")  # what the source estimates
 ALIKE = 0.98  # correlation of two estimates that cannot be told apart
 BY_CHANCE = 0.01  # probability below which residuals are not white
-FRACTIONS = (0.1, 0.25, 0.5, 1.0, 2.0)  # of the friction that would brake the first swing by itself
 POOR = 70.0  # percent: a model that fits worse does not describe the data
 TOLERANCE = 1e-9
 ROUNDING = 1e-6  # rad: residuals below are those of the integration
@@ -181,26 +180,28 @@ def identify(
         smooth_model=smooth_model,
     )
     spread = 1.0
-    starts = _starts(problem, "coulomb" not in (known or {}))
-    solutions = [_solved(problem, start, "linear", spread, on_iteration) for start in starts]
-    solution = min(solutions, key=lambda found: float(found.cost))
+    start = _started(problem, "coulomb" not in (known or {}), on_iteration)
+    solution = _solved(problem, start, "linear", spread, on_iteration)
     if loss != "linear":
         spread = max(1.5 * 1.4826 * float(np.median(np.abs(solution.fun))), 1e-9)
         solution = _solved(problem, solution.x, loss, spread, on_iteration)
     return _estimate(problem, solution, loss, spread)
 
 
-def _starts(problem: Problem, guessed: bool) -> list[Array]:
-    """Where to begin. Dry friction stops the knee sooner or later, which makes several minima: the best of a grid."""
+def _started(problem: Problem, guessed: bool, on_iteration: Callable[[int, float], None] | None) -> Array:
+    """Where to begin.
+
+    Whether dry friction stops the knee at one turn or at the next makes many minima; the first swing, forth and
+    back, is fitted before, which it does not stop.
+    """
     start = np.array([entry.start for entry in problem.entries])
-    names = np.array([entry.name for entry in problem.entries])
+    names = [entry.name for entry in problem.entries]
     if not (guessed and "coulomb" in names):
-        return [start]
+        return start
+    halves = np.array([0.5 if name in ("coulomb", "damping") else 1.0 for name in names])
     low, high = np.array([entry.bounds for entry in problem.entries]).T
-    parts = product(FRACTIONS, FRACTIONS if "damping" in names else (1.0,))
-    grid = [start * np.where(names == "coulomb", dry, np.where(names == "damping", wet, 1.0)) for dry, wet in parts]
-    grid = [np.clip(each, low, high) for each in grid]
-    return sorted(grid, key=lambda each: float(np.square(problem.residuals(each)).sum()))[:2]
+    swing = replace(problem, trials=tuple(map(first_swing, problem.trials)))
+    return np.asarray(_solved(swing, np.clip(start * halves, low, high), "linear", 1.0, on_iteration).x)
 
 
 def _solved(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -269,6 +269,20 @@ def _bounds(
     return low, high
 
 
+def first_swing(trial: Trial) -> Trial:
+    """The trial until the knee stands still for the second time, or soon after."""
+    last = max(int(np.searchsorted(trial.t, trial.let_go + 2.0 * _turn(trial))), 10)
+    raw = None if trial.raw is None else trial.raw[:last]
+    return replace(trial, t=trial.t[:last], angle=trial.angle[:last], raw=raw)
+
+
+def _turn(trial: Trial) -> float:
+    """Time from the release to the first turn, in s, roughly."""
+    since = trial.t - trial.let_go
+    first = (since > 0) & (since <= 1.0)
+    return max(float(since[first][np.argmin(trial.angle[first])]), 0.02) if first.any() else 0.2
+
+
 def _guess(leg: PinnedLeg, trial: Trial, static_rest: bool) -> dict[str, float]:
     """Parameters from the swing's first turn, its depth and the angle in the end.
 
@@ -279,12 +293,11 @@ def _guess(leg: PinnedLeg, trial: Trial, static_rest: bool) -> dict[str, float]:
     since = trial.t - trial.let_go
     rest = float(np.clip(trial.angle[since > (1.0 - TAIL) * since[-1]].mean(), *leg.span))
     first = (since > 0) & (since <= 1.0)
-    turn = float(since[first][np.argmin(trial.angle[first])]) if first.any() else 0.2
     below = (rest - float(trial.angle[first].min(initial=rest))) / max(abs(initial - rest), 1e-3)
     decrement = -np.log(np.clip(below, 0.05, 0.95)) / np.pi
     ratio = decrement / np.hypot(1.0, decrement)
     inertia, slope = float(leg.effective_inertia(rest)), float(leg.motion_with_slopes(rest)[5])
-    undamped = np.pi / max(turn, 0.02) / np.sqrt(1.0 - ratio**2)
+    undamped = np.pi / _turn(trial) / np.sqrt(1.0 - ratio**2)
     stiffness = max(inertia * undamped**2 - slope, 5.0)
     damping = float(2.0 * ratio * inertia * undamped)
     return {
