@@ -13,7 +13,9 @@ from tests.cli.calls import refused, run, words
 
 class TestHelp:
     @pytest.mark.parametrize(
-        "command", [(), ("robots",), ("dynamics",), ("hop",), ("bound",), ("search",), ("doctor",)], ids=words
+        "command",
+        [(), ("robots",), ("dynamics",), ("hop",), ("push-test",), ("identify",), ("bound",), ("search",), ("doctor",)],
+        ids=words,
     )
     def test_help(self, capsys, command):
         status, out, err = run(capsys, *command, "--help")
@@ -22,7 +24,10 @@ class TestHelp:
 
     def test_lists_the_commands(self, capsys):
         _, out, _ = run(capsys, "--help")
-        assert all(command in out for command in ("robots", "dynamics", "hop", "bound", "search", "doctor"))
+        assert all(
+            command in out
+            for command in ("robots", "dynamics", "hop", "push-test", "identify", "bound", "search", "doctor")
+        )
 
 
 class TestMistakes:

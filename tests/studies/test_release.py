@@ -67,6 +67,11 @@ class TestByHand:
         np.testing.assert_allclose(motion.turns, turns[:, 0], rtol=0, atol=1e-10)
         np.testing.assert_allclose(motion.extrema, turns[:, 1], rtol=0, atol=2e-11)
 
+    def test_from_where_the_spring_is_slack(self):
+        values = {"unilateral": True, "zero": 1.1, "coulomb": 0.5}
+        angle, _, _ = Push(**values).swings(0.9, TIMES)
+        np.testing.assert_allclose(move(LEG, PassiveKnee(**values), 0.9, TIMES).angle, angle, rtol=0, atol=2e-9)
+
     @pytest.mark.parametrize("rotor", [0.0, 0.52272])
     def test_other_rotors(self, rotor):
         angle, _, _ = Push(rotor=rotor, coulomb=0.5).swings(START, TIMES)

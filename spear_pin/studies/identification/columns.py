@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import csv
+import os
 import re
-import zlib
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +20,7 @@ from spear_pin.errors import BadFile
 Array = NDArray[np.float64]
 
 HEAD = 1 << 16  # bytes of a file that are looked at to tell its format
-ROWS = 1 << 19  # that are read at a time
+ROWS = 1 << 18  # that are read at a time
 LARGEST = 200_000_000  # values of a .mat variable
 
 
@@ -29,11 +32,13 @@ class Columns:
         names: as in the file; "column 1" and so on where it has none.
         values: one array per column that was asked for, in rows of the file, NaN where it holds no number.
         comments: lines of the file that begin with #, without it.
+        remarks: what makes the file doubtful.
     """
 
     names: tuple[str, ...]
     values: tuple[Array, ...]
     comments: tuple[str, ...]
+    remarks: tuple[str, ...] = ()
 
 
 Choice = Callable[[tuple[str, ...]], Sequence[str]]
@@ -80,28 +85,31 @@ def _text(path: Path, head: bytes, choose: Choice) -> Columns:
     places = [dialect.names.index(name) for name in wanted]
     chunks: list[list[Array]] = [[] for _ in wanted]
     try:
-        with path.open("rb") as file:
+        with path.open("rb") as file, warnings.catch_warnings():
+            warnings.simplefilter("error", pd.errors.ParserWarning)
             tables = pd.read_csv(
                 file,
                 sep=dialect.separator,
                 decimal=dialect.decimal,
                 header=None,
                 skiprows=dialect.skipped + dialect.headed,
-                usecols=sorted(set(places)),
                 names=list(range(len(dialect.names))),
                 index_col=False,
                 comment="#",
                 skipinitialspace=True,
                 chunksize=ROWS,
                 compression=None,
+                low_memory=False,
                 encoding="utf-8",
                 encoding_errors="strict",
             )
             for table in tables:
                 for place, chunk in zip(places, chunks, strict=True):
-                    chunk.append(pd.to_numeric(table[place], errors="coerce").to_numpy(np.float64))
+                    chunk.append(_numbers(table[place], dialect.decimal))
     except pd.errors.EmptyDataError:
         raise BadFile(path, "there are no rows in it") from None
+    except pd.errors.ParserWarning:
+        raise BadFile(path, f"rows have more fields than the {len(dialect.names)} columns") from None
     except pd.errors.ParserError as error:
         raise BadFile(path, f"not a table: {_reason(error)}") from None
     except (UnicodeDecodeError, ValueError) as error:
@@ -109,7 +117,20 @@ def _text(path: Path, head: bytes, choose: Choice) -> Columns:
     except OSError as error:
         raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
     values = tuple(np.concatenate(chunk) if chunk else np.empty(0) for chunk in chunks)
-    return Columns(wanted, values, dialect.comments)
+    with path.open("rb") as file:
+        file.seek(-1, os.SEEK_END)
+        ended = file.read(1) in b"\r\n"
+    return Columns(wanted, values, dialect.comments, () if ended else ("the last line has no end: it may be cut off",))
+
+
+def _numbers(column: Any, decimal: str) -> Array:
+    """The numbers of a column of a table, NaN where it holds none."""
+    import pandas as pd
+
+    if pd.api.types.is_numeric_dtype(column) and not pd.api.types.is_bool_dtype(column):
+        return np.asarray(column, dtype=np.float64)
+    text = column.astype(str)  # a word among them: they have been left as they were
+    return np.asarray(pd.to_numeric(text.str.replace(decimal, ".", regex=False), errors="coerce"), dtype=np.float64)
 
 
 def _dialect(path: Path, head: bytes) -> _Dialect:
@@ -119,7 +140,7 @@ def _dialect(path: Path, head: bytes) -> _Dialect:
         raise BadFile(path, "not a text file (UTF-8), nor a .mat file") from None
     if "\0" in text or not text:
         raise BadFile(path, "not a text file, nor a .mat file")
-    lines = text.splitlines()
+    lines = re.split(r"\r\n|\r|\n", text)
     skipped = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")), None)
     if skipped is None:
         raise BadFile(path, "there are no rows in it")
@@ -131,40 +152,41 @@ def _dialect(path: Path, head: bytes) -> _Dialect:
     )
     first = [field.strip() for field in split(rows[0].strip())]
     headed = not all(_is_number(field.replace(",", ".")) or not field for field in first)
-    names = tuple(first) if headed else tuple(f"column {i + 1}" for i in range(len(first)))
+    names = tuple(field if headed and field else f"column {i + 1}" for i, field in enumerate(first))
     if len(set(names)) < len(names):
         raise BadFile(path, f"two columns have the same name among {', '.join(names)}", skipped + 1)
-    decimal = "," if separator in (";", "\t", r"\s+") and re.search(r"\d,\d", rows[-1]) else "."
+    decimal = "," if separator in (";", "\t", r"\s+") and any(re.search(r"\d,\d", row) for row in rows[headed:]) else "."
     return _Dialect(comments, skipped, names, headed, separator, decimal)
 
 
 def _mat(path: Path, choose: Choice) -> Columns:
     from scipy.io import loadmat, whosmat
 
-    try:
-        sizes = {name: shape for name, shape, kind in whosmat(path) if kind in _NUMBERS and _is_vector(shape)}
-        names = tuple(sizes)
-        wanted = tuple(choose(names))
-        content = loadmat(path, variable_names=list(wanted), squeeze_me=True) if wanted else {}
-    except NotImplementedError:
-        raise BadFile(path, "a MATLAB 7.3 file: save it with -v7") from None
-    except (
-        ValueError,
-        TypeError,
-        KeyError,
-        IndexError,
-        EOFError,
-        OSError,
-        OverflowError,
-        MemoryError,
-        zlib.error,
-    ) as error:
-        raise BadFile(path, f"not a .mat file that can be read: {_reason(error)}") from None
+    sizes = {
+        name: max(shape) for name, shape, kind in _tried(path, whosmat) if kind in _NUMBERS and _is_vector(shape)
+    }
+    wanted = tuple(choose(tuple(sizes)))
+    for name in wanted:
+        if sizes[name] > LARGEST:
+            raise BadFile(path, f"{name} has {sizes[name]} values; at most {LARGEST} can be read")
+    content = _tried(path, partial(loadmat, variable_names=list(wanted), squeeze_me=True))
+    for name in wanted:
+        if np.iscomplexobj(content[name]):
+            raise BadFile(path, f"{name} is complex")
     values = tuple(np.asarray(content[name], dtype=np.float64) for name in wanted)
     if len({value.size for value in values}) > 1:
         described = ", ".join(f"{name} has {value.size}" for name, value in zip(wanted, values, strict=True))
         raise BadFile(path, f"columns of different length: {described}")
     return Columns(wanted, values, ())
+
+
+def _tried(path: Path, reader: Callable[[Path], Any]) -> Any:
+    try:
+        return reader(path)
+    except NotImplementedError:
+        raise BadFile(path, "a MATLAB 7.3 file: save it with -v7") from None
+    except Exception as error:  # a damaged file may raise anything
+        raise BadFile(path, f"not a .mat file that can be read: {_reason(error)}") from None
 
 
 _NUMBERS = {"double", "single", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -66,7 +67,7 @@ class Record:
     synthetic: bool = False
     remarks: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def step(self) -> float:
         """Median time between samples, in s."""
         return float(np.median(np.diff(self.t)))
@@ -104,14 +105,14 @@ def read_record(
     columns = read_columns(path, lambda names: _chosen(path, names, column, time_column))
     (time_name, value_name), (t, value) = columns.names, columns.values
     time_unit = time_unit or _unit(time_name, TIMES) or "s"
-    remarks = []
+    remarks = list(columns.remarks)
     unit = unit or _unit(value_name, VOLTAGES | ANGLES)
     if unit is None:
         unit = "V" if calibration else "rad"
         remarks.append(f"{value_name!r} names no unit: taken as {unit}")
     if (unit in VOLTAGES) != (calibration is not None):
         expected = "volts per radian and an offset" if unit in VOLTAGES else "none"
-        raise BadValue(f"calibration of {value_name!r}, in {unit},", calibration, expected)
+        raise BadValue(f"{path}: calibration of {value_name!r}, in {unit},", calibration, expected)
     t, value, dropped = _rows(path, t, value)
     remarks += dropped
     t = t * TIMES[time_unit]
@@ -180,8 +181,10 @@ def _rows(path: str | Path, t: Array, value: Array) -> tuple[Array, Array, list[
 
 def _check(path: str | Path, t: Array, angle: Array, unit: str, time_unit: str) -> None:
     """Refuse what cannot be a knee's angle in these units."""
+    if t.size < FEWEST:
+        raise BadFile(path, f"{t.size} samples at different times; a release needs at least {FEWEST}")
     step = float(np.median(np.diff(t)))
-    if t.size < FEWEST or step > COARSEST:
+    if step > COARSEST:
         hint = f"are the times in {time_unit}?"
         raise BadFile(path, f"samples are {step:.3g} s apart; a release needs {COARSEST:g} s or less ({hint})")
     if step < FINEST:

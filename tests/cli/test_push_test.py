@@ -1,0 +1,100 @@
+"""`spear push-test`."""
+
+import json
+
+import pytest
+
+from tests.cli.calls import printed, refused, run, words
+
+
+def test_release(capsys, tmp_path):
+    shown = printed(capsys, "push-test", "--static-rest", "--out", tmp_path)
+    assert shown["initial_angle"] == pytest.approx(1.533, abs=5e-4)
+    assert shown["frequency"] == pytest.approx(2.274, abs=1e-3)
+    assert shown["first_extremum"][0] == pytest.approx(0.2313, abs=1e-4)
+    assert shown["least_force"] == pytest.approx(-11.2, abs=0.1)
+    assert shown["lift_off"] == pytest.approx(0.1749, abs=1e-4)
+    assert shown["reason"] == "complete"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["push_test.html", "push_test.svg"]
+    assert "pins" not in shown
+
+
+def test_text(capsys, tmp_path):
+    status, out, _ = run(capsys, "push-test", "--out", tmp_path)
+    assert status == 0 and "the pin pulls never" in out and "rests at             1.2420 rad" in out
+
+
+def test_options_reach_the_model(capsys, tmp_path):
+    plain = printed(capsys, "push-test", "--out", tmp_path)
+    for options in (
+        ["--depth", "0.05"],
+        ["--ratio", "30"],
+        ["--no-motor"],
+        ["--stiffness", "60"],
+        ["--damping", "2"],
+        ["--coulomb", "1"],
+        ["--rest-angle", "0.9"],
+        ["--static-rest"],
+        ["--unilateral"],
+    ):
+        other = printed(capsys, "push-test", *options, "--out", tmp_path)
+        assert other["first_extremum"] != plain["first_extremum"], options
+
+
+def test_ratios(capsys, tmp_path):
+    shown = printed(capsys, "push-test", "--ratios", "none", "15", "30", "66", "--out", tmp_path)
+    times = [row["first_extremum"][0] for row in shown["ratios"]]
+    assert times == sorted(times) and len(times) == 4
+    assert [row["ratio"] for row in shown["ratios"]] == [None, 15, 30, 66]
+    assert (tmp_path / "gear_ratios.svg").is_file()
+
+
+def test_record(capsys, tmp_path):
+    options = ["push-test", "--write-csv", "lab", "--repeats", "1", "--out", tmp_path]
+    shown = printed(capsys, *options)
+    text = (tmp_path / "lab.csv").read_text(encoding="utf-8")
+    assert text.startswith("# SYNTHETIC") and "not measured" in text.splitlines()[0]
+    assert shown["synthetic"] is True and shown["truth"]["stiffness"] == 48.25
+    run(capsys, *options)
+    assert (tmp_path / "lab.csv").read_text(encoding="utf-8") == text
+    run(capsys, *options, "--seed", "1")
+    assert (tmp_path / "lab.csv").read_text(encoding="utf-8") != text
+
+
+def test_record_names_the_command_that_reads_it(capsys, tmp_path):
+    _, out, _ = run(capsys, "push-test", "--write-csv", "lab.csv", "--repeats", "1", "--no-motor", "--out", tmp_path)
+    line = next(line for line in out.splitlines() if "spear identify" in line)
+    command = line[line.index("spear identify") :].split()[1:]
+    status, out, err = run(capsys, *command, "--out", tmp_path, "--json")
+    assert status == 0, err
+    found = json.loads(out)["estimates"][0]["parameters"][0]
+    assert abs(found["value"] - 47.12) < 3 * found["deviation"]
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        (["--depth", "0.9"], "depth"),
+        (["--depth", "-0.1"], "depth"),
+        (["--depth", "nan"], "depth"),
+        (["--stiffness", "-1"], "stiffness"),
+        (["--stiffness", "3"], "knee"),
+        (["--coulomb", "-1"], "coulomb"),
+        (["--ratio", "0"], "--ratio"),
+        (["--ratio", "15", "--no-motor"], "--no-motor"),
+        (["--ratios", "-3"], "knee_ratio"),
+        (["--ratios", "many"], "many"),
+        (["--duration", "0"], "duration"),
+        (["--write-csv", "x", "--noise", "-1"], "noise"),
+        (["--write-csv", "x", "--seed", "-1"], "--seed"),
+        (["--write-csv", "x", "--repeats", "0"], "repeats"),
+        (["--write-csv", "x", "--volts-per-rad", "0"], "volts_per_rad"),
+        (["--write-csv", "no/where"], "no/where"),
+        (["--out", "nowhere"], "--out"),
+    ],
+    ids=words,
+)
+def test_mistakes(capsys, tmp_path, monkeypatch, options, named):
+    monkeypatch.chdir(tmp_path)
+    assert named in refused(capsys, "push-test", *options)
+    assert list(tmp_path.iterdir()) == []
