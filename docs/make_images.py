@@ -80,22 +80,21 @@ def design() -> None:
 
 def push() -> None:
     """Write the pictures of the push test; the records that are fitted are synthetic."""
+    fits = {f"{100 * depth:g} cm, with motor": fitted(depth, seed) for seed, depth in enumerate(DEPTHS)}
     pictures = {
         "gears": push_plots.gear_comparison(gear_study()),
-        "identification": push_plots.fit_summary(
-            {f"{100 * depth:g} cm, with motor": fitted(depth) for depth in DEPTHS}
-        ),
+        "identification": push_plots.fit_summary(fits),
         "tables": push_plots.source_comparison(),
     }
     for name, figure in pictures.items():
         print(plots.save_figure(figure, IMAGES / f"{name}.svg"))
 
 
-def fitted(depth: float) -> Estimate:
+def fitted(depth: float, seed: int) -> Estimate:
     """What is found from a synthetic record of pushes by a depth, in m, read back from its file."""
     leg, instrument = spear_ii(), Instrument()
     with tempfile.TemporaryDirectory() as folder:
-        synthetic = synthesize(leg, WITH_MOTOR, depth, instrument=instrument, seed=round(1000 * depth))
+        synthetic = synthesize(leg, WITH_MOTOR, depth, instrument=instrument, seed=seed)
         data = read_record(write_csv(synthetic, Path(folder) / "record.csv"), calibration=instrument.calibration)
     return identify(leg, [smoothed(trial, MovingAverage(100)) for trial in cut(data)[0]])
 

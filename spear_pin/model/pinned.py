@@ -5,7 +5,8 @@ coordinates follow, q = q(θ) with S = dq/dθ, and the equations of motion proje
 
     (Sᵀ D S) θ̈ + (Sᵀ D S' + Sᵀ C(q, S) S) θ̇² + Sᵀ G = τ,
 
-where the factor of θ̇² is half the derivative of the effective inertia Sᵀ D S.
+where the factor of θ̇² is half the derivative of the effective inertia Sᵀ D S. Viscous friction that the URDF
+gives to a joint, such as the slider, acts as Sᵀ diag(d) S θ̇.
 """
 
 from __future__ import annotations
@@ -70,11 +71,12 @@ class PinnedLeg:
     Attributes:
         robot: the leg, its boom locked along the ground.
         joint: name of the coordinate that is left, the knee's.
-            span: least and largest angle, in rad, the joint's limits.
+        span: least and largest angle, in rad, the joint's limits.
         rotor: inertia of the joint's rotor, reflected to it, in kg·m²; part of the effective inertia.
         configuration: q(θ).
         motion: Sᵀ D S, half its derivative, and Sᵀ G, in kg·m² and N·m.
-        reaction: ground force, x and z, per θ̈, per θ̇² and at rest, in N.
+        drag: Sᵀ diag(d) S, in N·m·s/rad.
+        reaction: ground force, x and z, per θ̈, per θ̇², at rest and per θ̇, in N.
     """
 
     robot: Robot
@@ -83,14 +85,16 @@ class PinnedLeg:
     rotor: float
     configuration: Series = field(repr=False)
     motion: Series = field(repr=False)
+    drag: Series = field(repr=False)
     reaction: Series = field(repr=False)
 
     @cached_property
     def motion_with_slopes(self) -> Series:
-        """The rows of `motion`, then their derivatives with respect to θ."""
-        slopes = self.motion.derivative().coefficients
-        padded = np.pad(slopes, ((0, 0), (0, self.motion.coefficients.shape[1] - slopes.shape[1])))
-        return Series(self.span, np.vstack([self.motion.coefficients, padded]))
+        """The rows of `motion`, their derivatives with respect to θ, then `drag` and its derivative."""
+        rows = [part for series in (self.motion, self.drag) for part in (series, series.derivative())]
+        widest = self.motion.coefficients.shape[1]
+        padded = [np.pad(part.coefficients, ((0, 0), (0, widest - part.coefficients.shape[1]))) for part in rows]
+        return Series(self.span, np.vstack(padded))
 
     def with_rotor(self, inertia: float) -> PinnedLeg:
         """The same leg with another reflected rotor inertia at the joint, in kg·m²; 0 is none.
@@ -112,17 +116,18 @@ class PinnedLeg:
         return np.asarray(self.motion(angle)[2])
 
     def hip_height(self, angle: ArrayLike) -> Array:
-        """Height of the hip above the toe, in m, y of (4.2)."""
+        """Height of the slider, the first coordinate, in m: for SPEAR-II that of the hip above the toe, y of (4.2)."""
         return np.asarray(self.configuration(angle)[0])
 
     def ground_force(self, angle: ArrayLike, rate: ArrayLike, acceleration: ArrayLike) -> Array:
         """Force of the ground on the toe, (2,) or (2, n), x and z, in N; the pin pulls where z is negative."""
-        inertial, centrifugal, resting = self.reaction(angle).reshape(3, 2, *np.shape(angle))
-        return np.asarray(inertial * np.asarray(acceleration) + centrifugal * np.square(rate) + resting)
+        inertial, centrifugal, resting, dragging = self.reaction(angle).reshape(4, 2, *np.shape(angle))
+        moving = inertial * np.asarray(acceleration) + centrifugal * np.square(rate)
+        return np.asarray(moving + resting + dragging * np.asarray(rate))
 
 
 def pin_toe(robot: Robot, joint: str = "knee") -> PinnedLeg:
-    """Pin the toe of a leg below its hip and leave one joint free.
+    """Pin the toe of a leg at the origin, below its hip, and leave one joint free.
 
     Args:
         robot: planar, with one toe and three coordinates: the height first, and two joints.
@@ -146,14 +151,15 @@ def pin_toe(robot: Robot, joint: str = "knee") -> PinnedLeg:
         coefficients = chebyshev.chebinterpolate(lambda places: _rows(robot, row, middle + half * places), degree).T  # type: ignore[type-var]
         largest = np.abs(coefficients).max(axis=1, initial=1.0)
         if (np.abs(coefficients[:, -3:]).max(axis=1) <= TAIL * largest).all():
-            parts = np.split(coefficients, (3, 6))
+            needed = int(np.flatnonzero((np.abs(coefficients) > TAIL * largest[:, None]).any(axis=0))[-1]) + 1
+            parts = np.split(coefficients[:, :needed], (3, 6, 7))
             return PinnedLeg(robot, joint, span, float(robot.model.armature[row]), *(Series(span, p) for p in parts))
     raise BadValue(f"limits of {joint}", span, "angles at which the toe can be below the hip")
 
 
 def _rows(robot: Robot, row: int, angles: Array) -> Array:
-    """What `PinnedLeg` has as series, one row an angle: 3 of the configuration, 3 of the motion, 6 of the reaction."""
-    table = np.empty((angles.size, 12))
+    """What `PinnedLeg` has as series, one row an angle: of configuration 3, motion 3, drag 1 and reaction 8."""
+    table = np.empty((angles.size, 15))
     for side in (angles >= 0, angles < 0):  # from the straight leg outward, each from the one before
         q = np.zeros(3)
         for i in sorted(np.flatnonzero(side), key=lambda i: abs(angles[i])):
@@ -176,12 +182,13 @@ def _placed(robot: Robot, row: int, q: Array, angle: float) -> Array:
 
 
 def _projected(robot: Robot, row: int, q: Array) -> tuple[Array, Array]:
-    """The equations of motion along the joint, and on the toe, each per θ̈, per θ̇² and at rest."""
+    """The equations of motion along the joint, and on the toe, each per θ̈, per θ̇², at rest and per θ̇."""
     jacobian = robot.toe_jacobian(q, robot.toes[0])
     dependent = np.delete(jacobian, row, axis=1)
     along = np.insert(np.linalg.solve(dependent, -jacobian[:, row]), row, 1.0)  # S
     bend = np.insert(np.linalg.solve(dependent, -robot.toe_drift(q, along, robot.toes[0])), row, 0.0)  # S'
     mass_matrix, gravity = robot.mass_matrix(q), robot.gravity(q)
-    terms = np.array([mass_matrix @ along, mass_matrix @ bend + robot.bias(q, along) - gravity, gravity])
+    centrifugal = mass_matrix @ bend + robot.bias(q, along) - gravity
+    terms = np.array([mass_matrix @ along, centrifugal, gravity, robot.model.damping * along])
     forces = np.linalg.solve(dependent.T, np.delete(terms, row, axis=1).T).T
     return terms @ along, forces.ravel()

@@ -51,6 +51,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
         "knee_ratio": Parameter(15.0, "1", TABLES, "turns of a knee's rotor per turn of the knee", ALL),
         "hip_rotor": Parameter(0.047 / 60**2, "kg·m²", COMPUTED, "inertia of a hip's rotor, not reflected", ALL),
         "knee_rotor": Parameter(0.027 / 15**2, "kg·m²", COMPUTED, "inertia of a knee's rotor, not reflected", ALL),
+        "boom_damping": Parameter(0.0, "N·s/m", ASSUMPTION, "viscous friction of the slider", ("spear_ii",)),
         "adduction_ratio": Parameter(60.0, "1", ASSUMPTION, "turns of an adduction rotor per turn of its joint", FULL),
     }
 )
@@ -75,7 +76,7 @@ def vary(robot: Robot, **values: float) -> Robot:
     for name, value in values.items():
         if name not in valid:
             raise UnknownName("parameter", name, valid)
-        none = name.endswith("_rotor")  # a joint without a motor has no rotor
+        none = name.endswith(("_rotor", "_damping"))  # a joint without a motor has no rotor
         if isinstance(value, bool) or not (isinstance(value, Real) and 0 <= value <= MAX_NUMBER and (value or none)):
             raise BadValue(name, value, f"a finite number {'>=' if none else '>'} 0, in {PARAMETERS[name].unit}")
     if not values:
@@ -105,6 +106,10 @@ def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
 def _change(model: pin.Model, name: str, value: float) -> None:
     if name.endswith("_ratio"):
         _set_gears(model, name.removesuffix("_ratio"), ratio=value)
+    elif name == "boom_damping":
+        damping = model.damping.copy()
+        damping[model.joints[model.getJointId("boom_z")].idx_v] = value
+        model.damping = damping
     elif name.endswith("_rotor"):
         _set_gears(model, name.removesuffix("_rotor"), rotor=value / PARAMETERS[name].default)
     else:

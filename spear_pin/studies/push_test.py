@@ -214,7 +214,7 @@ def swing(leg: PinnedLeg, knee: PassiveKnee) -> Swing:
     inertia = float(leg.effective_inertia(rest))
     stiffness = knee.stiffness + float(leg.motion_with_slopes(rest)[5])
     undamped = np.sqrt(stiffness / inertia)
-    ratio = knee.damping / (2.0 * np.sqrt(stiffness * inertia))
+    ratio = (knee.damping + float(leg.drag(rest)[0])) / (2.0 * np.sqrt(stiffness * inertia))
     return Swing(
         frequency=float(undamped / (2 * np.pi)),
         damped_frequency=float(undamped * np.sqrt(max(1.0 - ratio**2, 0.0)) / (2 * np.pi)),

@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 # what a motion can be derived by: the numbers of the passive knee, the reflected rotor inertia, the start
 PARAMETERS = ("stiffness", "damping", "coulomb", "zero", "rotor", "initial_angle")
 RTOL = 1e-10
+MAX_STEP = 0.05  # s, a fifth of a swing or less: at loose tolerances the error estimate may miss one
 PIECES = 10_000  # smooth pieces of a motion, at most
 
 
@@ -106,7 +107,10 @@ def move(
         BadValue: the angle is beyond the joint's limits, or the times do not increase from 0 on.
         UnknownName: an unknown parameter.
     """
-    at = np.asarray(times, dtype=float)
+    try:
+        at = np.asarray(times, dtype=float)
+    except (TypeError, ValueError):
+        raise BadValue("times", times, "increasing numbers from 0 on, in s") from None
     if at.ndim != 1 or at.size == 0 or not np.isfinite(at).all() or at[0] < 0 or (np.diff(at) <= 0).any():
         raise BadValue("times", times, "increasing numbers from 0 on, in s")
     low, high = leg.span
@@ -128,9 +132,8 @@ def move(
             reason = "complete"
             break
         events = _events(flow)
-        piece = solve_ivp(
-            flow, (now, at[-1]), state, "DOP853", dense_output=True, events=events, rtol=rtol, atol=0.01 * rtol
-        )
+        tolerances = {"rtol": rtol, "atol": 0.01 * rtol, "max_step": MAX_STEP}
+        piece = solve_ivp(flow, (now, at[-1]), state, "DOP853", dense_output=True, events=events, **tolerances)
         within = (at >= now) & (at <= piece.t[-1])
         if within.any():
             states[within] = piece.sol(at[within]).T
@@ -183,10 +186,10 @@ class _Flow:
     def __call__(self, t: float, state: Array) -> Array:
         angle, rate, *sensitivities = state.tolist()  # floats: with numbers so few, an array costs more
         terms = self.leg.motion_with_slopes.at(angle).tolist()
-        inertia, centrifugal, gravity, inertia_slope, centrifugal_slope, gravity_slope = terms
+        inertia, centrifugal, gravity, inertia_slope, centrifugal_slope, gravity_slope, drag, drag_slope = terms
         knee, stiffness = self.knee, self.knee.stiffness * self.pulls
         stretch = angle - knee.zero
-        torque = -stiffness * stretch - knee.damping * rate - knee.coulomb * self.direction
+        torque = -stiffness * stretch - (knee.damping + drag) * rate - knee.coulomb * self.direction
         acceleration = (torque - gravity - centrifugal * rate * rate) / inertia
         if not self.wrt:
             return np.array([rate, acceleration])
@@ -198,8 +201,9 @@ class _Flow:
             "rotor": -acceleration,
             "initial_angle": 0.0,
         }
-        by_angle = -stiffness - gravity_slope - centrifugal_slope * rate * rate - acceleration * inertia_slope
-        by_rate = -knee.damping - 2.0 * centrifugal * rate
+        by_angle = -stiffness - gravity_slope - (drag_slope + centrifugal_slope * rate) * rate
+        by_angle -= acceleration * inertia_slope
+        by_rate = -knee.damping - drag - 2.0 * centrifugal * rate
         of_angle, of_rate = sensitivities[: len(self.wrt)], sensitivities[len(self.wrt) :]
         rows = zip(self.wrt, of_angle, of_rate, strict=True)
         return np.array(
@@ -211,9 +215,8 @@ class _Flow:
         """θ̈ at many samples."""
         inertia, centrifugal, gravity = self.leg.motion(angle)
         knee = self.knee
-        torque = (
-            -knee.stiffness * self.pulls * (angle - knee.zero) - knee.damping * rate - knee.coulomb * self.direction
-        )
+        torque = -knee.stiffness * self.pulls * (angle - knee.zero) - knee.coulomb * self.direction
+        torque = torque - (knee.damping + self.leg.drag(angle)[0]) * rate
         return np.asarray((torque - gravity - centrifugal * rate**2) / inertia)
 
 

@@ -139,7 +139,7 @@ class TestSlopes:
         inside = ANGLES[5:-5]
         near, far = (spear.motion(inside + n * step) - spear.motion(inside - n * step) for n in (1, 2))
         close(rows[:3], spear.motion(ANGLES), 1e-13)
-        close(rows[3:, 5:-5], (8 * near - far) / (12 * step), 1e-9)
+        close(rows[3:6, 5:-5], (8 * near - far) / (12 * step), 1e-9)
         close(rows[3], 2 * rows[1], 3e-10)  # the factor of θ̇² is half the slope of the inertia
 
     def test_series(self):
@@ -193,6 +193,29 @@ class TestEquationsWithTheConstraint:
             assert mine == pytest.approx(accelerations[row], **close_to)
             close(leg.ground_force(angle, rate, mine), data.lambda_c, 1e-9)
 
+    def test_friction_in_the_joints(self):
+        """As a force -d q̇ on every coordinate; the pin bears what does not move the knee."""
+        robot = vary(load("spear_ii", locked=["boom_x"]), boom_damping=45.0)
+        robot.model.damping = np.array([45.0, 0.4, 0.1])
+        leg, data = pin_toe(robot), robot.model.createData()
+        slopes = leg.configuration.derivative()
+        for angle, rate, torque in STATES:
+            q, v = leg.configuration(angle), slopes(angle) * rate
+            J, drift = robot.toe_jacobian(q, "toe"), robot.toe_drift(q, v, "toe")
+            pin.computeAllTerms(robot.model, data, q, v)
+            applied = torque * np.eye(3)[2] - robot.model.damping * v
+            accelerations = pin.forwardDynamics(robot.model, data, applied, J, drift)
+            inertia, centrifugal, gravity = leg.motion(angle)
+            mine = (torque - gravity - centrifugal * rate**2 - leg.drag(angle)[0] * rate) / inertia
+            assert mine == pytest.approx(accelerations[2], rel=1e-9, abs=1e-9)
+            close(leg.ground_force(angle, rate, mine), data.lambda_c, 1e-8)
+
+    def test_friction_of_the_slider_by_hand(self):
+        """The hip sinks by L sin(θ/2) a radian, so the slider's friction is worth 1.04 N·m·s/rad at 1 rad."""
+        leg = pin_toe(vary(load("spear_ii", locked=["boom_x"]), boom_damping=45.0))
+        close(leg.drag(ANGLES)[0], 45.0 * (0.318 * np.sin(ANGLES / 2)) ** 2, 1e-11)
+        assert float(leg.drag(1.0)[0]) == pytest.approx(1.04, abs=0.01)
+
     def test_energies_of_a_robot_of_ones_own(self, write):
         """Gravity is the slope of the potential energy."""
         robot, step = write(OWN), 1e-3
@@ -215,7 +238,7 @@ class TestEquationsWithTheConstraint:
             at = push.at(angle)
             close(leg.configuration(angle), [at.height, at.thigh, angle], 1e-12)
             close(leg.motion(angle), [at.inertia, at.half_slope, at.gravity], 1e-12)
-            close(leg.reaction(angle).reshape(3, 2), at.forces, 1e-11)
+            close(leg.reaction(angle).reshape(4, 2)[:3], at.forces, 1e-11)
 
     def test_another_joint(self, write):
         """The hip of SPEAR-II bends half as far as its knee; its limits here, where the toe can be below it."""

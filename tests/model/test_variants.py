@@ -48,7 +48,7 @@ class TestParameters:
 
     def test_are_described(self):
         for parameter in PARAMETERS.values():
-            assert parameter.unit in ("m", "kg", "kg·m²", "1") and parameter.summary
+            assert parameter.unit in ("m", "kg", "kg·m²", "1", "N·s/m") and parameter.summary
             assert parameter.provenance == "assumption" or "source Table" in parameter.provenance
 
     def test_are_fixed(self):
@@ -57,6 +57,10 @@ class TestParameters:
 
     @each_parameter
     def test_changes_the_robot(self, name, source):
+        if name == "boom_damping":  # friction is no part of D, C and G
+            robot = vary(load(source, locked=["boom_x"]), boom_damping=45.0)
+            assert robot.model.damping.tolist() == [45.0, 0.0, 0.0] and not load(source).model.damping.any()
+            return
         assert np.abs(difference(source, state(load(source))[0], **{name: 1.3 * PARAMETERS[name].default})).max() > 1e-3
 
 
@@ -252,7 +256,7 @@ class TestRefusals:
 
     def test_of_another_robot(self):
         """The monopod has motors, but no torso."""
-        gears = "hip_ratio, knee_ratio, hip_rotor, knee_rotor"
+        gears = "hip_ratio, knee_ratio, hip_rotor, knee_rotor, boom_damping"
         with pytest.raises(UnknownName, match=f"^unknown parameter 'hip_distance'; valid: {gears}$"):
             vary(load("spear_ii"), hip_distance=0.9)
 
@@ -262,13 +266,15 @@ class TestRefusals:
         with pytest.raises(BadValue) as caught:
             vary(load(source), **{name: value})
         assert caught.value.name == name
-        sign = ">=" if name.endswith("_rotor") else ">"
+        sign = ">=" if name.endswith(("_rotor", "_damping")) else ">"
         assert caught.value.expected == f"a finite number {sign} 0, in {PARAMETERS[name].unit}"
 
     @each_parameter
     def test_zero(self, name, source):
-        """Of a rotor only: none."""
-        if name.endswith("_rotor"):
+        """Of a rotor or of friction only: none."""
+        if name == "boom_damping":
+            assert not vary(load(source), boom_damping=0.0).model.damping.any()
+        elif name.endswith("_rotor"):
             rows = [i for i, c in enumerate(load(source).coordinates) if c.endswith(name.removesuffix("_rotor"))]
             assert rows and not vary(load(source), **{name: 0.0}).model.armature[rows].any()
         else:

@@ -69,6 +69,7 @@ class Model:
     frames: _Vector[Frame]
     gravity: Motion
     armature: _Array
+    damping: _Array
     rotorInertia: _Array
     rotorGearRatio: _Array
     lowerPositionLimit: _Array

@@ -155,16 +155,16 @@ def _dialect(path: Path, head: bytes) -> _Dialect:
     names = tuple(field if headed and field else f"column {i + 1}" for i, field in enumerate(first))
     if len(set(names)) < len(names):
         raise BadFile(path, f"two columns have the same name among {', '.join(names)}", skipped + 1)
-    decimal = "," if separator in (";", "\t", r"\s+") and any(re.search(r"\d,\d", row) for row in rows[headed:]) else "."
+    decimal = (
+        "," if separator in (";", "\t", r"\s+") and any(re.search(r"\d,\d", row) for row in rows[headed:]) else "."
+    )
     return _Dialect(comments, skipped, names, headed, separator, decimal)
 
 
 def _mat(path: Path, choose: Choice) -> Columns:
     from scipy.io import loadmat, whosmat
 
-    sizes = {
-        name: max(shape) for name, shape, kind in _tried(path, whosmat) if kind in _NUMBERS and _is_vector(shape)
-    }
+    sizes = {name: max(shape) for name, shape, kind in _tried(path, whosmat) if kind in _NUMBERS and _is_vector(shape)}
     wanted = tuple(choose(tuple(sizes)))
     for name in wanted:
         if sizes[name] > LARGEST:
