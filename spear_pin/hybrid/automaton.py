@@ -19,12 +19,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from spear_pin.errors import UnknownName
 from spear_pin.hybrid.contact import Contact
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
+
+if TYPE_CHECKING:
+    from spear_pin.hybrid.hardware import Hardware
 
 Held = Mapping[str, Any]
 Law = Callable[[Any, Any, Any, Mapping[str, Any], Any, Any, Any], Sequence[Any]]
@@ -172,6 +175,7 @@ class HybridSystem:
         guess: a state (q, v) on the section to search from.
         measures: quantities of one cycle that a gait can be asked for.
         phase_limit: longest a phase may last, in s.
+        hardware: between law and joints, see `spear_pin.hybrid.hardware`; None: ideal motors.
     """
 
     kind: str
@@ -186,6 +190,7 @@ class HybridSystem:
     guess: Callable[[], tuple[Any, Any]] = field(repr=False)
     measures: Mapping[str, Callable[[Any], float]] = field(default_factory=dict, repr=False)
     phase_limit: float = 5.0
+    hardware: Hardware | None = None
 
     @property
     def phases(self) -> tuple[str, ...]:

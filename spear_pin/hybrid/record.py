@@ -84,6 +84,7 @@ class Run:
         events: what happened.
         work: energy by flow of each whole cycle.
         change: change of stored energy of each whole cycle.
+        stored: change of the energy in the hardware's inductances.
         durations: seconds in each phase in the last whole cycle.
         cycles: whole cycles run.
         reason: why it ended, a key of `REASONS`.
@@ -99,6 +100,7 @@ class Run:
     events: list[Event] = field(default_factory=list)
     work: list[Array] = field(default_factory=list)
     change: list[float] = field(default_factory=list)
+    stored: list[float] = field(default_factory=list)
     durations: Mapping[str, float] = field(default_factory=dict)
     cycles: int = 0
     reason: str = ""

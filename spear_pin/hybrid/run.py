@@ -67,7 +67,7 @@ class _Runner:
     ) -> None:
         if not cycles >= 1 or cycles % 1:
             raise BadValue("cycles", cycles, "a whole number, at least 1")
-        robot = system.robot
+        self.robot = system.robot
         self.system, self.options, self.wanted, self.on_cycle = system, options, cycles, on_cycle
         self.nw = len(flow_names(system))
         if isinstance(state, Moment):
@@ -75,7 +75,8 @@ class _Runner:
         else:
             (phase, held), begun, pair = starting_phase(system, state), 0.0, state
         q, v = (np.array(part, dtype=float) for part in pair)
-        self.y = np.concatenate([q, v, np.zeros(self.nw)])
+        self.nx = len(system.hardware.names) if system.hardware is not None else 0
+        self.y = np.concatenate([q, v, np.zeros(self.nx + self.nw)])
         self.t, self.began, self.switches = begun, -begun, 0  # t counts from the phase's beginning
         self.booked: dict[str, float] = defaultdict(float)
         self.spent: dict[str, float] = defaultdict(float)
@@ -84,9 +85,8 @@ class _Runner:
         self.on_section = phase == system.section_phase and begun == 0.0
         self.flow = choose(system, phase, held, self.t, self.y)
         self.run = Run((q, v), (q, v), held, self.flow.domain)
-        self.energy = self._energy()
+        self.energy, self.inductive = self._energy(), self._inductive()
         self.atol = options.atol or 0.01 * options.rtol
-        self.robot = robot
 
     def go(self) -> None:
         """Run to the end."""
@@ -125,7 +125,9 @@ class _Runner:
         if watch.undefined or not np.isfinite(self.flow(self.t, self.y)).all():
             self._end("not_finite", self._where())
             return
-        solver = DOP853(self.flow, self.t, self.y, bound, max_step=MAX_STEP, rtol=self.options.rtol, atol=self.atol)
+        hardware = self.system.hardware
+        longest = MAX_STEP if hardware is None else min(MAX_STEP, hardware.max_step)
+        solver = DOP853(self.flow, self.t, self.y, bound, max_step=longest, rtol=self.options.rtol, atol=self.atol)
         slope = solver.f
         while solver.status == "running":
             t0, y0 = solver.t, solver.y
@@ -259,12 +261,13 @@ class _Runner:
         if self.on_section:
             self.run.work.append(work)
             self.run.change.append(energy - self.energy)
+            self.run.stored.append(self._inductive() - self.inductive)
             self.run.durations = dict(self.spent)
             self.run.cycles += 1
             self.on_cycle(self.run.cycles)
             if self.run.cycles == self.wanted:
                 self._end("complete", "")
-        self.on_section, self.energy = True, energy
+        self.on_section, self.energy, self.inductive = True, energy, self._inductive()
         self.booked.clear()
         self.spent.clear()
         self.cycle_events = 0
@@ -300,6 +303,11 @@ class _Runner:
         q, v = self.y[: robot.nq], self.y[robot.nq : robot.nq + robot.nv]
         everything = Reset(release=tuple(mount.joint for mount in self.flow.domain.mounts))
         return robot.kinetic_energy(q, v) + robot.potential_energy(q) + self._spring_energy(everything)
+
+    def _inductive(self) -> float:
+        """Energy in the hardware's inductances."""
+        hardware, first = self.system.hardware, self.robot.nq + self.robot.nv
+        return 0.0 if hardware is None else hardware.stored(self.y[first : first + self.nx].tolist())
 
     def _spring_energy(self, reset: Reset) -> float:
         held = self.flow.held

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.engines.pinocchio import flow_names
+from spear_pin.hybrid.engines.pinocchio import electrical_flows, flow_names
 from spear_pin.hybrid.filippov import flow_of
 from spear_pin.hybrid.record import BOOKED, Moment, Options, Run, Segment, State
 from spear_pin.hybrid.run import run
@@ -59,7 +59,8 @@ def sample(system: HybridSystem, result: Run) -> Trajectory:
     nq, nv = robot.nq, robot.nv
     springs = list(dict.fromkeys(mount.joint for domain in system.domains for mount in domain.mounts))
     rows: dict[str, list[object]] = {name: [] for name in (*_NUMERIC, "domain", "phase", "cycle")}
-    for segment, times, states in _samples(result, len(flow_names(system))):
+    remembered = len(system.hardware.names) if system.hardware is not None else 0
+    for segment, times, states in _samples(result, remembered + len(flow_names(system))):
         flow = flow_of(system, segment.domain, segment.held)
         mounts = {mount.joint: mount for mount in segment.domain.mounts}
         engaged = [joint in mounts for joint in springs]
@@ -71,6 +72,8 @@ def sample(system: HybridSystem, result: Run) -> Trajectory:
             rows["friction"].append(flow.friction)
             rows["force"].append([flow.force(toe) for toe in robot.toes])
             rows["spring"].append([flow.spring_torque(joint) for joint in springs])
+            rows["current"].append(flow.driven.currents if flow.driven else ())
+            rows["reference"].append(flow.driven.references if flow.driven else ())
         n = len(times)
         rows["t"].extend(segment.began + times)
         rows["q"].extend(states[:, :nq])
@@ -82,7 +85,7 @@ def sample(system: HybridSystem, result: Run) -> Trajectory:
     n = len(rows["t"])
     shapes = {"force": (n, len(robot.toes), 2), "spring": (n, len(springs)), "engaged": (n, len(springs))}
     arrays = {name: np.array(rows[name], dtype=float).reshape(shapes.get(name, (n, -1))) for name in _NUMERIC}
-    flows = (*flow_names(system), *BOOKED)
+    ledger, electrical = _ledgers(system, result)
     return Trajectory(
         robot=robot.source,
         coordinates=robot.coordinates,
@@ -94,21 +97,43 @@ def sample(system: HybridSystem, result: Run) -> Trajectory:
         cycle=np.array(rows["cycle"], dtype=np.int64),
         **arrays | {"t": arrays["t"].ravel(), "engaged": arrays["engaged"].astype(bool)},
         events=tuple(result.events),
-        ledger=Ledger(flows, np.array(result.work).reshape(-1, len(flows)), np.array(result.change)),
+        ledger=ledger,
         cycles=result.cycles,
         reason=result.reason,
         message=result.message,
         evaluations=result.evaluations,
+        electrical=electrical,
     )
 
 
-_NUMERIC = ("t", "q", "v", "a", "u", "tau", "friction", "force", "spring", "engaged")
+_NUMERIC = ("t", "q", "v", "a", "u", "tau", "friction", "force", "spring", "engaged", "current", "reference")
 
 
-def _samples(result: Run, n_flows: int) -> Iterator[tuple[Segment, Array, Array]]:
-    """Sample times and states of every segment; the segments of a phase share its samples by length."""
+def _ledgers(system: HybridSystem, result: Run) -> tuple[Ledger, Ledger | None]:
+    """Of the mechanism, and of what drives it: battery = joule + gearbox + motors + what the inductances store."""
+    flows = (*flow_names(system), *BOOKED)
+    everything = Ledger(flows, np.array(result.work).reshape(-1, len(flows)), np.array(result.change))
+    drives = electrical_flows(system)
+    mechanical = tuple(flow for flow in flows if flow not in drives)
+    ledger = Ledger(mechanical, _columns(everything, mechanical), everything.change)
+    if system.hardware is None:
+        return ledger, None
+    motors = tuple(f"motor_{joint}" for joint in system.robot.actuated)
+    work = np.hstack([_columns(everything, drives), -_columns(everything, motors)])
+    return ledger, Ledger((*drives, *motors), work, np.array(result.stored))
+
+
+def _columns(ledger: Ledger, flows: tuple[str, ...]) -> Array:
+    return ledger.work[:, [ledger.flows.index(flow) for flow in flows]]
+
+
+def _samples(result: Run, beyond: int) -> Iterator[tuple[Segment, Array, Array]]:
+    """Sample times and states of every segment, with so many numbers beyond q and v.
+
+    The segments of a phase share its samples by length.
+    """
     if all(segment.began + piece.end == 0.0 for segment in result.segments for piece in segment.pieces):
-        yield result.segments[-1], np.zeros(1), np.concatenate([*result.state, np.zeros(n_flows)])[None]
+        yield result.segments[-1], np.zeros(1), np.concatenate([*result.state, np.zeros(beyond)])[None]
         return
     lengths: dict[float, float] = {}
     for segment in result.segments:

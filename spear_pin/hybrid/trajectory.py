@@ -103,12 +103,15 @@ class Trajectory:
         force: ground force on each toe, x and z, in N, (n, ntoes, 2).
         spring: torque of each spring on its joint, in N·m, (n, nsprings).
         engaged: whether each spring is engaged, (n, nsprings).
+        current: of each motor, in A, (n, nu); (n, 0) without hardware.
+        reference: the current that was asked for, in A, as `current`.
         events: what happened.
         ledger: the energy ledger of whole cycles.
         cycles: number of whole cycles.
         reason: why the run ended; "complete" if it reached the cycles asked for.
         message: the same in a sentence.
         evaluations: number of right-hand sides evaluated.
+        electrical: the ledger of what drives the joints, positive out of the battery; None without hardware.
     """
 
     robot: str
@@ -129,12 +132,15 @@ class Trajectory:
     force: Array
     spring: Array
     engaged: NDArray[np.bool_]
+    current: Array
+    reference: Array
     events: tuple[Event, ...]
     ledger: Ledger
     cycles: int
     reason: str
     message: str
     evaluations: int
+    electrical: Ledger | None = None
 
     @property
     def complete(self) -> bool:
@@ -150,10 +156,13 @@ class Trajectory:
         arrays: dict[str, Any] = {name: getattr(self, name) for name in _arrays()}
         arrays |= {f"event_{name}": np.array([getattr(e, name) for e in self.events]) for name in _EVENT_ARRAYS}
         arrays |= {"ledger_work": self.ledger.work, "ledger_change": self.ledger.change}
+        if self.electrical is not None:
+            arrays |= {"electrical_work": self.electrical.work, "electrical_change": self.electrical.change}
         meta = {name: getattr(self, name) for name in _TEXT} | {
             "format": FORMAT,
             "units": "SI, radians",
             "flows": self.ledger.flows,
+            "drives": () if self.electrical is None else self.electrical.flows,
             "events": [{"name": e.name, "domain": e.domain, "work": dict(e.work)} for e in self.events],
         }
         with atomic(path) as temporary, temporary.open("wb") as file:
@@ -178,9 +187,14 @@ class Trajectory:
                     for info, time, *rest in rows
                 )
                 ledger = Ledger(tuple(meta.pop("flows")), data["ledger_work"], data["ledger_change"])
+                drives, electrical = tuple(meta.pop("drives", ())), None
+                if drives:
+                    electrical = Ledger(drives, data["electrical_work"], data["electrical_change"])
                 meta.pop("units")
                 plain: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in meta.items()}
-                return cls(**plain, **{name: data[name] for name in _arrays()}, events=events, ledger=ledger)
+                older = {name: np.empty((len(data["t"]), 0)) for name in _CURRENTS if name not in data}
+                arrays: dict[str, Any] = {name: data[name] for name in _arrays() if name not in older} | older
+                return cls(**plain, **arrays, events=events, ledger=ledger, electrical=electrical)
         except OSError as error:
             raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
         except (
@@ -234,6 +248,11 @@ class Trajectory:
             ("tau", self.tau, self.actuated),
             ("friction", self.friction, self.coordinates),
             ("spring", self.spring, self.spring_joints),
+            *(
+                (("current", self.current, self.actuated), ("reference", self.reference, self.actuated))
+                if self.current.size
+                else ()
+            ),
             ("force_x", self.force[:, :, 0], self.toes),
             ("force_z", self.force[:, :, 1], self.toes),
         ):
@@ -242,9 +261,10 @@ class Trajectory:
         return names, np.hstack(parts)
 
 
+_CURRENTS = ("current", "reference")  # files from before there was hardware have none
 _EVENT_ARRAYS = ("time", "q", "v_before", "v", "impulse")
 _TEXT = ("robot", "coordinates", "actuated", "toes", "spring_joints", "cycles", "reason", "message", "evaluations")
 
 
 def _arrays() -> list[str]:
-    return [f.name for f in fields(Trajectory) if f.name not in (*_TEXT, "events", "ledger")]
+    return [f.name for f in fields(Trajectory) if f.name not in (*_TEXT, "events", "ledger", "electrical")]

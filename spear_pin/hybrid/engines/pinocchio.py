@@ -1,6 +1,6 @@
 """The reference engine: Pinocchio's dynamics, one domain at a time, the energy ledger in the state.
 
-The state is y = (q, v, w), w holding the work done so far by each flow of the ledger.
+The state is y = (q, v, x, w): x what the hardware remembers, w the work done so far by each flow of the ledger.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem
 from spear_pin.hybrid.contact import constrained
+from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
 from spear_pin.hybrid.phases import SIGN
 from spear_pin.model.robot import WORLD_ALIGNED
 
@@ -32,8 +33,15 @@ OPS = SimpleNamespace(
 
 
 def flow_names(system: HybridSystem) -> tuple[str, ...]:
-    """Names of the flows that are integrated with the state: motors, damping, friction, slip."""
-    return (*(f"motor_{joint}" for joint in system.robot.actuated), "damping", "friction", "slip")
+    """Names of the flows that are integrated with the state: motors, damping, friction, slip, those of hardware."""
+    mechanical = (*(f"motor_{joint}" for joint in system.robot.actuated), "damping", "friction", "slip")
+    return mechanical + electrical_flows(system)
+
+
+def electrical_flows(system: HybridSystem) -> tuple[str, ...]:
+    """Those of the hardware: battery, joule and gearbox of each actuated joint."""
+    joints = system.robot.actuated if system.hardware is not None else ()
+    return tuple(f"{flow}_{joint}" for joint in joints for flow in ELECTRICAL)
 
 
 class Flow:
@@ -56,7 +64,9 @@ class Flow:
         self._zeros = np.zeros(robot.nv)
         self._passive, self._applied = np.zeros(robot.nv), np.zeros(robot.nv)
         self._motors = robot.actuation_matrix
-        self._nw = len(self._actuated) + 3
+        self._hardware = system.hardware
+        self._nx = len(system.hardware.names) if system.hardware is not None else 0
+        self._nw = len(flow_names(system))
         self._toe_ids = {toe: robot.toe_id(toe) for toe in robot.toes}
         self._frame_ids: dict[str, int] = {}
         self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
@@ -69,6 +79,7 @@ class Flow:
         )
         self.q = self.v = self.a = self.friction = self._zeros
         self.u: Sequence[float] = ()
+        self.driven: Driven | None = None
 
     def hold(self, held: Held) -> None:
         """Replace what is held."""
@@ -100,7 +111,17 @@ class Flow:
             drag = damping * rates[index]
             self._passive[index] = stiffness * (rest - angles[index]) - drag
             damped -= drag * rates[index]
-        self.u = u = self._law(t, angles, rates, self.held, self._p, self, OPS)
+        slopes: list[float] = []
+        electrical: list[float] = []
+        if self._hardware is None:
+            self.u = u = self._law(t, angles, rates, self.held, self._p, self, OPS)
+        else:
+            x = y[2 * nv : 2 * nv + self._nx].tolist()
+            read = self._hardware.read(x, self._actuated, angles, rates)
+            commands = self._law(t, *read, self.held, self._p, self, OPS)
+            self.driven = drive(self._hardware, x, commands, [rates[index] for index in self._actuated])
+            self.u, slopes, electrical = self.driven.torques, self.driven.slopes, self.driven.powers
+            u = self.u
         applied, powers = self._passive.copy(), []
         for index, torque in zip(self._actuated, u, strict=True):
             applied[index] += torque
@@ -110,10 +131,10 @@ class Flow:
         slipped = 0.0
         for toe, _ in self._slips:
             slipped += self._forces[toe][0] * self.toe_velocity(toe)[0]
-        derivative = np.empty(2 * nv + self._nw)
+        derivative = np.empty(2 * nv + self._nx + self._nw)
         derivative[:nv] = v
         derivative[nv : 2 * nv] = a
-        derivative[2 * nv :] = (*powers, damped, rubbed, slipped)
+        derivative[2 * nv :] = (*slopes, *powers, damped, rubbed, slipped, *electrical)
         return derivative
 
     @property

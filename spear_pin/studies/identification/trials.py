@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 from scipy.signal import find_peaks
 
 from spear_pin.errors import BadFile, BadValue, require
@@ -14,17 +15,17 @@ from spear_pin.studies.identification.smoothing import MovingAverage
 
 Array = NDArray[np.float64]
 
-BLUR = 0.02  # s, over which the angle is averaged to see where a fall begins
-STEADY = 0.1  # s, over which it is averaged to find falls, and to see whether it is held
+STEADY = 0.1  # s, over which the angle is averaged to find falls, and to see whether it is held
 APART = 1.0  # s, between releases at least
 STEEP = 0.3  # of the steepest fall in the record: what a release has at least
 DROP = 0.03  # rad: a release moves the knee by more
 LOOK_BACK = 10.0  # s before a release that are looked at
 HELD = (0.6, 0.3)  # s before the steepest fall, between which the knee is held
 ENDS = 0.5  # s after the steepest fall, within which the first swing ends
-ONSET = (0.05, 0.35)  # part of the first swing along which its beginning is found
 STILL = 0.05  # of the first swing, by which the angle may wander while it is held
 HOLD = 0.05  # s of hold, at least
+FEWEST = 10  # samples
+SWING = 0.1  # s of motion, at least
 PUSH = 0.5  # s before the next hold that the hand takes to push, at least
 
 
@@ -52,7 +53,7 @@ class Trial:
 
     def __post_init__(self) -> None:
         """Check that the release lies within the samples."""
-        if self.t.ndim != 1 or self.angle.shape != self.t.shape or self.t.size < 10:
+        if self.t.ndim != 1 or self.angle.shape != self.t.shape or self.t.size < FEWEST:
             raise BadValue("trial", self.t.shape, "as many angles as times, at least ten")
         if not (np.isfinite(self.t).all() and np.isfinite(self.angle).all() and (np.diff(self.t) > 0).all()):
             raise BadValue("trial", self.label, "finite angles at increasing times")
@@ -119,18 +120,26 @@ def cut(record: Record, before: float = 0.5, after: float = 1.5) -> tuple[list[T
         end = let_go + after
         if i + 1 < len(found):
             end = min(end, float(record.t[found[i + 1][0]]) - PUSH)
-        rows = slice(int(np.searchsorted(record.t, start)), int(np.searchsorted(record.t, end, "right")))
+        first = min(int(np.searchsorted(record.t, start)), int(np.searchsorted(record.t, let_go, "right")) - 1)
+        rows = slice(first, int(np.searchsorted(record.t, end, "right")))
+        if end < let_go + SWING or rows.stop - rows.start < FEWEST:
+            remarks.append(
+                f"{record.source}: release {i + 1} is left out: the knee is caught at once, or the record ends"
+            )
+            continue
         kept = float(record.t[rows][-1]) - let_go
         if kept < 0.95 * after:
             remarks.append(f"{record.source}: release {i + 1} is followed for {kept:.2f} s, not for {after:g} s")
         trials.append(Trial(record.t[rows], record.angle[rows], let_go, f"release {i + 1}", synthetic=record.synthetic))
+    if not trials:
+        raise BadFile(record.source, remarks[-1].partition(": ")[2])
     return trials, remarks
 
 
 def _onset(record: Record, steady: Array, peak: int) -> tuple[int, float] | str:
     """Where the hold before a steep fall begins, and when it ended; or why it is no release.
 
-    At first the angle falls with the square of time, so its root is followed back to zero.
+    The hold and a quarter of a cosine, down to the steepest point, are fitted to the angle.
     """
     origin = int(np.searchsorted(record.t, record.t[peak] - LOOK_BACK))
     t, measured = record.t[origin : peak + 1], record.angle[origin : peak + 1]
@@ -143,12 +152,19 @@ def _onset(record: Record, steady: Array, peak: int) -> tuple[int, float] | str:
         return f"the knee moves by {max(depth, 0):.3f} rad only"
     if np.ptp(steady[origin : peak + 1][before]) > 2 * STILL * depth:
         return "the knee was not held still before it"
-    part = (level - MovingAverage(max(round(BLUR / record.step), 1))(measured)) / depth
-    beginning = (t > t[-1] - HELD[1]) & (part >= ONSET[0]) & (part <= ONSET[1])
-    if beginning.sum() < 3:
+    late = t > t[-1] - HELD[1]
+    fallen, left = level - measured[late], t[-1] - t[late]
+
+    def missed(time: float) -> float:
+        shape = 1.0 - np.cos(0.5 * np.pi * np.clip(1.0 - left / time, 0.0, None))
+        return -(max(float(shape @ fallen), 0.0) ** 2) / float(shape @ shape)
+
+    times = np.linspace(0.0, HELD[1], 31)[1:]
+    best = int(np.argmin([missed(time) for time in times]))
+    around = times[max(best - 1, 0)], times[min(best + 1, times.size - 1)]
+    let_go = float(t[-1] - minimize_scalar(missed, bounds=around, method="bounded", options={"xatol": 1e-5}).x)
+    if (t > let_go).sum() < 4:
         return "it is too coarsely sampled"
-    slope, root = np.polyfit(t[beginning] - t[-1], np.sqrt(part[beginning]), 1)
-    let_go = float(t[-1] - root / slope) if slope > 0 else np.inf
     if not t[0] + HOLD <= let_go < t[-1]:
         return "its beginning cannot be made out"
     wandering = np.abs(level - steady[origin : peak + 1]) > STILL * depth

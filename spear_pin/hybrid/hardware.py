@@ -1,0 +1,197 @@
+"""Hardware between a control law and the joints: actuators, and what sensors and wires do to the law's numbers.
+
+A hybrid system without hardware has ideal motors: the torques that its law asks for. `with_hardware` puts an
+actuator on each joint. What has a memory (currents, heat, a clock) is integrated with the motion and runs on
+through its events.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, require
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.model.actuator import Actuator
+
+Array = NDArray[np.float64]
+
+TONES = 24  # of which noise is made
+EDGE = 2e-4  # s, over which a command drops out and comes back
+HORIZON = 120.0  # s, within which commands may drop out
+STEP, FINE_STEP = 0.01, 2e-3  # s: longest steps of the integration, without and with noise or current loops
+CLOCK = "clock"
+ELECTRICAL = ("battery", "joule", "gearbox")  # flows of energy of an actuator
+
+
+@dataclass(frozen=True)
+class Sensing:
+    """Noise on what the law reads, and commands that get lost; seeded, the same for the same seed.
+
+    The noise is a sum of tones below the cut-off, so that the motion stays smooth.
+
+    Attributes:
+        angle_noise: root mean square, in rad, of every joint's.
+        rate_noise: root mean square, in rad/s.
+        cutoff: of the noise, in Hz.
+        losses: commands lost, per second, on the average.
+        loss_duration: in s, in which the motors get no current.
+        seed: of all of it.
+    """
+
+    angle_noise: float = 0.0
+    rate_noise: float = 0.0
+    cutoff: float = 100.0
+    losses: float = 0.0
+    loss_duration: float = 0.005
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        require("Sensing.angle_noise", self.angle_noise, lambda a: a >= 0, "a number >= 0, in rad")
+        require("Sensing.rate_noise", self.rate_noise, lambda r: r >= 0, "a number >= 0, in rad/s")
+        require("Sensing.cutoff", self.cutoff, lambda f: 0 < f <= 250, "a number from 0 to 250, in Hz")
+        require("Sensing.losses", self.losses, lambda n: 0 <= n <= 50, "a number from 0 to 50, per second")
+        require("Sensing.loss_duration", self.loss_duration, lambda d: d >= 2 * EDGE, f"a number >= {2 * EDGE:g}, in s")
+
+    @cached_property
+    def _tones(self) -> tuple[Array, Array]:
+        """Angular frequencies and phases of the tones, for up to eight joints, angles and rates: (16, TONES)."""
+        rng = np.random.default_rng([self.seed, 1])
+        return 2.0 * np.pi * rng.uniform(0.05, 1.0, (16, TONES)) * self.cutoff, rng.uniform(0, 2 * np.pi, (16, TONES))
+
+    @cached_property
+    def losses_begin(self) -> Array:
+        """Times at which commands drop out, in s."""
+        rng = np.random.default_rng([self.seed, 2])
+        count = int(rng.poisson(self.losses * HORIZON)) if self.losses else 0
+        return np.sort(rng.uniform(0.0, HORIZON, count))
+
+    def noise(self, time: float, joints: int) -> tuple[list[float], list[float]]:
+        """What is added to angles and rates of so many joints."""
+        if not (self.angle_noise or self.rate_noise):
+            return [0.0] * joints, [0.0] * joints
+        frequencies, phases = self._tones
+        waves = math.sqrt(2.0 / TONES) * np.sin(frequencies * time + phases).sum(axis=1)
+        return (self.angle_noise * waves[:joints]).tolist(), (self.rate_noise * waves[8 : 8 + joints]).tolist()
+
+    def arriving(self, time: float) -> float:
+        """Which part of a command arrives: 1, 0 while it is lost, a ramp between."""
+        begins = self.losses_begin
+        i = int(np.searchsorted(begins, time, "right"))
+        if i == 0:
+            return 1.0
+        since = time - float(begins[i - 1])
+        ramp = max(EDGE - since, since - self.loss_duration + EDGE) / EDGE
+        return min(max(ramp, 0.0), 1.0)
+
+
+@dataclass(frozen=True)
+class Hardware:
+    """An actuator for every actuated joint, and the sensing.
+
+    Attributes:
+        actuators: in the order of u.
+        sensing: what the law reads and what arrives of its commands; None: all of it.
+    """
+
+    actuators: tuple[Actuator, ...]
+    sensing: Sensing | None = None
+    names: tuple[str, ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Name the states: the clock if there is one, then those of each actuator."""
+        names = [CLOCK] if self.sensing is not None else []
+        names += [f"{name}_{i}" for i, actuator in enumerate(self.actuators) for name in actuator.states]
+        object.__setattr__(self, "names", tuple(names))
+
+    @property
+    def max_step(self) -> float:
+        """Longest step of the integration, in s."""
+        loops = any(actuator.bandwidth is not None for actuator in self.actuators)
+        return FINE_STEP if self.sensing is not None or loops else STEP
+
+    def states(self, x: Sequence[float]) -> tuple[float, list[dict[str, float]]]:
+        """The clock and each actuator's states, by name."""
+        values = list(x)
+        clock = values.pop(0) if self.sensing is not None else 0.0
+        each = []
+        for actuator in self.actuators:
+            each.append({name: values.pop(0) for name in actuator.states})
+        return clock, each
+
+    def read(
+        self, x: Sequence[float], joints: Sequence[int], angles: Sequence[float], rates: Sequence[float]
+    ) -> tuple[Sequence[float], Sequence[float]]:
+        """Angles and rates as the law reads them, noisy at these joints."""
+        if self.sensing is None:
+            return angles, rates
+        q, v = list(angles), list(rates)
+        for joint, angle, rate in zip(joints, *self.sensing.noise(self.states(x)[0], len(joints)), strict=True):
+            q[joint] += angle
+            v[joint] += rate
+        return q, v
+
+    def stored(self, x: Sequence[float]) -> float:
+        """Energy of the inductances, in J."""
+        return sum(a.stored(own) for a, own in zip(self.actuators, self.states(x)[1], strict=True))
+
+
+@dataclass(frozen=True)
+class Driven:
+    """What the actuators make of commanded torques at an instant.
+
+    Attributes:
+        torques: at the joints, in N·m.
+        currents: in A.
+        references: currents that were asked for, in A.
+        slopes: of the hardware's states.
+        powers: battery, joule and gearbox of each actuator, in W.
+    """
+
+    torques: list[float]
+    currents: list[float]
+    references: list[float]
+    slopes: list[float]
+    powers: list[float]
+
+
+def drive(hardware: Hardware, x: Sequence[float], commands: Sequence[float], rates: Sequence[float]) -> Driven:
+    """Drive the joints, turning at these rates, with commanded torques."""
+    clock, states = hardware.states(x)
+    arriving = 1.0 if hardware.sensing is None else hardware.sensing.arriving(clock)
+    driven = Driven([], [], [], [1.0] if hardware.sensing is not None else [], [])
+    for actuator, own, wanted, rate in zip(hardware.actuators, states, commands, rates, strict=True):
+        command = arriving * wanted
+        current, slopes = actuator.current(command, rate, own), actuator.slopes(command, rate, own)
+        power = actuator.power(current, rate, slopes.get("current", 0.0))
+        driven.torques.append(actuator.torque(current, rate))
+        driven.currents.append(current)
+        driven.references.append(actuator.reference(wanted))
+        driven.slopes.extend(slopes[name] for name in actuator.states)
+        driven.powers.extend((power.battery, -power.joule, -power.gearbox))
+    return driven
+
+
+def with_hardware(system: HybridSystem, hardware: Hardware | None) -> HybridSystem:
+    """The same system with hardware, or without; rebuilt systems keep it.
+
+    Raises:
+        BadValue: not as many actuators as the robot has actuated joints.
+    """
+    if hardware is not None and len(hardware.actuators) != system.robot.nu:
+        raise BadValue(
+            "actuators", len(hardware.actuators), f"{system.robot.nu}, one for each of {system.robot.actuated}"
+        )
+    build = system.build
+
+    def rebuilt(*parts: Any, **named: Any) -> HybridSystem:
+        return with_hardware(build(*parts, **named), hardware)
+
+    return replace(system, hardware=hardware, build=build if hardware is None else rebuilt)
