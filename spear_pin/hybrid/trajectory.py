@@ -248,11 +248,8 @@ class Trajectory:
             ("tau", self.tau, self.actuated),
             ("friction", self.friction, self.coordinates),
             ("spring", self.spring, self.spring_joints),
-            *(
-                (("current", self.current, self.actuated), ("reference", self.reference, self.actuated))
-                if self.current.size
-                else ()
-            ),
+            ("current", self.current, self.actuated if self.current.size else ()),
+            ("reference", self.reference, self.actuated if self.reference.size else ()),
             ("force_x", self.force[:, :, 0], self.toes),
             ("force_z", self.force[:, :, 1], self.toes),
         ):

@@ -99,10 +99,11 @@ def synthesize(
         BadValue: a number out of range, or a leg that does not rest or cannot be pushed so far.
     """
     instrument = instrument or Instrument()
-    require("repeats", repeats, lambda n: n >= 1 and int(n) == n, "a whole number >= 1")
+    require("repeats", repeats, lambda n: n >= 1 and n % 1 == 0, "a whole number >= 1")
     cycle = PUSH + HOLD + SWING
     require("rate", rate, lambda r: 50 <= r <= LONGEST / (1 + cycle * repeats), "samples a second, from 50")
-    rng = np.random.default_rng(seed)
+    require("seed", seed, lambda n: n >= 0 and n % 1 == 0, "a whole number >= 0")
+    rng = np.random.default_rng(int(seed))
     pushed, level = pushed_angle(leg, knee, depth), equilibrium(leg, knee)
     t = np.arange(round((1.0 + cycle * int(repeats)) * rate)) / rate
     angle = np.full(t.size, level)

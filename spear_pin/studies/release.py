@@ -8,6 +8,7 @@ between is smooth; where the knee stands still, dry friction holds what it can.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -40,6 +41,8 @@ class PassiveKnee:
         coulomb: τ_c, in N·m; the source has none.
         zero: θ₀, the angle at which the spring is slack, in rad (default: RA of Table 4.1, read so).
         unilateral: whether the spring pulls only beyond its zero, as a chain does.
+        braking: what a motor without command adds to b beyond a rate, in N·m·s/rad (see `power_off`).
+        braking_from: that rate, in rad/s.
     """
 
     stiffness: float = 48.25
@@ -47,13 +50,22 @@ class PassiveKnee:
     coulomb: float = 0.0
     zero: float = 1.0
     unilateral: bool = False
+    braking: float = 0.0
+    braking_from: float = 0.0
 
     def __post_init__(self) -> None:
         """Check the fields."""
         require("PassiveKnee.stiffness", self.stiffness, lambda k: k >= 0, "a number >= 0, in N·m/rad")
         require("PassiveKnee.damping", self.damping, lambda b: b >= 0, "a number >= 0, in N·m·s/rad")
         require("PassiveKnee.coulomb", self.coulomb, lambda c: c >= 0, "a number >= 0, in N·m")
+        require("PassiveKnee.braking", self.braking, lambda b: b >= 0, "a number >= 0, in N·m·s/rad")
+        require("PassiveKnee.braking_from", self.braking_from, lambda r: r >= 0, "a number >= 0, in rad/s")
         require("PassiveKnee.zero", self.zero, lambda z: abs(z) < np.inf, "an angle, in rad")
+
+    def braking_torque(self, rate: ArrayLike) -> Array:
+        """Of the motor, against the motion beyond a rate, in N·m."""
+        beyond = np.maximum(np.abs(rate) - self.braking_from, 0.0)
+        return np.asarray(-self.braking * np.sign(rate) * beyond)
 
     def spring_torque(self, angle: ArrayLike) -> Array:
         """-k (θ - θ₀), in N·m."""
@@ -190,6 +202,8 @@ class _Flow:
         knee, stiffness = self.knee, self.knee.stiffness * self.pulls
         stretch = angle - knee.zero
         torque = -stiffness * stretch - (knee.damping + drag) * rate - knee.coulomb * self.direction
+        beyond = max(abs(rate) - knee.braking_from, 0.0)
+        torque -= math.copysign(knee.braking * beyond, rate)
         acceleration = (torque - gravity - centrifugal * rate * rate) / inertia
         if not self.wrt:
             return np.array([rate, acceleration])
@@ -203,7 +217,7 @@ class _Flow:
         }
         by_angle = -stiffness - gravity_slope - (drag_slope + centrifugal_slope * rate) * rate
         by_angle -= acceleration * inertia_slope
-        by_rate = -knee.damping - drag - 2.0 * centrifugal * rate
+        by_rate = -knee.damping - drag - knee.braking * (beyond > 0.0) - 2.0 * centrifugal * rate
         of_angle, of_rate = sensitivities[: len(self.wrt)], sensitivities[len(self.wrt) :]
         rows = zip(self.wrt, of_angle, of_rate, strict=True)
         return np.array(
@@ -216,7 +230,7 @@ class _Flow:
         inertia, centrifugal, gravity = self.leg.motion(angle)
         knee = self.knee
         torque = -knee.stiffness * self.pulls * (angle - knee.zero) - knee.coulomb * self.direction
-        torque = torque - (knee.damping + self.leg.drag(angle)[0]) * rate
+        torque = torque - (knee.damping + self.leg.drag(angle)[0]) * rate + knee.braking_torque(rate)
         return np.asarray((torque - gravity - centrifugal * rate**2) / inertia)
 
 

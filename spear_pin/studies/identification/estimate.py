@@ -123,7 +123,8 @@ class Estimate:
     def correlation(self) -> Array:
         """Correlation matrix of the parameters, in their order."""
         deviation = np.sqrt(np.diag(self.covariance))
-        return np.asarray(self.covariance / np.outer(deviation, deviation))
+        with np.errstate(invalid="ignore"):  # infinite, or without any noise
+            return np.asarray(self.covariance / np.outer(deviation, deviation))
 
 
 def identify(

@@ -212,7 +212,11 @@ def pose(
         for name in (name for name in NUISANCES if name in nuisances):
             limits = _bounds(leg, name, bounds, static_rest)
             if name == "release_time":
-                limits = max(trial.let_go - ONSET, trial.t[0]), min(trial.let_go + ONSET, trial.t[-2])
+                low, high = max(trial.let_go - ONSET, trial.t[0]), min(trial.let_go + ONSET, trial.t[-2])
+                limits = max(limits[0], low), min(limits[1], high)
+                if not limits[0] < limits[1]:
+                    expected = f"such that some of {low:g} … {high:g} s remains, for {trial.label}"
+                    raise BadValue("bounds of release_time", bounds["release_time"], expected)
             entries.append(Entry(name, j, float(np.clip(values[j][name], *limits)), limits))
     return Problem(leg, tuple(trials), values, tuple(entries), static_rest, unilateral, smooth_model)
 
@@ -258,9 +262,12 @@ def _bounds(
     low, high = QUANTITIES[name].bounds
     if name == "initial_angle" or (name == "rest_angle" and static_rest):
         low, high = leg.span
-    least, largest = bounds.get(name, (-np.inf, np.inf))
+    try:
+        least, largest = map(float, bounds.get(name, (-np.inf, np.inf)))
+    except (TypeError, ValueError):
+        least, largest = np.nan, np.nan
     low, high = max(low, least), min(high, largest)
-    if not low < high:
+    if not (least < largest and low < high):
         raise BadValue(
             f"bounds of {name}",
             bounds.get(name),

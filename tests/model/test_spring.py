@@ -1,0 +1,34 @@
+"""The stiffness of the belt, by hand and by the range that the source's numbers give."""
+
+import pytest
+
+from spear_pin.errors import BadValue
+from spear_pin.model.spring import belt_stiffness, rotational_stiffness
+from spear_pin.studies.source_tables import BELT, BELT_MODULUS
+
+GOOD = {"modulus": 2.0e6, "area": 3.0e-5, "length": 0.4, "radius": 0.02}
+
+
+def test_range_for_neoprene():
+    low, high = (belt_stiffness(modulus=modulus, **BELT) for modulus in BELT_MODULUS)
+    assert low == pytest.approx(0.7256, abs=5e-5)
+    assert high == pytest.approx(1.0884, abs=5e-5)
+
+
+def test_by_hand():
+    one_strand = 2.0e6 * 3.0e-5 / 0.4  # E A / L, in N/m
+    assert belt_stiffness(**GOOD) == pytest.approx(2 * one_strand * 0.02**2)
+    assert belt_stiffness(**GOOD) == pytest.approx(rotational_stiffness(0.0, 0.0, one_strand, 0.02))
+
+
+@pytest.mark.parametrize(("name", "power"), [("modulus", 1), ("area", 1), ("length", -1), ("radius", 2)])
+def test_scales(name, power):
+    doubled = belt_stiffness(**GOOD | {name: 2 * GOOD[name]})
+    assert doubled == pytest.approx(belt_stiffness(**GOOD) * 2.0**power)
+
+
+@pytest.mark.parametrize("value", [0, -1.0, float("nan"), float("inf"), "1", None])
+@pytest.mark.parametrize("name", GOOD)
+def test_bad_values(name, value):
+    with pytest.raises(BadValue, match=f"^{name} is "):
+        belt_stiffness(**GOOD | {name: value})

@@ -1,0 +1,202 @@
+"""Files as other people write them: read rightly, or refused in one line that names the file."""
+
+import numpy as np
+import pytest
+
+from spear_pin.errors import BadFile, SpearError
+from spear_pin.studies.identification import read_record
+from tests.studies.identification.files import ANGLE, T, changed, table, written
+
+KNEE = "'column 2' names no unit: taken as rad"
+UNENDED = "the last line has no end: it may be cut off"
+SAME = {  # content: remarks
+    "plain": (table(), ()),
+    "CRLF": (table(end="\r\n"), ()),
+    "CR": (table(end="\r"), ()),
+    "no newline at the end": (table()[:-1], (UNENDED,)),
+    "byte order mark": ("\ufeff" + table(), ()),
+    "byte order mark, no header": ("\ufeff" + table(head=""), (KNEE,)),
+    "semicolons": (table(separator=";"), ()),
+    "decimal comma": (table(separator=";", decimal=","), ()),
+    "decimal comma, tabs": (table(separator="\t", decimal=","), ()),
+    "tabs": (table(separator="\t"), ()),
+    "blanks": (table(separator="   "), ()),
+    "blanks around": (table(" time_s , knee_rad ", row="  {t:.3f} {s} {a:.6f} "), ()),
+    "quoted": (table(row='"{t:.3f}"{s}"{a:.6f}"'), ()),
+    "quoted header": (table('"time_s","knee_rad"'), ()),
+    "no header": (table(head=""), (KNEE,)),
+    "comments": ("# one\n#two\n\n" + table(), ()),
+    "comments with odd line ends": ("# one\x0ctwo\x1cthree\u2028\n" + table(), ()),
+    "comment inside": (changed(50, "0.049,1.248658 # hello").replace("# hello", ""), ()),
+    "trailing separators": (table(row="{t:.3f}{s}{a:.6f}{s}"), ()),
+    "exponents": (table(row="{t:.3e}{s}{a:.6e}"), ()),
+    "plus signs": (table(row="{t:+.3f}{s}{a:+.6f}"), ()),
+    "empty lines": (table().replace("\n", "\n\n"), ()),
+    "units below the header": (changed(0, "time_s,knee_rad\ns,rad"), ("1 of 401 rows", "the first in row 1")),
+}
+DROPPED = {  # what line 50 becomes: the sample of 0.049 s is lost
+    "text": changed(50, "0.049,abc"),
+    "NaN": changed(50, "0.049,NaN"),
+    "blank cell": changed(50, "0.049,"),
+    "blank time": changed(50, ",1.2"),
+    "short line": changed(50, "0.049"),
+    "infinite": changed(50, "0.049,inf"),
+    "beyond floats": changed(50, "0.049,1e400"),
+    "beyond integers": changed(50, "0.049," + "9" * 400),
+    "two numbers in one": changed(50, "0.049,1.2.3"),
+    "quoted thousands": changed(50, '0.049,"1,000.5"'),
+    "decimal comma and text": changed(50, "0,049;--", table(separator=";", decimal=",")),
+    "decimal comma missing in the last row looked at": changed(
+        50, "0,049;--", changed(20, "0,019;1", table(separator=";", decimal=","))
+    ),
+}
+REFUSED = {
+    "empty": ("", "the file is empty"),
+    "white": (" \n\t\n", "the file is empty"),
+    "only comments": ("# a\n# b\n", "no rows"),
+    "only header": ("time_s,knee_rad\n", "0 rows of numbers"),
+    "only header, no newline": ("time_s,knee_rad", "0 rows of numbers"),
+    "one column": (table("time_s", row="{t:.3f}"), "a column is missing: there is only time_s"),
+    "one number": ("1\n", "a column is missing"),
+    "three columns": (table("time_s,hip_rad,knee_rad", row="{t}{s}0{s}{a}"), "which column is the knee's"),
+    "nameless third": (table("time_s,knee_rad,", row="{t}{s}{a}{s}"), "which column is the knee's.*column 3"),
+    "same name twice": (table("knee_rad,knee_rad"), ":1: two columns have the same name"),
+    "too many fields": (changed(50, "0.049,1.2,3"), "Expected 2 fields in line 51, saw 3"),
+    "too many fields throughout": (table(row="{t}{s}{a}{s}7"), "more fields than the 2 columns"),
+    "decimal comma without semicolons": (table(decimal=","), "more fields than the 2 columns"),
+    "quote left open": (changed(50, '0.049,"1.2'), "EOF inside string"),
+    "dates": (table(row="2026-01-01{s}{a}"), "400 of 400 rows hold no two finite numbers"),
+    "truth values": (table(row="{t}{s}True"), "400 of 400 rows hold no two finite numbers"),
+    "mostly NaN": (table().replace(",1.", ",n1."), "rows hold no two finite numbers"),
+    "time goes back": (changed(50, "0.01,1.0"), "time goes back from 0.048 to 0.01 after 49 rows"),
+    "time stands still": (table(row="0.5{s}{a}"), "1 samples at different times"),
+    "few rows": (table()[:500], "rows of numbers; a release needs at least 50"),
+    "huge": (changed(50, "0.049,1e308"), "reaches 1e\\+308 rad"),
+    "UTF-16": (table().encode("utf-16"), "not a text file"),
+    "UTF-16 without mark": (table().encode("utf-16-le"), "not a text file"),
+    "latin-1": (table("time_s,angle [°]").encode("latin-1"), "not a text file"),
+    "latin-1 far down": (table().encode() + b"# \xb0\n" + b"0.5,\xb0\n", "not a text file|not a table"),
+    "binary": (bytes(range(256)) * 10, "not a text file"),
+    "zeros": (bytes(1000), "not a text file"),
+    "zero inside": (changed(50, "0.049,1\0"), "not a text file"),
+    "a line without end": (b"7" * 200_000, "not a text file"),
+    "HTML": ("<!DOCTYPE html>\n<p>404, not found</p>\n", "rows of numbers|finite numbers|column"),
+}
+
+
+def one_line(error, path):
+    """Checks the error's text."""
+    text = str(error)
+    assert str(path) in text and "\n" not in text and len(text) < 400
+    return text
+
+
+@pytest.mark.parametrize("name", SAME)
+def test_same(name, tmp_path):
+    content, remarks = SAME[name]
+    record = read_record(path := written(tmp_path, content))
+    np.testing.assert_array_equal(record.t, T)
+    np.testing.assert_allclose(record.angle, ANGLE, rtol=0, atol=5.1e-7)
+    assert len(record.remarks) == bool(remarks)
+    assert all(text in remark and str(path) in remark for remark in record.remarks for text in remarks)
+
+
+@pytest.mark.parametrize("name", DROPPED)
+def test_dropped(name, tmp_path):
+    record = read_record(written(tmp_path, DROPPED[name]))
+    np.testing.assert_array_equal(record.t, np.delete(T, 49))
+    expected = np.delete(ANGLE, 49)
+    if "last row" in name:
+        expected[19] = 1.0
+    np.testing.assert_allclose(record.angle, expected, rtol=0, atol=5.1e-7)
+    assert len(record.remarks) == 1
+    assert "dropped 1 of 400 rows without two finite numbers, the first in row 50" in record.remarks[0]
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_refused(name, tmp_path):
+    content, problem = REFUSED[name]
+    path = written(tmp_path, content)
+    with pytest.raises(BadFile, match=problem) as caught:
+        read_record(path)
+    one_line(caught.value, path)
+
+
+def test_repeated_times_are_dropped(tmp_path):
+    record = read_record(written(tmp_path, changed(51, "0.049,6.0")))
+    np.testing.assert_array_equal(record.t, np.delete(T, 50))
+    np.testing.assert_allclose(record.angle, np.delete(ANGLE, 50), rtol=0, atol=5.1e-7)
+    assert "dropped 1 rows that repeat a time" in record.remarks[0]
+
+
+def test_cut_off(tmp_path):
+    text = table()
+    for length in range(len(text) - 40, len(text)):  # at any place of the last lines
+        record = read_record(written(tmp_path, text[:length]))
+        assert 396 <= record.t.size <= 400
+        np.testing.assert_array_equal(record.t[:-1], T[: record.t.size - 1])
+        np.testing.assert_allclose(record.angle[:-1], ANGLE[: record.t.size - 1], rtol=0, atol=5.1e-7)
+        whole = text[length - 1] == "\n"
+        assert any(UNENDED in remark for remark in record.remarks) != whole
+
+
+def test_rows_swallowed_by_quotes_are_told(tmp_path):
+    record = read_record(written(tmp_path, changed(90, '0.089,"1.0', changed(50, '0.049,"1.0'))))
+    assert record.t.size < 400 and np.isin(record.t, T).all()
+    assert any("dropped" in remark for remark in record.remarks)
+    assert any("gaps between samples, the longest 0.042 s" in remark for remark in record.remarks)
+
+
+def test_word_late_in_a_long_file(tmp_path):
+    count = 600_000  # several chunks
+    lines = [f"{i / 1000:.3f};1,{i % 10}" for i in range(count)]
+    lines[550_000] = "550.000;--"
+    text = "time_s;knee_rad\n" + "\n".join(lines).replace(".", ",") + "\n"
+    record = read_record(written(tmp_path, text))
+    np.testing.assert_allclose(record.t, np.delete(np.arange(count), 550_000) / 1000, rtol=1e-15)
+    np.testing.assert_allclose(record.angle, np.delete(1 + np.arange(count) % 10 / 10, 550_000), rtol=1e-15)
+    assert len(record.remarks) == 1 and "row 550001" in record.remarks[0]
+
+
+def test_folder_and_nothing(tmp_path):
+    for path in (tmp_path, tmp_path / "none.csv", tmp_path / "none.mat"):
+        with pytest.raises(BadFile, match="cannot be read: (Is a directory|No such file)") as caught:
+            read_record(path)
+        one_line(caught.value, path)
+
+
+def fuzzed(seed):
+    """The good record with some damage, or none of it at all."""
+    rng = np.random.default_rng(seed)
+    if seed % 4 == 0:
+        return rng.integers(0, 256, rng.integers(1, 3000), np.uint8).tobytes()
+    content = bytearray(table(decimal=".," [seed % 2], separator=",;\t "[seed // 2 % 4]).encode())
+    marks = b"0123456789.,;-+eE\"'#\n\r\t \0xnaif\xff"
+    for _ in range(rng.integers(1, 12)):
+        i = int(rng.integers(len(content) if seed % 3 else 60))
+        kind = rng.integers(4)
+        if kind == 0:
+            content[i] = marks[rng.integers(len(marks))]
+        elif kind == 1:
+            content[i:i] = bytes(marks[k] for k in rng.integers(0, len(marks), rng.integers(1, 6)))
+        elif kind == 2:
+            del content[i : i + int(rng.integers(1, 40))]
+        else:
+            content[i:i] = content[i : i + int(rng.integers(1, 200))]
+    return bytes(content)
+
+
+def test_fuzz(tmp_path):
+    read = 0
+    for seed in range(500):
+        path = written(tmp_path, fuzzed(seed))
+        try:
+            record = read_record(path)
+        except SpearError as error:
+            one_line(error, path)
+            continue
+        read += 1
+        assert record.t.shape == record.angle.shape and record.t.size >= 50
+        assert np.isfinite(record.t).all() and np.isfinite(record.angle).all()
+        assert (np.diff(record.t) > 0).all() and np.abs(record.angle).max() <= 2 * np.pi
+    assert 50 < read < 450
