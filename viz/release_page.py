@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.push_test import Release
+from spear_pin.studies.release import PassiveKnee
 from spear_pin.viz.player import record
 
 Array = NDArray[np.float64]
@@ -36,16 +37,26 @@ class _Played:
     engaged: NDArray[np.bool_]
 
 
-def record_release(leg: PinnedLeg, release: Release, path: str | Path, *, title: str = "") -> Path:
+def record_release(leg: PinnedLeg, knee: PassiveKnee, release: Release, path: str | Path, *, title: str = "") -> Path:
     """Write one HTML file that plays a release, see `spear_pin.viz.player.record`.
+
+    Args:
+        leg: that was released.
+        knee: what acts on its knee.
+        release: the motion.
+        path: of the file.
+        title: shown above.
 
     Raises:
         BadValue: the motion is too long for a page, or there is no such folder.
     """
     q = leg.configuration(release.angle).T
-    weight = leg.ground_force(release.angle[0], 0.0, 0.0)
+    held = float(release.angle[0])
+    sinking = float(leg.configuration.derivative().at(held)[0])  # of the hip, in m/rad
+    hand = (float(knee.spring_torque(held)) - float(leg.gravity(held))) / sinking  # what holds it down, in N
+    standing = leg.ground_force(held, 0.0, 0.0) + np.array([0.0, hand])
     before = np.array([-HELD, 0.0])
-    force = np.vstack([[weight, weight], release.force])
+    force = np.vstack([[standing, standing], release.force])
     events = [_Event("release", 0.0)]
     if release.lift_off is not None:
         events.append(_Event("the pinned toe begins to pull", release.lift_off))

@@ -52,7 +52,6 @@ def add(commands: Commands) -> None:
         model.add_argument(option, type=float, metavar="VALUE", help="where it is not varied; else where to begin")
     model.add_argument("--static-rest", action="store_true", help="the rest angle is where the leg rests")
     model.add_argument("--unilateral", action="store_true", help="the spring only pulls")
-    model.add_argument("--known-start", action="store_true", help="the held angle and the time of release are known")
     model.add_argument("--loss", default="linear", metavar="NAME", help="linear, soft_l1, huber or cauchy")
     model.add_argument("--together", action="store_true", help="one estimate from all files")
     add_out(parser, "identify.svg")
@@ -69,6 +68,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         raise BadValue("--window", None, "the number of samples that the records were smoothed over")
     smoothing = None if arguments.window is None else MovingAverage(arguments.window, arguments.filter)
     pinned = leg(arguments)
+    for path in arguments.files:
+        if arguments.files.count(path) > 1:
+            raise BadValue("FILE", path, "each file once")
     by_file, remarks = {}, []
     for path in arguments.files:
         by_file[str(path)], found = _trials(arguments, path, smoothing)
@@ -112,7 +114,7 @@ def _trials(arguments: argparse.Namespace, path: str, smoothing: MovingAverage |
 
 
 def _estimated(arguments: argparse.Namespace, name: str, pinned: PinnedLeg, trials: list[Trial]) -> Estimate:
-    from spear_pin.studies.identification import NUISANCES, identify
+    from spear_pin.studies.identification import identify
 
     with progress() as show:
         return identify(
@@ -126,7 +128,6 @@ def _estimated(arguments: argparse.Namespace, name: str, pinned: PinnedLeg, tria
             loss=arguments.loss,
             smooth_model=not arguments.model_as_is,
             on_iteration=lambda n, rms: show(f"{name}: evaluation {n}, residual {1e3 * rms:.3f} mrad"),
-            nuisances=() if arguments.known_start else NUISANCES,
         )
 
 
@@ -144,6 +145,7 @@ def _figures(estimate: Estimate) -> dict[str, Any]:
             }
             for parameter in estimate.parameters
         ],
+        "held": _held(estimate),
         "correlation": [[_finite(value) for value in row] for row in estimate.correlation.tolist()],
         "condition": _finite(estimate.condition),
         "fit": estimate.fit,
@@ -154,6 +156,14 @@ def _figures(estimate: Estimate) -> dict[str, Any]:
         "integrations": estimate.integrations,
         "warnings": estimate.warnings,
     }
+
+
+def _held(estimate: Estimate) -> dict[str, float]:
+    """What was not estimated, in the first release."""
+    knee, rotor = estimate.knees[0], estimate.rotors[0]
+    everything = dict(zip(KNOWN, (knee.stiffness, knee.damping, knee.coulomb, knee.zero, rotor), strict=True))
+    estimated = {parameter.name for parameter in estimate.parameters}
+    return {name: value for name, value in everything.items() if name not in estimated}
 
 
 def _finite(value: float) -> float | None:
@@ -174,6 +184,8 @@ def _lines(estimates: dict[str, Estimate]) -> list[str]:
         )
         lines.append(f"{label:<{width}}{cells}{estimate.fit:>8.2f} %{len(estimate.trials):>10}")
     for label, estimate in estimates.items():
+        held = ", ".join(f"{name} {value:.4g}" for name, value in _held(estimate).items())
+        lines += [f"{label}: held at {held}"] if held else []
         own = [p for p in estimate.parameters if p.trial is not None and p.name in KNOWN]
         lines += [f"{label}: {p.label} {p.value:.4f} ± {p.deviation:.4f} {p.unit}" for p in own]
         if any(trial.synthetic for trial in estimate.trials):

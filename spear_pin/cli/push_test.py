@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from spear_pin.studies.push_test import GearRow, Release
     from spear_pin.studies.release import PassiveKnee
 
+RECORDING = ("repeats", "noise", "quantum", "drift", "volts-per-rad", "offset", "seed")  # options of --write-csv
+DURATION = 1.5  # s
 NONE = "none"  # what --ratios calls the belt taken off
 
 
@@ -38,7 +41,7 @@ def add(commands: Commands) -> None:
         "--static-rest", action="store_true", help="RA is where the leg rests, not the zero of its spring"
     )
     parser.add_argument("--unilateral", action="store_true", help="the spring only pulls")
-    parser.add_argument("--duration", type=float, default=1.5, metavar="S", help="of the motion (default: 1.5)")
+    parser.add_argument("--duration", type=float, metavar="S", help="of the motion (default: 1.5)")
     parser.add_argument(
         "--ratios", nargs="+", type=_ratio, metavar="N", help=f"compare gear ratios, for instance: {NONE} 15 30 66"
     )
@@ -46,13 +49,13 @@ def add(commands: Commands) -> None:
     records.add_argument(
         "--write-csv", metavar="NAME", help="write a synthetic record of several releases instead, to identify from"
     )
-    records.add_argument("--repeats", type=int, default=5, metavar="N", help="releases in it (default: 5)")
+    records.add_argument("--repeats", type=int, metavar="N", help="releases in it (default: 5)")
     records.add_argument("--noise", type=float, metavar="V", help="standard deviation (default: 0.005)")
     records.add_argument("--quantum", type=float, metavar="V", help="step of the converter (default: 5/4096)")
     records.add_argument("--drift", type=float, metavar="V/S", help="of the voltage (default: 0)")
     records.add_argument("--volts-per-rad", type=float, metavar="V/RAD", help="of the potentiometer (default: 1.06)")
     records.add_argument("--offset", type=float, metavar="V", help="at the straight leg (default: 0.4)")
-    records.add_argument("--seed", type=int, default=0, metavar="N", help="of the noise (default: 0)")
+    records.add_argument("--seed", type=int, metavar="N", help="of the noise (default: 0)")
     add_out(parser, "the files")
     parser.add_argument("--open", action="store_true", help="open push_test.html in the browser")
 
@@ -91,6 +94,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, resting_at
 
     check_out(arguments)
+    _check_mode(arguments)
     if arguments.ratios is not None:
         return _compared(arguments)
     pinned = leg(arguments)
@@ -108,16 +112,33 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     return _released(arguments, pinned, knee)
 
 
+def _check_mode(arguments: argparse.Namespace) -> None:
+    """Refuse options that would have no effect."""
+    recording, comparing = arguments.write_csv is not None, arguments.ratios is not None
+    for option, given, works in (
+        ("--write-csv", recording, not comparing),
+        ("--ratio", arguments.ratio is not None, not comparing),
+        ("--no-motor", arguments.no_motor, not comparing),
+        ("--duration", arguments.duration is not None, not recording),
+        ("--open", arguments.open, not (comparing or recording)),
+        *((f"--{name}", getattr(arguments, name.replace("-", "_")) is not None, recording) for name in RECORDING),
+    ):
+        if given and not works:
+            mode = "--ratios" if comparing else "--write-csv" if recording else "a release without --write-csv"
+            raise BadValue(option, "given", f"to be left out: it has no effect with {mode}")
+
+
 def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee) -> dict[str, Any]:
     from spear_pin.studies.push_test import release, swing
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.push_plots import release_summary
     from spear_pin.viz.release_page import record_release
 
-    result = release(pinned, knee, arguments.depth, arguments.duration)
+    duration = DURATION if arguments.duration is None else arguments.duration
+    result = release(pinned, knee, arguments.depth, duration)
     small = swing(pinned, knee)
     title = f"SPEAR-II released from {100 * arguments.depth:g} cm" + (", no motor" if arguments.no_motor else "")
-    page = record_release(pinned, result, arguments.out / "push_test.html", title=title)
+    page = record_release(pinned, knee, result, arguments.out / "push_test.html", title=title)
     picture = save_figure(release_summary({title: result}), arguments.out / "push_test.svg")
     if arguments.open:
         open_page(page)
@@ -144,7 +165,7 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
         ("rotor's share", f"{100 * small.rotor_share:.1f} % of the inertia ({pinned.rotor:.4g} kg·m²)"),
         ("first extremum", turn),
         ("least ground force", f"{figures['least_force']:.1f} N; the pin pulls {pulls}"),
-        ("simulated", f"{arguments.duration:g} s ({result.reason})"),
+        ("simulated", f"{duration:g} s ({result.reason})"),
         ("files", f"{page}, {picture}"),
     ]
     return figures | {"text": aligned(rows)}
@@ -176,7 +197,7 @@ def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
         arguments.ratios,
         arguments.depth,
         arguments.static_rest,
-        arguments.duration,
+        DURATION if arguments.duration is None else arguments.duration,
         replace(WITH_MOTOR, **changes),
         replace(WITHOUT_MOTOR, **changes),
     )
@@ -218,21 +239,23 @@ def _recorded(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
         default.calibration.volts_per_rad if slope is None else slope,
         default.calibration.offset if offset is None else offset,
     )
-    if arguments.seed < 0:
-        raise BadValue("--seed", arguments.seed, "a whole number >= 0")
+    seed, repeats = arguments.seed or 0, 5 if arguments.repeats is None else arguments.repeats
+    if seed < 0:
+        raise BadValue("--seed", seed, "a whole number >= 0")
     instrument = replace(default, calibration=calibration, **given)
-    made = synthesize(
-        pinned, knee, arguments.depth, repeats=arguments.repeats, instrument=instrument, seed=arguments.seed
-    )
-    name = arguments.write_csv if Path(arguments.write_csv).suffix else f"{arguments.write_csv}.csv"
+    made = synthesize(pinned, knee, arguments.depth, repeats=repeats, instrument=instrument, seed=seed)
+    name = arguments.write_csv if Path(arguments.write_csv).suffix == ".csv" else f"{arguments.write_csv}.csv"
     path = write_csv(made, arguments.out / name)
     options = f"--volts-per-rad {calibration.volts_per_rad:g} --offset {calibration.offset:g}"
     options += " --no-motor" if arguments.no_motor else ""
     options += "" if arguments.ratio is None else f" --ratio {arguments.ratio:g}"
+    options += " --unilateral" if knee.unilateral else ""
+    options += " --static-rest" if arguments.static_rest else ""
+    options += " --vary stiffness damping coulomb rest_angle" if knee.coulomb else ""
     rows = [
-        ("synthetic record", f"{path}: {made.t.size} samples, {arguments.repeats} releases; computed, not measured"),
+        ("synthetic record", f"{path}: {made.t.size} samples, {repeats} releases; computed, not measured"),
         ("truth", f"k {knee.stiffness:g} N·m/rad, b {knee.damping:g} N·m·s/rad, zero {knee.zero:.4f} rad"),
-        ("identify it by", f"spear identify {path} {options}"),
+        ("identify it by", f"spear identify {shlex.quote(str(path))} {options}"),
     ]
     truth = {"stiffness": knee.stiffness, "damping": knee.damping, "coulomb": knee.coulomb, "spring_zero": knee.zero}
     figures = {"synthetic": True, "truth": truth, "releases": made.let_go, "samples": made.t.size, "files": [str(path)]}

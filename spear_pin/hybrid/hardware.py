@@ -84,12 +84,12 @@ class Sensing:
     def arriving(self, time: float) -> float:
         """Which part of a command arrives: 1, 0 while it is lost, a ramp between."""
         begins = self.losses_begin
-        i = int(np.searchsorted(begins, time, "right"))
-        if i == 0:
-            return 1.0
-        since = time - float(begins[i - 1])
-        ramp = max(EDGE - since, since - self.loss_duration + EDGE) / EDGE
-        return min(max(ramp, 0.0), 1.0)
+        first, last = np.searchsorted(begins, (time - self.loss_duration, time), "right")
+        arrives = 1.0
+        for begin in begins[first:last].tolist():
+            since = time - begin
+            arrives = min(arrives, max(EDGE - since, since - self.loss_duration + EDGE, 0.0) / EDGE)
+        return arrives
 
 
 @dataclass(frozen=True)
@@ -189,9 +189,11 @@ def with_hardware(system: HybridSystem, hardware: Hardware | None) -> HybridSyst
         raise BadValue(
             "actuators", len(hardware.actuators), f"{system.robot.nu}, one for each of {system.robot.actuated}"
         )
+    if hardware is None and system.hardware is None:
+        return system
     build = system.build
 
     def rebuilt(*parts: Any, **named: Any) -> HybridSystem:
         return with_hardware(build(*parts, **named), hardware)
 
-    return replace(system, hardware=hardware, build=build if hardware is None else rebuilt)
+    return replace(system, hardware=hardware, build=rebuilt)

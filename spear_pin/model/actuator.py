@@ -78,7 +78,7 @@ class Actuator:
         """Check the fields."""
         self.motor.known("torque_constant")
         self.motor.known("resistance")
-        if not self.current_limit > 0:
+        if self.current_limit != math.inf:
             require("Actuator.current_limit", self.current_limit, lambda i: i > 0, "a number > 0, in A")
         if self.thermal is not None and not self.current_limit < math.inf:
             raise BadValue("Actuator.current_limit", self.current_limit, "finite, in A, for i²t protection to reduce")
@@ -157,9 +157,7 @@ class Actuator:
 
     def _drawn(self, terminals: float) -> float:
         """Power of the battery's cell, in W, when the bridge takes some power from it."""
-        if self.battery.resistance == 0.0:
-            return terminals
         voltage, resistance = self.battery.voltage, self.battery.resistance
-        # V I - R I² = P
+        # V I - R I² = P, the lesser root; written so that a small R costs no digits
         inside = max(voltage**2 - 4.0 * resistance * terminals, 0.0)
-        return voltage * (voltage - math.sqrt(inside)) / (2.0 * resistance)
+        return voltage * 2.0 * terminals / (voltage + math.sqrt(inside))

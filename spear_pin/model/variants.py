@@ -70,15 +70,20 @@ def vary(robot: Robot, **values: float) -> Robot:
 
     Raises:
         UnknownName: the robot has no parameter of that name; the text lists those that it has.
-        BadValue: a value is not a finite number > 0, or the robot's model was changed by other means.
+        BadValue: a value is not a finite number > 0 (>= 0 for a rotor or friction), or the robot's model was
+            changed by other means.
     """
     valid = [name for name, parameter in PARAMETERS.items() if robot.source in parameter.robots]
     for name, value in values.items():
         if name not in valid:
             raise UnknownName("parameter", name, valid)
-        none = name.endswith(("_rotor", "_damping"))  # a joint without a motor has no rotor
-        if isinstance(value, bool) or not (isinstance(value, Real) and 0 <= value <= MAX_NUMBER and (value or none)):
-            raise BadValue(name, value, f"a finite number {'>=' if none else '>'} 0, in {PARAMETERS[name].unit}")
+        may_be_zero = name.endswith(("_rotor", "_damping"))  # a joint without a motor has no rotor
+        if isinstance(value, bool) or not (
+            isinstance(value, Real) and 0 <= value <= MAX_NUMBER and (value or may_be_zero)
+        ):
+            unit = PARAMETERS[name].unit
+            expected = f"a finite number {'>=' if may_be_zero else '>'} 0" + ("" if unit == "1" else f", in {unit}")
+            raise BadValue(name, value, expected)
     if not values:
         return robot
     if robot.model != _model(robot, robot.varied):

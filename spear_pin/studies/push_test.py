@@ -185,7 +185,7 @@ def release(
         BadValue: the leg does not rest on its spring or cannot go that deep; the duration is not positive.
     """
     require("duration", duration, lambda d: 0 < d <= 3600, "a number > 0, in s, at most an hour")
-    require("rate", rate, lambda r: 0 < r * duration <= 1e7, "samples a second, at most 1e7 of them")
+    require("rate", rate, lambda r: 1 <= r * duration <= 1e7, "samples a second, such that there are 1 to 1e7 of them")
     initial = pushed_angle(leg, knee, depth)
     t = np.arange(round(duration * rate) + 1) / rate
     motion = move(leg, knee, initial, t, rtol=rtol)

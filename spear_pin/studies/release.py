@@ -9,6 +9,7 @@ between is smooth; where the knee stands still, dry friction holds what it can.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -25,6 +26,7 @@ Array = NDArray[np.float64]
 PARAMETERS = ("stiffness", "damping", "coulomb", "zero", "rotor", "initial_angle")
 RTOL = 1e-10
 MAX_STEP = 0.05  # s, a fifth of a swing or less: at loose tolerances the error estimate may miss one
+WORK, WORK_PER_SECOND = 20_000, 2_000  # right-hand sides: twenty times what a release takes
 PIECES = 10_000  # smooth pieces of a motion, at most
 
 
@@ -85,7 +87,7 @@ class Motion:
         turns: times at which the knee stands still between two swings, in s.
         extrema: θ at them, in rad.
         reason: "complete"; or what ended it, the angle being held from there on: "limit" of the joint,
-            "step_size", "pieces".
+            "step_size", "pieces", or "work", more of it than a release takes: forces are too stiff.
     """
 
     angle: Array
@@ -125,6 +127,7 @@ def move(
         raise BadValue("times", times, "increasing numbers from 0 on, in s") from None
     if at.ndim != 1 or at.size == 0 or not np.isfinite(at).all() or at[0] < 0 or (np.diff(at) <= 0).any():
         raise BadValue("times", times, "increasing numbers from 0 on, in s")
+    require("rtol", rtol, lambda tolerance: 1e-13 <= tolerance <= 1e-2, "a number from 1e-13 to 1e-2")
     low, high = leg.span
     require("initial_angle", initial_angle, lambda a: low <= a <= high, f"an angle within {low:g} … {high:g} rad")
     for name in wrt:
@@ -132,7 +135,8 @@ def move(
             raise UnknownName("parameter", name, PARAMETERS)
     start = np.array([initial_angle, 0.0, *(float(name == "initial_angle") for name in wrt), *np.zeros(len(wrt))])
     states, accelerations, turns = np.tile(start, (at.size, 1)), np.zeros(at.size), np.empty((0, 2))
-    flow = _Flow(leg, knee, tuple(wrt), 0.0, not knee.unilateral or initial_angle > knee.zero)
+    work = Counter({"left": round(WORK + WORK_PER_SECOND * float(at[-1]))})
+    flow = _Flow(leg, knee, tuple(wrt), 0.0, not knee.unilateral or initial_angle > knee.zero, work)
     now, state, reason = 0.0, start, "pieces"
     for _ in range(PIECES):
         if flow.dry and state[1] == 0.0:
@@ -145,7 +149,11 @@ def move(
             break
         events = _events(flow)
         tolerances = {"rtol": rtol, "atol": 0.01 * rtol, "max_step": MAX_STEP}
-        piece = solve_ivp(flow, (now, at[-1]), state, "DOP853", dense_output=True, events=events, **tolerances)
+        try:
+            piece = solve_ivp(flow, (now, at[-1]), state, "DOP853", dense_output=True, events=events, **tolerances)
+        except _Exhausted:
+            reason = "work"
+            break
         within = (at >= now) & (at <= piece.t[-1])
         if within.any():
             states[within] = piece.sol(at[within]).T
@@ -172,6 +180,10 @@ def move(
     return Motion(angle, rate, accelerations, sensitivity, turns[:, 0], turns[:, 1], reason)
 
 
+class _Exhausted(Exception):
+    """More right-hand sides than a release takes."""
+
+
 @dataclass(frozen=True)
 class _Flow:
     """The right-hand side of one smooth piece: (θ, θ̇), then ∂θ/∂p and ∂θ̇/∂p of each parameter.
@@ -182,6 +194,7 @@ class _Flow:
         wrt: the parameters.
         direction: of the motion as dry friction sees it, -1, 0 or 1.
         pulls: whether the spring does.
+        work: how many calls are left.
     """
 
     leg: PinnedLeg
@@ -189,6 +202,7 @@ class _Flow:
     wrt: tuple[str, ...]
     direction: float
     pulls: bool
+    work: Counter[str]
 
     @property
     def dry(self) -> bool:
@@ -196,6 +210,9 @@ class _Flow:
         return self.knee.coulomb > 0.0 or "coulomb" in self.wrt
 
     def __call__(self, t: float, state: Array) -> Array:
+        self.work["left"] -= 1
+        if self.work["left"] < 0:
+            raise _Exhausted
         angle, rate, *sensitivities = state.tolist()  # floats: with numbers so few, an array costs more
         terms = self.leg.motion_with_slopes.at(angle).tolist()
         inertia, centrifugal, gravity, inertia_slope, centrifugal_slope, gravity_slope, drag, drag_slope = terms

@@ -35,13 +35,13 @@ def test_truth_is_found(capsys, tmp_path, lab, smoothing):
 def test_table(capsys, tmp_path, lab):
     status, out, _ = run(capsys, "identify", lab, *CALIBRATION, "--out", tmp_path)
     assert status == 0
-    head, row, note = out.splitlines()[:3]
+    head, row, held, note = out.splitlines()[:4]
     assert "stiffness, N·m/rad" in head and "±" in row and "synthetic, not measured" in note
+    assert held.endswith("held at coulomb 0, rotor_inertia 0.027")
 
 
 def test_files_side_by_side_and_together(capsys, tmp_path, lab):
-    apart = printed(capsys, "identify", lab, lab, *CALIBRATION, "--out", tmp_path)["estimates"]
-    assert len(apart) == 1  # one file named twice is one file
+    assert "each file once" in refused(capsys, "identify", lab, lab, *CALIBRATION, "--out", tmp_path)
     other = tmp_path / "other.csv"
     other.write_bytes(lab.read_bytes())
     apart = printed(capsys, "identify", lab, other, *CALIBRATION, "--out", tmp_path)["estimates"]

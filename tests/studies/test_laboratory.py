@@ -107,7 +107,9 @@ class TestFile:
         first, *rest = path.read_text(encoding="utf-8").splitlines()
         assert first.startswith("# SYNTHETIC") and "not measured" in first
         head = "\n".join(line for line in rest if line.startswith("#"))
-        assert all(text in head for text in ("48 N·m/rad", "1.2 N·m·s/rad", "0.3 N·m", "1.02 rad", "-1.3 V/rad", "seed 0"))
+        assert all(
+            text in head for text in ("48 N·m/rad", "1.2 N·m·s/rad", "0.3 N·m", "1.02 rad", "-1.3 V/rad", "seed 0")
+        )
         back = read_record(path, calibration=instrument.calibration)
         assert back.synthetic and back.remarks == ()
         np.testing.assert_allclose(back.t, record.t, rtol=0, atol=5.1e-7)

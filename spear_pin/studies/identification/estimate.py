@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 
 from spear_pin.errors import UnknownName
 from spear_pin.model.pinned import PinnedLeg
-from spear_pin.studies.identification.problem import NUISANCES, QUANTITIES, Problem, first_swing, pose
+from spear_pin.studies.identification.problem import KNEE, NUISANCES, QUANTITIES, Problem, first_swing, pose
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.identification.uncertainty import nrmse_fit, scatter, whiteness
 from spear_pin.studies.release import PassiveKnee, move
@@ -79,7 +79,8 @@ class Estimate:
         trials: as they were fitted.
         predicted: the model's angle for each trial, smoothed as the data were, in rad.
         fits: 100 (1 - ‖y - ŷ‖ / ‖y - ȳ‖) for each trial, MATLAB's NRMSE fit, in percent.
-        noise: standard deviation of the angle's noise before smoothing, in rad.
+        noise: standard deviation of the angle's noise before smoothing, in rad; for a robust loss that which
+            least squares would need for the same error bars.
         whiteness: probability that white noise has residuals as correlated as these, before smoothing
             (Ljung and Box); None where the angle before smoothing is not known, or there is no noise.
         warnings: what a reader has to know.
@@ -170,10 +171,10 @@ def identify(
         raise UnknownName("loss", loss, LOSSES)
     problem = pose(
         leg,
-        trials,
-        vary,
-        per_trial=per_trial,
-        nuisances=nuisances,
+        tuple(trials),
+        tuple(vary),
+        per_trial=tuple(per_trial),
+        nuisances=tuple(nuisances),
         static_rest=static_rest,
         known=known or {},
         unilateral=unilateral,
@@ -230,7 +231,7 @@ def _estimate(problem: Problem, solution: Any, loss: str, spread: float) -> Esti
     integrations = problem.tally["integrations"]
     ends = np.cumsum([trial.t.size for trial in trials])[:-1]
     predicted = [problem.predicted(x, j) for j in range(len(trials))]
-    residuals = [y - trial.angle for y, trial in zip(predicted, trials, strict=True)]
+    residuals = [trial.used * (y - trial.angle) for y, trial in zip(predicted, trials, strict=True)]
     unsmoothed = [problem.angle(x, j) - raw for j, trial in enumerate(trials) if (raw := trial.unsmoothed) is not None]
     known = len(unsmoothed) == len(trials)
     found = scatter(
@@ -239,6 +240,7 @@ def _estimate(problem: Problem, solution: Any, loss: str, spread: float) -> Esti
         [trial.smoothing for trial in trials],
         influence=_influence(np.concatenate(residuals), loss, spread),
         unsmoothed=unsmoothed if known else None,
+        used=[trial.used for trial in trials],
     )
     deviations = np.sqrt(np.diag(found.covariance))
     settings = [problem.setting(x, j) for j in range(len(trials))]
@@ -253,7 +255,7 @@ def _estimate(problem: Problem, solution: Any, loss: str, spread: float) -> Esti
         rotors=tuple(setting.leg.rotor for setting in settings),
         trials=trials,
         predicted=tuple(predicted),
-        fits=tuple(nrmse_fit(trial.angle, y) for trial, y in zip(trials, predicted, strict=True)),
+        fits=tuple(nrmse_fit(t.angle[t.used], y[t.used]) for t, y in zip(trials, predicted, strict=True)),
         noise=found.noise,
         whiteness=whiteness(unsmoothed) if known and found.noise > ROUNDING else None,
         warnings=(),
@@ -282,16 +284,20 @@ def _warnings(problem: Problem, solution: Any, estimate: Estimate) -> Iterator[s
         yield "the data do not tell these parameters apart at all: vary fewer"
     else:
         correlation = estimate.correlation
-        for (i, one), (j, other) in combinations(enumerate(estimate.parameters), 2):
+        knees = [(i, parameter) for i, parameter in enumerate(estimate.parameters) if parameter.name in KNEE]
+        for (i, one), (j, other) in combinations(knees, 2):
             if abs(correlation[i, j]) > ALIKE:
-                pair = f"{one.label} and {other.label}"
-                yield f"{pair} cannot be told apart (correlation {correlation[i, j]:.4f}): hold one of them"
+                pair = f"{one.label} and {other.label} are hardly told apart (correlation {correlation[i, j]:.4f})"
+                larger = (1.0 - correlation[i, j] ** 2) ** -0.5
+                yield f"{pair}: with one of them held, the deviation of the other would be {larger:.0f} times less"
     for j, (trial, fit) in enumerate(zip(estimate.trials, estimate.fits, strict=True)):
         if not fit >= POOR:
             yield f"the model does not describe {trial.label}: fit {fit:.1f} %"
         setting = problem.setting(np.asarray(solution.x), j)
         since = trial.t[trial.t > setting.let_go] - setting.let_go
         motion = move(setting.leg, setting.knee, setting.initial_angle, since)
+        if motion.reason != "complete":
+            yield f"the model of {trial.label} ends early: {motion.reason}"
         force = setting.leg.ground_force(motion.angle, motion.rate, motion.acceleration)[1]
         if force.min() < 0.0:
             pull = f"{force.min():.1f} N after {since[int(np.argmin(force))]:.3f} s"

@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 RTOL = 1e-8
 ONSET = 0.1  # s, by which the time of a release may be corrected
 TAIL = 0.2  # of a trial: its end, at rest or nearly
+STRAY = 0.01  # of the samples: outliers, for a robust loss to deal with
 SLACK = 1e-6  # N·m/rad: the least stiffness, which the static rest is divided by
 
 
@@ -42,11 +43,11 @@ class Quantity:
 
 QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
     {
-        "stiffness": Quantity("k_rot", "N·m/rad", "stiffness", (SLACK, np.inf)),
-        "damping": Quantity("b", "N·m·s/rad", "damping", (0.0, np.inf)),
-        "coulomb": Quantity("τ_c", "N·m", "coulomb", (0.0, np.inf)),
+        "stiffness": Quantity("k_rot", "N·m/rad", "stiffness", (SLACK, 1e5)),
+        "damping": Quantity("b", "N·m·s/rad", "damping", (0.0, 1e3)),
+        "coulomb": Quantity("τ_c", "N·m", "coulomb", (0.0, 1e3)),
         "rest_angle": Quantity("RA", "rad", "zero", (-np.pi, np.pi)),
-        "rotor_inertia": Quantity("N²J", "kg·m²", "rotor", (0.0, np.inf)),
+        "rotor_inertia": Quantity("N²J", "kg·m²", "rotor", (0.0, 100.0)),
         "initial_angle": Quantity("θ₀", "rad", "initial_angle", (-np.pi, np.pi)),
         "release_time": Quantity("t₀", "s", None, (-np.inf, np.inf)),
     }
@@ -135,8 +136,8 @@ class Problem:
         return self._smoothed(self.angle(x, j), j)
 
     def residuals(self, x: Array) -> Array:
-        """Model minus data of all trials, one after the other, (N,), in rad."""
-        return np.concatenate([self.predicted(x, j) - trial.angle for j, trial in enumerate(self.trials)])
+        """Model minus data of all trials, one after the other, (N,), in rad; 0 where they are not compared."""
+        return np.concatenate([t.used * (self.predicted(x, j) - t.angle) for j, t in enumerate(self.trials)])
 
     def jacobian(self, x: Array) -> Array:
         """Derivatives of the residuals, (N, unknowns)."""
@@ -145,7 +146,7 @@ class Problem:
             block = np.zeros((trial.t.size, len(self.entries)))
             mine = [i for i, entry in enumerate(self.entries) if entry.trial in (None, j)]
             block[:, mine] = self._slopes(self.setting(x, j), trial, [self.entries[i].name for i in mine])
-            blocks.append(self._smoothed(block, j))
+            blocks.append(trial.used[:, None] * self._smoothed(block, j))
         return np.vstack(blocks)
 
     def _slopes(self, setting: Setting, trial: Trial, names: Sequence[str]) -> Array:
@@ -216,7 +217,7 @@ def pose(
                 limits = max(limits[0], low), min(limits[1], high)
                 if not limits[0] < limits[1]:
                     expected = f"such that some of {low:g} … {high:g} s remains, for {trial.label}"
-                    raise BadValue("bounds of release_time", bounds["release_time"], expected)
+                    raise BadValue("bounds of release_time", bounds.get("release_time", limits), expected)
             entries.append(Entry(name, j, float(np.clip(values[j][name], *limits)), limits))
     return Problem(leg, tuple(trials), values, tuple(entries), static_rest, unilateral, smooth_model)
 
@@ -249,7 +250,7 @@ def _check(
         require(f"known {name}", value, lambda v: least <= v <= largest, f"within {least:g} … {largest:g}")  # noqa: B023
     low, high = leg.span
     for trial in trials:
-        for extreme in (float(trial.angle.min()), float(trial.angle.max())):
+        for extreme in map(float, np.quantile(trial.angle, (STRAY, 1.0 - STRAY))):
             if not low <= extreme <= high:
                 expected = f"within the joint's limits, {low:g} … {high:g} rad; is the calibration right?"
                 raise BadValue(f"the knee's angle in {trial.label}", extreme, expected)

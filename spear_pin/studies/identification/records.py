@@ -23,6 +23,7 @@ VOLTAGES = {"V": 1.0, "mV": 1e-3}  # in V
 COARSEST = 0.02  # s between samples: a swing lasts a tenth of a second and more
 FINEST = 1e-5  # s between samples: no potentiometer is read faster
 FEWEST = 50  # samples
+LONGEST = 1e300  # in any unit of time, that is taken for a number
 LARGEST = 2 * np.pi  # rad, that a knee may show
 _TIME = re.compile(r"t|time|zeit|stamp|timestamp", re.IGNORECASE)
 _UNIT = re.compile(r"(?:[_\s]+|[\[(/]\s*)(us|µs|ms|s|sec|min|rad|degrees|deg|°|mV|V|volts|volt)\s*[\])]?$")
@@ -111,15 +112,16 @@ def read_record(
         unit = "V" if calibration else "rad"
         remarks.append(f"{value_name!r} names no unit: taken as {unit}")
     if (unit in VOLTAGES) != (calibration is not None):
-        expected = "volts per radian and an offset" if unit in VOLTAGES else "none"
+        expected = "volts per radian (--volts-per-rad) and an offset" if unit in VOLTAGES else "none"
         raise BadValue(f"{path}: calibration of {value_name!r}, in {unit},", calibration, expected)
     t, value, dropped = _rows(path, t, value)
     remarks += dropped
-    t = t * TIMES[time_unit]
-    if calibration is None:
-        angle = value * ANGLES[unit]
-    else:
-        angle = (value * VOLTAGES[unit] - calibration.offset) / calibration.volts_per_rad
+    with np.errstate(over="ignore"):
+        t = t * TIMES[time_unit]
+        if calibration is None:
+            angle = value * ANGLES[unit]
+        else:
+            angle = (value * VOLTAGES[unit] - calibration.offset) / calibration.volts_per_rad
     _check(path, t, angle, unit, time_unit)
     gaps = np.diff(t) > 5 * np.median(np.diff(t))
     if gaps.any():
@@ -157,7 +159,7 @@ def _unit(name: str, units: dict[str, float]) -> str | None:
 
 def _rows(path: str | Path, t: Array, value: Array) -> tuple[Array, Array, list[str]]:
     """The rows that hold two numbers, each time once, and what was dropped."""
-    good = np.isfinite(t) & np.isfinite(value)
+    good = (np.abs(t) < LONGEST) & np.isfinite(value)
     lost = int(good.size - good.sum())
     if 2 * lost > good.size:
         raise BadFile(path, f"{lost} of {good.size} rows hold no two finite numbers")

@@ -52,14 +52,22 @@ class MovingAverage:
         np.subtract.at(spread, after, x / count)
         return np.asarray(np.cumsum(spread, axis=0)[:-1])
 
-    def gain(self, samples: int) -> float:
-        """The trace of F Fᵀ: the sum of squares that so many samples of white noise of variance 1 are left with."""
-        return float((1.0 / self._windows(np.empty(samples))[2]).sum())
+    @property
+    def ahead(self) -> int:
+        """Samples of a window that come after its own."""
+        return self.window - 1 - self._past
+
+    def gain(self, samples: int) -> Array:
+        """The diagonal of F Fᵀ: what is left of the variance of white noise, at each of so many samples."""
+        return np.asarray(1.0 / self._windows(np.empty(samples))[2])
+
+    @property
+    def _past(self) -> int:
+        return self.window // 2 if self.kind == "centred" else self.window - 1
 
     def _windows(self, x: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
         """First sample of each window, the one after its last, and how many samples it has."""
-        past = self.window // 2 if self.kind == "centred" else self.window - 1
         i = np.arange(x.shape[0])
-        first = np.maximum(i - past, 0)
-        after = np.minimum(i - past + self.window, x.shape[0])
+        first = np.maximum(i - self._past, 0)
+        after = np.minimum(i - self._past + self.window, x.shape[0])
         return first, after, (after - first).astype(float).reshape(-1, *[1] * (x.ndim - 1))

@@ -26,6 +26,7 @@ STILL = 0.05  # of the first swing, by which the angle may wander while it is he
 HOLD = 0.05  # s of hold, at least
 FEWEST = 10  # samples
 SWING = 0.1  # s of motion, at least
+SWINGS = 3.0  # s after a release, within which later falls are its own
 PUSH = 0.5  # s before the next hold that the hand takes to push, at least
 
 
@@ -61,6 +62,12 @@ class Trial:
         require("let_go", self.let_go, lambda _: inside, f"a time within {self.t[0]:g} … {self.t[-1]:g} s")
 
     @property
+    def used(self) -> NDArray[np.bool_]:
+        """Samples to compare with a model, (n,): not those whose smoothing saw what was cut off later."""
+        beyond = 0 if self.smoothing is None or self.raw is not None else self.smoothing.ahead
+        return np.arange(self.t.size) < self.t.size - beyond
+
+    @property
     def unsmoothed(self) -> Array | None:
         """The angle before any smoothing, if known."""
         return self.angle if self.smoothing is None else self.raw
@@ -76,6 +83,8 @@ def smoothed(trial: Trial, smoothing: MovingAverage | None) -> Trial:
         return trial
     if trial.smoothing is not None:
         raise BadValue("smoothing", smoothing, f"none: {trial.label} has been smoothed already")
+    if smoothing.window > trial.t.size:
+        raise BadValue("window", smoothing.window, f"at most the {trial.t.size} samples of {trial.label}")
     return replace(trial, angle=smoothing(trial.angle), smoothing=smoothing, raw=trial.angle)
 
 
@@ -93,7 +102,7 @@ def cut(record: Record, before: float = 0.5, after: float = 1.5) -> tuple[list[T
     Raises:
         BadFile: there is no release in the record.
     """
-    require("before", before, lambda s: 0 <= s <= 60, "a number of seconds, at most 60")
+    require("before", before, lambda s: HOLD <= s <= 60, f"a number of seconds from {HOLD:g} to 60")
     require("after", after, lambda s: 0.1 <= s <= 60, "a number of seconds from 0.1 to 60")
     width = max(round(STEADY / record.step), 1)
     steady = MovingAverage(width)(record.angle)
@@ -105,10 +114,10 @@ def cut(record: Record, before: float = 0.5, after: float = 1.5) -> tuple[list[T
     found: list[tuple[int, float]] = []
     remarks: list[str] = []
     for peak in peaks:
-        if found and record.t[peak] < found[-1][1] + after:
-            continue  # a later swing
         onset = _onset(record, steady, int(peak))
         if isinstance(onset, str):
+            if found and record.t[peak] < found[-1][1] + SWINGS:
+                continue  # of the same release
             remarks.append(f"{record.source}: the fall at {record.t[peak]:.2f} s is no release: {onset}")
         else:
             found.append(onset)

@@ -38,6 +38,7 @@ def scatter(
     smoothings: Sequence[MovingAverage | None],
     influence: tuple[Array, Array] | None = None,
     unsmoothed: Sequence[Array] | None = None,
+    used: Sequence[NDArray[np.bool_]] | None = None,
 ) -> Scatter:
     """Covariance of a least-squares estimate from records that were smoothed, or not.
 
@@ -51,6 +52,7 @@ def scatter(
         smoothings: of each record.
         influence: ψ and ψ' at all residuals for a robust loss (default: those of least squares, r and 1).
         unsmoothed: the residuals before smoothing, if known: they tell the noise better.
+        used: of each record, which samples count (default: all); residuals and Jacobian are 0 at the others.
     """
     jacobian = np.vstack(jacobians)
     lengths = np.linalg.norm(jacobian, axis=0)
@@ -66,7 +68,9 @@ def scatter(
         variance = float(rows @ rows) / max(rows.size - count, 1)
     else:
         psi, slope = influence or (np.concatenate(residuals), np.ones(1))
-        gain = sum(r.size if f is None else f.gain(r.size) for r, f in zip(residuals, smoothings, strict=True))
+        kept = used or [np.ones(r.size, dtype=bool) for r in residuals]
+        gains = [np.ones(k.size) if f is None else f.gain(k.size) for k, f in zip(kept, smoothings, strict=True)]
+        gain = sum(float(g[k].sum()) for g, k in zip(gains, kept, strict=True))
         variance = float(psi @ psi) / float(slope.mean()) ** 2 / max(gain - float((back**2).sum()), 1e-12)
     root = back @ (right / singular[:, None]) / scale
     return Scatter(variance * (root.T @ root), float(np.sqrt(variance)), condition)

@@ -27,7 +27,7 @@ SAME = {  # content: remarks
     "no header": (table(head=""), (KNEE,)),
     "comments": ("# one\n#two\n\n" + table(), ()),
     "comments with odd line ends": ("# one\x0ctwo\x1cthree\u2028\n" + table(), ()),
-    "comment inside": (changed(50, "0.049,1.248658 # hello").replace("# hello", ""), ()),
+    "comment inside": (changed(50, "0.049,1.248731 # hello"), ()),
     "trailing separators": (table(row="{t:.3f}{s}{a:.6f}{s}"), ()),
     "exponents": (table(row="{t:.3e}{s}{a:.6e}"), ()),
     "plus signs": (table(row="{t:+.3f}{s}{a:+.6f}"), ()),
@@ -76,6 +76,10 @@ REFUSED = {
     "UTF-16 without mark": (table().encode("utf-16-le"), "not a text file"),
     "latin-1": (table("time_s,angle [°]").encode("latin-1"), "not a text file"),
     "latin-1 far down": (table().encode() + b"# \xb0\n" + b"0.5,\xb0\n", "not a text file|not a table"),
+    "latin-1 beyond the head": (
+        table().encode() + b"0.5,1 # \n" * 10_000 + b"0.6,\xb0\n",
+        "not a table of numbers: .*utf-8",
+    ),
     "binary": (bytes(range(256)) * 10, "not a text file"),
     "zeros": (bytes(1000), "not a text file"),
     "zero inside": (changed(50, "0.049,1\0"), "not a text file"),
@@ -170,9 +174,9 @@ def fuzzed(seed):
     rng = np.random.default_rng(seed)
     if seed % 4 == 0:
         return rng.integers(0, 256, rng.integers(1, 3000), np.uint8).tobytes()
-    content = bytearray(table(decimal=".," [seed % 2], separator=",;\t "[seed // 2 % 4]).encode())
+    content = bytearray(table(decimal=".,"[seed % 2], separator=",;\t "[seed // 2 % 4]).encode())
     marks = b"0123456789.,;-+eE\"'#\n\r\t \0xnaif\xff"
-    for _ in range(rng.integers(1, 12)):
+    for _ in range(rng.integers(1, 4)):
         i = int(rng.integers(len(content) if seed % 3 else 60))
         kind = rng.integers(4)
         if kind == 0:

@@ -1,0 +1,94 @@
+"""How many hops survive noise, lost commands and saturation? And why do the rest stop?
+
+`python -m benchmarks.hardware [--runs 200] [--hops 11] [--workers 2] [--json]`: seeded runs of the hop on hardware,
+for three levels of disturbance: what is in the table's head is assumed, not the source's.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from concurrent.futures import ProcessPoolExecutor
+from typing import Any
+
+import numpy as np
+from tqdm import tqdm
+
+from spear_pin import find_gait, hopping, load
+from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.hardware import Sensing, with_hardware
+from spear_pin.studies.hardware import Outcome, Rig, outcome, reasons
+
+LEVELS = {  # noise of angles in rad and of rates in rad/s, commands lost per second, limit in A
+    "calm": Rig(sensing=Sensing(0.002, 0.05, losses=1.0), current_limit=10.0),
+    "rough": Rig(sensing=Sensing(0.005, 0.2, losses=5.0), current_limit=8.0),
+    "harsh": Rig(sensing=Sensing(0.02, 0.5, losses=20.0), current_limit=6.0),
+}
+_GAIT: list[Gait] = []
+
+
+def tuned() -> Gait:
+    """The hop of 0.2 s of flight, its torque solved with gears and limits, without noise."""
+    rig = Rig()
+    system = with_hardware(hopping(load("spear_ii", locked=["boom_x"])), rig.hardware)
+    return find_gait(system, ["stance_torque"], {"flight_time": 0.2})
+
+
+def prepare() -> None:
+    _GAIT.append(tuned())
+
+
+def one(level: str, seed: int, hops: int) -> Outcome:
+    return outcome(_GAIT[0], LEVELS[level], seed, hops)
+
+
+def summary(outcomes: list[Outcome], hops: int) -> dict[str, Any]:
+    """What became of the runs of one level."""
+    apexes = [apex for each in outcomes if each.reason == "complete" for apex in each.apexes]
+    return {
+        "runs": len(outcomes),
+        "complete": sum(each.reason == "complete" for each in outcomes),
+        "reasons": reasons(outcomes),
+        "apex_spread": float(np.std(apexes)) if apexes else None,
+        "hops_before_stopping": sorted(each.hops for each in outcomes if each.hops < hops),
+    }
+
+
+def main() -> None:
+    """Run, and print Markdown or JSON."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=int, default=200)
+    parser.add_argument("--hops", type=int, default=11)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--json", action="store_true")
+    arguments = parser.parse_args()
+    begin = time.perf_counter()
+    result: dict[str, Any] = {"runs": arguments.runs, "hops": arguments.hops, "levels": {}}
+    with ProcessPoolExecutor(arguments.workers, initializer=prepare) as pool:
+        for level in LEVELS:
+            jobs = [pool.submit(one, level, seed, arguments.hops) for seed in range(arguments.runs)]
+            outcomes = [job.result() for job in tqdm(jobs, desc=level, disable=None)]
+            result["levels"][level] = summary(outcomes, arguments.hops)
+    result["seconds"] = time.perf_counter() - begin
+    if arguments.json:
+        print(json.dumps(result))
+        return
+    print(
+        "| level | noise, rad | rad/s | lost commands, 1/s | limit, A | hop to the end | spread of apexes, mm | why not |"
+    )
+    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
+    for level, row in result["levels"].items():
+        rig, spread = LEVELS[level], row["apex_spread"]
+        assert rig.sensing is not None
+        others = ", ".join(f"{count} {reason}" for reason, count in row["reasons"].items() if reason != "complete")
+        numbers = (
+            f"{rig.sensing.angle_noise:g} | {rig.sensing.rate_noise:g} | {rig.sensing.losses:g} | {rig.current_limit:g}"
+        )
+        shown = "–" if spread is None else f"{1e3 * spread:.1f}"
+        print(f"| {level} | {numbers} | {row['complete']} of {row['runs']} | {shown} | {others or '–'} |")
+    print(f"\n{result['seconds']:.0f} s")
+
+
+if __name__ == "__main__":
+    main()

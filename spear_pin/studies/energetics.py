@@ -1,0 +1,292 @@
+"""Where the energy of a hop or a stride goes, from the battery to the ground, and what going costs (Figs. 2.4, 4.1).
+
+Q-SPEAR's joints in the sagittal plane are pairs: trajectories, and hardware in them, are of both legs of each, so
+all energies here are of the whole robot. A `Drive` is of one motor: of a pair there are two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from spear_pin.errors import BadValue, require
+from spear_pin.gaits.bounding_law import PAIR
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.model.motor import Drive
+from spear_pin.studies.bound import weight
+from spear_pin.studies.published_costs import CostPoint, Kind
+
+Array = NDArray[np.float64]
+FINE = 16  # points of quadrature between two samples
+INSTANT = 1e-12  # s: an event's two samples may differ by rounding
+ADVANCE = 1e-6  # m a cycle: less is hopping in place
+REGENERATION = {"electrical_0": 0.0, "electrical_24": 0.24, "electrical_100": 1.0}  # 24 %: Chapter 1, of its [42]
+
+
+@dataclass(frozen=True)
+class JointFlow:
+    """Energy that goes through the actuator of a joint, in J a cycle.
+
+    Attributes:
+        joint: its name.
+        given: by the battery.
+        regained: by the battery; each actuator has its own, so what one gives back the others do not use.
+        joule: heat of winding and battery.
+        gearbox: lost in the gears.
+        motor: net mechanical work on the joint.
+    """
+
+    joint: str
+    given: float
+    regained: float
+    joule: float
+    gearbox: float
+    motor: float
+
+
+@dataclass(frozen=True)
+class EnergyFlow:
+    """Energy flow of Fig. 4.1 by numbers, the mean of whole cycles, in J a cycle; what is lost is positive.
+
+    Attributes:
+        joints: what goes through each actuator.
+        damping: of the joints that carry springs.
+        friction: of the joints, by the URDF.
+        impact: lost at touchdowns.
+        released: lost with springs that let go.
+        slip: of toes on the ground.
+        spring_stored: work done on springs by compression.
+        spring_returned: work done by springs in extension.
+        change: of what the mechanism stores: kinetic, gravity, springs; zero for a periodic gait.
+        magnetic: change of what inductances store.
+        gap: by which quadrature of the battery's power over the samples misses the ledger; `regained` is about
+            as accurate, `given` is what the ledger then leaves, so that the balance is exact.
+    """
+
+    joints: tuple[JointFlow, ...]
+    damping: float
+    friction: float
+    impact: float
+    released: float
+    slip: float
+    spring_stored: float
+    spring_returned: float
+    change: float
+    magnetic: float
+    gap: float
+
+    def total(self, flow: str) -> float:
+        """Of all actuators, by the name of a field of `JointFlow`."""
+        return float(sum(getattr(joint, flow) for joint in self.joints))
+
+    @property
+    def battery(self) -> float:
+        """What the battery gives on balance."""
+        return self.total("given") - self.total("regained")
+
+    @property
+    def losses(self) -> dict[str, float]:
+        """What is lost, in the order of the way from the battery to the ground."""
+        electrical = {name: self.total(name) for name in ("joule", "gearbox")}
+        return electrical | {name: getattr(self, name) for name in MECHANICAL}
+
+    @property
+    def residual(self) -> float:
+        """What does not close: battery less losses less what is stored."""
+        return self.battery - sum(self.losses.values()) - self.change - self.magnetic
+
+
+MECHANICAL = ("damping", "friction", "impact", "released", "slip")  # losses behind the motors
+
+
+def energy_flow(system: HybridSystem, trajectory: Trajectory, skip: int = 0) -> EnergyFlow:
+    """Energy flow of a trajectory with hardware.
+
+    Args:
+        system: the system that was simulated, for its actuators.
+        trajectory: of whole cycles.
+        skip: cycles at the beginning to leave out.
+
+    Raises:
+        BadValue: there is no hardware, or no cycle is left.
+    """
+    hardware, electrical, ledger = system.hardware, trajectory.electrical, trajectory.ledger
+    if hardware is None or electrical is None:
+        raise BadValue("trajectory.electrical", electrical, "a ledger, of a system with hardware")
+    chosen = _chosen(trajectory, skip)
+    given, regained = _halves(trajectory, chosen, _battery_power(system, trajectory))
+    columns = [trajectory.coordinates.index(joint) for joint in trajectory.spring_joints]
+    extends, compresses = _halves(trajectory, chosen, trajectory.spring * trajectory.v[:, columns])
+    joints = []
+    for i, joint in enumerate(trajectory.actuated):
+        net, joule, gearbox, motor = (
+            float(electrical[f"{flow}_{joint}"][skip:].mean()) for flow in ("battery", "joule", "gearbox", "motor")
+        )
+        joints.append(JointFlow(joint, net + float(regained[i]), float(regained[i]), -joule, -gearbox, -motor))
+    return EnergyFlow(
+        tuple(joints),
+        **{name: 0.0 - float(ledger[name][skip:].mean()) for name in MECHANICAL},
+        spring_stored=float(compresses.sum()),
+        spring_returned=float(extends.sum()),
+        change=float(ledger.change[skip:].mean()),
+        magnetic=float(electrical.change[skip:].mean()),
+        gap=float(given.sum()) - sum(joint.given for joint in joints),
+    )
+
+
+@dataclass(frozen=True)
+class Costs:
+    """What a cycle costs by each usual definition.
+
+    Attributes:
+        energy: in J a cycle: "mechanical_absolute", ∫ Σ |u ω| dt; "mechanical_positive", ∫ Σ max(u ω, 0) dt; where
+            the motors are known, of the electrical power "electrical_0", "electrical_24" and "electrical_100", the
+            positive part less so many percent of the negative one, motor by motor.
+        mass: in kg.
+        weight: in N.
+        distance: covered in a cycle, in m.
+        rise: h, height of the hip at the apex above that at lift-off, in m; NaN without apexes.
+    """
+
+    energy: Mapping[str, float]
+    mass: float
+    weight: float
+    distance: float
+    rise: float
+
+    @property
+    def of_transport(self) -> dict[str, float]:
+        """E / (m g d), by definition.
+
+        Raises:
+            BadValue: the gait does not advance.
+        """
+        require("distance", self.distance, lambda d: d > ADVANCE, "a number > 0, in m: a gait that goes forward")
+        return {name: energy / (self.weight * self.distance) for name, energy in self.energy.items()}
+
+    @property
+    def of_height(self) -> dict[str, float]:
+        """E / (m g h), by definition.
+
+        Raises:
+            BadValue: nothing rises from lift-off to an apex.
+        """
+        if not self.rise > 0.0:
+            raise BadValue("rise", self.rise, "a number > 0, in m: a hop with an apex")
+        return {name: energy / (self.weight * self.rise) for name, energy in self.energy.items()}
+
+
+def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] | None = None, skip: int = 0) -> Costs:
+    """What a gait costs, the mean of whole cycles.
+
+    Args:
+        system: the system that was simulated; its hardware is what electrical energy is reckoned from.
+        trajectory: of whole cycles.
+        drives: of one motor of each actuated joint, where there is no hardware.
+        skip: cycles at the beginning to leave out.
+
+    Raises:
+        BadValue: hardware and drives are given, or not as many drives as joints, or no cycle is left.
+    """
+    chosen, n = _chosen(trajectory, skip), trajectory.cycles - skip
+    rates = _rates(trajectory)
+    positive, negative = (part.sum() for part in _halves(trajectory, chosen, trajectory.u * rates))
+    energy = {"mechanical_absolute": float(positive + negative), "mechanical_positive": float(positive)}
+    parts: tuple[float, float] | None = None
+    if trajectory.electrical is not None:
+        if drives is not None:
+            raise BadValue("drives", drives, "None: the trajectory has hardware")
+        flow = energy_flow(system, trajectory, skip)
+        parts = flow.total("given"), flow.total("regained")
+    elif drives is not None:
+        if len(drives) != len(trajectory.actuated):
+            raise BadValue("drives", len(drives), f"{len(trajectory.actuated)}, one for each of {trajectory.actuated}")
+        motors = PAIR if system.kind == "bounding" else 1
+        power = [motors * drive.bus_power(trajectory.u[:, i] / motors, rates[:, i]) for i, drive in enumerate(drives)]
+        given, regained = _halves(trajectory, chosen, np.stack(power, axis=1))
+        parts = float(given.sum()), float(regained.sum())
+    if parts is not None:
+        energy |= {name: parts[0] - share * parts[1] for name, share in REGENERATION.items()}
+    forward = [trajectory.coordinates.index(name) for name in system.cyclic]
+    covered = trajectory.q[chosen][:, forward].sum(axis=1)
+    robot, distance = system.robot, float(covered[-1] - covered[0]) / n
+    return Costs(energy, robot.mass, weight(robot), distance, _rise(trajectory, skip))
+
+
+def computed_points(name: str, of: Costs) -> tuple[CostPoint, ...]:
+    """Points of a gait for `PUBLISHED` to be compared with: positive mechanical work, and electrical without return."""
+    kinds: dict[str, Kind] = {"mechanical_positive": "mechanical", "electrical_0": "electrical"}
+    found = of.of_transport
+    return tuple(
+        CostPoint(name, of.mass, found[definition], kind, definition, "computed")
+        for definition, kind in kinds.items()
+        if definition in found
+    )
+
+
+def _chosen(trajectory: Trajectory, skip: int) -> NDArray[np.bool_]:
+    """Samples of whole cycles."""
+    if not 0 <= skip < trajectory.cycles:
+        raise BadValue("skip", skip, f"a number from 0 to below the {trajectory.cycles} whole cycles there are")
+    return np.asarray((trajectory.cycle > skip) & (trajectory.cycle <= trajectory.cycles))
+
+
+def _rates(trajectory: Trajectory) -> Array:
+    return trajectory.v[:, [trajectory.coordinates.index(joint) for joint in trajectory.actuated]]
+
+
+def _runs(trajectory: Trajectory) -> list[NDArray[np.int64]]:
+    """Samples between events."""
+    return np.split(np.arange(len(trajectory.t)), np.flatnonzero(np.diff(trajectory.t) <= INSTANT) + 1)
+
+
+def _battery_power(system: HybridSystem, trajectory: Trajectory) -> Array:
+    """Power of each actuator's battery at the samples, in W."""
+    assert system.hardware is not None
+    slope = np.zeros_like(trajectory.current)
+    for run in _runs(trajectory):
+        if len(run) > 1:
+            slope[run] = PchipInterpolator(trajectory.t[run], trajectory.current[run])(trajectory.t[run], 1)
+    actuators, rates = system.hardware.actuators, _rates(trajectory)
+    return np.array(
+        [
+            [
+                actuator.power(i, rate, change if actuator.bandwidth is not None else 0.0).battery
+                for actuator, i, rate, change in zip(actuators, *row, strict=True)
+            ]
+            for row in zip(trajectory.current.tolist(), rates.tolist(), slope.tolist(), strict=True)
+        ]
+    )
+
+
+def _halves(trajectory: Trajectory, chosen: NDArray[np.bool_], power: Array) -> tuple[Array, Array]:
+    """Integrals of the positive and the negative part of powers, (n, k), both positive, in J a cycle, (k,)."""
+    parts = np.zeros((2, power.shape[1]))
+    for run in _runs(trajectory):
+        kept = run[chosen[run]]
+        if len(kept) < 2:
+            continue
+        t = trajectory.t[kept]
+        fine = np.interp(np.linspace(0, len(t) - 1, FINE * (len(t) - 1) + 1), np.arange(len(t)), t)
+        watts = PchipInterpolator(t, power[kept])(fine)
+        parts += np.trapezoid(np.stack([np.maximum(watts, 0.0), np.maximum(-watts, 0.0)]), fine, axis=1)
+    n = len(np.unique(trajectory.cycle[chosen]))
+    return parts[0] / n, parts[1] / n
+
+
+def _rise(trajectory: Trajectory, skip: int) -> float:
+    """Mean height of the apexes of whole cycles above the lift-offs before them, in m; NaN if there are none."""
+    begin, end = trajectory.t[_chosen(trajectory, skip)][[0, -1]]
+    rises, left = [], None
+    for event in trajectory.events:
+        if event.name == "lift_off":
+            left = event
+        elif event.name == "apex" and left is not None and begin <= event.time <= end:
+            vertical = trajectory.coordinates.index("boom_z")
+            rises.append(float(event.q[vertical] - left.q[vertical]))
+    return float(np.mean(rises)) if rises else float("nan")

@@ -1,0 +1,224 @@
+"""Estimates from synthetic releases: the truth without noise, its scatter with it, and the source's biases."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.studies.identification import MovingAverage, identify, smoothed
+from spear_pin.studies.laboratory import synthetic_trial
+from spear_pin.studies.push_test import DEPTHS, equilibrium, spear_ii
+from spear_pin.studies.release import PassiveKnee
+
+LEGS = {ratio: spear_ii(ratio) for ratio in (None, 15.0, 66.0)}
+LEG = LEGS[15.0]
+VISCOUS = PassiveKnee(48.0, 0.9, 0.0, 1.0)
+DRY = PassiveKnee(48.0, 0.6, 0.5, 1.0)
+SOFT = PassiveKnee(50.0, 1.2, 0.0, 0.8)
+ALL = ("stiffness", "damping", "coulomb", "rest_angle")
+
+
+def trial(knee=VISCOUS, depth=0.05, noise=0.0, seed=0, leg=LEG, **options):
+    return synthetic_trial(leg, knee, depth, noise, np.random.default_rng(seed), **options)
+
+
+def found(estimate):
+    """The knee's values by name."""
+    return {p.name: p.value for p in estimate.parameters if p.name not in ("initial_angle", "release_time")}
+
+
+def warned(estimate, text):
+    return any(text in warning for warning in estimate.warnings)
+
+
+class TestTruth:
+    """Without noise, what went in comes out."""
+
+    @pytest.mark.parametrize("static", [False, True])
+    @pytest.mark.parametrize("ratio", [None, 15.0])
+    def test_three_depths(self, ratio, static):
+        leg = LEGS[ratio]
+        estimate = identify(leg, [trial(depth=depth, leg=leg) for depth in DEPTHS], static_rest=static)
+        rest = equilibrium(leg, VISCOUS) if static else 1.0
+        assert found(estimate) == pytest.approx({"stiffness": 48.0, "damping": 0.9, "rest_angle": rest}, rel=1e-6)
+        assert estimate.knees[2].zero == pytest.approx(1.0, abs=1e-6) and estimate.rotors == (leg.rotor,) * 3
+        assert estimate.converged and estimate.noise < 1e-6 and estimate.whiteness is None
+        assert min(*estimate.fits, estimate.fit) > 99.999
+        times = [p.value for p in estimate.parameters if p.name == "release_time"]
+        np.testing.assert_allclose(times, 0.0, atol=1e-7)
+
+    def test_fit_of_all_trials(self):
+        estimate = identify(LEG, [trial(noise=5e-3), trial(depth=0.1, noise=0.03)])
+        missed = [t.angle - y for t, y in zip(estimate.trials, estimate.predicted, strict=True)]
+        spread = np.concatenate([t.angle - t.angle.mean() for t in estimate.trials])
+        expected = 100 * (1 - np.linalg.norm(np.concatenate(missed)) / np.linalg.norm(spread))
+        assert estimate.fit == pytest.approx(expected) and min(estimate.fits) < expected < max(estimate.fits)
+
+    def test_a_knee_of_its_own_for_every_trial(self):
+        knees = [replace(VISCOUS, damping=0.7), replace(VISCOUS, damping=1.4)]
+        estimate = identify(LEG, [trial(knee) for knee in knees], per_trial=["damping"])
+        own = [p for p in estimate.parameters if p.name == "damping"]
+        assert [p.label for p in own] == ["damping of release 1", "damping of release 2"]
+        assert [p.value for p in own] == pytest.approx([0.7, 1.4], rel=1e-6)
+        assert [knee.damping for knee in estimate.knees] == [p.value for p in own]
+        assert estimate["stiffness"].value == pytest.approx(48.0, rel=1e-6)
+        with pytest.raises(UnknownName, match="'damping'; valid: stiffness, rest_angle"):
+            estimate["damping"]
+
+    def test_dry_friction(self):
+        estimate = identify(LEG, [trial(DRY, 0.05), trial(DRY, 0.1)], ALL)
+        expected = {"stiffness": 48.0, "damping": 0.6, "coulomb": 0.5, "rest_angle": 1.0}
+        assert found(estimate) == pytest.approx(expected, rel=1e-6)
+
+    def test_known_values(self):
+        estimate = identify(LEG, [trial(DRY)], ["stiffness"], known={"damping": 0.6, "coulomb": 0.5, "rest_angle": 1.0})
+        assert found(estimate) == pytest.approx({"stiffness": 48.0}, rel=1e-6)
+
+    def test_late_release(self):
+        shifted = trial()
+        shifted = replace(shifted, t=shifted.t + 7.012, let_go=7.0)
+        estimate = identify(LEG, [shifted])
+        assert estimate["release_time"].value == pytest.approx(7.012, abs=1e-6)
+        assert estimate["stiffness"].value == pytest.approx(48.0, rel=1e-6)
+
+
+class TestSmoothed:
+    """What smoothing the data and not the model does to the source's estimates."""
+
+    @pytest.mark.parametrize(
+        ("kind", "stiffness", "damping", "rest"), [("centred", 0.0, 0.08, 0.0), ("causal", -0.23, 0.12, -0.05)]
+    )
+    def test_bias(self, kind, stiffness, damping, rest):
+        smooth = smoothed(trial(SOFT), MovingAverage(100, kind))
+        biased = identify(LEG, [smooth], nuisances=(), smooth_model=False)
+        assert biased["stiffness"].value / 50.0 - 1 == pytest.approx(stiffness, abs=0.02)
+        assert biased["damping"].value / 1.2 - 1 == pytest.approx(damping, abs=0.02)
+        assert biased["rest_angle"].value - 0.8 == pytest.approx(rest, abs=0.02)
+        assert warned(biased, "the estimates are biased")
+        right = identify(LEG, [smooth], nuisances=())
+        alone = identify(LEG, [replace(smooth, raw=None)], nuisances=())  # smoothed by somebody else
+        assert found(alone) == pytest.approx(found(right), rel=1e-6) and alone.whiteness is None
+        assert found(right) == pytest.approx({"stiffness": 50.0, "damping": 1.2, "rest_angle": 0.8}, rel=1e-4)
+        assert not warned(right, "biased")
+        np.testing.assert_allclose(right.predicted[0], smooth.angle, rtol=0, atol=1e-6)
+
+
+class TestScatter:
+    @pytest.mark.parametrize("smoothing", [None, MovingAverage(25)])
+    def test_covers_the_truth(self, smoothing):
+        trials = [trial(VISCOUS, 0.05, 3e-3, seed, rate=250.0, hold=0.2, duration=0.8) for seed in range(20)]
+        estimates = [identify(LEG, [smoothed(each, smoothing)]) for each in trials]
+        for name, truth in (("stiffness", 48.0), ("damping", 0.9), ("rest_angle", 1.0), ("release_time", 0.0)):
+            values = np.array([estimate[name].value for estimate in estimates])
+            deviations = np.array([estimate[name].deviation for estimate in estimates])
+            assert (np.abs(values - truth) < 2 * deviations).mean() >= 0.85
+            assert deviations.mean() == pytest.approx(values.std(ddof=1), rel=0.35)
+        assert np.mean([estimate.noise for estimate in estimates]) == pytest.approx(3e-3, rel=0.05)
+        assert np.mean([warned(estimate, "not white") for estimate in estimates]) < 0.2
+        correlation = estimates[0].correlation
+        np.testing.assert_allclose(np.diag(correlation), 1.0)
+        assert np.abs(correlation).max() < 1 + 1e-12
+
+    def test_more_releases_tell_more(self):
+        one = identify(LEG, [trial(noise=3e-3)])
+        four = identify(LEG, [trial(noise=3e-3, seed=seed) for seed in range(4)])
+        for name in ("stiffness", "damping", "rest_angle"):
+            assert four[name].deviation == pytest.approx(one[name].deviation / 2, rel=0.25)
+
+
+class TestWarnings:
+    def test_dry_friction_that_is_taken_for_viscous(self):
+        knee = PassiveKnee(48.0, 0.3, 1.5, 1.0)
+        estimates = [identify(LEG, [trial(knee, depth, 1e-3)]) for depth in DEPTHS]
+        damping = [estimate["damping"].value for estimate in estimates]
+        assert damping[0] > damping[1] > damping[2] > 0.3  # as in Table 4.1
+        assert all(warned(estimate, "the residuals are not white") for estimate in estimates)
+        assert all(estimate.whiteness < 1e-6 for estimate in estimates)
+
+    def test_rotor_and_stiffness(self):
+        estimate = identify(LEG, [trial(SOFT, 0.1, 1e-3)], ("stiffness", "damping", "rest_angle", "rotor_inertia"))
+        assert warned(estimate, "stiffness and rotor_inertia are hardly told apart (correlation 0.99")
+        for name, truth in (("stiffness", 50.0), ("rotor_inertia", LEG.rotor)):
+            assert abs(estimate[name].value - truth) < 3 * estimate[name].deviation
+
+    def test_toe_that_pulls(self):
+        estimate = identify(LEG, [trial(SOFT, 0.1, 1e-3)])
+        assert warned(estimate, "in release the pinned toe pulls on the ground, -10.5 N after 0.196 s")
+        assert estimate.warnings == (estimate.warnings[0],)
+        assert identify(LEG, [trial(SOFT, 0.05, 1e-3)]).warnings == ()
+
+    def test_bound(self):
+        estimate = identify(LEG, [trial(noise=1e-3)], bounds={"stiffness": (30.0, 45.0), "damping": (0.1, 9.0)})
+        assert estimate["stiffness"].value == pytest.approx(45.0, abs=1e-6)
+        assert warned(estimate, "stiffness is at its bound, 45") and not warned(estimate, "damping is at its bound")
+
+    def test_what_the_data_do_not_tell(self):
+        stuck = {"coulomb": 100.0}  # nothing moves, whatever the spring
+        estimate = identify(LEG, [trial(noise=1e-3)], ("stiffness", "damping"), known=stuck)
+        assert warned(estimate, "the data do not tell these parameters apart at all") and estimate.condition == np.inf
+        assert all(np.isinf(p.deviation) for p in estimate.parameters)
+        assert estimate.correlation.shape == (4, 4)
+
+    def test_model_that_does_not_describe(self):
+        noise = np.random.default_rng(0).normal(size=trial().t.size)
+        wild = replace(trial(), angle=np.clip(1.2 + 0.1 * noise, 0.2, 2.0), label="release 4")
+        assert warned(identify(LEG, [wild]), "the model does not describe release 4: fit ")
+
+
+class TestRobust:
+    @pytest.mark.parametrize("loss", ["soft_l1", "huber", "cauchy"])
+    def test_outliers(self, loss):
+        clean = trial(noise=1e-3, rate=500.0)
+        angle, rng = clean.angle.copy(), np.random.default_rng(5)
+        angle[rng.choice(angle.size, angle.size // 20, replace=False)] -= 0.15
+        outlying = replace(clean, angle=angle)
+        off, deviation = {}, {"clean": identify(LEG, [clean])["stiffness"].deviation}
+        for name in ("linear", loss):
+            estimate = identify(LEG, [outlying], loss=name)
+            deviation[name] = estimate["stiffness"].deviation
+            off[name] = abs(estimate["rest_angle"].value - 1.0) + abs(estimate["stiffness"].value / 48.0 - 1)
+        assert off[loss] < min(0.25 * off["linear"], 0.012)
+        assert deviation["clean"] < deviation[loss] < 0.5 * deviation["linear"]
+
+    def test_unknown(self):
+        with pytest.raises(UnknownName, match="unknown loss 'l1'; valid: linear, soft_l1, huber, cauchy"):
+            identify(LEG, [trial()], loss="l1")
+
+
+class TestSearch:
+    def test_integrations(self):
+        counts = []
+        for ratio, stiffness, damping, depth, noise in (
+            (None, 30.0, 0.2, 0.1, 5e-3),
+            (None, 100.0, 3.0, 0.05, 0.0),
+            (15.0, 60.0, 0.2, 0.05, 1e-3),
+            (15.0, 30.0, 3.0, 0.1, 5e-3),
+            (15.0, 100.0, 1.2, 0.05, 5e-3),
+            (66.0, 60.0, 1.2, 0.1, 1e-3),
+            (66.0, 30.0, 3.0, 0.05, 5e-3),
+        ):
+            leg = LEGS[ratio]
+            estimate = identify(leg, [trial(PassiveKnee(stiffness, damping, 0.0, 1.0), depth, noise, leg=leg)])
+            assert estimate.converged
+            counts.append(estimate.integrations)
+        assert max(counts) <= 60 and min(counts) >= 5
+
+    def test_progress(self):
+        calls = []
+        estimate = identify(LEG, [trial(noise=1e-3)], on_iteration=lambda *call: calls.append(call))
+        assert [number for number, _ in calls] == list(range(1, len(calls) + 1)) and len(calls) > 2
+        assert calls[-1][1] <= calls[0][1] and min(rms for _, rms in calls) == pytest.approx(1e-3, rel=0.1)
+        assert estimate.integrations >= len(calls)
+
+    @pytest.mark.parametrize("name", ["trials", "vary"])
+    def test_nothing(self, name):
+        with pytest.raises(BadValue, match=f"^{name} is "):
+            identify(LEG, **{"trials": [trial()], "vary": ["damping"]} | {name: []})
+
+    def test_item(self):
+        estimate = identify(LEG, [trial()], ["stiffness"], known={"damping": 0.9, "rest_angle": 1.0}, nuisances=())
+        assert estimate["stiffness"] is estimate.parameters[0] and estimate["stiffness"].trial is None
+        for name in ("damping", "stifness"):
+            with pytest.raises(UnknownName, match=f"unknown shared parameter '{name}'; valid: stiffness"):
+                estimate[name]
