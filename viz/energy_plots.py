@@ -96,8 +96,8 @@ def cost_of_transport(points: Sequence[CostPoint], computed: Sequence[CostPoint]
             color = VERMILLION if ours else BLUE
             face = "none" if point.verification in UNVERIFIED else color
             label = f"{point.name} (computed)" if ours else point.name
-            look = {"color": color, "markerfacecolor": face, "markersize": 4.5}
-            axes.plot(point.mass, point.cost, MARKERS[point.kind], gid=label, **look)
+            (drawn,) = axes.plot(point.mass, point.cost, MARKERS[point.kind], color=color, markersize=4.5, gid=label)
+            drawn.set_markerfacecolor(face)
         axes.set(xscale="log", yscale="log", xlim=(span[0], span[-1]))
         axes.set_xlabel("Mass (kg)")
         axes.set_ylabel("Cost of transport (1)")
@@ -194,15 +194,15 @@ def _name(figure: Figure, axes: Axes) -> None:
     """Name the points by their gid, the longest names first, each on the side where it hides least."""
     figure.draw_without_rendering()  # to have the layout
     points = sorted((line for line in axes.lines if line.get_gid()), key=lambda line: -len(str(line.get_gid())))
-    taken = [line.get_window_extent() for line in points]
+    taken = [line.get_window_extent().padded(2.0) for line in points]
     line = axes.transData.transform(axes.lines[0].get_xydata())
     crossed = [Bbox([begin, end]) for begin, end in pairwise(line)]
     for point in points:
         (x, y), label = axes.transData.transform(point.get_xydata())[0], str(point.get_gid())
         found: list[tuple[float, Text]] = []
         for (across, dx), (upright, dy) in product(ACROSS.items(), UPRIGHT.items()):
-            place = axes.transData.inverted().transform((x + dx * figure.dpi / 72, y + dy * figure.dpi / 72))
-            name = axes.text(*place, label, ha=across, va=upright, fontsize=6.5)
+            left, low = axes.transData.inverted().transform((x + dx * figure.dpi / 72, y + dy * figure.dpi / 72))
+            name = axes.text(left, low, label, ha=across, va=upright, fontsize=6.5)
             box = name.get_window_extent()
             outside = box.x0 < axes.bbox.x0 or box.x1 > axes.bbox.x1
             hidden = box.count_overlaps(taken) + 0.5 * min(box.count_overlaps(crossed), 1) + 2.0 * outside

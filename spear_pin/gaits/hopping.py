@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -39,6 +39,8 @@ class HoppingLaw:
         knee_gain: K_knee, in N·m/rad (source).
         knee_damping: |K_D,knee|, in N·m·s/rad (source).
         hip_stance_torque: τ̄_hip, in N·m (source: negligible).
+        virtual_stiffness: of a spring that the motor imitates in stance, in N·m/rad, latched and slack as the real
+            one would be.
         hold_extension: keep extending after the first period, where the printed square wave would
             flex again.
         minimum_force: if not None, flexion in the first half period is limited so that the normal
@@ -57,6 +59,7 @@ class HoppingLaw:
     knee_gain: float = 63.25
     knee_damping: float = 0.52
     hip_stance_torque: float = 0.0
+    virtual_stiffness: float = 0.0
     hold_extension: bool = False
     minimum_force: float | None = None
     foot_placement: float = 0.0
@@ -64,7 +67,7 @@ class HoppingLaw:
 
     def __post_init__(self) -> None:
         """Check the fields."""
-        gains = ("stance_torque", "hip_gain", "hip_damping", "knee_gain", "knee_damping")
+        gains = ("stance_torque", "hip_gain", "hip_damping", "knee_gain", "knee_damping", "virtual_stiffness")
         signed = ("hip_stance_torque", "foot_placement", "speed")
         require("HoppingLaw.frequency", self.frequency, lambda f: f > 0, "a number > 0, in Hz")
         require("HoppingLaw.knee_touchdown", self.knee_touchdown, lambda a: abs(a) < math.pi, "within ±π rad")
@@ -79,13 +82,13 @@ class HoppingLaw:
 
 
 def flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
-    """Hip and knee torque in flight, (4.9)-(4.10) with corrected signs, in N·m."""
+    """Hip and knee torque in flight, (4.9)-(4.10) with corrected signs, in N·m, less what a fixed spring does."""
     hip, knee = -2, -1
     hip_touchdown = 0.5 * p.knee_touchdown if p.hip_touchdown is None else p.hip_touchdown
     hip_desired = hip_touchdown + p.foot_placement * (held["speed"] - p.speed)
     return (
         p.hip_gain * (hip_desired - q[hip]) - p.hip_damping * v[hip],
-        p.knee_gain * (p.knee_touchdown - q[knee]) - p.knee_damping * v[knee],
+        p.knee_gain * (p.knee_touchdown - q[knee]) - p.knee_damping * v[knee] - dyn.spring_torque("knee"),
     )
 
 
@@ -98,7 +101,7 @@ def stance_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: 
     knee = p.stance_torque * held["flexing"]
     if p.minimum_force is not None:
         knee = knee + held["limited"] * (limited_torque(p, dyn, ops) - knee)
-    return (p.hip_stance_torque, knee)
+    return (p.hip_stance_torque, knee - p.virtual_stiffness * held["taut"] * (q[-1] - held["knee_touchdown"]))
 
 
 def limited_torque(p: HoppingLaw, dyn: Any, ops: Any) -> Any:
@@ -145,14 +148,20 @@ def hopping(
     if forward is None and law.foot_placement != 0.0:
         raise BadValue("HoppingLaw.foot_placement", law.foot_placement, "0 while boom_x is locked")
 
+    def engaged(q: Sequence[float]) -> Held:
+        if spring.rest is None:
+            return {"knee_touchdown": q[knee], "taut": 1.0}
+        return {"knee_touchdown": spring.rest, "taut": float(q[knee] > spring.rest or not spring.unilateral)}
+
     def latch_touchdown(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
-        return {"knee_touchdown": q[knee], "taut": 1.0, "flexing": 1.0, "compressing": 1.0, "limited": 0.0}
+        return {**engaged(q), "flexing": 1.0, "compressing": 1.0, "limited": 0.0}
 
     def latch_lift_off(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
-        return {"speed": 0.0 if forward is None else v[forward]}
+        return {"speed": 0.0 if forward is None else v[forward]} | ({} if spring.rest is None else engaged(q))
 
     mount = Mount("knee", spring, rest="knee_touchdown", taut="taut")
-    lift_off = Reset(release=("knee",), latch=latch_lift_off, phase="flight")
+    fixed = () if spring.rest is None else (replace(mount, spring=replace(spring, damping=0.0)),)
+    lift_off = Reset(release=() if fixed else ("knee",), latch=latch_lift_off, phase="flight")
     flip = Reset(latch=lambda q, v, held, p: {"flexing": -held["flexing"], "compressing": 0.0, "limited": 0.0})
     fallen = fall(["hip", "knee"])
     stance = Domain(
@@ -169,7 +178,9 @@ def hopping(
         "flight",
         (OPEN,),
         flight_law,
+        mounts=fixed,
         guards=(
+            *(switch for each in fixed for switch in spring_switches(each, knee)),
             touchdown("toe", Reset(impact=("toe",), latch=latch_touchdown, phase="stance")),
             *fallen,
             Guard("apex", rate(rise)),

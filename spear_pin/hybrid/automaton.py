@@ -8,7 +8,7 @@ Control laws and guards share one signature, `f(t, q, v, held, p, dyn, ops)`:
     p: the law's parameters, a frozen dataclass.
     dyn: the dynamics at (q, v): `mass_matrix`, `bias`, `jacobian(toe)`, `height(frame)`,
         `toe_velocity(toe)`, `force(toe)`, `normal_force(toe, u)`, `pivot(toe)`, `spring_torque(joint)`,
-        `response()` for v̇ as an affine function of u; in guards `u`, the torques that the law asks for.
+        `response()` for v̇ as an affine function of u; in guards `u`, the motors' torques.
     ops: elementary functions for whatever scalars are used (`sin`, `cos`, `tanh`, `sqrt`, `maximum`,
         `solve`).
 

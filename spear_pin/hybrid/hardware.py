@@ -182,6 +182,9 @@ def drive(hardware: Hardware, x: Sequence[float], commands: Sequence[float], rat
 def with_hardware(system: HybridSystem, hardware: Hardware | None) -> HybridSystem:
     """The same system with hardware, or without; rebuilt systems keep it.
 
+    Currents, heat and clock start at zero in every run, those of a return map too: a gait found with such
+    hardware is periodic in (q, v) alone, and its multipliers leave the others out.
+
     Raises:
         BadValue: not as many actuators as the robot has actuated joints.
     """

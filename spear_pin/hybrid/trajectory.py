@@ -230,7 +230,9 @@ class Trajectory:
             arrays["domain"], arrays["phase"] = self.domain.astype(object), self.phase.astype(object)
             ledger = {flow: self.ledger[flow] for flow in self.ledger.flows}
             events = {"name": [e.name for e in self.events], "time": [e.time for e in self.events]}
-            extra = {"coordinates": list(self.coordinates), "ledger": ledger, "events": events}
+            extra: dict[str, Any] = {"coordinates": list(self.coordinates), "ledger": ledger, "events": events}
+            if self.electrical is not None:
+                extra["electrical"] = {flow: self.electrical[flow] for flow in self.electrical.flows}
             with atomic(path) as temporary, temporary.open("wb") as file:
                 savemat(file, arrays | extra, oned_as="column")
         else:

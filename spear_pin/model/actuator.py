@@ -61,7 +61,7 @@ class Actuator:
     Attributes:
         motor: needs `torque_constant` and `resistance`; `inductance` where there is a bandwidth.
         gearbox: ratio and efficiency. Its efficiency acts on the torque, η driving and 1/η braking.
-        battery: behind the bridge.
+        battery: behind the bridge, its own.
         current_limit: of the amplifier, in A; infinite for none.
         bandwidth: of the current loop, in Hz; None: the current follows at once.
         thermal: i²t protection, if there is any.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from spear_pin.errors import require
@@ -18,16 +19,21 @@ class Spring:
         stiffness: k_rot, in N·m/rad (source: Table 4.2, with motor).
         damping: b, in N·m·s/rad, acting in stance only (source: Table 4.2, with motor).
         unilateral: whether it pulls only beyond the latched angle; False is the linear idealisation.
+        rest: the angle of a spring that is never switched (a fixed parallel spring), in rad; None: switched,
+            latched at touchdown and let go at lift-off.
     """
 
     stiffness: float = 48.84
     damping: float = 1.3
     unilateral: bool = True
+    rest: float | None = None
 
     def __post_init__(self) -> None:
         """Check the fields."""
         require("Spring.stiffness", self.stiffness, lambda k: k >= 0, "a number >= 0, in N·m/rad")
         require("Spring.damping", self.damping, lambda b: b >= 0, "a number >= 0, in N·m·s/rad")
+        if self.rest is not None:
+            require("Spring.rest", self.rest, lambda angle: abs(angle) < math.pi, "within ±π rad, or None")
 
 
 def rotational_stiffness(spring: float, spacer_radius: float, belt: float = 0.0, pulley_radius: float = 0.0) -> float:
