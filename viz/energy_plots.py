@@ -157,7 +157,7 @@ def heights(trajectory: Trajectory, clean: Trajectory | None = None) -> Figure:
             axes.plot(clean.t, clean.q[:, clean.coordinates.index("boom_z")], "--", color=PURPLE, lw=0.8, label=CLEAN)
         _legend(axes)
         apexes = [event.q[vertical] for event in trajectory.named("apex")]
-        if apexes:
+        if len(apexes) > 1:
             text = f"{len(apexes)} apexes within {1e3 * np.ptp(apexes):.1f} mm"
             axes.text(1.0, 1.02, text, transform=axes.transAxes, ha="right", va="bottom", fontsize=7.5)
         return figure

@@ -82,14 +82,20 @@ class HoppingLaw:
 
 
 def flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
-    """Hip and knee torque in flight, (4.9)-(4.10) with corrected signs, in N·m, less what a fixed spring does."""
+    """Hip and knee torque in flight, (4.9)-(4.10) with corrected signs, in N·m."""
     hip, knee = -2, -1
     hip_touchdown = 0.5 * p.knee_touchdown if p.hip_touchdown is None else p.hip_touchdown
     hip_desired = hip_touchdown + p.foot_placement * (held["speed"] - p.speed)
     return (
         p.hip_gain * (hip_desired - q[hip]) - p.hip_damping * v[hip],
-        p.knee_gain * (p.knee_touchdown - q[knee]) - p.knee_damping * v[knee] - dyn.spring_torque("knee"),
+        p.knee_gain * (p.knee_touchdown - q[knee]) - p.knee_damping * v[knee],
     )
+
+
+def sprung_flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
+    """The flight law with a spring that stays engaged: the motor bears what that does, too."""
+    hip, knee = flight_law(t, q, v, held, p, dyn, ops)
+    return hip, knee - dyn.spring_torque("knee")
 
 
 def stance_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
@@ -157,7 +163,8 @@ def hopping(
         return {**engaged(q), "flexing": 1.0, "compressing": 1.0, "limited": 0.0}
 
     def latch_lift_off(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
-        return {"speed": 0.0 if forward is None else v[forward]} | ({} if spring.rest is None else engaged(q))
+        speed = {"speed": 0.0 if forward is None else v[forward]}
+        return speed if spring.rest is None else {**speed, **engaged(q)}
 
     mount = Mount("knee", spring, rest="knee_touchdown", taut="taut")
     fixed = () if spring.rest is None else (replace(mount, spring=replace(spring, damping=0.0)),)
@@ -177,7 +184,7 @@ def hopping(
         "flight",
         "flight",
         (OPEN,),
-        flight_law,
+        sprung_flight_law if fixed else flight_law,
         mounts=fixed,
         guards=(
             *(switch for each in fixed for switch in spring_switches(each, knee)),
