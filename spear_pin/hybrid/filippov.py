@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import OPEN, Alternation, Domain, Guard, Held, HybridSystem, Reset
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
+from spear_pin.hybrid.hardware import blended
 from spear_pin.hybrid.modes import choose, fitting
 from spear_pin.hybrid.phases import AT_REST
 
@@ -69,6 +70,8 @@ class Sliding(Flow):
         self.share = share = fall / (fall - rise)
         self.u = [share * s + (1.0 - share) * f for s, f in zip(stance.u, self.u, strict=True)]
         self._applied = share * np.array(stance._applied) + (1.0 - share) * np.array(self._applied)
+        if self.driven is not None and stance.driven is not None:
+            self.driven = blended(share, stance.driven, self.driven)
         for toe, _ in self._closed:
             pairs = zip(stance.force(toe), self.force(toe), strict=True)
             tangential, normal = (share * s + (1.0 - share) * f for s, f in pairs)

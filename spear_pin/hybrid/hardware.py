@@ -179,6 +179,15 @@ def drive(hardware: Hardware, x: Sequence[float], commands: Sequence[float], rat
     return driven
 
 
+def blended(share: float, one: Driven, other: Driven) -> Driven:
+    """What two sets of commands make, each in action for its share of the time."""
+    parts = [
+        [share * a + (1.0 - share) * b for a, b in zip(getattr(one, name), getattr(other, name), strict=True)]
+        for name in ("torques", "currents", "references", "slopes", "powers")
+    ]
+    return Driven(*parts)
+
+
 def with_hardware(system: HybridSystem, hardware: Hardware | None) -> HybridSystem:
     """The same system with hardware, or without; rebuilt systems keep it.
 

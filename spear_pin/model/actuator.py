@@ -14,6 +14,7 @@ from spear_pin.errors import BadValue, require
 from spear_pin.model.bridge import Battery
 from spear_pin.model.motor import Gearbox, Motor
 
+CREEP = 0.05  # rad/s at the joint
 FOLD = 0.1  # of the continuous current's square, over which the limit falls from peak to continuous
 
 
@@ -116,9 +117,12 @@ class Actuator:
         return found
 
     def torque(self, current: float, speed: float) -> float:
-        """Torque at the joint, N kt i times η where it drives, over η where it brakes, in N·m."""
-        eta = self.gearbox.efficiency
-        return self.constant * current * (eta if current * speed >= 0.0 else 1.0 / eta)
+        """Torque at the joint, N kt i times η where it drives, over η where it brakes, in N·m.
+
+        It changes from one to the other within about `CREEP`, where gears would stick: the joint creeps instead.
+        """
+        along = math.tanh(math.copysign(speed, current * speed) / CREEP)
+        return float(self.constant * current * self.gearbox.efficiency**along)
 
     def power(self, current: float, speed: float, current_slope: float = 0.0) -> Power:
         """Where the power goes; battery = joule + gearbox + joint + stored."""

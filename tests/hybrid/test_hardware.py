@@ -13,7 +13,7 @@ from spear_pin import Trajectory, find_gait, hopping, simulate
 from spear_pin.errors import BadValue
 from spear_pin.gaits.gait import with_parameters
 from spear_pin.hybrid.hardware import EDGE, HORIZON, Hardware, Sensing, with_hardware
-from spear_pin.model.actuator import Actuator, Thermal
+from spear_pin.model.actuator import CREEP, Actuator, Thermal
 from spear_pin.model.bridge import Battery
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Gearbox
@@ -144,7 +144,7 @@ class TestEnergy:
         part = trajectory.cycle == 1
         t, current, rate = trajectory.t[part], trajectory.current[part], trajectory.v[part, -2:]
         shaft = CONSTANT * current * rate
-        share = np.where(shaft >= 0, 0.83, 1 / 0.83)
+        share = 0.83 ** np.tanh(np.sign(current) * rate / CREEP)
         np.testing.assert_allclose(trajectory.u[part], CONSTANT * current * share, rtol=1e-12, atol=1e-12)
         terminals = R * current**2 + shaft
         drawn = (24 - np.sqrt(24**2 - 4 * 0.3 * terminals)) / (2 * 0.3)

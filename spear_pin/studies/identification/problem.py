@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.model.pinned import PinnedLeg
+from spear_pin.studies.identification.smoothing import MovingAverage
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.release import PassiveKnee, move
 
@@ -19,6 +20,7 @@ Array = NDArray[np.float64]
 
 RTOL = 1e-8
 ONSET = 0.1  # s, by which the time of a release may be corrected
+CALM = 0.03  # s, over which the angle is averaged for a first guess
 TAIL = 0.2  # of a trial: its end, at rest or nearly
 STRAY = 0.01  # of the samples: outliers, for a robust loss to deal with
 SLACK = 1e-6  # N·m/rad: the least stiffness, which the static rest is divided by
@@ -288,7 +290,12 @@ def _turn(trial: Trial) -> float:
     """Time from the release to the first turn, in s, roughly."""
     since = trial.t - trial.let_go
     first = (since > 0) & (since <= 1.0)
-    return max(float(since[first][np.argmin(trial.angle[first])]), 0.02) if first.any() else 0.2
+    return max(float(since[first][np.argmin(_calm(trial)[first])]), 0.02) if first.any() else 0.2
+
+
+def _calm(trial: Trial) -> Array:
+    """The angle without most of its noise, good enough to begin from."""
+    return MovingAverage(max(round(CALM / float(np.median(np.diff(trial.t)))), 1))(trial.angle)
 
 
 def _guess(leg: PinnedLeg, trial: Trial, static_rest: bool) -> dict[str, float]:
@@ -301,7 +308,7 @@ def _guess(leg: PinnedLeg, trial: Trial, static_rest: bool) -> dict[str, float]:
     since = trial.t - trial.let_go
     rest = float(np.clip(trial.angle[since > (1.0 - TAIL) * since[-1]].mean(), *leg.span))
     first = (since > 0) & (since <= 1.0)
-    below = (rest - float(trial.angle[first].min(initial=rest))) / max(abs(initial - rest), 1e-3)
+    below = (rest - float(_calm(trial)[first].min(initial=rest))) / max(abs(initial - rest), 1e-3)
     decrement = -np.log(np.clip(below, 0.05, 0.95)) / np.pi
     ratio = decrement / np.hypot(1.0, decrement)
     inertia, slope = float(leg.effective_inertia(rest)), float(leg.motion_with_slopes(rest)[5])
