@@ -1,4 +1,4 @@
-"""Make the pictures of the README and the documentation: `python -m docs.make_images [hop] [design] [push]`.
+"""Make the pictures of the README and the documentation: `python -m docs.make_images [hop] [design] [push] [hardware]`.
 
 Those of the hop need Chromium; those of the design studies take some minutes. The picture on top of
 the README is what the recorded page shows at one instant, beside plots of the same hop with that
@@ -16,14 +16,20 @@ from matplotlib.figure import Figure
 
 from spear_pin import Gait, HoppingLaw, Trajectory, find_gait, hopping, load, simulate
 from spear_pin.gaits.feedback import regulated
-from spear_pin.model.catalogue import motor
+from spear_pin.hybrid.hardware import Hardware, Sensing, with_hardware
+from spear_pin.model.actuator import Actuator
+from spear_pin.model.bridge import Battery
+from spear_pin.model.catalogue import gearbox, motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.basin import basin
 from spear_pin.studies.design import Member
+from spear_pin.studies.energetics import computed_points, costs, energy_flow
+from spear_pin.studies.hardware import Rig, on_rig
 from spear_pin.studies.identification import Estimate, MovingAverage, cut, identify, read_record, smoothed
 from spear_pin.studies.laboratory import Instrument, synthesize, write_csv
+from spear_pin.studies.published_costs import PUBLISHED
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, gear_study, spear_ii
-from spear_pin.viz import design_plots, plots, push_plots
+from spear_pin.viz import design_plots, energy_plots, plots, push_plots
 from spear_pin.viz.player import record
 from tests.viz.chromium import Browser
 
@@ -37,8 +43,8 @@ PUSHES = {"torso_x": np.linspace(-0.6, 0.6, 9), "pitch": np.linspace(-1.2, 1.2, 
 def main() -> None:
     """Write the pictures asked for, or every one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="*", help="hop, design, push; all if none is named")
-    parts = {"hop": hop, "design": design, "push": push}
+    parser.add_argument("what", nargs="*", help="hop, design, push, hardware; all if none is named")
+    parts = {"hop": hop, "design": design, "push": push, "hardware": hardware}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
         parser.error(f"no pictures of {', '.join(sorted(unknown))}")
@@ -85,6 +91,28 @@ def push() -> None:
         "gears": push_plots.gear_comparison(gear_study()),
         "identification": push_plots.fit_summary(fits),
         "tables": push_plots.source_comparison(),
+    }
+    for name, figure in pictures.items():
+        print(plots.save_figure(figure, IMAGES / f"{name}.svg"))
+
+
+def hardware() -> None:
+    """Write the pictures of the hop on hardware, and of what transport costs."""
+    rig = Rig(sensing=Sensing(angle_noise=0.005, rate_noise=0.2, losses=5.0), current_limit=8.0, bandwidth=500.0)
+    robot = load("spear_ii", locked=["boom_x"])
+    ideal = find_gait(hopping(robot), ["stance_torque"], {"flight_time": 0.2})
+    system = with_hardware(hopping(robot, HoppingLaw(stance_torque=9.4)), Rig().hardware)
+    gait = find_gait(system, ["stance_torque"], {"flight_time": 0.2})
+    calm, rough = on_rig(gait, Rig(), hops=3), on_rig(gait, rig, rtol=1e-7)
+    bound = Gait.load("long_stride")
+    driven = Hardware((Actuator(motor("assumed_600w"), gearbox("gp_52_c_15"), Battery(48.0)),) * 4)
+    strides = with_hardware(bound.system, driven)
+    points = computed_points("Q-SPEAR, assumed motors", costs(strides, simulate(strides, bound.state, 1)))
+    pictures = {
+        "energy_flow": energy_plots.energy_flow(energy_flow(gait.system, calm)),
+        "currents": energy_plots.currents(rough),
+        "heights": energy_plots.heights(rough, simulate(ideal.system, ideal.state, 11)),
+        "transport": energy_plots.cost_of_transport(PUBLISHED, points),
     }
     for name, figure in pictures.items():
         print(plots.save_figure(figure, IMAGES / f"{name}.svg"))
