@@ -74,9 +74,7 @@ def main() -> None:
     if arguments.json:
         print(json.dumps(result))
         return
-    print(
-        "| level | noise, rad | rad/s | lost commands, 1/s | limit, A | hop to the end | spread of apexes, mm | why not |"
-    )
+    print("| level | noise, rad | rad/s | lost, 1/s | limit, A | hop to the end | spread of apexes, mm | why not |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     for level, row in result["levels"].items():
         rig, spread = LEVELS[level], row["apex_spread"]

@@ -16,9 +16,7 @@ from matplotlib.figure import Figure
 
 from spear_pin import Gait, HoppingLaw, Trajectory, find_gait, hopping, load, simulate
 from spear_pin.gaits.feedback import regulated
-from spear_pin.hybrid.hardware import Hardware, Sensing, with_hardware
-from spear_pin.model.actuator import Actuator
-from spear_pin.model.bridge import Battery
+from spear_pin.hybrid.hardware import Sensing, with_hardware
 from spear_pin.model.catalogue import gearbox, motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.basin import basin
@@ -105,9 +103,10 @@ def hardware() -> None:
     gait = find_gait(system, ["stance_torque"], {"flight_time": 0.2})
     calm, rough = on_rig(gait, Rig(), hops=3), on_rig(gait, rig, rtol=1e-7)
     bound = Gait.load("long_stride")
-    driven = Hardware((Actuator(motor("assumed_600w"), gearbox("gp_52_c_15"), Battery(48.0)),) * 4)
-    strides = with_hardware(bound.system, driven)
-    points = computed_points("Q-SPEAR, assumed motors", costs(strides, simulate(strides, bound.state, 1)))
+    motors = [Drive(motor("assumed_600w"), gearbox("gp_52_c_15"), 48.0)] * 4
+    points = computed_points(
+        "Q-SPEAR, assumed motors", costs(bound.system, simulate(bound.system, bound.state, 1), motors)
+    )
     pictures = {
         "energy_flow": energy_plots.energy_flow(energy_flow(gait.system, calm)),
         "currents": energy_plots.currents(rough),

@@ -5,9 +5,9 @@ a foot switch engages (Sw-PEA); a spring that is never let go (PEA), resting whe
 (rigid), the motor giving what the spring gave. Each gait is solved anew, then run on motors, gearboxes and a battery.
 
 What to notice: all three hop alike, so that only the motors differ. Without a spring the knee motor gives five times
-the torque, and most of the battery becomes heat in its winding. Between the two springs there is next to nothing in
-hopping in place: the leg is not drawn up in flight, so a spring that stays engaged is hardly in the way. It would be
-in running: to flex by 0.3 rad more in flight the motor has to hold 15 N·m against it.
+the torque, and most of the battery becomes heat in its winding. Between the two springs there is next to nothing, if
+the fixed one rests just where the other latches, the law knows it, and it does not damp in flight: the leg is not
+drawn up in the air. It would be in running: to flex by 0.3 rad more the motor has to hold 15 N·m against it.
 
 Run: python examples/compare_knees.py [FOLDER]
 """

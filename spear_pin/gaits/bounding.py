@@ -58,9 +58,11 @@ def bounding(
         contact: the ground; by default with friction 0.8 (assumption).
 
     Raises:
-        BadValue: the robot has not the coordinates, toes and motors of `q_spear`.
+        BadValue: the robot has not the coordinates, toes and motors of `q_spear`, or the springs are never let go.
     """
     spring, contact = spring or Spring(STIFFNESS, damping=0.0), contact or Contact()
+    if spring.rest is not None:
+        raise BadValue("Spring.rest", spring.rest, "None: bounding switches its springs")
     posterior, anterior = legs = legs_of(robot)
     mounts = {leg: _mount(leg, spring) for leg in legs}
     fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])

@@ -79,6 +79,8 @@ class HoppingLaw:
             require("HoppingLaw.hip_touchdown", self.hip_touchdown, lambda angle: abs(angle) < math.pi, "within ±π rad")
         if self.minimum_force is not None:
             require("HoppingLaw.minimum_force", self.minimum_force, lambda force: force >= 0, "a number >= 0, in N")
+            if self.virtual_stiffness != 0.0:  # the limit reckons with a real spring
+                raise BadValue("HoppingLaw.virtual_stiffness", self.virtual_stiffness, "0 with a minimum_force")
 
 
 def flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:

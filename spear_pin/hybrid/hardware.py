@@ -40,7 +40,7 @@ class Sensing:
         angle_noise: root mean square, in rad, of every joint's.
         rate_noise: root mean square, in rad/s.
         cutoff: of the noise, in Hz.
-        losses: commands lost, per second, on the average.
+        losses: commands lost, per second, on the average, in the first two minutes.
         loss_duration: in s, in which the motors get no current.
         seed: of all of it.
     """
@@ -58,7 +58,9 @@ class Sensing:
         require("Sensing.rate_noise", self.rate_noise, lambda r: r >= 0, "a number >= 0, in rad/s")
         require("Sensing.cutoff", self.cutoff, lambda f: 0 < f <= 250, "a number from 0 to 250, in Hz")
         require("Sensing.losses", self.losses, lambda n: 0 <= n <= 50, "a number from 0 to 50, per second")
-        require("Sensing.loss_duration", self.loss_duration, lambda d: d >= 2 * EDGE, f"a number >= {2 * EDGE:g}, in s")
+        require(
+            "Sensing.loss_duration", self.loss_duration, lambda d: d >= FINE_STEP, f"a number >= {FINE_STEP:g}, in s"
+        )
 
     @cached_property
     def _tones(self) -> tuple[Array, Array]:
@@ -190,6 +192,8 @@ def blended(share: float, one: Driven, other: Driven) -> Driven:
 
 def with_hardware(system: HybridSystem, hardware: Hardware | None) -> HybridSystem:
     """The same system with hardware, or without; rebuilt systems keep it.
+
+    Where a robot's legs are pairs, an actuator drives both of a joint: twice the inertia, half the resistance.
 
     Currents, heat and clock start at zero in every run, those of a return map too: a gait found with such
     hardware is periodic in (q, v) alone, and its multipliers leave the others out.

@@ -111,7 +111,8 @@ class Trajectory:
         reason: why the run ended; "complete" if it reached the cycles asked for.
         message: the same in a sentence.
         evaluations: number of right-hand sides evaluated.
-        electrical: the ledger of what drives the joints, positive out of the battery; None without hardware.
+        electrical: the ledger of what drives the joints, None without hardware: batteries positive, heat, gears
+            and motors negative (a motor's work is here what leaves), the change that of the inductances.
     """
 
     robot: str

@@ -59,10 +59,14 @@ class Power:
 class Actuator:
     """A current-controlled motor behind a gearbox. Its rotor's inertia stands in D(q), not here.
 
+    The bridge is an average of its switching, without loss. Beyond the no-load speed the back-EMF forces a
+    current into the battery, (V - e)/(R + R_b), whatever the current limit; the drop of the diodes is neglected.
+
     Attributes:
         motor: needs `torque_constant` and `resistance`; `inductance` where there is a bandwidth.
         gearbox: ratio and efficiency. Its efficiency acts on the torque, η driving and 1/η braking.
-        battery: behind the bridge, its own.
+        battery: behind the bridge, its own. Of the two duties at which a sagging battery gives the same, the
+            lesser is taken; that beyond its best one more current could be had at less duty is not used.
         current_limit: of the amplifier, in A; infinite for none.
         bandwidth: of the current loop, in Hz; None: the current follows at once.
         thermal: i²t protection, if there is any.

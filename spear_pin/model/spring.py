@@ -20,7 +20,8 @@ class Spring:
         damping: b, in N·m·s/rad, acting in stance only (source: Table 4.2, with motor).
         unilateral: whether it pulls only beyond the latched angle; False is the linear idealisation.
         rest: the angle of a spring that is never switched (a fixed parallel spring), in rad; None: switched,
-            latched at touchdown and let go at lift-off.
+            latched at touchdown and let go at lift-off. Its damper acts in stance only, as the other's. Hops take
+            it, bounds do not.
     """
 
     stiffness: float = 48.84

@@ -7,10 +7,8 @@ catalogue is an assumption, each a field of `Rig`.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-
-import numpy as np
 
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.hardware import Hardware, Sensing, with_hardware
@@ -69,7 +67,6 @@ class Outcome:
         reason: why it ended; "complete" if it hopped to the end.
         message: the same in a sentence.
         apexes: heights of the hip, in m.
-        lost: commands lost, in s, while it lasted.
     """
 
     seed: int
@@ -77,7 +74,6 @@ class Outcome:
     reason: str
     message: str
     apexes: tuple[float, ...]
-    lost: float
 
 
 def on_rig(gait: Gait, rig: Rig, hops: int = HOPS, rtol: float = 1e-9, progress: bool = True) -> Trajectory:
@@ -90,21 +86,9 @@ def outcome(gait: Gait, rig: Rig, seed: int, hops: int = HOPS) -> Outcome:
     sensing = replace(rig.sensing or Sensing(), seed=seed)
     run = on_rig(gait, replace(rig, sensing=sensing), hops, RTOL, progress=False)
     apexes = tuple(float(event.q[0]) for event in run.named("apex"))
-    lost = float(np.count_nonzero(sensing.losses_begin < run.t[-1])) * sensing.loss_duration
-    return Outcome(seed, run.cycles, run.reason, run.message, apexes, lost)
+    return Outcome(seed, run.cycles, run.reason, run.message, apexes)
 
 
 def reasons(outcomes: Iterable[Outcome]) -> dict[str, int]:
     """How many runs ended for which reason, most frequent first."""
     return dict(Counter(each.reason for each in outcomes).most_common())
-
-
-def many(
-    gait: Gait, rig: Rig, seeds: Sequence[int], hops: int = HOPS, on_run: Callable[[Outcome], None] = lambda _: None
-) -> list[Outcome]:
-    """Seeded runs, one after the other."""
-    found = []
-    for seed in seeds:
-        found.append(outcome(gait, rig, seed, hops))
-        on_run(found[-1])
-    return found

@@ -54,9 +54,16 @@ def running_animals(mass: float) -> float:
     return float(10.7 * mass**-0.316 / 9.81)
 
 
-_FIG_1 = "label in Fig. 1 of Seok et al. 2013"
+_FIG_1 = "label in Fig. 1 of Seok et al., IEEE/ASME Trans. Mechatronics (manuscript of 2013)"
 PUBLISHED: tuple[CostPoint, ...] = (
-    CostPoint("MIT Cheetah", 33.0, 0.5, "electrical", "Seok et al. 2013: 973 W at 6 m/s", "publication seen"),
+    CostPoint(
+        "MIT Cheetah",
+        33.0,
+        0.5,
+        "electrical",
+        "Seok et al., IEEE/ASME Trans. Mechatronics (manuscript of 2013): 973 W at 6 m/s",
+        "publication seen",
+    ),
     CostPoint(
         "iSprawl", 0.3, 1.75, "electrical", "Kim, Clark and Cutkosky 2006; 1.7 in Seok et al.", "publication seen"
     ),

@@ -86,15 +86,15 @@ class TestLawsOnSymbols:
         assert_equal(evaluate(stance_law, law_of_symbols()), expected)
 
     def test_stance_with_a_minimum_force(self):
-        law = law_of_symbols(minimum_force=p["minimum_force"])
+        law = law_of_symbols(minimum_force=p["minimum_force"], virtual_stiffness=0)
         dyn = SymbolicDynamics()
         hip, knee = evaluate(stance_law, law, dyn)
         free, limited = (sp.sympify(knee).subs(held["limited"], value) for value in (0, 1))
-        assert sp.simplify(free - p["stance_torque"] * held["flexing"] - VIRTUAL_SPRING) == 0
+        assert sp.simplify(free - p["stance_torque"] * held["flexing"]) == 0
         # 52 N without flexion; it gives the minimum, unless that takes extension, or more flexion than there is
         for unloads, minimum, expected in ((-1, 48, 4), (-2.5, 42, 4), (-1, 40, 7), (-1, 60, 0), (1, 60, 0)):
             values = {dyn.at_rest: 50, dyn.per_hip: 2, dyn.per_knee: unloads, p["hip_stance_torque"]: 1}
-            values |= {p["minimum_force"]: minimum, p["stance_torque"]: 7, p["virtual_stiffness"]: 0}
+            values |= {p["minimum_force"]: minimum, p["stance_torque"]: 7}
             assert float(limited.subs(values)) == pytest.approx(expected, rel=1e-12)
             if expected == 4:
                 force = dyn.normal_force("toe", (hip, limited)).subs(values)
@@ -417,3 +417,8 @@ class TestOtherKnees:
     def test_bad_rest(self, rest):
         with pytest.raises(BadValue, match="^Spring.rest is "):
             Spring(rest=rest)
+
+    def test_limit_of_the_force_with_an_imitated_spring(self):
+        """It reckons with a real one."""
+        with pytest.raises(BadValue, match="^HoppingLaw.virtual_stiffness is "):
+            HoppingLaw(minimum_force=10.0, virtual_stiffness=48.84)
