@@ -56,7 +56,7 @@ def main(folder: Path) -> None:
                 f"{name:<12}{run.named('apex')[0].q[0]:8.4f}{abs(gait.multipliers[0]):20.3f}{np.abs(torque).max():19.1f}"
                 f"{np.abs(power).max():16.0f}{battery:13.1f}{-heat:10.1f}"
             )
-            axes.plot(run.t, torque, label=name)
+            axes.plot(run.t, torque, "--" if name == "Sw-PEA" else "-", label=name, zorder=3 - len(axes.lines))
         axes.set(xlabel="time since touchdown [s]", ylabel="torque of the knee motor [N·m]")
         axes.legend()
     print("file", save_figure(figure, folder / "knees.svg"))

@@ -4,9 +4,9 @@ Objective: go the way of Section 4.1: three depths, with the motor and without, 
 potentiometer's voltage, smooth it over 100 samples, fit the model, print a table like Table 4.1. The records are
 synthetic, for the source's are not public: put your own files in their place.
 
-Notice that every estimate lies within its error bars of the truth, which the error bars of a smoothed record do only
-if its residuals are known to be correlated; that RA is the spring's zero, 0.2 rad below where the leg rests; and what
-is said of a leg whose pinned toe would have left the ground.
+Notice that the estimates lie within two or three of their error bars of the truth, which those of a smoothed record
+do only if its residuals are known to be correlated; that RA is the spring's zero, 0.2 rad below where the leg rests;
+and what is said of a leg whose pinned toe would have left the ground.
 
 Writes one CSV file per row and identify_knee.svg into the current folder, or the one given: python identify_knee.py OUT
 """
@@ -43,7 +43,7 @@ def main(out: Path) -> None:
 
             estimates[label] = estimate
             found = [estimate[name] for name in ("stiffness", "damping", "rest_angle")]
-            cells = "".join(f"{f'{each.value:.3f} ± {each.deviation:.3f}':>24}" for each in found)
+            cells = "".join(f"{f'{each.value:.4f} ± {each.deviation:.4f}':>24}" for each in found)
             print(f"{label:<18}{cells}{estimate.fit:>8.1f} %")
             for remark in (*record.remarks, *remarks, *estimate.warnings[:1]):
                 print(f"    {remark}")

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from spear_pin.model.pinned import PinnedLeg
     from spear_pin.studies.identification import Estimate, MovingAverage, Trial
 
+GUESSED = ("stiffness", "damping", "rest_angle")  # from the data, where they are neither given nor varied
 KNOWN = ("stiffness", "damping", "coulomb", "rest_angle", "rotor_inertia")
 
 
@@ -34,7 +35,7 @@ def add(commands: Commands) -> None:
     data.add_argument("--after", type=float, default=1.5, metavar="S", help="of each motion to use (default: 1.5)")
     smoothing = parser.add_argument_group("smoothing, of data and model alike")
     smoothing.add_argument("--window", type=int, metavar="N", help="samples of a moving average (default: none)")
-    smoothing.add_argument("--filter", default="centred", metavar="KIND", help="centred or causal (default: centred)")
+    smoothing.add_argument("--filter", metavar="KIND", help="centred or causal (default: centred)")
     smoothing.add_argument("--smoothed-already", action="store_true", help="the records are smoothed already")
     smoothing.add_argument("--model-as-is", action="store_true", help="do not smooth the model: estimates are biased")
     model = parser.add_argument_group("the model")
@@ -66,12 +67,20 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     check_out(arguments)
     if arguments.window is None and (arguments.smoothed_already or arguments.model_as_is):
         raise BadValue("--window", None, "the number of samples that the records were smoothed over")
-    smoothing = None if arguments.window is None else MovingAverage(arguments.window, arguments.filter)
+    if arguments.window is None and arguments.filter is not None:
+        raise BadValue("--filter", arguments.filter, "to go with --window")
+    smoothing = None if arguments.window is None else MovingAverage(arguments.window, arguments.filter or "centred")
     pinned = leg(arguments)
+    guessed = [name for name in GUESSED if name not in arguments.vary and getattr(arguments, name) is None]
     for path in arguments.files:
         if arguments.files.count(path) > 1:
             raise BadValue("FILE", path, "each file once")
-    by_file, remarks = {}, []
+    by_file: dict[str, list[Trial]] = {}
+    remarks = (
+        [f"{', '.join(guessed)}: held at a guess from the data; give --{guessed[0].replace('_', '-')}"]
+        if guessed
+        else []
+    )
     for path in arguments.files:
         by_file[str(path)], found = _trials(arguments, path, smoothing)
         remarks += found
@@ -92,9 +101,11 @@ def _trials(arguments: argparse.Namespace, path: str, smoothing: MovingAverage |
 
     from spear_pin.studies.identification import Calibration, cut, read_record, smoothed
 
-    calibration = None
+    calibration, notes = None, list[str]()
     if arguments.volts_per_rad is not None:
         calibration = Calibration(arguments.volts_per_rad, arguments.offset or 0.0)
+        if arguments.offset is None:
+            notes.append("--offset is not given: the voltage of the straight leg is taken as 0")
     elif arguments.offset is not None:
         raise BadValue("--offset", arguments.offset, "to go with --volts-per-rad")
     record = read_record(
@@ -110,7 +121,7 @@ def _trials(arguments: argparse.Namespace, path: str, smoothing: MovingAverage |
         trials = [replace(trial, smoothing=smoothing) for trial in trials]
     else:
         trials = [smoothed(trial, smoothing) for trial in trials]
-    return trials, [*record.remarks, *remarks]
+    return trials, [*notes, *record.remarks, *remarks]
 
 
 def _estimated(arguments: argparse.Namespace, name: str, pinned: PinnedLeg, trials: list[Trial]) -> Estimate:
@@ -184,8 +195,10 @@ def _lines(estimates: dict[str, Estimate]) -> list[str]:
         )
         lines.append(f"{label:<{width}}{cells}{estimate.fit:>8.2f} %{len(estimate.trials):>10}")
     for label, estimate in estimates.items():
-        held = ", ".join(f"{name} {value:.4g}" for name, value in _held(estimate).items())
-        lines += [f"{label}: held at {held}"] if held else []
+        held = _held(estimate)
+        lines += (
+            [f"{label}: held at {', '.join(f'{name} {value:.4g}' for name, value in held.items())}"] if held else []
+        )
         own = [p for p in estimate.parameters if p.trial is not None and p.name in KNOWN]
         lines += [f"{label}: {p.label} {p.value:.4f} ± {p.deviation:.4f} {p.unit}" for p in own]
         if any(trial.synthetic for trial in estimate.trials):

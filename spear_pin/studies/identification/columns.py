@@ -137,7 +137,7 @@ def _dialect(path: Path, head: bytes) -> _Dialect:
     try:
         text = head.decode("utf-8-sig") if len(head) < HEAD else head[: head.rfind(b"\n") + 1].decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise BadFile(path, "not a text file (UTF-8), nor a .mat file") from None
+        raise BadFile(path, "not a text file in UTF-8, nor a .mat file: save it as UTF-8") from None
     if "\0" in text or not text:
         raise BadFile(path, "not a text file, nor a .mat file")
     lines = re.split(r"\r\n|\r|\n", text)

@@ -279,7 +279,8 @@ def _warnings(problem: Problem, solution: Any, estimate: Estimate) -> Iterator[s
         yield f"the search did not converge in {solution.nfev} evaluations"
     for parameter, side in zip(estimate.parameters, solution.active_mask, strict=True):
         if side:
-            yield f"{parameter.label} is at its bound, {parameter.value:.4g}: its standard deviation means nothing"
+            value = round(parameter.value, 6)
+            yield f"{parameter.label} is at its bound, {value:g}: its standard deviation means nothing"
     if not np.isfinite(estimate.condition):
         yield "the data do not tell these parameters apart at all: vary fewer"
     else:

@@ -144,7 +144,7 @@ def _chosen(path: str | Path, names: Sequence[str], column: str | None, time_col
     if column is None:
         others = [name for name in names if name != time_column]
         if len(others) > 1:
-            raise BadFile(path, f"which column is the knee's? It has {', '.join(others)}; name one")
+            raise BadFile(path, f"which column is the knee's? It has {', '.join(others)}; name one (--column)")
         column = others[0]
     if column == time_column:
         raise BadValue("column", column, f"another than the time's, one of {', '.join(names)}")
@@ -187,11 +187,11 @@ def _check(path: str | Path, t: Array, angle: Array, unit: str, time_unit: str) 
         raise BadFile(path, f"{t.size} samples at different times; a release needs at least {FEWEST}")
     step = float(np.median(np.diff(t)))
     if step > COARSEST:
-        hint = f"are the times in {time_unit}?"
+        hint = f"are the times in {time_unit}, --time-unit?"
         raise BadFile(path, f"samples are {step:.3g} s apart; a release needs {COARSEST:g} s or less ({hint})")
     if step < FINEST:
-        raise BadFile(path, f"samples are {step:.3g} s apart: are the times in {time_unit}?")
+        raise BadFile(path, f"samples are {step:.3g} s apart: are the times in {time_unit}, --time-unit?")
     largest = float(np.abs(angle).max())
     if largest > LARGEST:
-        hint = "is the calibration right?" if unit in VOLTAGES else f"is it in {unit}?"
-        raise BadFile(path, f"the knee's angle reaches {largest:.4g} rad ({hint})")
+        hint = "is the calibration right?" if unit in VOLTAGES else f"is it in {unit}, --unit?"
+        raise BadFile(path, f"the knee's angle reaches {largest:.4g} rad at {t[np.abs(angle).argmax()]:g} s ({hint})")

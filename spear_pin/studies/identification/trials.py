@@ -158,7 +158,7 @@ def _onset(record: Record, steady: Array, peak: int) -> tuple[int, float] | str:
     level = float(np.median(measured[before]))
     depth = level - float(steady[peak : int(np.searchsorted(record.t, t[-1] + ENDS)) + 1].min())
     if depth < DROP:
-        return f"the knee moves by {max(depth, 0):.3f} rad only"
+        return f"the knee moves by {max(depth, 0):.3f} rad only (does the voltage rise as it flexes?)"
     if np.ptp(steady[origin : peak + 1][before]) > 2 * STILL * depth:
         return "the knee was not held still before it"
     late = t > t[-1] - HELD[1]
