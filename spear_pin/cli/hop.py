@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
 from spear_pin.cli.output import aligned, iterations, open_page
 from spear_pin.errors import BadValue
+
+if TYPE_CHECKING:
+    from spear_pin.studies.hardware import Rig
+
+RIG = ("current_limit", "bandwidth", "noise", "losses", "seed")  # options of --hardware
 
 
 def add(commands: Commands) -> None:
@@ -27,12 +32,24 @@ def add(commands: Commands) -> None:
         "--free-x", action="store_true", help="let the boom slide along x too; solve the hip angle for no drift"
     )
     parser.add_argument("--foot-placement", type=float, default=0.0, metavar="RAD·S/M", help="gain, with --free-x")
+    hardware = parser.add_argument_group("hardware, assumed where the source does not say")
+    hardware.add_argument(
+        "--hardware", action="store_true", help="motors, gears and batteries instead of ideal torques"
+    )
+    hardware.add_argument("--current-limit", type=float, metavar="A", help="of the amplifiers (default: 10)")
+    hardware.add_argument("--bandwidth", type=float, metavar="HZ", help="of the current loops (default: at once)")
+    hardware.add_argument("--noise", type=float, metavar="RAD", help="of the angles that the law reads (default: 0)")
+    hardware.add_argument("--losses", type=float, metavar="1/S", help="commands lost, for 5 ms each (default: 0)")
+    hardware.add_argument("--seed", type=int, metavar="N", help="of noise and losses (default: 0)")
     add_simulation(parser, 11, "hops", "hop.html")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Solve the hop, simulate it and write its files."""
+    from dataclasses import replace
+
     from spear_pin import Contact, HoppingLaw, Spring, find_gait, hopping, load, simulate
+    from spear_pin.hybrid.hardware import with_hardware
     from spear_pin.studies.hop import summarize
     from spear_pin.viz.player import record
 
@@ -50,6 +67,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     spring = Spring() if arguments.stiffness is None else Spring(stiffness=arguments.stiffness)
     contact = Contact() if arguments.friction is None else Contact(friction=arguments.friction)
     system = hopping(robot, law, spring, contact)
+    rig = _rig(arguments)
+    if rig is not None:  # solved with what has no memory, and without noise
+        system = with_hardware(system, replace(rig, bandwidth=None, sensing=None).hardware)
     target: dict[str, float] = {}
     if arguments.stance_torque is None:
         target["stance_torque"] = arguments.flight_time or 0.2
@@ -58,13 +78,37 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     measures = {"stance_torque": "flight_time", "hip_touchdown": "mean_speed"}  # what each parameter is solved for
     with iterations() as tell:
         gait = find_gait(system, list(target), {measures[k]: v for k, v in target.items()}, on_iteration=tell)
-    trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol)
+    running = gait.system if rig is None else with_hardware(gait.system, rig.hardware)
+    trajectory = simulate(running, gait.state, arguments.cycles, arguments.rtol)
     page = record(robot, trajectory, arguments.out / "hop.html", title="SPEAR-II hopping in place")
     data = trajectory.save(arguments.out / "hop.npz")
     if arguments.open:
         open_page(page)
     summary = summarize(gait, trajectory)
+    if trajectory.electrical is not None and trajectory.cycles:
+        summary["electrical"] = {flow: trajectory.electrical[flow].mean() for flow in trajectory.electrical.flows}
+        summary["peak_current"] = dict(zip(trajectory.actuated, abs(trajectory.current).max(axis=0), strict=True))
     return summary | {"files": [str(page), str(data)], "text": _text(summary, page, data)}
+
+
+def _rig(arguments: argparse.Namespace) -> Rig | None:
+    """What drives the joints, if it was asked for."""
+    from spear_pin.hybrid.hardware import Sensing
+    from spear_pin.studies.hardware import Rig
+
+    given = {name: value for name in RIG if (value := getattr(arguments, name)) is not None}
+    if not arguments.hardware:
+        if given:
+            raise BadValue(
+                f"--{next(iter(given)).replace('_', '-')}", next(iter(given.values())), "to go with --hardware"
+            )
+        return None
+    seed = given.pop("seed", 0)
+    if seed < 0:
+        raise BadValue("--seed", seed, "a whole number >= 0")
+    noise, losses = given.pop("noise", 0.0), given.pop("losses", 0.0)
+    sensing = Sensing(angle_noise=noise, losses=losses, seed=seed) if noise or losses else None
+    return Rig(**given, sensing=sensing)
 
 
 def _text(summary: dict[str, Any], page: Path, data: Path) -> str:
@@ -80,7 +124,20 @@ def _text(summary: dict[str, Any], page: Path, data: Path) -> str:
         ("", f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"),
         ("fixed point", f"residual {summary['residual']:.1e}"),
         ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a hop"),
+        *_electrical(summary),
         ("simulated", f"{summary['cycles']} hops ({summary['reason']})"),
         ("files", f"{page}, {data}"),
     ]
     return aligned(rows)
+
+
+def _electrical(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    if "electrical" not in summary:
+        return []
+    totals = {"battery": 0.0, "joule": 0.0, "gearbox": 0.0}
+    for flow, energy in summary["electrical"].items():
+        if (kind := flow.partition("_")[0]) in totals:
+            totals[kind] += energy
+    peaks = ", ".join(f"{joint} {current:.2f} A" for joint, current in summary["peak_current"].items())
+    heat = f"{-totals['joule']:.2f} J heat, {-totals['gearbox']:.2f} J gears"
+    return [("battery, net", f"{totals['battery']:.2f} J a hop: {heat}"), ("peak currents", peaks)]

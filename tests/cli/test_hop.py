@@ -139,3 +139,33 @@ class TestMistakes:
     def test_arguments(self, capsys, tmp_path, arguments, part):
         assert part in refused(capsys, "hop", "--out", tmp_path, *arguments)
         assert not list(tmp_path.iterdir())
+
+
+class TestHardware:
+    def test_costs_more_than_its_motors_work(self, capsys, tmp_path):
+        shown = printed(capsys, "hop", "--hardware", "--stance-torque", "9.43", "--cycles", "1", "--out", tmp_path)
+        energy = shown["electrical"]
+        assert energy["battery_knee"] > -energy["motor_knee"] > 5.0 > -energy["gearbox_knee"] > 0.0
+        assert abs(sum(energy.values())) < 1e-8
+        assert 5.0 < shown["peak_current"]["knee"] < 10.0 and shown["energy_residual"] < 1e-7
+
+    def test_noise_and_losses_reach_the_run(self, capsys, tmp_path):
+        common = ["hop", "--hardware", "--stance-torque", "9.43", "--cycles", "2", "--rtol", "1e-7", "--out", tmp_path]
+        runs = [
+            printed(capsys, *common, *options)["electrical"]["battery_knee"]
+            for options in ([], ["--noise", "0.01"], ["--noise", "0.01", "--seed", "1"], ["--losses", "20"])
+        ]
+        assert len(set(runs)) == 4
+
+    @pytest.mark.parametrize(
+        ("options", "named"),
+        [
+            (["--noise", "0.1"], "--hardware"),
+            (["--hardware", "--current-limit", "-1"], "current_limit"),
+            (["--hardware", "--bandwidth", "0"], "bandwidth"),
+            (["--hardware", "--losses", "1000"], "losses"),
+            (["--hardware", "--noise", "0.1", "--seed", "-1"], "--seed"),
+        ],
+    )
+    def test_mistakes(self, capsys, tmp_path, options, named):
+        assert named in refused(capsys, "hop", *options, "--out", tmp_path)
