@@ -23,7 +23,7 @@ from spear_pin.gaits.feedback import regulated, speed_regulated
 from spear_pin.studies.basin import midway, pushed, recover
 from spear_pin.viz.plots import save_figure, style
 
-GAIN = 54.0  # N·s: about the best, which speed_regulated(bare) takes a minute to find
+GAIN = 54.0  # N·s: about the best, which speed_regulated(bare) takes some seconds to find
 PUSH = {"torso_x": 0.1, "pitch": 0.1}  # m/s and rad/s, in the middle of the first flight
 
 
