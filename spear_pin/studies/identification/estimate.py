@@ -210,19 +210,24 @@ def _solved(
     problem: Problem, start: Array, loss: str, spread: float, on_iteration: Callable[[int, float], None] | None
 ) -> Any:
     evaluations = 0
+    at, slopes = np.empty(0), np.empty(0)  # one integration gives both, and SciPy asks for them in turn
 
     def residuals(x: Array) -> Array:
-        nonlocal evaluations
+        nonlocal evaluations, at, slopes
         evaluations += 1
-        values = problem.residuals(x)
+        values, slopes = problem.linearized(x)
+        at = x.copy()
         if on_iteration is not None:
             on_iteration(evaluations, float(np.sqrt(np.mean(values**2))))
         return values
 
+    def jacobian(x: Array) -> Array:
+        return slopes if np.array_equal(x, at) else problem.linearized(x)[1]
+
     bounds = np.array([entry.bounds for entry in problem.entries]).T
     tolerances = {"ftol": TOLERANCE, "xtol": TOLERANCE, "gtol": TOLERANCE}
     return least_squares(
-        residuals, start, problem.jacobian, bounds, x_scale="jac", loss=loss, f_scale=spread, max_nfev=100, **tolerances
+        residuals, start, jacobian, bounds, x_scale="jac", loss=loss, f_scale=spread, max_nfev=100, **tolerances
     )
 
 
@@ -236,7 +241,7 @@ def _estimate(problem: Problem, solution: Any, loss: str, spread: float) -> Esti
     known = len(unsmoothed) == len(trials)
     found = scatter(
         residuals,
-        np.split(problem.jacobian(x), ends),
+        np.split(problem.linearized(x)[1], ends),
         [trial.smoothing for trial in trials],
         influence=_influence(np.concatenate(residuals), loss, spread),
         unsmoothed=unsmoothed if known else None,

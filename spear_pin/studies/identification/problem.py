@@ -137,21 +137,21 @@ class Problem:
         """The model's angle for trial j as it is compared with the data, (n,), in rad."""
         return self._smoothed(self.angle(x, j), j)
 
-    def residuals(self, x: Array) -> Array:
-        """Model minus data of all trials, one after the other, (N,), in rad; 0 where they are not compared."""
-        return np.concatenate([t.used * (self.predicted(x, j) - t.angle) for j, t in enumerate(self.trials)])
+    def linearized(self, x: Array) -> tuple[Array, Array]:
+        """Model minus data, and its derivatives: (N,), in rad, and (N, unknowns); 0 where they are not compared.
 
-    def jacobian(self, x: Array) -> Array:
-        """Derivatives of the residuals, (N, unknowns)."""
-        blocks = []
+        The trials stand one after the other.
+        """
+        residuals, blocks = [], []
         for j, trial in enumerate(self.trials):
             block = np.zeros((trial.t.size, len(self.entries)))
             mine = [i for i, entry in enumerate(self.entries) if entry.trial in (None, j)]
-            block[:, mine] = self._slopes(self.setting(x, j), trial, [self.entries[i].name for i in mine])
+            angle, block[:, mine] = self._with_slopes(self.setting(x, j), trial, [self.entries[i].name for i in mine])
+            residuals.append(trial.used * (self._smoothed(angle, j) - trial.angle))
             blocks.append(trial.used[:, None] * self._smoothed(block, j))
-        return np.vstack(blocks)
+        return np.concatenate(residuals), np.vstack(blocks)
 
-    def _slopes(self, setting: Setting, trial: Trial, names: Sequence[str]) -> Array:
+    def _with_slopes(self, setting: Setting, trial: Trial, names: Sequence[str]) -> tuple[Array, Array]:
         wrt = {QUANTITIES[name].derivative for name in names} - {None}
         if self.static_rest and "stiffness" in wrt:
             wrt |= {"zero"}
@@ -166,7 +166,8 @@ class Problem:
                 )
             if "zero" in slopes:
                 slopes["zero"] = slopes["zero"] * (1.0 + float(setting.leg.motion_with_slopes(rest)[5]) / stiffness)
-        return np.column_stack([-rate if (d := QUANTITIES[name].derivative) is None else slopes[d] for name in names])
+        derivatives = [QUANTITIES[name].derivative for name in names]
+        return angle, np.column_stack([-rate if name is None else slopes[name] for name in derivatives])
 
     def _modelled(self, setting: Setting, trial: Trial, wrt: Sequence[str]) -> tuple[Array, Array, Array]:
         """Angle, rate and sensitivities: the hold, then the motion."""

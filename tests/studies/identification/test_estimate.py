@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.studies.identification import MovingAverage, identify, smoothed
-from spear_pin.studies.laboratory import synthetic_trial
-from spear_pin.studies.push_test import DEPTHS, equilibrium, spear_ii
+from spear_pin.studies.identification import MovingAverage, Record, cut, identify, smoothed
+from spear_pin.studies.laboratory import Instrument, synthesize, synthetic_trial
+from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, spear_ii
 from spear_pin.studies.release import PassiveKnee
 
 LEGS = {ratio: spear_ii(ratio) for ratio in (None, 15.0, 66.0)}
@@ -222,3 +222,17 @@ class TestSearch:
         for name in ("damping", "stifness"):
             with pytest.raises(UnknownName, match=f"unknown shared parameter '{name}'; valid: stiffness"):
                 estimate[name]
+
+
+class TestSmoothedBefore:
+    """A record smoothed before it was cut: its last half window saw what was cut off."""
+
+    @pytest.mark.parametrize("after", [0.5, 1.5])
+    def test_short_cuts_are_not_biased(self, after):
+        made = synthesize(LEG, WITH_MOTOR, 0.1, repeats=3, instrument=Instrument(noise=0.003, quantum=0.0), seed=5)
+        angle = MovingAverage(100)((made.voltage - 0.4) / 1.06)
+        trials, _ = cut(Record("x", made.t, angle), after=after)
+        found = identify(LEG, [replace(each, smoothing=MovingAverage(100)) for each in trials])
+        for name, truth in (("stiffness", 48.25), ("damping", 1.03), ("rest_angle", 1.0)):
+            assert abs(found[name].value - truth) < 3 * found[name].deviation
+        assert found.whiteness is None
