@@ -30,8 +30,8 @@ _GAIT: list[Gait] = []
 
 def tuned() -> Gait:
     """The hop of 0.2 s of flight, its torque solved with gears and limits, without noise."""
-    rig = Rig()
-    system = with_hardware(hopping(load("spear_ii", locked=["boom_x"])), rig.hardware)
+    robot = load("spear_ii", locked=["boom_x"])
+    system = with_hardware(hopping(robot), Rig().on(robot))
     return find_gait(system, ["stance_torque"], {"flight_time": 0.2})
 
 

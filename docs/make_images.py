@@ -99,7 +99,7 @@ def hardware() -> None:
     rig = Rig(sensing=Sensing(angle_noise=0.005, rate_noise=0.2, losses=5.0), current_limit=8.0, bandwidth=500.0)
     robot = load("spear_ii", locked=["boom_x"])
     ideal = find_gait(hopping(robot), ["stance_torque"], {"flight_time": 0.2})
-    system = with_hardware(hopping(robot, HoppingLaw(stance_torque=9.4)), Rig().hardware)
+    system = with_hardware(hopping(robot, HoppingLaw(stance_torque=9.4)), Rig().on(robot))
     gait = find_gait(system, ["stance_torque"], {"flight_time": 0.2})
     calm, rough = on_rig(gait, Rig(), hops=3), on_rig(gait, rig, rtol=1e-7)
     bound = Gait.load("long_stride")

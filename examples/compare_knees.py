@@ -21,12 +21,11 @@ from matplotlib.figure import Figure
 
 from spear_pin import Spring, find_gait, hopping, load, simulate
 from spear_pin.model.bridge import Battery
-from spear_pin.model.motor import Gearbox
 from spear_pin.studies.hardware import Rig, on_rig
 from spear_pin.viz.plots import save_figure, style
 
 # gears without loss and no limits: what is compared is the knee, not the amplifier
-RIG = Rig(hip_gear=Gearbox(60.0), knee_gear=Gearbox(15.0), battery=Battery(48.0), current_limit=1000.0)
+RIG = Rig(hip_efficiency=1.0, knee_efficiency=1.0, battery=Battery(48.0), current_limit=1000.0)
 
 
 def main(folder: Path) -> None:

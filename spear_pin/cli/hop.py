@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     system = hopping(robot, law, spring, contact)
     rig = _rig(arguments)
     if rig is not None:  # solved with what has no memory, and without noise
-        system = with_hardware(system, replace(rig, bandwidth=None, sensing=None).hardware)
+        system = with_hardware(system, replace(rig, bandwidth=None, sensing=None).on(robot))
     target: dict[str, float] = {}
     if arguments.stance_torque is None:
         target["stance_torque"] = arguments.flight_time or 0.2
@@ -78,7 +78,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     measures = {"stance_torque": "flight_time", "hip_touchdown": "mean_speed"}  # what each parameter is solved for
     with iterations() as tell:
         gait = find_gait(system, list(target), {measures[k]: v for k, v in target.items()}, on_iteration=tell)
-    running = gait.system if rig is None else with_hardware(gait.system, rig.hardware)
+    running = gait.system if rig is None else with_hardware(gait.system, rig.on(robot))
     trajectory = simulate(running, gait.state, arguments.cycles, arguments.rtol)
     page = record(robot, trajectory, arguments.out / "hop.html", title="SPEAR-II hopping in place")
     data = trajectory.save(arguments.out / "hop.npz")

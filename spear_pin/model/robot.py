@@ -84,6 +84,16 @@ class Robot:
             matrix[self.index(joint), column] = 1.0
         return matrix
 
+    def gear_ratio(self, joint: str) -> float:
+        """N, turns of a joint's rotor per turn of the joint.
+
+        Raises:
+            UnknownName: there is no such joint, or it has no motor.
+        """
+        if joint not in self.actuated:
+            raise UnknownName("joint with a motor", joint, self.actuated)
+        return float(self.model.rotorGearRatio[self.index(joint)])
+
     def index(self, coordinate: str) -> int:
         """Row of a coordinate in v.
 

@@ -18,6 +18,7 @@ from spear_pin.model.actuator import Actuator, Thermal
 from spear_pin.model.bridge import Battery
 from spear_pin.model.catalogue import gearbox, motor
 from spear_pin.model.motor import Gearbox, Motor
+from spear_pin.model.robot import Robot
 
 HOPS = 11  # of Fig. 4.13
 RTOL = 1e-7  # of runs by the hundred: a hop is then right to a micrometre
@@ -30,8 +31,8 @@ class Rig:
     Attributes:
         hip: its motor (source: Faulhaber).
         knee: its motor (source: Maxon EC 60 flat 100 W; its resistance and inductance are assumptions).
-        hip_gear: 60:1 (source); efficiency of three stages (assumption).
-        knee_gear: 15:1 (source); its efficiency is a recollection.
+        hip_efficiency: of its gears, three stages (assumption).
+        knee_efficiency: of its gears (a recollection).
         battery: 24 V (source), no resistance (assumption); each motor has its own.
         current_limit: of the amplifiers, in A (assumption).
         bandwidth: of the current loops, in Hz; None: at once (assumption).
@@ -41,20 +42,23 @@ class Rig:
 
     hip: Motor = field(default_factory=lambda: motor("faulhaber_3863h024cr"))
     knee: Motor = field(default_factory=lambda: motor("spear_ii_knee"))
-    hip_gear: Gearbox = Gearbox(60.0, 0.75)
-    knee_gear: Gearbox = field(default_factory=lambda: gearbox("spear_ii_knee_gear"))
+    hip_efficiency: float = 0.75
+    knee_efficiency: float = field(default_factory=lambda: gearbox("spear_ii_knee_gear").efficiency)
     battery: Battery = Battery()
     current_limit: float = 10.0
     bandwidth: float | None = None
     thermal: Thermal | None = None
     sensing: Sensing | None = None
 
-    @property
-    def hardware(self) -> Hardware:
-        """For a robot whose motors are on hip and knee, in this order."""
+    def on(self, robot: Robot) -> Hardware:
+        """For a robot with motors on its joints "hip" and "knee"; the gear ratios are the robot's."""
         shared = (self.battery, self.current_limit, self.bandwidth, self.thermal)
-        actuators = Actuator(self.hip, self.hip_gear, *shared), Actuator(self.knee, self.knee_gear, *shared)
-        return Hardware(actuators, self.sensing)
+        parts = {"hip": (self.hip, self.hip_efficiency), "knee": (self.knee, self.knee_efficiency)}
+        actuators = []
+        for joint in robot.actuated:
+            machine, efficiency = parts[joint]
+            actuators.append(Actuator(machine, Gearbox(robot.gear_ratio(joint), efficiency), *shared))
+        return Hardware(tuple(actuators), self.sensing)
 
 
 @dataclass(frozen=True)
@@ -78,7 +82,7 @@ class Outcome:
 
 def on_rig(gait: Gait, rig: Rig, hops: int = HOPS, rtol: float = 1e-9, progress: bool = True) -> Trajectory:
     """The hop on hardware, from the gait's state."""
-    return simulate(with_hardware(gait.system, rig.hardware), gait.state, hops, rtol, progress=progress)
+    return simulate(with_hardware(gait.system, rig.on(gait.system.robot)), gait.state, hops, rtol, progress=progress)
 
 
 def outcome(gait: Gait, rig: Rig, seed: int, hops: int = HOPS) -> Outcome:

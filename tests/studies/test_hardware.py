@@ -8,10 +8,9 @@ import pytest
 from spear_pin import HoppingLaw, Spring, find_gait, hopping, load, simulate, vary
 from spear_pin.hybrid.hardware import Sensing
 from spear_pin.model.bridge import Battery
-from spear_pin.model.motor import Gearbox
 from spear_pin.studies.hardware import Outcome, Rig, on_rig, outcome, reasons
 
-ROUGH = Rig(hip_gear=Gearbox(60.0), knee_gear=Gearbox(15.0), sensing=Sensing(0.005, 0.2, losses=5.0))
+ROUGH = Rig(hip_efficiency=1.0, knee_efficiency=1.0, sensing=Sensing(0.005, 0.2, losses=5.0))
 
 
 @pytest.fixture(scope="module")
@@ -21,9 +20,18 @@ def gait():
 
 def test_rig_is_the_sources():
     """Ratios, K_v and the battery; hip first."""
-    hip, knee = Rig().hardware.actuators
+    hip, knee = Rig().on(load("spear_ii")).actuators
     assert (hip.gearbox.ratio, knee.gearbox.ratio) == (60.0, 15.0)
     assert knee.motor.torque_constant == 0.115 and hip.battery == knee.battery == Battery(24.0)
+
+
+def test_one_ratio_for_all():
+    """Changed in the robot it changes the reflected inertia and the actuator, so the envelope too."""
+    robot = vary(load("spear_ii"), knee_ratio=30.0)
+    assert Rig().on(robot).actuators[1].constant == pytest.approx(30 * 0.115)
+    assert robot.mass_matrix([0, 0, 0.5, 1])[3, 3] - load("spear_ii").mass_matrix([0, 0, 0.5, 1])[
+        3, 3
+    ] == pytest.approx(3 * 0.027)
 
 
 def test_ideal_rig_changes_nothing(gait):
