@@ -1,13 +1,15 @@
-"""What the switchable spring saves: the same hop with three knees.
+"""What the switchable spring saves: the same hop with four knees.
 
-Objective: SPEAR-II hops in place, 0.2 s in the air, the same body, motors, gears and law. Its knee has the spring that
-a foot switch engages (Sw-PEA); a spring that is never let go (PEA), resting where the other latches; or no spring
-(rigid), the motor giving what the spring gave. Each gait is solved anew, then run on motors, gearboxes and a battery.
+Objective: SPEAR-II hops in place to the same height, with the same body, motors, gears and spring. The spring is one
+that a foot switch engages (Sw-PEA), one that is never let go (PEA), resting where the other latches, one in series
+between gears and knee (SEA), or there is none (rigid), the motor giving what the spring gave. Each gait is solved
+anew, then run on motors, gearboxes and a battery.
 
-What to notice: all three hop alike, so that only the motors differ. Without a spring the knee motor gives five times
-the torque, and most of the battery becomes heat in its winding. Between the two springs there is next to nothing, if
-the fixed one rests just where the other latches, the law knows it, and it does not damp in flight: the leg is not
-drawn up in the air. It would be in running: to flex by 0.3 rad more the motor has to hold 15 N·m against it.
+What to notice: only in parallel does the spring carry the leg. In series it stores as much, but the motor has to bear
+it, as it has to without a spring; it is spared half the power, not the torque, and the torque becomes heat in its
+winding. Between the two parallel springs there is next to nothing, if the fixed one rests just where the other latches,
+the law knows it, and it does not damp in flight: the leg is not drawn up in the air. It would be in running: to flex by
+0.3 rad more the motor has to hold 15 N·m against it.
 
 Run: python examples/compare_knees.py [FOLDER]
 """
@@ -20,6 +22,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from spear_pin import Spring, find_gait, hopping, load, simulate
+from spear_pin.gaits.series_hopping import series_hopping
 from spear_pin.model.bridge import Battery
 from spear_pin.studies.hardware import Rig, on_rig
 from spear_pin.viz.plots import save_figure, style
@@ -31,31 +34,32 @@ RIG = Rig(hip_efficiency=1.0, knee_efficiency=1.0, battery=Battery(48.0), curren
 def main(folder: Path) -> None:
     robot = load("spear_ii", locked=["boom_x"])
     switched = find_gait(hopping(robot), ["stance_torque"], {"flight_time": 0.2})
-    law = switched.system.law
-    latched = float(simulate(switched.system, switched.state).named("touchdown")[-1].q[-1])
+    law, clean = switched.system.law, simulate(switched.system, switched.state)
+    latched, apex = clean.named("touchdown")[-1].q[-1], clean.named("apex")[0].q[0]
     knees = {
-        "Sw-PEA": hopping(robot, law),
-        "fixed PEA": hopping(robot, law, Spring(rest=latched)),
+        "Sw-PEA": switched.system,
+        "PEA": hopping(robot, law, Spring(rest=float(latched))),
+        "SEA": series_hopping(load("spear_ii_series", locked=["boom_x"])),
         "rigid": hopping(robot, replace(law, virtual_stiffness=48.84), Spring(stiffness=0.0)),
     }
-    print("knee        apex [m]  largest multiplier  peak torque [N·m]  peak power [W]  battery [J]  heat [J] a hop")
+    print("knee     apex [m]  largest multiplier  peak torque [N·m]  peak power [W]  battery [J]  heat [J] a hop")
     with style():
         figure = Figure(figsize=(6.0, 3.4), layout="constrained")
         axes = figure.subplots()
         for name, system in knees.items():
-            gait = find_gait(system, ["stance_torque"], {"flight_time": 0.2})
+            gait = find_gait(system, ["stance_torque"], {"apex_height": float(apex)})
             run = on_rig(gait, RIG, hops=1)
-            assert run.electrical is not None and gait.stable
-            torque, power = run.u[:, 1], run.u[:, 1] * run.v[:, -1]
+            assert run.electrical is not None
+            torque, power = run.u[:, 1], run.u[:, 1] * run.v[:, run.coordinates.index("knee")]
             battery, heat = (
                 float(sum(run.electrical[f"{flow}_{joint}"][0] for joint in run.actuated))
                 for flow in ("battery", "joule")
             )
             print(
-                f"{name:<12}{run.named('apex')[0].q[0]:8.4f}{abs(gait.multipliers[0]):20.3f}{np.abs(torque).max():19.1f}"
-                f"{np.abs(power).max():16.0f}{battery:13.1f}{-heat:10.1f}"
+                f"{name:<8}{run.named('apex')[0].q[0]:9.4f}{abs(gait.multipliers[0]):20.3f}{np.abs(torque).max():19.1f}"
+                f"{np.abs(power).max():16.0f}{battery:13.1f}{-heat:10.1f}{'' if gait.stable else '  unstable'}"
             )
-            axes.plot(run.t, torque, "--" if name == "Sw-PEA" else "-", label=name, zorder=3 - len(axes.lines))
+            axes.plot(run.t, torque, "--" if name == "Sw-PEA" else "-", label=name, zorder=4 - len(axes.lines))
         axes.set(xlabel="time since touchdown [s]", ylabel="torque of the knee motor [N·m]")
         axes.legend()
     print("file", save_figure(figure, folder / "knees.svg"))

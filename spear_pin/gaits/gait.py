@@ -17,6 +17,7 @@ from spear_pin.gaits import library
 from spear_pin.gaits.bounding import bounding
 from spear_pin.gaits.bounding_law import BoundingLaw
 from spear_pin.gaits.hopping import HoppingLaw, hopping
+from spear_pin.gaits.series_hopping import SeriesHoppingLaw, series_hopping
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.record import State
@@ -28,6 +29,7 @@ FORMAT = "spear_pin gait 1"
 PARTS = ("law", "spring", "contact")
 KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
     "hopping": (hopping, HoppingLaw),
+    "series_hopping": (series_hopping, SeriesHoppingLaw),
     "bounding": (bounding, BoundingLaw),
 }
 

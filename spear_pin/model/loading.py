@@ -44,6 +44,12 @@ ROBOTS = {
         "monopod SPEAR-II on its slider boom",
         "source Tables 2.4, 5.1 and Section 5.3",
     ),
+    "spear_ii_series": Shipped(
+        "spear_ii_series.urdf",
+        ("toe",),
+        "monopod SPEAR-II with its spring in series, the rotor a joint of its own",
+        "numbers as spear_ii; the arrangement is for comparison, not the source's",
+    ),
     "q_spear": Shipped(
         "q_spear.urdf",
         ("posterior_toe", "anterior_toe"),

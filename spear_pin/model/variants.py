@@ -17,7 +17,8 @@ from spear_pin.model.urdf import MAX_NUMBER
 
 FULL = ("q_spear_full",)
 QUADRUPEDS = ("q_spear", *FULL)
-ALL = ("spear_ii", *QUADRUPEDS)
+MONOPODS = ("spear_ii", "spear_ii_series")
+ALL = (*MONOPODS, *QUADRUPEDS)
 TABLE, TABLES, ASSUMPTION = "source Table 5.1", "source Tables 2.4 and 5.1", "assumption"
 COMPUTED = f"computed from {TABLES}"
 
@@ -51,7 +52,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
         "knee_ratio": Parameter(15.0, "1", TABLES, "turns of a knee's rotor per turn of the knee", ALL),
         "hip_rotor": Parameter(0.047 / 60**2, "kg·m²", COMPUTED, "inertia of a hip's rotor, not reflected", ALL),
         "knee_rotor": Parameter(0.027 / 15**2, "kg·m²", COMPUTED, "inertia of a knee's rotor, not reflected", ALL),
-        "boom_damping": Parameter(0.0, "N·s/m", ASSUMPTION, "viscous friction of the slider", ("spear_ii",)),
+        "boom_damping": Parameter(0.0, "N·s/m", ASSUMPTION, "viscous friction of the slider", MONOPODS),
         "adduction_ratio": Parameter(60.0, "1", ASSUMPTION, "turns of an adduction rotor per turn of its joint", FULL),
     }
 )

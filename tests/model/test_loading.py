@@ -105,7 +105,7 @@ def refusal(kind, call):
 
 class TestShipped:
     def test_names(self):
-        assert set(ROBOTS) == {"spear_ii", "q_spear", "q_spear_full"}
+        assert set(ROBOTS) == {"spear_ii", "spear_ii_series", "q_spear", "q_spear_full"}
         for shipped in ROBOTS.values():
             assert shipped.path.is_file() and shipped.summary and shipped.provenance
 
@@ -356,7 +356,7 @@ class TestUnknownNames:
         error = refusal(UnknownName, lambda: load("spear_iii"))
         assert (error.kind, error.value) == ("robot", "spear_iii")
         assert error.valid[:-1] == tuple(ROBOTS) and "path" in error.valid[-1]
-        assert "unknown robot 'spear_iii'" in str(error) and "spear_ii, q_spear" in str(error)
+        assert "unknown robot 'spear_iii'" in str(error) and "spear_ii, spear_ii_series, q_spear" in str(error)
 
     def test_empty_name(self):
         assert "unknown robot ''" in str(refusal(UnknownName, lambda: load("")))

@@ -1,0 +1,150 @@
+"""SPEAR-II with its spring in series (SEA), hopping in place: the rotor a coordinate of its own, and its automaton.
+
+The URDF's "knee" is the rotor behind its gears, "knee_spring" the deflection of the spring from there to the shank;
+the angle of the knee is their sum. The law knows the spring's deflection δ, as series elastic actuators do, and bears
+its pull: N² J θ̈_m = u + k δ + b δ̇ with u = -k δ + ..., so that what the law adds, and the damper, move the rotor.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from spear_pin.errors import BadValue, require
+from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem, Mount, Reset, Switch
+from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.phases import contact_domains, fall, rate, touchdown
+from spear_pin.hybrid.record import Run
+from spear_pin.model.robot import Robot
+from spear_pin.model.spring import Spring
+
+COORDINATES = ("boom_z", "hip", "knee", "knee_spring")
+SERIES = Spring(unilateral=False)
+
+
+@dataclass(frozen=True)
+class SeriesHoppingLaw:
+    """Parameters of the hopping controller of a leg with a series spring; gains of the hip are `HoppingLaw`'s.
+
+    The rotor holds its angle in flight and stance, u = -k δ + K (θ_des - θ_m) - K_D θ̇_m, and is driven by ±τ̄ in stance
+    as the parallel one is: flexing through the first half period of the square wave, where it gives way to the
+    spring, and extending through the second, where it winds it up.
+
+    Attributes:
+        knee_touchdown: commanded angle of the rotor, in rad (assumption).
+        hip_touchdown: commanded hip angle in flight, in rad; None means half of the knee's.
+        stance_torque: τ̄, in N·m (solved for).
+        frequency: f of the square wave, in Hz (source).
+        hip_gain: K_hip, in N·m/rad (source).
+        hip_damping: |K_D,hip|, in N·m·s/rad (source).
+        knee_gain: K of the rotor, in N·m/rad (source's K_knee).
+        knee_damping: K_D of the rotor, in N·m·s/rad (assumption: critical).
+    """
+
+    knee_touchdown: float = 1.0
+    hip_touchdown: float | None = None
+    stance_torque: float = 8.0
+    frequency: float = 2.56
+    hip_gain: float = 54.77
+    hip_damping: float = 1.37
+    knee_gain: float = 63.25
+    knee_damping: float = 2.6
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        require("SeriesHoppingLaw.frequency", self.frequency, lambda f: f > 0, "a number > 0, in Hz")
+        for name in ("knee_touchdown", "hip_touchdown"):
+            if (angle := getattr(self, name)) is not None:
+                require(f"SeriesHoppingLaw.{name}", angle, lambda a: abs(a) < math.pi, "within ±π rad")
+        for name in ("stance_torque", "hip_gain", "hip_damping", "knee_gain", "knee_damping"):
+            require(f"SeriesHoppingLaw.{name}", getattr(self, name), lambda gain: gain >= 0, "a number >= 0")
+
+    @property
+    def hip_commanded(self) -> float:
+        """Commanded hip angle in flight, in rad."""
+        return 0.5 * self.knee_touchdown if self.hip_touchdown is None else self.hip_touchdown
+
+
+def flight_law(t: Any, q: Any, v: Any, held: Any, p: SeriesHoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
+    """Hip and knee torque in flight, in N·m."""
+    return p.hip_gain * (p.hip_commanded - q[1]) - p.hip_damping * v[1], _holding(q, v, p, dyn)
+
+
+def stance_law(t: Any, q: Any, v: Any, held: Any, p: SeriesHoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
+    """Hip and knee torque in stance, in N·m."""
+    return 0.0, _holding(q, v, p, dyn) + p.stance_torque * held["flexing"]
+
+
+def _holding(q: Any, v: Any, p: SeriesHoppingLaw, dyn: Any) -> Any:
+    return dyn.spring_torque("knee_spring") + p.knee_gain * (p.knee_touchdown - q[2]) - p.knee_damping * v[2]
+
+
+def series_hopping(
+    robot: Robot, law: SeriesHoppingLaw | None = None, spring: Spring | None = None, contact: Contact | None = None
+) -> HybridSystem:
+    """The hopping automaton of a leg whose spring is between rotor and knee: stance and flight.
+
+    Args:
+        robot: `load("spear_ii_series", locked=["boom_x"])`.
+        law: parameters of the controller.
+        spring: the series spring: it pulls and pushes, and rests at no deflection.
+        contact: the ground.
+
+    Raises:
+        BadValue: the robot has other coordinates, or the spring pulls only or has a rest of its own.
+    """
+    law, spring, contact = law or SeriesHoppingLaw(), spring or SERIES, contact or Contact()
+    if robot.coordinates != COORDINATES or robot.actuated != ("hip", "knee") or robot.toes != ("toe",):
+        raise BadValue("robot", robot, "load('spear_ii_series', locked=['boom_x']) or a variant of it")
+    if spring.unilateral or spring.rest is not None:
+        raise BadValue("spring", spring, "Spring(unilateral=False), resting at no deflection")
+    mount = Mount("knee_spring", spring, rest="rest", taut="taut")
+    always: Held = {"rest": 0.0, "taut": 1.0}
+
+    def latch_touchdown(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
+        return {**always, "flexing": 1.0}
+
+    lift_off = Reset(latch=lambda q, v, held, p: always, phase="flight")
+    flip = Reset(latch=lambda q, v, held, p: {"flexing": -held["flexing"]})
+    fallen = fall(["hip", "knee"])
+    switch = Switch("torque_switch", lambda n, p: 0.5 * n / p.frequency, flip)
+    stance = Domain("stance", "stance", (STICK,), stance_law, mounts=(mount,), guards=fallen, switch=switch)
+    struck = Reset(impact=("toe",), latch=latch_touchdown, phase="stance")
+    guards = (touchdown("toe", struck), *fallen, Guard("apex", rate(0)))
+    flight = Domain("flight", "flight", (OPEN,), flight_law, mounts=(mount,), guards=guards)
+    return HybridSystem(
+        kind="series_hopping",
+        robot=robot,
+        law=law,
+        spring=spring,
+        contact=contact,
+        domains=(*contact_domains(stance, robot.toes, contact, lift_off), flight),
+        section="touchdown",
+        cyclic=(),
+        build=series_hopping,
+        guess=lambda: _guess(robot, law),
+        measures=_MEASURES,
+    )
+
+
+def _guess(robot: Robot, law: SeriesHoppingLaw) -> tuple[Any, Any]:
+    """Just after touchdown at the commanded angles, falling as from a few centimetres, the rotor at rest."""
+    q = np.array([0.0, law.hip_commanded, law.knee_touchdown, 0.0])
+    q[0] = -robot.toe_position(q, "toe")[1]
+    v = np.array([-0.8, 0.0, 0.0, 0.0])
+    jacobian = robot.toe_jacobian(q, "toe")
+    v[[1, 3]] = np.linalg.solve(jacobian[:, [1, 3]], -jacobian @ v)
+    return q, v
+
+
+_MEASURES: Mapping[str, Callable[[Run], float]] = {
+    "flight_time": lambda run: run.durations["flight"],
+    "stance_time": lambda run: run.durations["stance"],
+    "period": lambda run: run.durations["flight"] + run.durations["stance"],
+    "apex_height": lambda run: run.event("apex").q[0],
+    "knee_at_touchdown": lambda run: run.event("touchdown").q[2] + run.event("touchdown").q[3],
+}
