@@ -35,7 +35,7 @@ TIME, ANGLE = "Time since the release (s)", "Knee angle (rad)"
 def release_summary(releases: Mapping[str, Release]) -> Figure:
     """Knee, hip and normal ground force after a release; where the pinned toe pulls on the ground is shaded.
 
-    The thin lines are the angles at rest.
+    The dashed lines are the angles at rest.
 
     Args:
         releases: by name.
@@ -49,7 +49,7 @@ def release_summary(releases: Mapping[str, Release]) -> Figure:
         figure = Figure(figsize=(4.2, 5.0), layout="constrained")
         knee, hip, force = figure.subplots(3, 1, sharex=True)
         for color, (name, given) in zip(RELEASES, releases.items(), strict=False):
-            knee.axhline(given.rest, color=color, linewidth=0.5, gid=f"rest {name}")
+            knee.axhline(given.rest, color=color, linewidth=0.6, linestyle="--", gid=f"rest {name}")
             knee.plot(given.t, given.angle, color=color, label=_named(name, given))
             hip.plot(given.t, given.height, color=color, label=name)
             normal = given.force[:, 1]
@@ -67,7 +67,10 @@ def release_summary(releases: Mapping[str, Release]) -> Figure:
         for panel, label in ((knee, ANGLE), (hip, "Height of the hip (m)"), (force, "Normal ground force (N)")):
             panel.set_ylabel(label)
         force.set_xlabel(TIME)
-        handles = [*knee.get_legend_handles_labels()[0], Line2D([], [], color="0.4", linewidth=0.5, label="at rest")]
+        handles = [
+            *knee.get_legend_handles_labels()[0],
+            Line2D([], [], color="0.4", linewidth=0.6, linestyle="--", label="at rest"),
+        ]
         figure.legend(handles=handles, loc="outside upper left", ncols=2)
         return figure
 
