@@ -106,7 +106,7 @@ def bounding(
             ),
         )
         knees = [guard for leg in bearing if p.lift_off == "knee" for guard in _knee_back(leg, resets[leg.toe])]
-        return contact_domains(domain, robot.toes, contact, resets, tuple(knees))
+        return contact_domains(domain, robot.toes, resets, tuple(knees))
 
     p = law
     domains: list[Domain] = []

@@ -12,7 +12,8 @@ from scipy.optimize import minimize_scalar
 
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.bounding_law import INPUTS
-from spear_pin.gaits.gait import Gait, parameter, with_parameters
+from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import STEP, chart, differentiate, multipliers, return_map
 
 Array = NDArray[np.float64]

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
+from spear_pin.errors import BadFile, SpearError, UnknownName
 from spear_pin.files import atomic
 from spear_pin.gaits import library
 from spear_pin.gaits.bounding import bounding
@@ -20,13 +20,13 @@ from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.series_hopping import SeriesHoppingLaw, series_hopping
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.parameters import PARTS
 from spear_pin.hybrid.record import State
 from spear_pin.model.loading import load
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import vary
 
 FORMAT = "spear_pin gait 1"
-PARTS = ("law", "spring", "contact")
 KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
     "hopping": (hopping, HoppingLaw),
     "series_hopping": (series_hopping, SeriesHoppingLaw),
@@ -125,42 +125,3 @@ class Gait:
 def _tuples(value: Any) -> Any:
     """JSON's lists as the tuples that they were."""
     return tuple(_tuples(item) for item in value) if isinstance(value, list) else value
-
-
-def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
-    """The same system with other parameters, named as fields of its law, spring or contact.
-
-    Raises:
-        UnknownName: no part has a numeric field of that name.
-        BadValue: a value is not valid for its field.
-    """
-    parts = {part: getattr(system, part) for part in PARTS}
-    for name, value in values.items():
-        owner = _owner(system, name)
-        parts[owner] = replace(parts[owner], **{name: value})
-    return system.build(system.robot, **parts)
-
-
-def parameter(system: HybridSystem, name: str) -> float:
-    """Value of a parameter named as a field of the law, spring or contact.
-
-    Raises:
-        UnknownName: no part has a numeric field of that name.
-        BadValue: the field has no number in it to begin from.
-    """
-    value = getattr(getattr(system, _owner(system, name)), name)
-    if value is None:
-        raise BadValue(name, value, "a number to begin from: set it first")
-    return float(value)
-
-
-def _owner(system: HybridSystem, name: str) -> str:
-    owners = {
-        field.name: part
-        for part in PARTS
-        for field in fields(getattr(system, part))
-        if not isinstance(getattr(getattr(system, part), field.name), (bool, str, tuple))
-    }
-    if name not in owners:
-        raise UnknownName("parameter", name, owners)
-    return owners[name]

@@ -201,7 +201,7 @@ def hopping(
         law=law,
         spring=spring,
         contact=contact,
-        domains=(*contact_domains(stance, robot.toes, contact, lift_off, first=_limit_guards(law)), flight),
+        domains=(*contact_domains(stance, robot.toes, lift_off, first=_limit_guards(law)), flight),
         section="touchdown",
         cyclic=() if forward is None else ("boom_x",),
         build=hopping,

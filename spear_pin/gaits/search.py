@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName
-from spear_pin.gaits.gait import Gait, parameter, with_parameters
+from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import STEP, chart, displacement, multipliers, newton, return_map
 from spear_pin.hybrid.record import Options, Run, State
 from spear_pin.hybrid.run import run

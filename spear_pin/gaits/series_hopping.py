@@ -122,7 +122,7 @@ def series_hopping(
         law=law,
         spring=spring,
         contact=contact,
-        domains=(*contact_domains(stance, robot.toes, contact, lift_off), flight),
+        domains=(*contact_domains(stance, robot.toes, lift_off), flight),
         section="touchdown",
         cyclic=(),
         build=series_hopping,

@@ -8,7 +8,7 @@ Control laws and guards share one signature, `f(t, q, v, held, p, dyn, ops)`:
     p: the law's parameters, a frozen dataclass.
     dyn: the dynamics at (q, v): `mass_matrix`, `bias`, `jacobian(toe)`, `height(frame)`,
         `toe_velocity(toe)`, `force(toe)`, `normal_force(toe, u)`, `pivot(toe)`, `spring_torque(joint)`,
-        `response()` for v̇ as an affine function of u; in guards `u`, the motors' torques.
+        `holding(joint)`, `response()` for v̇ as an affine function of u; in guards `u`, the motors' torques.
     ops: elementary functions for whatever scalars are used (`sin`, `cos`, `tanh`, `sqrt`, `maximum`,
         `solve`).
 
@@ -54,6 +54,21 @@ class Mount:
     rest: str
     taut: str
     side: float = 1.0
+
+
+@dataclass(frozen=True)
+class Rub:
+    """Dry friction of a joint, in one mode of its motion.
+
+    Attributes:
+        joint: the coordinate.
+        force: Coulomb's, in N or N·m.
+        sign: of the rate, +1 or -1; 0 where the joint is held at rest.
+    """
+
+    joint: str
+    force: float
+    sign: float
 
 
 @dataclass(frozen=True)
@@ -122,6 +137,7 @@ class Domain:
         contacts: for each toe of the robot, "open", "stick", "slip+" or "slip-".
         law: motor torques, one per actuated joint.
         mounts: the springs that are engaged.
+        rubs: dry friction of joints, see `spear_pin.hybrid.dry_friction`.
         guards: the events that can happen, the first winning a tie.
         switch: the scheduled event, if there is one.
         between: for motion on the switching surface between two domains, those two.
@@ -132,6 +148,7 @@ class Domain:
     contacts: tuple[str, ...]
     law: Law
     mounts: tuple[Mount, ...] = ()
+    rubs: tuple[Rub, ...] = ()
     guards: tuple[Guard, ...] = ()
     switch: Switch | None = None
     between: Alternation | None = None

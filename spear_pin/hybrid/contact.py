@@ -114,28 +114,45 @@ def plastic_impact(D: Array, J: Array, v: Array, friction: float) -> Impact:
         friction: coefficient of friction.
     """
     response = np.linalg.solve(D, J.T)
-    (a_tt, a_tn), (_, a_nn) = (J @ response).tolist()
-    slide, approach = before = (J @ v).tolist()
-    impulse = [0.0, 0.0]
-    slides = True
-    for _ in range(3):  # slide, then stick or slide back
-        if approach >= 0.0:
-            break
-        sticks = slide == 0.0 and abs(a_tn) <= friction * a_tt
-        direction = math.copysign(1.0, slide if slide != 0.0 else a_tn)
-        ratio = -a_tn / a_tt if sticks else -friction * direction
-        slide_rate, approach_rate = a_tn + a_tt * ratio, a_nn + a_tn * ratio
-        to_end = -approach / approach_rate if approach_rate > 0.0 else math.inf
-        to_stop = -slide / slide_rate if not sticks and slide * slide_rate < 0.0 else math.inf
-        normal = min(to_end, to_stop)
-        impulse = [impulse[0] + ratio * normal, impulse[1] + normal]
-        slide = 0.0 if sticks or to_stop <= to_end else slide + slide_rate * normal
-        approach = 0.0 if to_end <= to_stop else approach + approach_rate * normal
-        slides = not sticks
-    Lambda = np.array(impulse)
+    A, before = J @ response, J @ v
+    impulses, sliding = routh(A[..., None], before[:, None], friction)
+    Lambda, slides = impulses[:, 0], bool(sliding[0])
     after = v + response @ Lambda
-    loss = -0.5 * float(Lambda @ (np.array(before) + J @ after))
-    return Impact(after, Lambda, loss, slides and slide != 0.0)
+    loss = -0.5 * float(Lambda @ (before + J @ after))
+    return Impact(after, Lambda, loss, slides)
+
+
+def routh(A: Array, before: Array, friction: float | Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Impulses of many plastic impacts of one toe, by Routh's method as in `plastic_impact`.
+
+    Args:
+        A: J D⁻¹ Jᵀ, (2, 2, n).
+        before: J v before, (2, n).
+        friction: coefficient of friction, a number or (n,).
+
+    Returns:
+        the impulses, (2, n), and whether each toe still slides afterwards, (n,).
+    """
+    (a_tt, a_tn), (_, a_nn) = A
+    slide, approach = before
+    tangential, normal = np.zeros_like(slide), np.zeros_like(slide)
+    slides = np.ones(slide.shape, bool)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for _ in range(3):  # slide, then stick or slide back
+            goes_on = approach < 0.0
+            sticks = (slide == 0.0) & (np.abs(a_tn) <= friction * a_tt)
+            direction = np.copysign(1.0, np.where(slide != 0.0, slide, a_tn))
+            ratio = np.where(sticks, -a_tn / a_tt, -friction * direction)
+            slide_rate, approach_rate = a_tn + a_tt * ratio, a_nn + a_tn * ratio
+            to_end = np.where(approach_rate > 0.0, -approach / approach_rate, np.inf)
+            to_stop = np.where(~sticks & (slide * slide_rate < 0.0), -slide / slide_rate, np.inf)
+            more = np.where(goes_on, np.minimum(to_end, to_stop), 0.0)
+            tangential, normal = tangential + np.where(goes_on, ratio * more, 0.0), normal + more
+            stopped, ended = sticks | (to_stop <= to_end), to_end <= to_stop
+            slides = np.where(goes_on, ~sticks, slides)
+            slide = np.where(goes_on, np.where(stopped, 0.0, slide + slide_rate * more), slide)
+            approach = np.where(goes_on, np.where(ended, 0.0, approach + approach_rate * more), approach)
+    return np.array([tangential, normal]), slides & (slide != 0.0)
 
 
 def joint_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact:

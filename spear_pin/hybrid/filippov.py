@@ -76,6 +76,9 @@ class Sliding(Flow):
             pairs = zip(stance.force(toe), self.force(toe), strict=True)
             tangential, normal = (share * s + (1.0 - share) * f for s, f in pairs)
             self._forces[toe] = tangential, normal
+        if self._has_friction:
+            self._holding = share * stance._holding + (1.0 - share) * self._holding
+            self.friction = share * stance.friction + (1.0 - share) * self.friction
         derivative: Array = share * stance_slope + (1.0 - share) * flight_slope
         self.a = derivative[nv : 2 * nv]
         return derivative
@@ -136,10 +139,22 @@ def sliding(system: HybridSystem, flow: Flow, guard: Guard, came: tuple[Domain, 
     follow, left, held = _entered(system, flow.held, y, between.touch)
     if left is not between.leave or _entered(system, held, y, left)[1] is not between.touch:
         return None
-    between = replace(between, follow=follow)
-    modes = [replace(between, airborne=airborne) for airborne in system.of_phase(between.airborne.phase)]
+    return _alternating(system, replace(between, follow=follow), flow.held, y)
+
+
+def going_on(system: HybridSystem, flow: Flow, held: Held, y: Array) -> Sliding | None:
+    """Motion on the same switching surface after a joint with dry friction has come to rest, or has been let go."""
+    between = flow.domain.between
+    return None if between is None or not flow.domain.rubs else _alternating(system, between, held, y)
+
+
+def _alternating(system: HybridSystem, between: Alternation, held: Held, y: Array) -> Sliding | None:
+    modes = [
+        replace(between, airborne=airborne, grounded=replace(between.grounded, rubs=airborne.rubs))
+        for airborne in system.of_phase(between.airborne.phase)
+    ]
     for beyond in BEYOND:
-        result = fitting(system, (Sliding(system, chatter(mode, beyond), flow.held) for mode in modes), 0.0, y)
+        result = fitting(system, (Sliding(system, chatter(mode, beyond), held) for mode in modes), 0.0, y)
         ends = Watch(result, 0.0, y).at_once in ENDS
         result(0.0, y)
         if not ends and -beyond - ON_EDGE < result.share < 1.0 + beyond + ON_EDGE:

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.hybrid.automaton import OPEN, STICK, Held, HybridSystem
+from spear_pin.hybrid.automaton import OPEN, STICK, Held, HybridSystem, Rub
 from spear_pin.hybrid.engines.pinocchio import Flow
-from spear_pin.hybrid.phases import AT_REST, ON_GROUND, SIGN, UNLOADED
+from spear_pin.hybrid.phases import AT_REST, LET_GO, ON_GROUND, SIGN, UNLOADED
 from spear_pin.hybrid.record import Moment
 from spear_pin.model.robot import Robot
 
@@ -21,7 +21,7 @@ STARTS_TO_SLIDE = 1e-3  # m/s²: on the cone's edge a sliding toe begins with no
 
 
 def choose(system: HybridSystem, phase: str, held: Held, t: float, y: Array) -> Flow:
-    """The flow of the domain of a phase whose contact modes are consistent with the state.
+    """The flow of the domain of a phase whose modes of contact and dry friction are consistent with the state.
 
     Where no mode holds, it is the domain whose guard then says why: lift-off where the toe would be
     pulled, Painlevé's paradox where it can neither stick nor slide.
@@ -31,15 +31,22 @@ def choose(system: HybridSystem, phase: str, held: Held, t: float, y: Array) -> 
 
 
 def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
-    """The first of some flows whose contact modes are consistent, or the one whose guard says why none is."""
+    """The first of some flows whose modes are consistent, or the one whose guard says why none is."""
     moving: list[tuple[F, list[str]]] = []
+    turning: list[F] = []
     for flow in flows:
+        rates = [float(y[system.robot.nq + system.robot.index(rub.joint)]) for rub in flow.domain.rubs]
+        if not all(_turns(rub, rate) for rub, rate in zip(flow.domain.rubs, rates, strict=True)):
+            continue
         flow(t, y)
         closed = [
             (toe, mode) for toe, mode in zip(system.robot.toes, flow.domain.contacts, strict=True) if mode != OPEN
         ]
         if all(_moves(flow, toe, mode) for toe, mode in closed):
             failing = [toe for toe, mode in closed if not _keeps(system, flow, toe, mode)]
+            if not all(_rubs_on(flow, rub, rate) for rub, rate in zip(flow.domain.rubs, rates, strict=True)):
+                turning.append(flow)
+                continue
             if not failing:
                 return flow
             moving.append((flow, failing))
@@ -47,7 +54,7 @@ def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
     only = [flow for flow, failing in moving if all(_pulled(flow, toe) for toe in failing)]
     pulled = [flow for flow, failing in moving if any(_pulled(flow, toe) for toe in failing)]
     ill_posed = [flow for flow, _ in moving if flow.ill_posed]
-    return (only + pulled[:1] + ill_posed + [flow for flow, _ in moving])[0]
+    return (only + pulled[:1] + ill_posed + [flow for flow, _ in moving] + turning)[0]
 
 
 def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
@@ -115,6 +122,19 @@ def _keeps(system: HybridSystem, flow: Flow, toe: str, mode: str) -> bool:
         return abs(tangential) < system.contact.friction * normal - UNLOADED
     at_rest = abs(flow.toe_velocity(toe)[0]) <= AT_REST
     return not at_rest or flow.toe_acceleration(toe)[0] * SIGN[mode] > -STARTS_TO_SLIDE
+
+
+def _turns(rub: Rub, rate: float) -> bool:
+    """Whether a joint's rate fits the mode of its dry friction."""
+    return abs(rate) <= AT_REST if rub.sign == 0 else not rub.sign * rate < -AT_REST
+
+
+def _rubs_on(flow: Flow, rub: Rub, rate: float) -> bool:
+    """Whether the forces keep a joint at rest, or moving as it does."""
+    if rub.sign == 0:
+        return abs(flow.holding(rub.joint)) < rub.force - LET_GO
+    acceleration = float(flow.a[flow.system.robot.index(rub.joint)])
+    return abs(rate) > AT_REST or rub.sign * acceleration > -STARTS_TO_SLIDE
 
 
 def _pulled(flow: Flow, toe: str) -> bool:

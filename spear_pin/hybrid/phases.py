@@ -18,12 +18,12 @@ from spear_pin.hybrid.automaton import (
     Mount,
     Reset,
 )
-from spear_pin.hybrid.contact import Contact
 
 SIGN = {SLIP_FORWARD: 1.0, SLIP_BACKWARD: -1.0}
 ON_GROUND = 1e-8  # m: more than integration leaves of the constraint, less than any foot clearance
 AT_REST = 1e-7  # m/s
 ON_REST = 1e-9  # rad: more than what an event's time is off by
+LET_GO = 1e-9  # N, N·m: of dry friction; where a robot comes to rest its friction often is all but exhausted
 UNLOADED = 1e-5  # N: near Painlevé's paradox rounding is amplified a hundredfold and more
 
 
@@ -37,9 +37,9 @@ def normal_force(toe: str) -> GuardValue:
     return lambda t, q, v, held, p, dyn, ops: dyn.force(toe)[1]
 
 
-def cone_margin(toe: str, friction: float, side: float) -> GuardValue:
+def cone_margin(toe: str, side: float) -> GuardValue:
     """μ F_z + side F_x, in N: zero where the toe begins to slide to that side, (3.18)."""
-    return lambda t, q, v, held, p, dyn, ops: friction * dyn.force(toe)[1] + side * dyn.force(toe)[0]
+    return lambda t, q, v, held, p, dyn, ops: dyn.friction_coefficient * dyn.force(toe)[1] + side * dyn.force(toe)[0]
 
 
 def slip_speed(toe: str, side: float) -> GuardValue:
@@ -92,7 +92,6 @@ def spring_switches(mount: Mount, index: int) -> tuple[Guard, ...]:
 def contact_domains(
     domain: Domain,
     toes: Sequence[str],
-    contact: Contact,
     lift_off: Reset | Mapping[str, Reset],
     first: tuple[Guard, ...] = (),
 ) -> tuple[Domain, ...]:
@@ -105,7 +104,6 @@ def contact_domains(
     Args:
         domain: the phase with its toes sticking.
         toes: names of the robot's toes.
-        contact: the ground.
         lift_off: what happens when a toe's normal force falls to zero; by toe if it depends on the
             toe, and then the event of "front_toe" is named "front_lift_off".
         first: guards that win a tie with those of the contacts.
@@ -118,7 +116,7 @@ def contact_domains(
     for contacts in product(*choices):
         guards: list[Guard] = []
         for toe, mode in zip(toes, contacts, strict=True):
-            guards += _guards(toe, mode, contact, leave[toe]) if mode != OPEN else []
+            guards += _guards(toe, mode, leave[toe]) if mode != OPEN else []
         slips = [
             mode if len(closed) == 1 else f"{_leg(toe)} {mode}"
             for toe, mode in zip(toes, contacts, strict=True)
@@ -139,9 +137,9 @@ def _lift_off(toe: str, lift_off: Reset | Mapping[str, Reset]) -> Guard:
     return Guard(f"{_leg(toe)}_lift_off", normal_force(toe), lift_off[toe], tolerance=UNLOADED)
 
 
-def _guards(toe: str, mode: str, contact: Contact, leave: Guard) -> list[Guard]:
+def _guards(toe: str, mode: str, leave: Guard) -> list[Guard]:
     if mode == STICK:
-        margins = [cone_margin(toe, contact.friction, side) for side in SIGN.values()]
+        margins = [cone_margin(toe, side) for side in SIGN.values()]
         return [leave, *(Guard("slip", margin, Reset(), tolerance=UNLOADED) for margin in margins)]
     ill_posed = Guard("painleve", pivot(toe), ends="painleve")
     return [ill_posed, leave, Guard("stick", slip_speed(toe, SIGN[mode]), Reset(), tolerance=AT_REST)]

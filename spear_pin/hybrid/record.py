@@ -38,11 +38,13 @@ class Moment:
 
 REASONS = {
     "complete": "all cycles were run",
+    "below_ground": "a toe was below the ground at the beginning",
     "fall": "a part other than a toe reached the ground",
     "zeno": "events accumulate: the control laws of two phases undo each other without time passing",
     "painleve": "the slip equation has no unique solution (Painlevé's paradox)",
     "overload": "the control law asked for more torque than any motor has: it is near a singularity",
     "no_event": "a phase went on beyond its time limit",
+    "stuck": "dry friction holds a joint, and nothing frees it within the time limit of the phase",
     "step_size": "the integrator's step size fell to nothing",
     "evaluation_cap": "the run used up its right-hand side evaluations",
     "not_finite": "the state is no longer finite",

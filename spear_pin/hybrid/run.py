@@ -19,7 +19,7 @@ from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem, Reset
 from spear_pin.hybrid.contact import Impact, JointImpact, joint_impact, plastic_impact
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
 from spear_pin.hybrid.events import Watch
-from spear_pin.hybrid.filippov import sliding
+from spear_pin.hybrid.filippov import going_on, sliding
 from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase
 from spear_pin.hybrid.phases import rise
 from spear_pin.hybrid.record import BOOKED, Moment, Options, Piece, Run, Segment, State
@@ -52,6 +52,19 @@ def run(
     with np.errstate(all="ignore"):
         runner.go()
     return runner.run
+
+
+def struck_toes(system: HybridSystem, domain: Domain, reset: Reset) -> list[str]:
+    """The toes that take part in an impact: those that strike, and those on the ground before and after it."""
+    if not reset.impact:
+        return []
+    entered = system.of_phase(reset.phase or domain.phase)[0]
+    stay = {
+        toe
+        for toe, before, after in zip(system.robot.toes, domain.contacts, entered.contacts, strict=True)
+        if before != OPEN and after != OPEN
+    }
+    return [toe for toe in system.robot.toes if toe in stay or toe in reset.impact]
 
 
 class _Runner:
@@ -120,7 +133,7 @@ class _Runner:
         due = switch.time(self.switches + 1, self.system.law) if switch else math.inf
         bound = min(due, limit)
         if bound <= self.t:
-            self._end("no_event", f"{limit:g} s in {self.flow.domain.phase}")
+            self._overdue()
             return
         if watch.undefined or not np.isfinite(self.flow(self.t, self.y)).all():
             self._end("not_finite", self._where())
@@ -163,7 +176,7 @@ class _Runner:
             self.switches += 1
             self._happen(Guard(switch.name, _never, switch.reset))
         else:
-            self._end("no_event", f"{limit:g} s in {self.flow.domain.phase}")
+            self._overdue()
 
     def _step_to(self, t0: float, y0: Array, time: float) -> Array:
         """One step of the method that ends on the event: more accurate than the interpolant of a longer one."""
@@ -188,7 +201,7 @@ class _Runner:
         impulse = np.zeros((len(self.robot.toes), 2))
         if reset.release:
             work["released"] = -self._spring_energy(reset)
-        struck = self._struck(reset)
+        struck = struck_toes(self.system, domain, reset)
         held = self.flow.held
         if struck:
             mass_matrix = self.robot.mass_matrix(q)
@@ -221,22 +234,10 @@ class _Runner:
         if reset.phase is not None:
             self._enter(phase)
             self.came = domain, reset
-        self._move_to(choose(self.system, phase, held, self.t, self.y))
+        stays = None if reset.phase is not None else going_on(self.system, self.flow, held, self.y)
+        self._move_to(stays or choose(self.system, phase, held, self.t, self.y))
         if guard.name == self.system.section:
             self._close_cycle()
-
-    def _struck(self, reset: Reset) -> list[str]:
-        """The toes that take part in an impact: those that strike, and those on the ground before and after it."""
-        if not reset.impact:
-            return []
-        domain = self.flow.domain
-        entered = self.system.of_phase(reset.phase or domain.phase)[0]
-        stay = {
-            toe
-            for toe, before, after in zip(self.robot.toes, domain.contacts, entered.contacts, strict=True)
-            if before != OPEN and after != OPEN
-        }
-        return [toe for toe in self.robot.toes if toe in stay or toe in reset.impact]
 
     def _enter(self, phase: str) -> None:
         """Begin a phase: its clock and its switches start anew."""
@@ -283,6 +284,11 @@ class _Runner:
 
     def _end(self, reason: str, detail: str) -> None:
         self.run.reason, self.run.detail = reason, detail
+
+    def _overdue(self) -> None:
+        domain = self.flow.domain
+        held = any(rub.sign == 0 for rub in domain.rubs)
+        self._end("stuck" if held else "no_event", f"{self.system.phase_limit:g} s in {domain.phase}")
 
     def _record(self, name: str, time: float, y: Array) -> None:
         nq, nv = self.robot.nq, self.robot.nv

@@ -37,9 +37,9 @@ def standing(contact):
     domains = []
     for toe, other in (TOES, TOES[::-1]):
         single = replace(domain(LEGS[toe], toe), guards=(lands(other, "double"), *fallen))
-        domains += contact_domains(single, TOES, contact, {toe: Reset(phase="flight")})
+        domains += contact_domains(single, TOES, {toe: Reset(phase="flight")})
     lift_off = {POSTERIOR: Reset(phase="anterior"), ANTERIOR: Reset(phase="posterior")}
-    domains += contact_domains(replace(domain("double", *TOES), guards=fallen), TOES, contact, lift_off)
+    domains += contact_domains(replace(domain("double", *TOES), guards=fallen), TOES, lift_off)
     return HybridSystem(
         kind="standing",
         robot=ROBOT,
@@ -162,7 +162,7 @@ class TestDomains:
     def test_one_reset_for_all_toes(self):
         both = Domain("double", "double", (STICK, STICK), hold)
         reset = Reset(phase="flight")
-        for domain in contact_domains(both, TOES, Contact(), reset):
+        for domain in contact_domains(both, TOES, reset):
             leave = [guard for guard in domain.guards if guard.reset is reset]
             assert {guard.name for guard in leave} == {"lift_off"} and len(leave) == 4
 
@@ -175,7 +175,7 @@ class TestDomains:
         """Whatever else would be an event in a stance that is none."""
         first = (Guard("first", lambda *_: 1.0, Reset()),)
         both = Domain("double", "double", (STICK, STICK), hold)
-        for domain in contact_domains(both, TOES, Contact(), Reset(phase="flight"), first):
+        for domain in contact_domains(both, TOES, Reset(phase="flight"), first):
             assert [guard.name for guard in domain.guards[:3]] == ["lift_off", "lift_off", "first"]
             values = [
                 guard.value(0, None, None, {rise(ANTERIOR): 0.5}, None, None, None) for guard in domain.guards[:2]

@@ -11,8 +11,8 @@ import pytest
 
 from spear_pin import Trajectory, find_gait, hopping, simulate
 from spear_pin.errors import BadValue
-from spear_pin.gaits.gait import with_parameters
 from spear_pin.hybrid.hardware import EDGE, HORIZON, Hardware, Sensing, with_hardware
+from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.model.actuator import CREEP, Actuator, Thermal
 from spear_pin.model.bridge import Battery
 from spear_pin.model.catalogue import motor

@@ -59,7 +59,8 @@ class TestParameters:
     def test_changes_the_robot(self, name, source):
         if name == "boom_damping":  # friction is no part of D, C and G
             robot = vary(load(source, locked=["boom_x"]), boom_damping=45.0)
-            assert robot.model.damping.tolist() == [45.0, *[0.0] * (robot.nv - 1)] and not load(source).model.damping.any()
+            damping = [45.0, *[0.0] * (robot.nv - 1)]
+            assert robot.model.damping.tolist() == damping and not load(source).model.damping.any()
             return
         assert np.abs(difference(source, state(load(source))[0], **{name: 1.3 * PARAMETERS[name].default})).max() > 1e-3
 

@@ -17,6 +17,7 @@ from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridS
 from spear_pin.hybrid.contact import constrained
 from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
 from spear_pin.hybrid.phases import SIGN
+from spear_pin.model.boom import BoomedRobot
 from spear_pin.model.robot import WORLD_ALIGNED
 
 Array = NDArray[np.float64]
@@ -59,9 +60,16 @@ class Flow:
         self._law, self._p = domain.law, system.law
         self._actuated = [robot.index(joint) for joint in robot.actuated]
         self.hold(held)
+        self._boomed = robot if isinstance(robot, BoomedRobot) else None
         self._joint_damping = np.array(robot.model.damping)
-        self._has_friction = bool(self._joint_damping.any())
+        self._has_friction = bool(self._joint_damping.any() or domain.rubs)
         self._zeros = np.zeros(robot.nv)
+        self._dry = self._zeros.copy()
+        for rub in domain.rubs:
+            self._dry[robot.index(rub.joint)] -= rub.sign * rub.force
+        self._stuck = [robot.index(rub.joint) for rub in domain.rubs if rub.sign == 0]
+        self._locks = np.eye(robot.nv)[self._stuck]  # rows of the constraint v̇ = 0 on joints that friction holds
+        self._holding = np.zeros(len(self._stuck))
         self._passive, self._applied = np.zeros(robot.nv), np.zeros(robot.nv)
         self._motors = robot.actuation_matrix
         self._hardware = system.hardware
@@ -75,9 +83,9 @@ class Flow:
         self._forces: dict[str, tuple[float, float]] = dict.fromkeys(robot.toes, (0.0, 0.0))
         self._pivots: dict[str, float] = {}
         self._accelerate: Callable[[Array], Array] = (
-            self._open if not self._closed else self._slip if self._slips else self._stick
+            self._slip if self._slips else self._stick if self._closed or self._stuck else self._open
         )
-        self.q = self.v = self.a = self.friction = self._zeros
+        self.q = self.v = self.a = self.friction = self._viscous = self._zeros
         self.u: Sequence[float] = ()
         self.driven: Driven | None = None
 
@@ -100,11 +108,17 @@ class Flow:
     def _derivative(self, t: float, y: Array) -> Array:
         nv = self._nv
         self.q, self.v = q, v = y[:nv], y[nv : 2 * nv]
-        pin.computeAllTerms(self._model, self._data, q, v)
+        if self._boomed is None:
+            pin.computeAllTerms(self._model, self._data, q, v)
+        else:
+            bent = self._boomed.mount(q, v)
+            pin.computeAllTerms(self._model, self._data, q, v)
+            self._data.nle[self._boomed.row] += bent
         angles, rates = q.tolist(), v.tolist()
         rubbed = 0.0
         if self._has_friction:  # before the law, which may ask for forces
-            self.friction = -self._joint_damping * v
+            self._viscous = -self._joint_damping * v
+            self.friction = self._dry + self._viscous
             rubbed = float(self.friction @ v)
         damped = 0.0
         for index, stiffness, rest, damping in self._springs:
@@ -128,6 +142,9 @@ class Flow:
             powers.append(torque * rates[index])
         self._applied = applied
         self.a = a = self._accelerate(applied + self.friction if self._has_friction else applied)
+        if self._stuck:
+            self.friction[self._stuck] += self._holding
+            a[self._stuck] = 0.0  # to the last digit
         slipped = 0.0
         for toe, _ in self._slips:
             slipped += self._forces[toe][0] * self.toe_velocity(toe)[0]
@@ -149,6 +166,10 @@ class Flow:
                 return float(stiffness * (rest - self.q[index]))
         return 0.0
 
+    def holding(self, joint: str) -> float:
+        """Force of the dry friction that held a joint at rest in the last call, in N or N·m."""
+        return float(self._holding[self._stuck.index(self.system.robot.index(joint))])
+
     def value(self, guard: Guard, t: float, y: Array) -> float:
         """A guard's value, not a number where it has none; the flow has to have been called with the same (t, y)."""
         nv = self._nv
@@ -158,6 +179,11 @@ class Flow:
             return math.nan
 
     # what laws and guards may ask for
+
+    @property
+    def friction_coefficient(self) -> float:
+        """μ of the ground."""
+        return self.system.contact.friction
 
     @property
     def mass_matrix(self) -> Array:
@@ -207,11 +233,11 @@ class Flow:
         """F_z that the motor torques `u` would give here with the toes on the ground at rest, in N: affine in `u`.
 
         A controller does not know that its foot slips; a torque that jumped with slip could not even be
-        consistent with it.
+        consistent with it. Nor does it know of dry friction, here and in `response`.
         """
         applied = self._passive + self._motors @ np.asarray(u, dtype=float)
         if self._has_friction:
-            applied += self.friction
+            applied += self._viscous
         _, multipliers = self._resting(self._at_rest, applied)
         return multipliers[2 * self._at_rest.index(toe) + 1]
 
@@ -219,7 +245,7 @@ class Flow:
         """(a, A) with v̇ = a + A u with the toes on the ground at rest: (nv,) and nv rows of nu."""
         applied = self._passive - self._data.nle
         if self._has_friction:
-            applied += self.friction
+            applied += self._viscous
         forces = np.column_stack([applied, self._motors])
         if self._at_rest:
             rows, drifts = self._rows(self._at_rest)
@@ -232,18 +258,26 @@ class Flow:
     # accelerations, by what is in contact
 
     def _open(self, applied: Array) -> Array:
-        a: Array = pin.aba(self._model, self._data, self.q, self.v, applied)
+        a: Array
+        if self._boomed is None:
+            a = pin.aba(self._model, self._data, self.q, self.v, applied)
+        else:
+            a = np.linalg.solve(self._data.M, applied - self._data.nle)
         return a
 
     def _stick(self, applied: Array) -> Array:
-        a, multipliers = self._resting([toe for toe, _ in self._closed], applied)
+        a, multipliers = self._resting([toe for toe, _ in self._closed], applied, self._locks)
         for i, (toe, _) in enumerate(self._closed):
             self._forces[toe] = multipliers[2 * i], multipliers[2 * i + 1]
+        if self._stuck:
+            self._holding = np.array(multipliers[2 * len(self._closed) :])
         return a
 
-    def _resting(self, toes: Sequence[str], applied: Array) -> tuple[Array, list[float]]:
-        """Acceleration with these toes at rest, and the forces F_x and F_z that keep them there."""
+    def _resting(self, toes: Sequence[str], applied: Array, locks: Array | None = None) -> tuple[Array, list[float]]:
+        """Acceleration with these toes at rest and joints held, the forces F_x and F_z on them, those on the joints."""
         rows, drifts = self._rows(toes)
+        if locks is not None and len(locks):
+            rows, drifts = [*rows, locks], [*drifts, np.zeros(len(locks))]
         if len(rows) == 1:
             jacobian, drift = rows[0], drifts[0]
         else:
@@ -264,6 +298,7 @@ class Flow:
                 self._forces[toe] = -friction * SIGN[mode] * normal, normal
                 self._pivots[toe] = 1.0 / float(inverse_pivots[row])
             row += 2 if mode == STICK else 1
+        self._holding = multiplier[row:]
         return a
 
     def _constraint(self) -> tuple[Array, Array, Array]:
@@ -280,7 +315,8 @@ class Flow:
                 A.append(jacobian[1])
                 G.append(jacobian[1] - friction * SIGN[mode] * jacobian[0])
                 drift.append(toe_drift[1])
-        return np.array(A), np.array(G).T, np.array(drift)
+        lock_drift = [0.0] * len(self._stuck)
+        return np.array([*A, *self._locks]), np.array([*G, *self._locks]).T, np.array(drift + lock_drift)
 
     def _rows(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
         model, data = self._model, self._data

@@ -1,0 +1,83 @@
+"""Dry friction in joints, after Coulomb, event by event.
+
+Against a joint that moves acts a constant force. Where its rate falls to zero the joint moves on, turns or is held,
+whichever the forces allow: up to Coulomb's force they hold it, as a constraint, until more is needed. Every domain of
+a system thus becomes three, and which of them fits is decided anew after each event, impacts among them.
+
+A law that reckons with forces, such as one that limits them, does so without dry friction: a torque that jumped where
+a joint comes to rest might be consistent with none of the three.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import product
+from typing import Any
+
+from spear_pin.errors import BadValue, require
+from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, GuardValue, HybridSystem, Reset, Rub
+from spear_pin.hybrid.phases import AT_REST, LET_GO, rate
+from spear_pin.model.robot import Robot
+
+SIGNS = (0.0, 1.0, -1.0)  # at rest it is held if it can be
+
+
+def with_dry_friction(system: HybridSystem, forces: Mapping[str, float]) -> HybridSystem:
+    """The same system with dry friction in some joints, beside what there is; rebuilt systems keep it.
+
+    A joint that moves either way leaves a domain's name as it is; one that is held is named, as in
+    "flight boom_z held". A saved gait does not keep the friction.
+
+    Args:
+        system: the system.
+        forces: Coulomb's force on each joint, in N, or torque in N·m; the same at rest and in motion.
+
+    Raises:
+        UnknownName: the robot has no such joint, or it is locked.
+        BadValue: a force is not a finite number >= 0, or the joint has dry friction already.
+    """
+    for joint, force in forces.items():
+        system.robot.index(joint)
+        require(f"dry friction of {joint}", force, lambda value: value >= 0, "a number >= 0, in N or N·m")
+        if any(rub.joint == joint for domain in system.domains for rub in domain.rubs):
+            raise BadValue("forces", dict(forces), f"joints without dry friction, which {joint} has already")
+    domains = (mode for domain in system.domains for mode in _modes(domain, system.robot, forces))
+    build = system.build
+
+    def rebuilt(*parts: Any, **named: Any) -> HybridSystem:
+        return with_dry_friction(build(*parts, **named), forces)
+
+    return replace(system, domains=tuple(domains), build=rebuilt)
+
+
+def _modes(domain: Domain, robot: Robot, forces: Mapping[str, float]) -> list[Domain]:
+    """The domain with each joint held, moving forward and moving backward."""
+    modes = []
+    for signs in product(SIGNS, repeat=len(forces)):
+        rubs = tuple(Rub(joint, float(forces[joint]), sign) for joint, sign in zip(forces, signs, strict=True))
+        if _constraints(domain) + signs.count(0.0) > robot.nv:
+            continue  # the contacts hold what friction would
+        names = [domain.name, *(f"{rub.joint} held" for rub in rubs if rub.sign == 0)]
+        ends = (guard for rub in rubs for guard in _ends(rub, robot))
+        # what else happens at the same instant, such as the apex, comes first
+        guards = (*domain.guards, *ends)
+        modes.append(replace(domain, name=" ".join(names), rubs=(*domain.rubs, *rubs), guards=guards))
+    return modes
+
+
+def _constraints(domain: Domain) -> int:
+    contacts = sum(0 if mode == OPEN else 2 if mode == STICK else 1 for mode in domain.contacts)
+    return contacts + sum(rub.sign == 0 for rub in domain.rubs)
+
+
+def _ends(rub: Rub, robot: Robot) -> tuple[Guard, ...]:
+    """A joint that moves comes to rest; one that is held is let go to either side."""
+    if rub.sign:
+        return (Guard(f"rest:{rub.joint}", rate(robot.index(rub.joint), rub.sign), Reset(), tolerance=AT_REST),)
+    return tuple(Guard(f"let_go:{rub.joint}", _to_spare(rub, side), Reset(), tolerance=LET_GO) for side in (1.0, -1.0))
+
+
+def _to_spare(rub: Rub, side: float) -> GuardValue:
+    """What friction could hold beyond what it has to, in N or N·m."""
+    return lambda t, q, v, held, p, dyn, ops: rub.force - side * dyn.holding(rub.joint)
