@@ -85,11 +85,12 @@ class Planar:
         pin.computeJointJacobians(robot.model, at_zero, pin.neutral(robot.model))
         self.bodies = _bodies(robot.model, at_zero)
         self.gravity = float(-robot.model.gravity.linear[2])
-        self.toes: dict[str, tuple[int, tuple[float, float]]] = {}
-        for toe in robot.toes:
-            frame = robot.model.frames[robot.toe_id(toe)]
+        self._frames: dict[str, tuple[int, tuple[float, float]]] = {}
+        for frame in robot.model.frames:
             turn = at_zero.oMi[frame.parentJoint].rotation
-            self.toes[toe] = int(frame.parentJoint) - 1, _plane(turn @ frame.placement.translation)
+            place = int(frame.parentJoint) - 1, _plane(turn @ frame.placement.translation)
+            self._frames.setdefault(frame.name, place)  # of several of a name the first, as Pinocchio finds it
+        self.toes = {toe: self._frames[toe] for toe in robot.toes}
 
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
         """The equations of motion at (q, v).
@@ -156,6 +157,12 @@ class Planar:
                 jacobians[toe][0][i], jacobians[toe][1][i] = column
                 i = self.bodies[i].parent
         return Terms(mass_matrix, bias, positions, jacobians, drifts)
+
+    def position(self, frame: str, q: Sequence[Any], ops: Any) -> Vector:
+        """Position of any frame of the robot's model, x and z, in m."""
+        i, offset = self._frames[frame]
+        joint = self._joints(q, [0.0] * self.nv, ops)[i] if i >= 0 else _WORLD
+        return _added(joint.origin, _turned(offset, joint.cosine, joint.sine))
 
     def _joints(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> list[_Joint]:
         joints: list[_Joint] = []

@@ -1,0 +1,131 @@
+"""Many runs at once: lanes that differ in state and parameters, integrated side by side by the Taylor engine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.lanes import Lanes
+from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.record import Options
+from spear_pin.model.boom import BoomedRobot
+
+Array = NDArray[np.float64]
+CHUNK = 4096  # lanes at a time, which bounds memory
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What became of the lanes.
+
+    Attributes:
+        q: configurations reached, (n, nq); where a lane did not end "complete" those at its last section.
+        v: velocities reached, (n, nv).
+        cycles: whole cycles run, (n,).
+        reason: why each lane ended, (n,), as of `Trajectory`.
+        message: the same in a sentence.
+        durations: seconds of the last whole cycle in each phase, (n,) each.
+        repeated: whether the reference engine had to run the lane, (n,).
+    """
+
+    q: Array
+    v: Array
+    cycles: NDArray[np.int64]
+    reason: NDArray[np.str_]
+    message: tuple[str, ...]
+    durations: Mapping[str, Array]
+    repeated: NDArray[np.bool_]
+
+
+def simulate_many(
+    system: HybridSystem,
+    q: ArrayLike,
+    v: ArrayLike,
+    cycles: int = 1,
+    rtol: float = 1e-9,
+    *,
+    parameters: Mapping[str, ArrayLike] | None = None,
+    on_lanes: Callable[[int], object] = lambda n: None,
+) -> Batch:
+    """Run whole cycles from many states, on the section or in the air before the first touchdown.
+
+    Args:
+        system: robot, law and ground.
+        q: configurations, (n, nq).
+        v: velocities, (n, nv).
+        cycles: number of whole cycles.
+        rtol: relative tolerance; the Taylor engine integrates a hundred times finer.
+        parameters: numbers that differ from lane to lane, (n,) each, named as fields of law, spring or contact.
+        on_lanes: called with the number of lanes done since the last call.
+
+    Raises:
+        MissingExtra: heyoka is not installed.
+        BadValue: shapes do not fit, a number is not finite, or the system has what the engine cannot compile:
+            hardware, or dry friction of joints.
+        UnknownName: no part has a numeric field of a name in `parameters`.
+    """
+    taylor.require()
+    q, v = np.array(q, dtype=float), np.array(v, dtype=float)
+    given = {name: np.array(values, dtype=float) for name, values in (parameters or {}).items()}
+    _check(system, q, v, given, cycles)
+    options, parts = Options(rtol), []
+    for first in range(0, max(len(q), 1), CHUNK):
+        chunk = slice(first, first + CHUNK)
+        own = {name: values[chunk] for name, values in given.items()}
+        lanes = Lanes(system, q[chunk], v[chunk], cycles, options, own)
+        lanes.go()
+        parts.append(_result(lanes))
+        on_lanes(len(q[chunk]))
+    return _joined(parts)
+
+
+def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array], cycles: int) -> None:
+    robot = system.robot
+    for name, array, width in (("q", q, robot.nq), ("v", v, robot.nv)):
+        if array.ndim != 2 or array.shape[1] != width or not np.isfinite(array).all():
+            raise BadValue(name, array, f"finite numbers of the shape (n, {width})")
+    if len(q) != len(v):
+        raise BadValue("v", len(v), f"as many lanes as q has, {len(q)}")
+    if not cycles >= 1 or cycles % 1:
+        raise BadValue("cycles", cycles, "a whole number, at least 1")
+    if system.hardware is not None or any(domain.rubs for domain in system.domains):
+        raise BadValue("system", system.kind, "one without hardware and without dry friction of joints")
+    if isinstance(robot, BoomedRobot):
+        raise BadValue("robot", robot, "one on its slider")
+    for name, values in given.items():
+        if values.shape != (len(q),) or not np.isfinite(values).all():
+            raise BadValue(f"parameters[{name!r}]", values, f"{len(q)} finite numbers")
+        for value in {values.min(initial=np.inf), values.max(initial=-np.inf)} if len(q) else ():
+            with_parameters(system, {name: float(value)})  # it says what is valid
+
+
+def _result(lanes: Lanes) -> Batch:
+    nq = lanes.system.robot.nq
+    message = tuple(lanes.message.tolist())
+    return Batch(
+        lanes.end[:nq].T,
+        lanes.end[nq:].T,
+        lanes.cycles,
+        lanes.reason.astype(str),
+        message,
+        lanes.durations,
+        lanes.repeated,
+    )
+
+
+def _joined(parts: list[Batch]) -> Batch:
+    return Batch(
+        np.concatenate([part.q for part in parts]),
+        np.concatenate([part.v for part in parts]),
+        np.concatenate([part.cycles for part in parts]),
+        np.concatenate([part.reason for part in parts]),
+        tuple(message for part in parts for message in part.message),
+        {phase: np.concatenate([part.durations[phase] for part in parts]) for phase in parts[0].durations},
+        np.concatenate([part.repeated for part in parts]),
+    )

@@ -1,0 +1,183 @@
+"""Many lanes at once by the Taylor engine, each against the reference engine."""
+
+import numpy as np
+import pytest
+
+from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping
+from spear_pin.errors import BadValue, MissingExtra, UnknownName
+from spear_pin.hybrid import batch
+from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.dry_friction import with_dry_friction
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.hardware import with_hardware
+from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.periodic import chart
+from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.run import run
+from spear_pin.model.boom import on_rotary_boom
+from spear_pin.studies.hardware import Rig
+
+FINE = 1e-11
+
+compiles = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
+
+
+def around(gait, spread, n, seed=0):
+    """States on the section beside a gait's."""
+    local, rng = chart(gait.system, gait.state), np.random.default_rng(seed)
+    states = [local.state(spread * rng.normal(size=local.dimension)) for _ in range(n)]
+    return tuple(np.array(part) for part in zip(*states, strict=True))
+
+
+def assert_agree(system, q, v, found, cycles=1, tolerance=1e-8, parameters=None):
+    """Every lane with the reference engine: the reason, the cycles, the state and the durations."""
+    for i, state in enumerate(zip(q, v, strict=True)):
+        own = with_parameters(system, {name: float(values[i]) for name, values in (parameters or {}).items()})
+        expected = run(own, state, cycles, Options(FINE))
+        assert (found.reason[i], found.cycles[i]) == (expected.reason, expected.cycles), (i, expected.message)
+        if expected.reason == "complete":
+            np.testing.assert_allclose(found.q[i], expected.state[0], rtol=0, atol=tolerance)
+            np.testing.assert_allclose(found.v[i], expected.state[1], rtol=0, atol=10 * tolerance)
+            for phase, seconds in expected.durations.items():
+                assert found.durations[phase][i] == pytest.approx(seconds, abs=tolerance)
+
+
+@compiles
+class TestAgainstTheReference:
+    def test_near_the_hop(self, hop):
+        q, v = around(hop, 0.01, 20)
+        found = simulate_many(hop.system, q, v)
+        assert not found.repeated.any()
+        assert_agree(hop.system, q, v, found)
+
+    def test_further_away(self, hop):
+        """Slip, slack springs, lift-off at a switch of the torque, motion on the switching surface."""
+        q, v = around(hop, 0.1, 24)
+        found = simulate_many(hop.system, q, v)
+        assert 0 < found.repeated.sum() < 12  # chatter is left to the reference engine
+        assert_agree(hop.system, q, v, found)
+
+    def test_several_cycles(self, hop):
+        q, v = around(hop, 0.02, 6)
+        assert_agree(hop.system, q, v, simulate_many(hop.system, q, v, 3), 3)
+
+    def test_free_to_move_forward(self, free_hop):
+        q, v = around(free_hop, 0.02, 10)
+        assert_agree(free_hop.system, q, v, simulate_many(free_hop.system, q, v))
+
+    def test_from_the_air_and_falling(self, free_hop):
+        """Some topple over."""
+        rng = np.random.default_rng(5)
+        bounds = [(0.0, 0.0), (0.7, 0.9), (0.0, 1.0), (0.6, 1.4)]
+        q = np.column_stack([rng.uniform(*bound, 12) for bound in bounds])
+        v = rng.uniform(-0.5, 0.5, (12, 4))
+        found = simulate_many(free_hop.system, q, v)
+        assert set(found.reason) >= {"complete", "fall"}
+        assert_agree(free_hop.system, q, v, found)
+
+    def test_each_lane_with_its_own_numbers(self, hop):
+        """Of law, spring and ground."""
+        q, v = around(hop, 0.005, 8)
+        rng = np.random.default_rng(6)
+        values = {
+            "stance_torque": rng.uniform(6, 10, 8),
+            "stiffness": rng.uniform(40, 60, 8),
+            "damping": rng.uniform(0.8, 1.6, 8),
+            "friction": rng.uniform(0.5, 1.0, 8),
+            "frequency": rng.uniform(2.3, 2.8, 8),
+        }
+        found = simulate_many(hop.system, q, v, parameters=values)
+        assert_agree(hop.system, q, v, found, parameters=values)
+
+    @pytest.mark.slow
+    def test_bound(self):
+        gait = Gait.load("long_stride")
+        q, v = around(gait, 2e-4, 6)
+        found = simulate_many(gait.system, q, v)
+        assert found.repeated.sum() <= 1
+        assert_agree(gait.system, q, v, found, tolerance=1e-7)
+
+    def test_limited_flexion(self, robot, hop):
+        """A law that asks for forces, with its own events."""
+        system = hopping(robot, HoppingLaw(stance_torque=10.0, minimum_force=15.0))
+        q, v = around(hop, 0.02, 8)
+        assert_agree(system, q, v, simulate_many(system, q, v))
+
+    def test_linear_spring(self, robot, hop):
+        system = hopping(robot, hop.system.law, Spring(unilateral=False), Contact(0.6))
+        q, v = around(hop, 0.02, 6)
+        assert_agree(system, q, v, simulate_many(system, q, v))
+
+
+@compiles
+class TestLanes:
+    def test_do_not_depend_on_each_other(self, hop, monkeypatch):
+        """The same alone, in another order and in chunks, to the last digit."""
+        q, v = around(hop, 0.05, 20)
+        everything = simulate_many(hop.system, q, v)
+        backwards = simulate_many(hop.system, q[::-1], v[::-1])
+        monkeypatch.setattr(batch, "CHUNK", 7)
+        told = []
+        chunked = simulate_many(hop.system, q, v, on_lanes=told.append)
+        assert told == [7, 7, 6]
+        np.testing.assert_array_equal(chunked.q, everything.q)
+        np.testing.assert_array_equal(backwards.v[::-1], everything.v)
+
+    def test_below_ground(self, hop):
+        q, v = around(hop, 0.01, 3)
+        q[1, 0] -= 0.1
+        found = simulate_many(hop.system, q, v)
+        assert found.reason.tolist() == ["complete", "below_ground", "complete"]
+        assert "-0.1" in found.message[1] and found.cycles.tolist() == [1, 0, 1]
+
+    def test_stands_still(self, robot, hop):
+        """Too weak to leave the ground."""
+        system = hopping(robot, HoppingLaw(stance_torque=0.1))
+        q, v = around(hop, 0.01, 2)
+        found = simulate_many(system, q, 0.05 * v)
+        assert found.reason.tolist() == ["no_event"] * 2 and "5 s in stance" in found.message[0]
+        assert_agree(system, q, 0.05 * v, found)
+
+    def test_none(self, hop):
+        found = simulate_many(hop.system, np.zeros((0, 3)), np.zeros((0, 3)))
+        assert found.q.shape == (0, 3) and found.message == ()
+
+
+class TestBadInput:
+    @pytest.mark.parametrize(
+        ("q", "v", "name"),
+        [
+            (np.zeros((2, 4)), np.zeros((2, 3)), "q"),
+            (np.zeros(3), np.zeros((1, 3)), "q"),
+            (np.zeros((2, 3)), np.full((2, 3), np.nan), "v"),
+            (np.zeros((2, 3)), np.zeros((3, 3)), "v"),
+        ],
+    )
+    def test_states(self, hop, q, v, name):
+        with pytest.raises(BadValue, match=f"^{name} is "):
+            simulate_many(hop.system, q, v)
+
+    @pytest.mark.parametrize("cycles", [0, 1.5])
+    def test_cycles(self, hop, cycles):
+        with pytest.raises(BadValue, match="^cycles is "):
+            simulate_many(hop.system, *np.zeros((2, 1, 3)), cycles)
+
+    def test_parameters(self, hop):
+        states = np.zeros((2, 2, 3))
+        with pytest.raises(UnknownName, match="stiffnes"):
+            simulate_many(hop.system, *states, parameters={"stiffnes": [1.0, 2.0]})
+        with pytest.raises(BadValue, match="^Spring.stiffness is -1"):
+            simulate_many(hop.system, *states, parameters={"stiffness": [1.0, -1.0]})
+        with pytest.raises(BadValue, match=r"^parameters\['stiffness'\] is "):
+            simulate_many(hop.system, *states, parameters={"stiffness": [1.0]})
+
+    def test_what_cannot_be_compiled(self, robot, hop):
+        others = with_hardware(hop.system, Rig().on(robot)), with_dry_friction(hop.system, {"boom_z": 5.0})
+        for system in (*others, hopping(on_rotary_boom(robot))):
+            with pytest.raises(BadValue, match="^(system|robot) is "):
+                simulate_many(system, *np.zeros((2, 1, 3)))
+
+    def test_without_the_extra(self, hop, monkeypatch):
+        monkeypatch.setattr(taylor, "hy", None)
+        with pytest.raises(MissingExtra, match=r"spear-pin\[fast\]"):
+            simulate_many(hop.system, np.array([hop.state[0]]), np.array([hop.state[1]]))

@@ -1,0 +1,119 @@
+"""Closed-loop motion for scalars of any kind, against the reference engine's."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, HoppingLaw, Spring, hopping, load
+from spear_pin.gaits.series_hopping import series_hopping
+from spear_pin.hybrid.engines.pinocchio import Flow
+from spear_pin.hybrid.engines.symbolic import Motion, Numbers, factorize, solve, substitute, with_fields
+from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.run import run
+from spear_pin.model.planar import Planar
+
+OPS = SimpleNamespace(
+    **{name: getattr(np, name) for name in ("sin", "cos", "tan", "tanh", "sqrt", "exp", "maximum")}, solve=solve
+)
+HOP = {"knee_touchdown": 0.9, "taut": 1.0, "flexing": 1.0, "compressing": 1.0, "limited": 1.0, "speed": 0.3}
+SERIES = {"rest": 0.0, "taut": 1.0, "flexing": -1.0}
+
+
+def hops():
+    locked, free = load("spear_ii", locked=["boom_x"]), load("spear_ii")
+    placed = HoppingLaw(hip_touchdown=0.5, foot_placement=0.1, virtual_stiffness=3.0)
+    return {
+        "hop": (hopping(locked), HOP),
+        "limited": (hopping(locked, HoppingLaw(minimum_force=10.0)), HOP),
+        "free": (hopping(free, placed), HOP),
+        "fixed spring": (hopping(locked, spring=Spring(rest=0.8)), HOP),
+        "series": (series_hopping(load("spear_ii_series", locked=["boom_x"])), SERIES),
+    }
+
+
+SYSTEMS = hops()
+
+
+def of(system):
+    return Numbers(system.law, system.spring.stiffness, system.spring.damping, system.contact.friction)
+
+
+def compare(system, domain, held, q, v, t=0.01):
+    """Acceleration, forces, torques and guards of both."""
+    flow = Flow(system, domain, held)
+    y = np.concatenate([q, v, np.zeros(flow._nw)])
+    flow(t, y)
+    guards = [flow.value(guard, t, y) for guard in domain.guards]
+    motion = Motion(system, domain, Planar(system.robot), t, list(q), list(v), held, of(system), OPS)
+    flow(t, y)  # the limit on flexion asks it for other forces
+    scale = 1.0 + np.abs(flow.a).max()
+    np.testing.assert_allclose(np.array(motion.a, float) / scale, flow.a / scale, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(np.array(motion.u, float), flow.u, rtol=1e-9, atol=1e-9)
+    for toe in system.robot.toes:
+        np.testing.assert_allclose(motion.force(toe), flow.force(toe), rtol=1e-9, atol=1e-8)
+        np.testing.assert_allclose(motion.toe_acceleration(toe), flow.toe_acceleration(toe), rtol=0, atol=1e-9 * scale)
+    size = 1.0 + np.abs(guards)
+    np.testing.assert_allclose(np.array(motion.guards, float) / size, guards / size, rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_hops(name):
+    system, held = SYSTEMS[name]
+    rng = np.random.default_rng(1)
+    for domain in system.domains:
+        for _ in range(5):
+            compare(system, domain, held, rng.uniform(0.2, 1.0, system.robot.nq), rng.uniform(-1, 1, system.robot.nv))
+
+
+def test_bound():
+    """Every phase of the stride, sticking and slipping, with what is held in it."""
+    gait = Gait.load("long_stride")
+    segments = run(gait.system, gait.state, 1, Options(keep=True)).segments
+    held = {segment.domain.phase: segment.held for segment in segments}
+    rng = np.random.default_rng(2)
+    seen = 0
+    for domain in gait.system.domains:
+        if domain.phase in held:
+            seen += 1
+            for _ in range(3):
+                q, v = rng.uniform(0.2, 1.0, 7), rng.uniform(-1, 1, 7)
+                q[6] = -q[6]
+                compare(gait.system, domain, held[domain.phase], q, v)
+    assert seen == 8
+
+
+def test_many_states_at_once():
+    """With arrays as scalars."""
+    system, held = SYSTEMS["hop"]
+    rng = np.random.default_rng(3)
+    q, v = rng.uniform(0.2, 1.0, (3, 7)), rng.uniform(-1, 1, (3, 7))
+    stance = system.domains[0]
+    every = Motion(system, stance, Planar(system.robot), 0.0, list(q), list(v), held, of(system), OPS)
+    for i in range(7):
+        one = Motion(system, stance, Planar(system.robot), 0.0, list(q[:, i]), list(v[:, i]), held, of(system), OPS)
+        np.testing.assert_allclose([part[i] for part in every.a], one.a, rtol=1e-12)
+
+
+def test_frames_of_no_toe():
+    robot = load("spear_ii")
+    planar, q = Planar(robot), [0.2, 0.7, 0.5, 1.1]
+    for frame, expected in (("hip", (0.2, 0.7)), ("knee", (0.2 + 0.318 * np.sin(0.5), 0.7 - 0.318 * np.cos(0.5)))):
+        np.testing.assert_allclose(planar.position(frame, q, np), expected, atol=1e-14)
+
+
+def test_linear_algebra():
+    rng = np.random.default_rng(4)
+    root = rng.normal(size=(5, 5))
+    matrix, right = root @ root.T + np.eye(5), rng.normal(size=5)
+    matrix[0, 3:] = matrix[3:, 0] = 0.0
+    expected = np.linalg.solve(matrix, right)
+    np.testing.assert_allclose(substitute(factorize(matrix.tolist()), right.tolist()), expected, atol=1e-12)
+    np.testing.assert_allclose(solve(matrix.tolist(), right.tolist()), expected, atol=1e-12)
+    skewed = matrix + rng.normal(size=(5, 5))
+    np.testing.assert_allclose(solve(skewed.tolist(), right.tolist()), np.linalg.solve(skewed, right), atol=1e-10)
+
+
+def test_fields_need_not_be_valid():
+    law = with_fields(HoppingLaw(), {"frequency": "f"})
+    assert law.frequency == "f" and law.knee_gain == 63.25 and isinstance(law, HoppingLaw)
