@@ -131,7 +131,7 @@ def sliding(system: HybridSystem, flow: Flow, guard: Guard, came: tuple[Domain, 
         y: the state.
     """
     assert guard.reset is not None
-    between = _alternation(system, (flow.domain, came[0]), (guard.reset, came[1]))
+    between = alternation(system, (flow.domain, came[0]), (guard.reset, came[1]))
     nq, nv = system.robot.nq, system.robot.nv
     q, v = y[:nq], y[nq : nq + nv]
     if between is None or abs(system.robot.toe_jacobian(q, between.toe)[1] @ v) > AT_REST:
@@ -187,7 +187,7 @@ def latched(system: HybridSystem, held: Held, y: Array, *resets: Reset) -> Held:
     return held
 
 
-def _alternation(system: HybridSystem, domains: Sequence[Domain], resets: Sequence[Reset]) -> Alternation | None:
+def alternation(system: HybridSystem, domains: Sequence[Domain], resets: Sequence[Reset]) -> Alternation | None:
     """What two domains that lead into each other make: None unless just one of them has a toe on the ground.
 
     Args:

@@ -7,18 +7,21 @@ different.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem, Reset
+from spear_pin.hybrid.automaton import OPEN, Alternation, Domain, Guard, HybridSystem, Reset
 from spear_pin.hybrid.contact import joint_impact, routh
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.symbolic import with_fields
-from spear_pin.hybrid.engines.taylor import FAILED, TIME_LIMIT, Compiled
+from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Compiled, Point
+from spear_pin.hybrid.filippov import BEYOND, ENDS, MOST_AT_ONCE, ON_EDGE, alternation, chatter
 from spear_pin.hybrid.lane_groups import (
+    Flags,
     Group,
     Indices,
     along,
@@ -38,7 +41,9 @@ from spear_pin.hybrid.run import AT_ONCE, INSTANT, run, struck_toes
 from spear_pin.model.planar import Planar
 
 Array = NDArray[np.float64]
+Came = tuple[Domain, Reset]  # from where a phase was entered
 GLIMPSES = (1e-6, 1e-5, 1e-4)  # s: in the first of them guards on zero have to become positive
+BENT = 1e-9  # what changes sign at a kink is on zero within this, in its unit
 CHANGE = 1e-14  # of a guard's value, in its unit: less is rounding
 EVENTS = 40  # of a cycle; one with more is left to the reference engine
 FINER = 100.0  # times the reference engine's tolerance is what the Taylor engine integrates with
@@ -102,8 +107,13 @@ class Lanes:
             self.on_section[lanes] = phase == stance
             self.enter(phase, group)
 
-    def enter(self, phase: str, group: Group) -> None:
-        """Find the domain of a phase that fits each lane, as `modes.fitting` does.
+    def enter(self, phase: str, group: Group, came: Came | None = None) -> None:
+        """Begin a phase, or go on with it after an event within it."""
+        for ready, part, point in self.choose(phase, group):
+            self.watch(ready, part, point, came)
+
+    def choose(self, phase: str, group: Group) -> Iterator[tuple[Compiled, Group, Point]]:
+        """The domain of a phase that fits each lane, as `modes.fitting` finds it, evaluated there.
 
         Where none does, it is the first in which the toes that cannot stay would have to be held down: they leave.
         """
@@ -115,55 +125,141 @@ class Lanes:
                 point = ready.at(group.t, group.y, self.parameters(group))
                 fits = moves(ready, point) & rule(ready, point, self.friction(group.lanes))
                 if fits.any():
-                    self.watch(ready, group.take(fits), point.guards[:, fits])
+                    yield ready, group.take(fits), point.take(fits)
                 group = group.take(~fits)
         self.give_up(group.lanes)
 
-    def watch(self, ready: Compiled, group: Group, guards: Array) -> None:
-        """See which guards are on zero where a domain is entered, as `events.Watch` does."""
-        domain = ready.domain
-        tolerances = np.array([guard.tolerance for guard in domain.guards])[:, None]
-        changes_it = np.array([not guard.observes for guard in domain.guards])[:, None]
-        defined = np.isfinite(guards).all(axis=0) & np.isfinite(group.y).all(axis=0)
-        self.give_up(group.lanes[~defined])
-        waiting = (guards <= tolerances) & changes_it & defined
-        quiet = ~waiting.any(axis=0) & defined
-        if quiet.any():
-            self.put(ready, group.take(quiet))
-        if quiet.all() or not (some := waiting.any(axis=0)).any():
-            return
-        group, guards, waiting = group.take(some), guards[:, some], waiting[:, some]
-        change, falls = np.zeros_like(guards), waiting & (guards < -tolerances)
-        for h in (1e-7, 1e-6, 1e-5):
-            ahead = self.ahead(ready, group, h)[1]
-            change = np.where(np.abs(change) <= CHANGE, ahead - guards, change)
-        at_once = falls | (waiting & ~(change > 0.0))
-        happening = at_once.any(axis=0)
-        first = at_once.argmax(axis=0)
-        for index in np.unique(first[happening]):
-            chosen = happening & (first == index)
-            # as soon as the phase is entered, it may be motion on the switching surface
-            lasting = chosen & (group.t > AT_ONCE)
-            self.give_up(group.lanes[chosen & ~lasting])
-            if lasting.any():
-                self.happen(domain, int(index), group.take(lasting))
-        self.rise(ready, group.take(~happening), changes_it)
+    def at_once(self, ready: Compiled, group: Group, point: Point) -> tuple[Indices, Flags]:
+        """Of each lane the guard that is an event on entering a domain, or -1, and whether something is on zero.
 
-    def rise(self, ready: Compiled, group: Group, changes_it: NDArray[np.bool_]) -> None:
+        As `events.Watch`: one that is on zero is an event if it falls from there.
+        """
+        tolerances = np.array([guard.tolerance for guard in ready.domain.guards])[:, None]
+        changes_it = np.array([not guard.observes for guard in ready.domain.guards])[:, None]
+        waiting = (point.guards <= tolerances) & changes_it
+        on_zero = waiting.any(axis=0) | (np.abs(point.kinks) <= BENT).any(axis=0)
+        found = np.full(len(group.lanes), -1)
+        if not on_zero.any():
+            return found, on_zero
+        some, now = group.take(on_zero), point.guards[:, on_zero]
+        change = np.zeros_like(now)
+        for h in (1e-7, 1e-6, 1e-5):
+            change = np.where(np.abs(change) <= CHANGE, self.ahead(ready, some, h)[1].guards - now, change)
+        falls = waiting[:, on_zero] & ((now < -tolerances) | ~(change > 0.0))
+        found[on_zero] = np.where(falls.any(axis=0), falls.argmax(axis=0), -1)
+        return found, on_zero
+
+    def watch(self, ready: Compiled, group: Group, point: Point, came: Came | None) -> None:
+        """Let happen what happens as soon as a domain is entered, and queue the rest."""
+        domain = ready.domain
+        defined = np.isfinite(point.guards).all(axis=0) & np.isfinite(group.y).all(axis=0)
+        self.give_up(group.lanes[~defined])
+        group, point = group.take(defined), point.take(defined)
+        first, on_zero = self.at_once(ready, group, point)
+        if not on_zero.all():
+            self.put(ready, group.take(~on_zero))
+        for index in np.unique(first[first >= 0]):
+            part, reset = group.take(first == index), domain.guards[index].reset
+            parts: tuple[Group, ...]
+            if came is not None and reset is not None and reset.phase == came[0].phase:
+                just = part.t <= AT_ONCE
+                parts = part.take(~just), self.slide(domain, reset, came, part.take(just))
+            else:
+                parts = (part,)
+            for each in parts:
+                if len(each.lanes):
+                    self.happen(domain, int(index), each)
+        self.rise(ready, group.take(on_zero & (first < 0)))
+
+    def slide(self, domain: Domain, reset: Reset, came: Came, group: Group) -> Group:
+        """Put lanes into motion on the switching surface, as `filippov.sliding`; returns those that do not slide.
+
+        Args:
+            domain: that they are in, having just entered it.
+            reset: by which they would leave it at once.
+            came: the domain before, and the reset by which they left that.
+            group: the lanes.
+        """
+        between = alternation(self.system, (domain, came[0]), (reset, came[1]))
+        if between is None:
+            return group
+        q, v = group.y[: self.nv], group.y[self.nv :]
+        sinking = along(self.planar.terms(list(q), list(v), np).jacobians[between.toe][1], v)
+        stays = np.abs(np.broadcast_to(sinking, len(group.lanes))) <= AT_REST
+        rest, group = [group.take(~stays)], group.take(stays)
+        for left, follow, held in self.entered(between.touch, group):
+            if left is not between.leave:
+                rest.append(group.take(np.isin(group.lanes, held.lanes)))
+                continue
+            for again, _, then in self.entered(left, held):
+                part = group.take(np.isin(group.lanes, then.lanes))
+                rest.append(
+                    part if again is not between.touch else self.begin_sliding(replace(between, follow=follow), part)
+                )
+        return merged([each for each in rest if len(each.lanes)] or rest[:1])
+
+    def entered(
+        self, reset: Reset, group: Group, follow: tuple[Reset, ...] = ()
+    ) -> Iterator[tuple[Reset | None, tuple[Reset, ...], Group]]:
+        """What would happen at once after a reset: the reset that leaves its phase, those before it, what is held."""
+        assert reset.phase is not None
+        yield from self._following(reset.phase, self.latch(replace(group, t=0.0 * group.t), reset), follow)
+
+    def _following(
+        self, phase: str, group: Group, follow: tuple[Reset, ...]
+    ) -> Iterator[tuple[Reset | None, tuple[Reset, ...], Group]]:
+        if not len(group.lanes):
+            return
+        for ready, part, point in self.choose(phase, group):
+            first, _ = self.at_once(ready, part, point)
+            for index in np.unique(first):
+                own = part.take(first == index)
+                then = None if index < 0 else ready.domain.guards[index].reset
+                if then is None or then.phase is not None or len(follow) == MOST_AT_ONCE:
+                    yield then, follow, own
+                else:
+                    yield from self._following(phase, self.latch(own, then), (*follow, then))
+
+    def begin_sliding(self, between: Alternation, group: Group) -> Group:
+        """Put lanes into motion between two domains; returns those whose laws' shares do not allow it."""
+        for beyond in BEYOND:
+            if not len(group.lanes):
+                break
+            domain = chatter(between, beyond)
+            try:
+                ready = self.compiled(domain, group)
+            except TypeError:  # a latch branches on a value
+                self.give_up(group.lanes)
+                return group.take(np.zeros(len(group.lanes), bool))
+            still = replace(group, t=0.0 * group.t)
+            point = ready.at(still.t, still.y, self.parameters(still))
+            first, _ = self.at_once(ready, still, point)
+            share = 1.0 + beyond - point.guards[0]
+            slides = ~np.isin(first, ENDS) & (share > -beyond - ON_EDGE) & (share < 1.0 + beyond + ON_EDGE)
+            sliding = still.take(slides)
+            if len(sliding.lanes):
+                phase = between.airborne.phase
+                self.leave_phase(phase, group.take(slides))
+                self.watch(ready, sliding, point.take(slides), None)
+            group = group.take(~slides)
+        return group
+
+    def rise(self, ready: Compiled, group: Group) -> None:
         """Go on until no guard is on zero."""
+        changes_it = np.array([not guard.observes for guard in ready.domain.guards])[:, None]
         for h in GLIMPSES:
             if not len(group.lanes):
                 return
-            y, guards = self.ahead(ready, group, h)
-            clear = ((guards > 0.0) | ~changes_it).all(axis=0)
+            y, point = self.ahead(ready, group, h)
+            clear = ((point.guards > 0.0) | ~changes_it).all(axis=0) & (np.abs(point.kinks) > 0.0).all(axis=0)
             if clear.any():
                 risen = Group(group.lanes, group.t + h, y, group.held)
                 self.put(ready, risen.take(clear))
             group = group.take(~clear)
         self.give_up(group.lanes)
 
-    def ahead(self, ready: Compiled, group: Group, h: float) -> tuple[Array, Array]:
-        """One Runge-Kutta step, and the guards after it."""
+    def ahead(self, ready: Compiled, group: Group, h: float) -> tuple[Array, Point]:
+        """One Runge-Kutta step, and the domain evaluated after it."""
         parameters = self.parameters(group)
 
         def slope(c: float, k: Array) -> Array:
@@ -174,7 +270,7 @@ class Lanes:
         k3 = slope(0.5, k2)
         k4 = slope(1.0, k3)
         y = group.y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-        return y, ready.at(group.t + h, y, parameters).guards
+        return y, ready.at(group.t + h, y, parameters)
 
     def put(self, ready: Compiled, group: Group) -> None:
         """Queue lanes to be integrated."""
@@ -198,6 +294,9 @@ class Lanes:
             part = group.take(ends == end)
             if end == FAILED:
                 self.give_up(part.lanes)
+            elif end == KINK:
+                self.events[part.lanes] += 1
+                self.rise(ready, self.within(part))
             elif end == TIME_LIMIT:
                 over = until[ends == end] >= limit
                 self.finish(part.lanes[over], "no_event", f"{limit:g} s in {domain.phase}")
@@ -218,22 +317,24 @@ class Lanes:
             return
         assert reset is not None
         self.events[group.lanes] += 1
-        many = self.events[group.lanes] > EVENTS
-        self.give_up(group.lanes[many])
-        group = group.take(~many)
+        group = self.within(group)
         struck = struck_toes(self.system, domain, reset)
         if struck:
             group.y[self.nv :] = self.strike(struck, group)
         group = self.latch(group, reset)
         if reset.phase is not None:
-            self.spent[domain.phase][group.lanes] += group.t
-            self.began[group.lanes] += group.t
-            self.switches[group.lanes] = 0
+            self.leave_phase(domain.phase, group)
             group.t = np.zeros(len(group.lanes))
         if guard.name == self.system.section:
             group = self.close_cycle(group)
         if len(group.lanes):
-            self.enter(reset.phase or domain.phase, group)
+            self.enter(reset.phase or domain.phase, group, None if reset.phase is None else (domain, reset))
+
+    def leave_phase(self, phase: str, group: Group) -> None:
+        """Count the time spent in a phase."""
+        self.spent[phase][group.lanes] += group.t
+        self.began[group.lanes] += group.t
+        self.switches[group.lanes] = 0
 
     def strike(self, toes: list[str], group: Group) -> Array:
         """Velocities after an impact on some toes."""
@@ -322,6 +423,12 @@ class Lanes:
         """The ground's friction under some lanes."""
         value = self.others[2]
         return value[lanes] if isinstance(value, np.ndarray) else value
+
+    def within(self, group: Group) -> Group:
+        """Those lanes that have not had too many events."""
+        many = self.events[group.lanes] > EVENTS
+        self.give_up(group.lanes[many])
+        return group.take(~many)
 
     def give_up(self, lanes: Indices) -> None:
         """Leave lanes to the reference engine."""

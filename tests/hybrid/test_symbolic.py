@@ -7,8 +7,9 @@ import pytest
 
 from spear_pin import Gait, HoppingLaw, Spring, hopping, load
 from spear_pin.gaits.series_hopping import series_hopping
+from spear_pin.hybrid.engines.elimination import factorize, solve, substitute
 from spear_pin.hybrid.engines.pinocchio import Flow
-from spear_pin.hybrid.engines.symbolic import Motion, Numbers, factorize, solve, substitute, with_fields
+from spear_pin.hybrid.engines.symbolic import Motion, Numbers, with_fields
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
 from spear_pin.model.planar import Planar

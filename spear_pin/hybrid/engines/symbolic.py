@@ -7,15 +7,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from spear_pin.hybrid.automaton import OPEN, STICK, Domain, HybridSystem
+from spear_pin.hybrid.automaton import OPEN, STICK, Domain, HybridSystem, Reset
+from spear_pin.hybrid.engines.elimination import Matrix, dot, factorize, solve, substitute
 from spear_pin.hybrid.phases import SIGN
 from spear_pin.model.planar import Planar
-
-Matrix = list[list[Any]]
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,8 @@ class Motion:
         v: velocity.
         held: what is held.
         numbers: the system's numbers.
-        ops: elementary functions; `solve` is added.
+        ops: elementary functions, and `solve`.
+        at_rest: toes that the controller takes to be at rest on the ground; by default those that are on it.
     """
 
     def __init__(
@@ -70,6 +70,7 @@ class Motion:
         held: Mapping[str, Any],
         numbers: Numbers,
         ops: Any,
+        at_rest: Sequence[str] | None = None,
     ) -> None:
         self.system, self.domain, self.planar = system, domain, planar
         self.t, self.q, self.v, self.held, self.numbers, self.ops = t, q, v, held, numbers, ops
@@ -78,6 +79,7 @@ class Motion:
         self._terms = planar.terms(q, v, ops)
         self._factors = factorize(self._terms.mass_matrix)
         self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
+        self._taken = [toe for toe, _ in self._closed] if at_rest is None else list(at_rest)
         self._motors = [self._index[joint] for joint in robot.actuated]
 
     # what the domain asks for
@@ -144,12 +146,12 @@ class Motion:
     def toe_velocity(self, toe: str) -> tuple[Any, Any]:
         """Velocity of a toe, x and z, in m/s."""
         x, z = self.jacobian(toe)
-        return _dot(x, self.v), _dot(z, self.v)
+        return dot(x, self.v), dot(z, self.v)
 
     def toe_acceleration(self, toe: str) -> tuple[Any, Any]:
         """Acceleration of a toe, x and z, in m/s²."""
         (x, z), drift = self.jacobian(toe), self._terms.drifts[toe]
-        return _dot(x, self.a) + drift[0], _dot(z, self.a) + drift[1]
+        return dot(x, self.a) + drift[0], dot(z, self.a) + drift[1]
 
     def height(self, frame: str) -> Any:
         """Height of a frame above the ground, in m."""
@@ -176,7 +178,7 @@ class Motion:
             applied[index] = applied[index] + torque
         rows, drift = self._at_rest()
         _, multipliers, _ = self._constrained(applied, rows, rows, drift)
-        return multipliers[2 * [name for name, _ in self._closed].index(toe) + 1]
+        return multipliers[2 * self._taken.index(toe) + 1]
 
     def response(self) -> tuple[list[Any], Matrix]:
         """(a, A) with v̇ = a + A u with the toes on the ground at rest: nv, and nv rows of nu."""
@@ -213,7 +215,7 @@ class Motion:
     def _at_rest(self) -> tuple[Matrix, list[Any]]:
         rows: Matrix = []
         drift: list[Any] = []
-        for toe, _ in self._closed:
+        for toe in self._taken:
             rows += self.jacobian(toe)
             drift += self._terms.drifts[toe]
         return rows, drift
@@ -244,8 +246,8 @@ class Motion:
         if not rows:
             return free, [], []
         responses = [substitute(self._factors, direction) for direction in directions]
-        schur = [[_dot(row, response) for response in responses] for row in rows]
-        wanted = [-(_dot(row, free) + d) for row, d in zip(rows, drift, strict=True)]
+        schur = [[dot(row, response) for response in responses] for row in rows]
+        wanted = [-(dot(row, free) + d) for row, d in zip(rows, drift, strict=True)]
         multipliers = solve(schur, wanted)
         a = [
             value + sum((m * response[i] for m, response in zip(multipliers, responses, strict=True)), 0.0)
@@ -254,50 +256,86 @@ class Motion:
         return a, multipliers, schur
 
 
-# linear algebra without pivoting, of entries that may be plain zeros
+class Alternating:
+    """Motion on the switching surface between two domains, as `filippov.Sliding`.
 
+    Both laws act as if their phase had just begun, so that what they hold is latched anew at every instant.
 
-def factorize(matrix: Matrix) -> tuple[Matrix, list[Any]]:
-    """L and d of a symmetric positive definite matrix L diag(d) Lᵀ."""
-    n = len(matrix)
-    lower: Matrix = [[0.0] * n for _ in range(n)]
-    diagonal: list[Any] = []
-    for j in range(n):
-        scaled = [_times(lower[j][k], diagonal[k]) for k in range(j)]
-        diagonal.append(matrix[j][j] - _dot(scaled, lower[j][:j]))
-        for i in range(j + 1, n):
-            value = matrix[i][j] - _dot(scaled, lower[i][:j])
-            lower[i][j] = 0.0 if _zero(value) else value / diagonal[j]
-    return lower, diagonal
+    Args:
+        system: the system.
+        domain: as of `filippov.chatter`.
+        planar: the robot's dynamics.
+        q: configuration.
+        v: velocity.
+        held: what is held.
+        numbers: the system's numbers.
+        ops: elementary functions, and `solve`.
 
+    Raises:
+        TypeError: a latch branches on a value, which symbols do not have.
+    """
 
-def substitute(factors: tuple[Matrix, list[Any]], right: Sequence[Any]) -> list[Any]:
-    """The solution of L diag(d) Lᵀ x = right."""
-    lower, diagonal = factors
-    n = len(diagonal)
-    x: list[Any] = []
-    for i in range(n):
-        x.append(right[i] - _dot(lower[i][:i], x))
-    x = [0.0 if _zero(value) else value / d for value, d in zip(x, diagonal, strict=True)]
-    for i in reversed(range(n)):
-        x[i] = x[i] - _dot([lower[j][i] for j in range(i + 1, n)], x[i + 1 :])
-    return x
+    def __init__(
+        self,
+        system: HybridSystem,
+        domain: Domain,
+        planar: Planar,
+        q: Sequence[Any],
+        v: Sequence[Any],
+        held: Mapping[str, Any],
+        numbers: Numbers,
+        ops: Any,
+    ) -> None:
+        between = domain.between
+        assert between is not None
 
+        def latched(*resets: Reset) -> Mapping[str, Any]:
+            now = held
+            for reset in resets:
+                if reset.latch is not None:
+                    now = {**now, **reset.latch(q, v, now, numbers.law)}
+            return now
 
-def solve(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any]:
-    """The solution of a small linear system, by elimination in the given order."""
-    rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
-    n = len(rows)
-    for j in range(n):
-        for i in range(j + 1, n):
-            if _zero(rows[i][j]):
-                continue
-            factor = rows[i][j] / rows[j][j]
-            rows[i] = [0.0] * (j + 1) + [a - _times(factor, b) for a, b in zip(rows[i], rows[j], strict=True)][j + 1 :]
-    x: list[Any] = [0.0] * n
-    for i in reversed(range(n)):
-        x[i] = (rows[i][n] - _dot(rows[i][i + 1 : n], x[i + 1 :])) / rows[i][i]
-    return x
+        unloaded = replace(between.grounded, contacts=between.airborne.contacts)
+        bearing = [toe for toe, mode in zip(system.robot.toes, between.grounded.contacts, strict=True) if mode != OPEN]
+        leaves, touches = latched(between.leave), latched(between.touch, *between.follow)
+        self._flight = Motion(system, between.airborne, planar, 0.0, q, v, leaves, numbers, ops)
+        self._stance = Motion(system, unloaded, planar, 0.0, q, v, touches, numbers, ops, bearing)
+        self._domain, self._arguments = domain, (0.0, q, v, leaves, numbers.law, self, ops)
+        fall, rise = (motion.toe_acceleration(between.toe)[1] for motion in (self._flight, self._stance))
+        self.share = fall / (fall - rise)
+        self.a = self._blend(self._stance.a, self._flight.a)
+        self.u = self._blend(self._stance.u, self._flight.u)
+
+    @cached_property
+    def guards(self) -> list[Any]:
+        """Values of the domain's guards."""
+        return [guard.value(*self._arguments) for guard in self._domain.guards]
+
+    def height(self, frame: str) -> Any:
+        """Height of a frame above the ground, in m."""
+        return self._flight.height(frame)
+
+    def toe_velocity(self, toe: str) -> tuple[Any, Any]:
+        """Velocity of a toe, x and z, in m/s."""
+        return self._flight.toe_velocity(toe)
+
+    def toe_acceleration(self, toe: str) -> tuple[Any, Any]:
+        """Acceleration of a toe, x and z, in m/s²."""
+        x, z = self._blend(self._stance.toe_acceleration(toe), self._flight.toe_acceleration(toe))
+        return x, z
+
+    def force(self, toe: str) -> tuple[Any, Any]:
+        """Ground force on a toe, F_x and F_z, in N."""
+        x, z = self._blend(self._stance.force(toe), self._flight.force(toe))
+        return x, z
+
+    def pivot(self, toe: str) -> Any:
+        """Effective inverse mass of the normal force of a slipping toe, in 1/kg."""
+        return self._flight.pivot(toe)
+
+    def _blend(self, stance: Sequence[Any], flight: Sequence[Any]) -> list[Any]:
+        return [self.share * s + (1.0 - self.share) * f for s, f in zip(stance, flight, strict=True)]
 
 
 def _complement(schur: Matrix, row: int, others: Sequence[int]) -> Any:
@@ -305,21 +343,4 @@ def _complement(schur: Matrix, row: int, others: Sequence[int]) -> Any:
     if not others:
         return schur[row][row]
     block = [[schur[i][j] for j in others] for i in others]
-    return schur[row][row] - _dot([schur[row][j] for j in others], solve(block, [schur[i][row] for i in others]))
-
-
-def _zero(value: Any) -> bool:
-    return isinstance(value, float) and value == 0.0
-
-
-def _times(a: Any, b: Any) -> Any:
-    return 0.0 if _zero(a) or _zero(b) else a * b
-
-
-def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    total: Any = 0.0
-    for x, y in zip(a, b, strict=True):
-        product = _times(x, y)
-        if not _zero(product):
-            total = product if _zero(total) else total + product
-    return total
+    return schur[row][row] - dot([schur[row][j] for j in others], solve(block, [schur[i][row] for i in others]))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -17,7 +16,8 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import MissingExtra
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, HybridSystem
-from spear_pin.hybrid.engines.symbolic import Motion, Numbers, solve, with_fields
+from spear_pin.hybrid.engines.elimination import solve
+from spear_pin.hybrid.engines.symbolic import Alternating, Motion, Numbers, with_fields
 from spear_pin.model.planar import Planar
 
 try:
@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 TIME_LIMIT = -1  # ends of an arc that no guard ended
 FAILED = -2
+KINK = -3
 CACHE = 2**28  # bytes of compiled code that heyoka may keep on disk
 UNROLLED = 4  # coordinates: with more, code that is not unrolled is built ten times faster and runs half as fast
 STEPS = 5000  # an arc takes some tens
@@ -51,6 +52,7 @@ class Point:
     Attributes:
         slopes: dy/dt, (2 nv, n).
         guards: their values, (g, n).
+        kinks: what changes sign where a law is not smooth, (k, n).
         sliding: forward speed of each closed toe, (c, n).
         forces: F_x and F_z on each closed toe, (c, 2, n).
         accelerations: forward acceleration of each closed toe, (c, n).
@@ -59,10 +61,15 @@ class Point:
 
     slopes: Array
     guards: Array
+    kinks: Array
     sliding: Array
     forces: Array
     accelerations: Array
     pivots: Array
+
+    def take(self, chosen: Any) -> Point:
+        """At some of the states."""
+        return Point(*(getattr(self, field.name)[..., chosen] for field in fields(self)))
 
 
 class Compiled:
@@ -89,10 +96,17 @@ class Compiled:
         spring, friction = system.spring, system.contact.friction
         numbers = Numbers(law, *map(counter.number, (spring.stiffness, spring.damping, friction)))
         kept = {name: counter.number(value) for name, value in held.items()}
-        motion = Motion(system, domain, Planar(system.robot), hy.time, q, v, kept, numbers, _operations())
+        kinks: list[Any] = []
+        planar, ops = Planar(system.robot), _operations(kinks)
+        motion = (
+            Motion(system, domain, planar, hy.time, q, v, kept, numbers, ops)
+            if domain.between is None
+            else Alternating(system, domain, planar, q, v, kept, numbers, ops)
+        )
         slopes = [*v, *map(_expression, motion.a)]
         guards = [_expression(value) for value in motion.guards]
-        outputs = [*slopes, *guards]
+        self._kinks = len(kinks)
+        outputs = [*slopes, *guards, *kinks]
         for toe, mode in self.closed:
             outputs += [motion.toe_velocity(toe)[0], *motion.force(toe), motion.toe_acceleration(toe)[0]]
             outputs.append(_expression(1.0 if mode == STICK else motion.pivot(toe)))
@@ -101,6 +115,7 @@ class Compiled:
         # what is only observed changes nothing
         self._watched = [i for i, guard in enumerate(domain.guards) if not guard.observes]
         events = [hy.t_event_batch(guards[i], direction=falling) for i in self._watched]
+        events += [hy.t_event_batch(kink) for kink in kinks]  # a polynomial does not bend
         self.width = width()
         start = np.full((2 * self.nv, self.width), 0.1)
         motion_of = list(zip(state, slopes, strict=True))
@@ -116,9 +131,10 @@ class Compiled:
         if function.is_time_dependent:
             given["time"] = np.ascontiguousarray(t)
         values = function(np.ascontiguousarray(y), **given)
-        first, g = 2 * self.nv, len(self.domain.guards)
-        toes = values[first + g :].reshape(len(self.closed), 5, n)
-        return Point(values[:first], values[first : first + g], toes[:, 0], toes[:, 1:3], toes[:, 3], toes[:, 4])
+        counts = 2 * self.nv, len(self.domain.guards), self._kinks
+        slopes, guards, kinks, toes = np.split(values, np.cumsum(counts))
+        toes = toes.reshape(len(self.closed), 5, n)
+        return Point(slopes, guards, kinks, toes[:, 0], toes[:, 1:3], toes[:, 3], toes[:, 4])
 
     def run(self, t: Array, y: Array, until: Array, parameters: Array) -> tuple[Array, Array, NDArray[np.int64]]:
         """Integrate up to the first guard that falls through zero, or a time.
@@ -130,7 +146,7 @@ class Compiled:
             parameters: (p, n).
 
         Returns:
-            times, states and the guards' indices, or `TIME_LIMIT`, or `FAILED`.
+            times, states and the guards' indices, or `TIME_LIMIT`, `KINK` or `FAILED`.
         """
         n = len(t)
         times, ends = np.empty(n), np.empty(n, np.int64)
@@ -163,6 +179,8 @@ class Compiled:
                     ends[lane] = TIME_LIMIT
                 elif -len(self._watched) <= code < 0:
                     ends[lane] = self._watched[-code - 1]
+                elif -len(self._watched) - self._kinks <= code < 0:
+                    ends[lane] = KINK
                 elif code != _SUCCESS:
                     ends[lane] = FAILED
                 else:
@@ -248,21 +266,34 @@ def _key(system: HybridSystem) -> Any:
 
 def _functions(domain: Domain) -> Any:
     """What tells a domain's functions from another's: they are made anew with every system."""
-    functions = domain.law, *(guard.value for guard in domain.guards)
-    return domain.name, tuple((function.__module__, function.__qualname__) for function in functions)
+    between = domain.between
+    functions: list[Any] = [domain.law, *(guard.value for guard in domain.guards)]
+    others: tuple[str, ...] = ()
+    if between is not None:
+        functions += [reset.latch for reset in (between.leave, between.touch, *between.follow) if reset.latch]
+        others = between.grounded.name, between.airborne.name
+    return domain.name, others, tuple(map(_identity, functions))
+
+
+def _identity(function: Any) -> Any:
+    cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    plain = tuple(value for value in cells if isinstance(value, (str, int, float)))
+    return function.__module__, function.__qualname__, plain
 
 
 _CACHE: dict[Any, Compiled] = {}
 
 
-@cache
-def _operations() -> SimpleNamespace:
+def _operations(kinks: list[Any]) -> SimpleNamespace:
+    """Elementary functions of expressions; where they are not smooth is added to `kinks`."""
     hy = require()
-    return SimpleNamespace(
-        **{name: getattr(hy, name) for name in ("sin", "cos", "tan", "tanh", "sqrt", "exp")},
-        maximum=lambda a, b: b + hy.relu(a - b),
-        solve=solve,
-    )
+
+    def maximum(a: Any, b: Any) -> Any:
+        kinks.append(a - b)
+        return b + hy.relu(a - b)
+
+    functions = {name: getattr(hy, name) for name in ("sin", "cos", "tan", "tanh", "sqrt", "exp")}
+    return SimpleNamespace(**functions, maximum=maximum, solve=solve)
 
 
 def _expression(value: Any) -> Any:
