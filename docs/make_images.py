@@ -1,6 +1,7 @@
-"""Make the pictures of the README and the documentation: `python -m docs.make_images [hop] [design] [push] [hardware]`.
+"""Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
-Those of the hop need Chromium; those of the design studies take some minutes. The picture on top of
+Parts are hop, design, push, hardware, drivetrain. Those of the hop need Chromium; those of the design studies and of
+the drivetrain take some minutes; the latter print the table of docs/motors.md. The picture on top of
 the README is what the recorded page shows at one instant, beside plots of the same hop with that
 instant marked.
 """
@@ -21,13 +22,14 @@ from spear_pin.model.catalogue import gearbox, motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.basin import basin
 from spear_pin.studies.design import Member
+from spear_pin.studies.drivetrain import knee_drives
 from spear_pin.studies.energetics import computed_points, costs, energy_flow
 from spear_pin.studies.hardware import Rig, on_rig
 from spear_pin.studies.identification import Estimate, MovingAverage, cut, identify, read_record, smoothed
 from spear_pin.studies.laboratory import Instrument, synthesize, write_csv
 from spear_pin.studies.published_costs import PUBLISHED
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, gear_study, spear_ii
-from spear_pin.viz import design_plots, energy_plots, plots, push_plots
+from spear_pin.viz import design_plots, drivetrain_plots, energy_plots, plots, push_plots
 from spear_pin.viz.player import record
 from tests.viz.chromium import Browser
 
@@ -35,14 +37,16 @@ IMAGES = Path(__file__).parent / "images"
 INSTANT = 0.27  # s: the knee extends, spring and motor push
 WIDTH, HEIGHT = 1000, 900  # of the page, in pixels
 SPEEDS = (1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5)  # m/s, of the long strides that ship
+MOTORS = ("spear_ii_knee", "ec_60_flat_100w_24v", "ec_90_flat_90w_24v", "ec_90_flat_260w")
+RATIOS = (6.0, 8.0, 10.0, 12.0, 15.0, 18.0, 22.0, 26.0, 30.0)
 PUSHES = {"torso_x": np.linspace(-0.6, 0.6, 9), "pitch": np.linspace(-1.2, 1.2, 9)}  # m/s, rad/s
 
 
 def main() -> None:
     """Write the pictures asked for, or every one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="*", help="hop, design, push, hardware; all if none is named")
-    parts = {"hop": hop, "design": design, "push": push, "hardware": hardware}
+    parser.add_argument("what", nargs="*", help="hop, design, push, hardware, drivetrain; all if none is named")
+    parts = {"hop": hop, "design": design, "push": push, "hardware": hardware, "drivetrain": drivetrain}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
         parser.error(f"no pictures of {', '.join(sorted(unknown))}")
@@ -115,6 +119,21 @@ def hardware() -> None:
     }
     for name, figure in pictures.items():
         print(plots.save_figure(figure, IMAGES / f"{name}.svg"))
+
+
+def drivetrain() -> None:
+    """Write the picture of motors and gear ratios at the knee, and print their table."""
+    motors = {name: motor(name) for name in MOTORS}
+    rows = []
+    for row in knee_drives(load("spear_ii", locked=["boom_x"]), motors, RATIOS, law=HoppingLaw(knee_touchdown=0.8)):
+        rows.append(row)
+        cells = (
+            f"`{row.motor}` | {row.ratio:g} | {1e3 * row.reflected_inertia:.0f} | {row.energy:.1f} | {row.heat:.1f}"
+            f" | {row.impact:.2f} | {row.peak_torque:.0f} | {row.rms_current:.1f}, {row.peak_current:.1f}"
+            f" | {row.thermal_load:.2f} | {row.peak_speed / row.drive.no_load_speed:.2f} | {row.margin:.1f}"
+        )
+        print(f"| {cells} |", row.reason, flush=True)
+    print(plots.save_figure(drivetrain_plots.drivetrain(rows), IMAGES / "drivetrain.svg"))
 
 
 def fitted(depth: float, seed: int) -> Estimate:

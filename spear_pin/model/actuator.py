@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from spear_pin.errors import BadValue, require
 from spear_pin.model.bridge import Battery
-from spear_pin.model.motor import Gearbox, Motor
+from spear_pin.model.motor import Gearbox, Motor, geared_constant, passed_on
 
 CREEP = 0.05  # rad/s at the joint
 FOLD = 0.1  # of the continuous current's square, over which the limit falls from peak to continuous
@@ -99,7 +99,7 @@ class Actuator:
     @property
     def constant(self) -> float:
         """N kt, in N·m/A or V·s/rad at the joint."""
-        return self.gearbox.ratio * self.motor.known("torque_constant")
+        return geared_constant(self.motor, self.gearbox)
 
     def reference(self, torque: float) -> float:
         """i* = τ*/(N kt), in A."""
@@ -125,8 +125,7 @@ class Actuator:
 
         It changes from one to the other within about `CREEP`, where gears would stick: the joint creeps instead.
         """
-        along = math.tanh(math.copysign(speed, current * speed) / CREEP)
-        return float(self.constant * current * self.gearbox.efficiency**along)
+        return float(self.constant * current * passed_on(self.gearbox.efficiency, current, speed, CREEP))
 
     def power(self, current: float, speed: float, current_slope: float = 0.0) -> Power:
         """Where the power goes; battery = joule + gearbox + joint + stored."""

@@ -116,6 +116,28 @@ class Gearbox:
             require("Gearbox.max_torque", self.max_torque, lambda x: x > 0, "a number > 0, in N·m, or None")
 
 
+def geared_constant(motor: Motor, gearbox: Gearbox) -> float:
+    """N kt of a motor behind gears, in N·m/A or V·s/rad at the joint."""
+    return gearbox.ratio * motor.known("torque_constant")
+
+
+def passed_on(efficiency: float, effort: ArrayLike, speed: ArrayLike, creep: float = 0.0) -> Array:
+    """Of a motor's torque, the share that reaches the joint: η where it drives, 1/η where it brakes.
+
+    At rest gears pass on anything between: they stick. Without creep a joint at rest counts as driven, η, for that
+    is what is left to set it in motion. With creep the share is η^tanh(along / creep), 1 at rest; a smooth one has
+    to be 1 there, or gears would give power on one side. From 20 times the creep on the two are the same.
+
+    Args:
+        efficiency: η.
+        effort: torque or current of the motor; its sign counts.
+        speed: of the joint, in rad/s, broadcast against the effort.
+        creep: width of the transition, in rad/s; 0 is a jump.
+    """
+    along = np.copysign(1.0, effort) * speed
+    return efficiency ** (np.tanh(along / creep) if creep else np.where(along < 0.0, -1.0, 1.0))
+
+
 @dataclass(frozen=True)
 class Worst:
     """The point of a motion at which a drive has least to spare.
@@ -138,8 +160,8 @@ class Drive:
     """A motor behind a gearbox on a supply, seen from the joint.
 
     Torques are those of u in (3.16): N kt i less the losses of the gears. The rotor's inertia stands in D(q),
-    as N² J, so the torque that accelerates the rotor is part of u already. Motoring (torque along speed),
-    u = N η kt i; braking, the gears help and u = N kt i / η. Voltages are steady, R i + kt N ω.
+    as N² J, so the torque that accelerates the rotor is part of u already. Driving (torque along speed, or at
+    rest), u = N η kt i; braking, the gears help and u = N kt i / η: `passed_on`. Voltages are steady, R i + kt N ω.
 
     Attributes:
         motor: needs `torque_constant` and `resistance` for most of what follows.
@@ -160,6 +182,11 @@ class Drive:
             require("Drive.current_limit", self.current_limit, lambda i: i > 0, "a number > 0, in A, or None")
 
     @property
+    def constant(self) -> float:
+        """N kt, in N·m/A or V·s/rad at the joint."""
+        return geared_constant(self.motor, self.gearbox)
+
+    @property
     def reflected_inertia(self) -> float:
         """N² J, of rotor and gears, in kg·m²."""
         return self.gearbox.ratio**2 * (self.motor.known("rotor_inertia") + self.gearbox.inertia)
@@ -167,7 +194,7 @@ class Drive:
     @property
     def no_load_speed(self) -> float:
         """Joint speed at which the back-EMF equals the supply, V / (N kt), in rad/s."""
-        return self.bus / self._constant
+        return self.bus / self.constant
 
     @property
     def stall_torque(self) -> float:
@@ -180,19 +207,19 @@ class Drive:
         gear = self.gearbox
         torque = gear.ratio * gear.efficiency * self.motor.continuous_torque
         if self.current_limit is not None:
-            torque = min(torque, gear.efficiency * self._constant * self.current_limit)
+            torque = min(torque, gear.efficiency * self.constant * self.current_limit)
         return torque if gear.max_torque is None else min(torque, gear.max_torque)
 
     @property
     def continuous_speed(self) -> float:
         """Joint speed up to which the supply still gives the continuous torque, in rad/s; 0 if it never does."""
         drop = self.motor.known("resistance") * float(self.current(self.continuous_torque, 0.0))
-        return max(0.0, self.bus - drop) / self._constant
+        return max(0.0, self.bus - drop) / self.constant
 
     def torque(self, current: ArrayLike, speed: ArrayLike) -> Array:
         """Joint torque of a motor current, in N·m; the inverse of `current`."""
         amperes, rate = _arrays(current=current, speed=speed)
-        return np.asarray(self._constant * amperes * self._share(amperes, rate))[()]
+        return np.asarray(self.constant * amperes * passed_on(self.gearbox.efficiency, amperes, rate))[()]
 
     def current(self, torque: ArrayLike, speed: ArrayLike) -> Array:
         """Motor current, in A: u / (N η kt) where it drives, u η / (N kt) where it brakes.
@@ -205,11 +232,11 @@ class Drive:
             BadValue: shapes do not fit or a number is not finite (as in every method).
         """
         effort, rate = _arrays(torque=torque, speed=speed)
-        return np.asarray(effort / (self._constant * self._share(effort, rate)))[()]
+        return np.asarray(effort / (self.constant * passed_on(self.gearbox.efficiency, effort, rate)))[()]
 
     def voltage(self, torque: ArrayLike, speed: ArrayLike) -> Array:
         """Voltage at the terminals, R i + kt N ω, in V."""
-        return self.motor.known("resistance") * self.current(torque, speed) + self._constant * np.asarray(speed)
+        return self.motor.known("resistance") * self.current(torque, speed) + self.constant * np.asarray(speed)
 
     def envelope(self, speed: ArrayLike) -> Array:
         """Greatest torque in the positive direction at a signed joint speed, in N·m; the least is -envelope(-speed).
@@ -219,7 +246,7 @@ class Drive:
         back-EMF drives current into the supply, through the bridge's diodes at least, and the motor brakes.
         """
         (rate,) = _arrays(speed=speed)
-        current = (self.bus - self._constant * rate) / self.motor.known("resistance")
+        current = (self.bus - self.constant * rate) / self.motor.known("resistance")
         limit = np.inf if self.current_limit is None else self.current_limit
         return self.torque(np.minimum(current, limit), rate)
 
@@ -253,16 +280,6 @@ class Drive:
     def bus_power(self, torque: ArrayLike, speed: ArrayLike) -> Array:
         """Electrical power at the terminals, V i, in W; an ideal amplifier takes it from the supply, or gives it."""
         return self.voltage(torque, speed) * self.current(torque, speed)
-
-    @property
-    def _constant(self) -> float:
-        """N kt, in N·m/A or V·s/rad at the joint."""
-        return self.gearbox.ratio * self.motor.known("torque_constant")
-
-    def _share(self, effort: Array, rate: Array) -> Array:
-        """Of the motor's torque, what reaches the joint: η driving, 1/η braking."""
-        eta = self.gearbox.efficiency
-        return np.where(np.sign(effort) * np.sign(rate) < 0, 1.0 / eta, eta)
 
 
 def drawn_power(power: ArrayLike, regeneration: float) -> Array:
