@@ -31,6 +31,8 @@ class Batch:
         reason: why each lane ended, (n,), as of `Trajectory`.
         message: the same in a sentence.
         durations: seconds of the last whole cycle in each phase, (n,) each.
+        observed: states (q, v), (n, nq + nv), at the last event of each name that is only recorded, such as the apex;
+            empty unless asked for.
         repeated: whether the reference engine had to run the lane, (n,).
     """
 
@@ -40,6 +42,7 @@ class Batch:
     reason: NDArray[np.str_]
     message: tuple[str, ...]
     durations: Mapping[str, Array]
+    observed: Mapping[str, Array]
     repeated: NDArray[np.bool_]
 
 
@@ -51,6 +54,7 @@ def simulate_many(
     rtol: float = 1e-9,
     *,
     parameters: Mapping[str, ArrayLike] | None = None,
+    observe: bool = False,
     on_lanes: Callable[[int], object] = lambda n: None,
 ) -> Batch:
     """Run whole cycles from many states, on the section or in the air before the first touchdown.
@@ -62,6 +66,7 @@ def simulate_many(
         cycles: number of whole cycles.
         rtol: relative tolerance; the Taylor engine integrates a hundred times finer.
         parameters: numbers that differ from lane to lane, (n,) each, named as fields of law, spring or contact.
+        observe: record the states at events that change nothing.
         on_lanes: called with the number of lanes done since the last call.
 
     Raises:
@@ -78,7 +83,7 @@ def simulate_many(
     for first in range(0, max(len(q), 1), CHUNK):
         chunk = slice(first, first + CHUNK)
         own = {name: values[chunk] for name, values in given.items()}
-        lanes = Lanes(system, q[chunk], v[chunk], cycles, options, own)
+        lanes = Lanes(system, q[chunk], v[chunk], cycles, options, own, observe)
         lanes.go()
         parts.append(_result(lanes))
         on_lanes(len(q[chunk]))
@@ -115,6 +120,7 @@ def _result(lanes: Lanes) -> Batch:
         lanes.reason.astype(str),
         message,
         lanes.durations,
+        {name: states.T for name, states in lanes.observed.items()},
         lanes.repeated,
     )
 
@@ -127,5 +133,6 @@ def _joined(parts: list[Batch]) -> Batch:
         np.concatenate([part.reason for part in parts]),
         tuple(message for part in parts for message in part.message),
         {phase: np.concatenate([part.durations[phase] for part in parts]) for phase in parts[0].durations},
+        {name: np.concatenate([part.observed[name] for part in parts]) for name in parts[0].observed},
         np.concatenate([part.repeated for part in parts]),
     )

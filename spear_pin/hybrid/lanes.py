@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import OPEN, Alternation, Domain, Guard, HybridSystem, Reset
 from spear_pin.hybrid.contact import joint_impact, routh
-from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.engines import layout, taylor
 from spear_pin.hybrid.engines.symbolic import with_fields
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Compiled, Point
 from spear_pin.hybrid.filippov import BEYOND, ENDS, MOST_AT_ONCE, ON_EDGE, alternation, chatter
@@ -53,11 +53,18 @@ class Lanes:
     """The lanes of a chunk on their way from event to event."""
 
     def __init__(
-        self, system: HybridSystem, q: Array, v: Array, cycles: int, options: Options, given: Mapping[str, Array]
+        self,
+        system: HybridSystem,
+        q: Array,
+        v: Array,
+        cycles: int,
+        options: Options,
+        given: Mapping[str, Array],
+        observing: bool,
     ) -> None:
         n, self.nv = len(q), system.robot.nv
         self.system, self.options, self.wanted, self.given = system, options, cycles, given
-        self.planar = Planar(system.robot)
+        self.planar, self.robot = Planar(system.robot), layout.robot_numbers(system)
         parts = (system.spring, "stiffness"), (system.spring, "damping"), (system.contact, "friction")
         self.others = [given.get(name, getattr(part, name)) for part, name in parts]
         self.start = np.concatenate([q.T, v.T])  # of the present cycle
@@ -69,6 +76,9 @@ class Lanes:
         self.reason, self.message = np.full(n, "", dtype=object), np.full(n, "", dtype=object)
         self.repeated = np.zeros(n, bool)
         self.queue: dict[Any, tuple[Compiled, list[Group]]] = {}
+        self.built: dict[Any, tuple[Domain, Compiled]] = {}
+        seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and observing}
+        self.observing, self.observed = observing, {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
 
     def go(self) -> None:
         """Run to the end of every lane."""
@@ -145,6 +155,8 @@ class Lanes:
         change = np.zeros_like(now)
         for h in (1e-7, 1e-6, 1e-5):
             change = np.where(np.abs(change) <= CHANGE, self.ahead(ready, some, h)[1].guards - now, change)
+            if (np.abs(change) > CHANGE)[waiting[:, on_zero]].all():
+                break
         falls = waiting[:, on_zero] & ((now < -tolerances) | ~(change > 0.0))
         found[on_zero] = np.where(falls.any(axis=0), falls.argmax(axis=0), -1)
         return found, on_zero
@@ -294,7 +306,9 @@ class Lanes:
             part = group.take(ends == end)
             if end == FAILED:
                 self.give_up(part.lanes)
-            elif end == KINK:
+            elif end == KINK or domain.guards[end].observes:
+                if end != KINK:
+                    self.observed[domain.guards[end].name][:, part.lanes] = part.y
                 self.events[part.lanes] += 1
                 self.rise(ready, self.within(part))
             elif end == TIME_LIMIT:
@@ -399,6 +413,9 @@ class Lanes:
         self.cycles[lane] = done + result.cycles
         self.end[:, lane] = np.concatenate(result.state if result.reason == "complete" else state)
         self.reason[lane], self.message[lane] = result.reason, result.message
+        for name, states in self.observed.items():
+            last = [event for event in result.events if event.name == name][-1:]
+            states[:, lane] = np.concatenate([last[0].q, last[0].v]) if last else np.nan
         if result.cycles:
             for phase in self.durations:
                 self.durations[phase][lane] = result.durations.get(phase, 0.0)
@@ -407,13 +424,18 @@ class Lanes:
 
     def compiled(self, domain: Domain, group: Group) -> Compiled:
         """The domain, compiled for what the group holds."""
-        return taylor.compiled(self.system, domain, group.held, self.options.rtol / FINER)
+        key = id(domain), layout.shape_of(group.held)
+        if key not in self.built:
+            tol = self.options.rtol / FINER
+            # kept with the domain, so that its identity stays its own
+            self.built[key] = domain, taylor.compiled(self.system, domain, group.held, tol, self.observing)
+        return self.built[key][1]
 
     def parameters(self, group: Group) -> Array:
         """Run-time parameters of a group, (p, n)."""
         others = [value[group.lanes] if isinstance(value, np.ndarray) else value for value in self.others]
         law = self.law_of(group.lanes)
-        return taylor.parameters(self.system, law, others, group.held, len(group.lanes))
+        return layout.parameters(law, others, self.robot, group.held, len(group.lanes))
 
     def law_of(self, lanes: Indices) -> Any:
         """Parameters of the law in some lanes."""

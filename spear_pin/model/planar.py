@@ -10,6 +10,7 @@ Vectors lie in the x-z plane; angles turn x towards z, so that pitch is positive
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -85,12 +86,18 @@ class Planar:
         pin.computeJointJacobians(robot.model, at_zero, pin.neutral(robot.model))
         self.bodies = _bodies(robot.model, at_zero)
         self.gravity = float(-robot.model.gravity.linear[2])
-        self._frames: dict[str, tuple[int, tuple[float, float]]] = {}
+        self.frames: dict[str, tuple[int, tuple[float, float]]] = {}
         for frame in robot.model.frames:
             turn = at_zero.oMi[frame.parentJoint].rotation
             place = int(frame.parentJoint) - 1, _plane(turn @ frame.placement.translation)
-            self._frames.setdefault(frame.name, place)  # of several of a name the first, as Pinocchio finds it
-        self.toes = {toe: self._frames[toe] for toe in robot.toes}
+            self.frames.setdefault(frame.name, place)  # of several of a name the first, as Pinocchio finds it
+        self.toes = {toe: self.frames[toe] for toe in robot.toes}
+
+    def with_bodies(self, bodies: Sequence[Body]) -> Planar:
+        """The same mechanism of other bodies, whose numbers may be symbols."""
+        other = copy(self)
+        other.bodies = tuple(bodies)
+        return other
 
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
         """The equations of motion at (q, v).
@@ -160,7 +167,7 @@ class Planar:
 
     def position(self, frame: str, q: Sequence[Any], ops: Any) -> Vector:
         """Position of any frame of the robot's model, x and z, in m."""
-        i, offset = self._frames[frame]
+        i, offset = self.frames[frame]
         joint = self._joints(q, [0.0] * self.nv, ops)[i] if i >= 0 else _WORLD
         return _added(joint.origin, _turned(offset, joint.cosine, joint.sine))
 

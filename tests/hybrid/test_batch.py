@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping
+from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping, vary
 from spear_pin.errors import BadValue, MissingExtra, UnknownName
 from spear_pin.hybrid import batch
 from spear_pin.hybrid.batch import simulate_many
@@ -127,6 +127,26 @@ class TestLanes:
         assert told == [7, 7, 6]
         np.testing.assert_array_equal(chunked.q, everything.q)
         np.testing.assert_array_equal(backwards.v[::-1], everything.v)
+
+    def test_observed(self, hop):
+        """The state at the apex, of lanes that the reference engine repeats too."""
+        q, v = around(hop, 0.1, 6)
+        assert not simulate_many(hop.system, q, v).observed
+        found = simulate_many(hop.system, q, v, observe=True)
+        assert_agree(hop.system, q, v, found)
+        for i, state in enumerate(zip(q, v, strict=True)):
+            apex = run(hop.system, state, 1, Options(FINE)).event("apex")
+            np.testing.assert_allclose(found.observed["apex"][i], [*apex.q, *apex.v], rtol=0, atol=1e-8)
+
+    def test_share_what_is_compiled(self, hop):
+        """Robots that differ in numbers only."""
+        q, v = around(hop, 0.005, 4)
+        simulate_many(hop.system, q, v)
+        before = taylor._compiled.cache_info().misses
+        other = hopping(vary(hop.system.robot, knee_ratio=18.0), hop.system.law)
+        found = simulate_many(other, q, v)
+        assert taylor._compiled.cache_info().misses == before
+        assert_agree(other, q, v, found)
 
     def test_below_ground(self, hop):
         q, v = around(hop, 0.01, 3)

@@ -37,7 +37,9 @@ SYSTEMS = hops()
 
 
 def of(system):
-    return Numbers(system.law, system.spring.stiffness, system.spring.damping, system.contact.friction)
+    spring = system.spring
+    joints = system.robot.model.damping.tolist()
+    return Numbers(system.law, spring.stiffness, spring.damping, system.contact.friction, joints)
 
 
 def compare(system, domain, held, q, v, t=0.01):

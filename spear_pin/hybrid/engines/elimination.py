@@ -14,7 +14,7 @@ def factorize(matrix: Matrix) -> tuple[Matrix, list[Any]]:
     lower: Matrix = [[0.0] * n for _ in range(n)]
     diagonal: list[Any] = []
     for j in range(n):
-        scaled = [_times(lower[j][k], diagonal[k]) for k in range(j)]
+        scaled = [times(lower[j][k], diagonal[k]) for k in range(j)]
         diagonal.append(matrix[j][j] - dot(scaled, lower[j][:j]))
         for i in range(j + 1, n):
             value = matrix[i][j] - dot(scaled, lower[i][:j])
@@ -44,7 +44,7 @@ def solve(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any]:
             if _zero(rows[i][j]):
                 continue
             factor = rows[i][j] / rows[j][j]
-            rows[i] = [0.0] * (j + 1) + [a - _times(factor, b) for a, b in zip(rows[i], rows[j], strict=True)][j + 1 :]
+            rows[i] = [0.0] * (j + 1) + [a - times(factor, b) for a, b in zip(rows[i], rows[j], strict=True)][j + 1 :]
     x: list[Any] = [0.0] * n
     for i in reversed(range(n)):
         x[i] = (rows[i][n] - dot(rows[i][i + 1 : n], x[i + 1 :])) / rows[i][i]
@@ -55,7 +55,8 @@ def _zero(value: Any) -> bool:
     return isinstance(value, float) and value == 0.0
 
 
-def _times(a: Any, b: Any) -> Any:
+def times(a: Any, b: Any) -> Any:
+    """The product, zero if a factor is."""
     return 0.0 if _zero(a) or _zero(b) else a * b
 
 
@@ -63,7 +64,12 @@ def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
     """Σ a b, leaving out what is zero."""
     total: Any = 0.0
     for x, y in zip(a, b, strict=True):
-        product = _times(x, y)
+        product = times(x, y)
         if not _zero(product):
             total = product if _zero(total) else total + product
     return total
+
+
+def negated(value: Any) -> Any:
+    """The negative, zero of zero."""
+    return 0.0 if _zero(value) else -value

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, HybridSystem, Reset
-from spear_pin.hybrid.engines.elimination import Matrix, dot, factorize, solve, substitute
+from spear_pin.hybrid.engines.elimination import Matrix, dot, factorize, negated, solve, substitute, times
 from spear_pin.hybrid.phases import SIGN
 from spear_pin.model.planar import Planar
 
@@ -26,12 +26,14 @@ class Numbers:
         stiffness: of the springs, in N·m/rad.
         damping: of the springs, in N·m·s/rad.
         friction: of the ground.
+        joints: viscous friction of each joint, in N·s/m or N·m·s/rad.
     """
 
     law: Any
     stiffness: Any
     damping: Any
     friction: Any
+    joints: Sequence[Any]
 
 
 def with_fields(instance: Any, values: Mapping[str, Any]) -> Any:
@@ -203,8 +205,7 @@ class Motion:
     @cached_property
     def _passive(self) -> list[Any]:
         """Springs, dampers and friction of the joints."""
-        damping = self.system.robot.model.damping
-        forces = [-float(b) * rate if b else 0.0 for b, rate in zip(damping, self.v, strict=True)]
+        forces = [negated(times(b, rate)) for b, rate in zip(self.numbers.joints, self.v, strict=True)]
         for mount in self.domain.mounts:
             i = self._index[mount.joint]
             # a mount may have its spring without its damper

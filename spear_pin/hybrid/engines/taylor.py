@@ -6,8 +6,9 @@ held, is a run-time parameter, so that lanes may differ in them; the robot's num
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -17,8 +18,8 @@ from numpy.typing import NDArray
 from spear_pin.errors import MissingExtra
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, HybridSystem
 from spear_pin.hybrid.engines.elimination import solve
-from spear_pin.hybrid.engines.symbolic import Alternating, Motion, Numbers, with_fields
-from spear_pin.model.planar import Planar
+from spear_pin.hybrid.engines.layout import Structure, symbols
+from spear_pin.hybrid.engines.symbolic import Alternating, Motion
 
 try:
     import heyoka as hy
@@ -32,6 +33,7 @@ FAILED = -2
 KINK = -3
 CACHE = 2**28  # bytes of compiled code that heyoka may keep on disk
 UNROLLED = 4  # coordinates: with more, code that is not unrolled is built ten times faster and runs half as fast
+MOST = 64  # compiled domains that are kept, some 10 MB each
 STEPS = 5000  # an arc takes some tens
 
 
@@ -80,9 +82,10 @@ class Compiled:
         domain: one of its domains.
         held: what is held there, for its shape.
         tol: tolerance of the integration.
+        observing: whether events that are only observed stop it, too.
     """
 
-    def __init__(self, system: HybridSystem, domain: Domain, held: Values, tol: float) -> None:
+    def __init__(self, system: HybridSystem, domain: Domain, held: Values, tol: float, observing: bool = False) -> None:
         hy = require()
         self.domain, self.nv = domain, system.robot.nv
         self.closed = [
@@ -91,13 +94,9 @@ class Compiled:
         names = [f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates]
         state = hy.make_vars(*names)
         q, v = state[: self.nv], state[self.nv :]
-        counter = _Counter(hy.par)
-        law = with_fields(system.law, {f.name: counter.number(getattr(system.law, f.name)) for f in fields(system.law)})
-        spring, friction = system.spring, system.contact.friction
-        numbers = Numbers(law, *map(counter.number, (spring.stiffness, spring.damping, friction)))
-        kept = {name: counter.number(value) for name, value in held.items()}
+        planar, numbers, kept = symbols(system, held, hy.par)
         kinks: list[Any] = []
-        planar, ops = Planar(system.robot), _operations(kinks)
+        ops = _operations(kinks)
         motion = (
             Motion(system, domain, planar, hy.time, q, v, kept, numbers, ops)
             if domain.between is None
@@ -112,15 +111,17 @@ class Compiled:
             outputs.append(_expression(1.0 if mode == STICK else motion.pivot(toe)))
         self._function = hy.cfunc([_expression(output) for output in outputs], state)
         falling = hy.event_direction.negative
-        # what is only observed changes nothing
-        self._watched = [i for i, guard in enumerate(domain.guards) if not guard.observes]
+        self._watched = [i for i, guard in enumerate(domain.guards) if observing or not guard.observes]
         events = [hy.t_event_batch(guards[i], direction=falling) for i in self._watched]
         events += [hy.t_event_batch(kink) for kink in kinks]  # a polynomial does not bend
         self.width = width()
-        start = np.full((2 * self.nv, self.width), 0.1)
+        self._somewhere = np.full((2 * self.nv, 1), 0.1)  # a finite state
+        start = np.repeat(self._somewhere, self.width, axis=1)
         motion_of = list(zip(state, slopes, strict=True))
         compact = self.nv > UNROLLED
         self._integrator = hy.taylor_adaptive_batch(motion_of, start, tol=tol, t_events=events, compact_mode=compact)
+
+        self._meaning = np.array([*self._watched, *[KINK] * len(kinks)], dtype=np.int64)  # of its events
 
     def at(self, t: Array, y: Array, parameters: Array) -> Point:
         """Evaluate at states y, (2 nv, n), and times t, (n,), with parameters (p, n)."""
@@ -148,140 +149,53 @@ class Compiled:
         Returns:
             times, states and the guards' indices, or `TIME_LIMIT`, `KINK` or `FAILED`.
         """
-        n = len(t)
-        times, ends = np.empty(n), np.empty(n, np.int64)
-        states = np.empty_like(y)
-        for first in range(0, n, self.width):
-            lanes = slice(first, min(first + self.width, n))
-            count = lanes.stop - first
-            padded = np.minimum(np.arange(first, first + self.width), n - 1)
-            own = self._run(t[padded], y[:, padded], until[padded], parameters[:, padded])
-            times[lanes], states[:, lanes], ends[lanes] = own[0][:count], own[1][:, :count], own[2][:count]
-        return times, states, ends
+        n, width = len(t), self.width
+        padded = np.arange(-(-n // width) * width)
+        padded[n:] = n - 1
 
-    def _run(self, t: Array, y: Array, until: Array, parameters: Array) -> tuple[Array, Array, list[int]]:
-        """The same for as many lanes as are integrated at a time."""
+        def blocks(rows: Array) -> Array:
+            return np.ascontiguousarray(rows[:, padded].reshape(len(rows), -1, width).transpose(1, 0, 2))
+
+        times, stops = (blocks(each[None])[:, 0] for each in (t, until))
+        states, numbers = blocks(y), blocks(parameters[: len(self._integrator.pars)])
+        codes = np.empty(times.shape, np.int64)
+        for block in zip(times, states, stops, numbers, codes, strict=True):
+            self._run(*block)
+        codes = codes.ravel()[:n]
+        ends = np.where(codes == _LIMIT, TIME_LIMIT, FAILED)
+        events = (codes < 0) & (codes >= -len(self._meaning))  # the first is -1
+        ends[events] = self._meaning[-codes[events] - 1]
+        return times.ravel()[:n], states.transpose(1, 0, 2).reshape(len(y), -1)[:, :n].copy(), ends
+
+    def _run(self, t: Array, y: Array, until: Array, parameters: Array, codes: NDArray[np.int64]) -> None:
+        """The same for as many lanes as are integrated at a time; times, states and heyoka's outcomes are set."""
         integrator = self._integrator
         integrator.set_time(t)
         integrator.state[:] = y
-        integrator.pars[:] = parameters[: len(integrator.pars)]
+        integrator.pars[:] = parameters
         integrator.reset_cooldowns()
-        ends: list[int | None] = [None] * self.width
-        until = until.copy()
-        times, states = np.empty(self.width), np.empty_like(y)
+        codes[:] = _SUCCESS
         while True:
             integrator.propagate_until(until, max_steps=STEPS)
-            for lane, (outcome, *_) in enumerate(integrator.propagate_res):
-                if ends[lane] is not None:
-                    continue
-                code = int(outcome)
-                if code == _LIMIT:
-                    ends[lane] = TIME_LIMIT
-                elif -len(self._watched) <= code < 0:
-                    ends[lane] = self._watched[-code - 1]
-                elif -len(self._watched) - self._kinks <= code < 0:
-                    ends[lane] = KINK
-                elif code != _SUCCESS:
-                    ends[lane] = FAILED
-                else:
-                    continue
-                # it stays where it is while the others go on
-                times[lane], states[:, lane] = integrator.time[lane], integrator.state[:, lane]
-            running = [lane for lane, end in enumerate(ends) if end is None]
-            if not running:
-                return times, states, [end for end in ends if end is not None]
-            for lane, end in enumerate(ends):
-                if end is not None:
-                    integrator.state[:, lane] = y[:, lane]
-                    until[lane] = integrator.time[lane]
+            outcomes = np.array([int(result[0]) for result in integrator.propagate_res])
+            done = (codes == _SUCCESS) & (outcomes != _SUCCESS)
+            t[done], y[:, done], codes[done] = integrator.time[done], integrator.state[:, done], outcomes[done]
+            if _SUCCESS not in codes:
+                return
+            # those that are done stay where they are while the others go on
+            ready = codes != _SUCCESS
+            integrator.state[:, ready] = self._somewhere
+            until = np.where(ready, integrator.time, until)
 
 
-def compiled(system: HybridSystem, domain: Domain, held: Values, tol: float) -> Compiled:
+@lru_cache(MOST)
+def _compiled(key: Structure, tol: float, observing: bool) -> Compiled:
+    return Compiled(key.system, key.domain, key.held, tol, observing)
+
+
+def compiled(system: HybridSystem, domain: Domain, held: Values, tol: float, observing: bool = False) -> Compiled:
     """A domain compiled, once for each structure."""
-    shape = tuple((name, _shape(value)) for name, value in held.items())
-    structure = tuple((f.name, _shape(getattr(system.law, f.name))) for f in fields(system.law))
-    key = (_key(system), _functions(domain), shape, structure, tol)
-    if key not in _CACHE:
-        _CACHE[key] = Compiled(system, domain, held, tol)
-    return _CACHE[key]
-
-
-def parameters(system: HybridSystem, law: Any, others: Sequence[Any], held: Values, n: int) -> Array:
-    """Run-time parameters of n lanes, (p, n), in the order in which `Compiled` counts them.
-
-    Args:
-        system: the system.
-        law: parameters of the law, numbers or arrays of n.
-        others: stiffness, damping and friction, numbers or arrays of n.
-        held: what is held, numbers or arrays of n.
-        n: number of lanes.
-    """
-    flat: list[Any] = []
-    for value in (*(getattr(law, f.name) for f in fields(system.law)), *others, *held.values()):
-        _flatten(value, flat)
-    rows = np.empty((len(flat), n))
-    for i, value in enumerate(flat):
-        rows[i] = value
-    return rows
-
-
-class _Counter:
-    """Numbers become the next run-time parameters; what is no number is structure."""
-
-    def __init__(self, par: Any) -> None:
-        self._par, self._count = par, 0
-
-    def number(self, value: Any) -> Any:
-        if isinstance(value, tuple):
-            return tuple(self.number(item) for item in value)
-        if not _is_number(value):
-            return value
-        self._count += 1
-        return self._par[self._count - 1]
-
-
-def _flatten(value: Any, flat: list[Any]) -> None:
-    if isinstance(value, tuple):
-        for item in value:
-            _flatten(item, flat)
-    elif _is_number(value):
-        flat.append(value)
-
-
-def _is_number(value: Any) -> bool:
-    return not (value is None or isinstance(value, (bool, str)))
-
-
-def _shape(value: Any) -> Any:
-    if isinstance(value, tuple):
-        return tuple(_shape(item) for item in value)
-    return float if _is_number(value) else value
-
-
-def _key(system: HybridSystem) -> Any:
-    """What is compiled in: the robot, and which springs there are."""
-    robot, spring = system.robot, system.spring
-    return system.kind, robot.source, robot.locked, tuple(sorted(robot.varied.items())), spring.unilateral, spring.rest
-
-
-def _functions(domain: Domain) -> Any:
-    """What tells a domain's functions from another's: they are made anew with every system."""
-    between = domain.between
-    functions: list[Any] = [domain.law, *(guard.value for guard in domain.guards)]
-    others: tuple[str, ...] = ()
-    if between is not None:
-        functions += [reset.latch for reset in (between.leave, between.touch, *between.follow) if reset.latch]
-        others = between.grounded.name, between.airborne.name
-    return domain.name, others, tuple(map(_identity, functions))
-
-
-def _identity(function: Any) -> Any:
-    cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    plain = tuple(value for value in cells if isinstance(value, (str, int, float)))
-    return function.__module__, function.__qualname__, plain
-
-
-_CACHE: dict[Any, Compiled] = {}
+    return _compiled(Structure(system, domain, held), tol, observing)
 
 
 def _operations(kinks: list[Any]) -> SimpleNamespace:

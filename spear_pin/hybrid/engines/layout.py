@@ -1,0 +1,160 @@
+"""Which numbers a compiled domain takes at run time, in which order, and what is compiled in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.engines.symbolic import Numbers, with_fields
+from spear_pin.model.planar import Body, Planar
+
+Array = NDArray[np.float64]
+Values = Mapping[str, Any]
+
+
+def symbols(system: HybridSystem, held: Values, par: Any) -> tuple[Planar, Numbers, dict[str, Any]]:
+    """The robot, the system's numbers and what is held, as run-time parameters par[0], par[1], ...
+
+    What is zero of the robot stays zero; what is no number stays what it is.
+    """
+    counter = _Counter(par)
+    law = with_fields(system.law, {f.name: counter.number(getattr(system.law, f.name)) for f in fields(system.law)})
+    spring = system.spring
+    stiffness, damping, friction = map(counter.number, (spring.stiffness, spring.damping, system.contact.friction))
+    planar = Planar(system.robot)
+    bodies = [_with_numbers(body, *map(counter.nonzero, _numbers(body))) for body in planar.bodies]
+    joints = [counter.nonzero(float(b)) for b in system.robot.model.damping]
+    kept = {name: counter.number(value) for name, value in held.items()}
+    return planar.with_bodies(bodies), Numbers(law, stiffness, damping, friction, joints), kept
+
+
+def robot_numbers(system: HybridSystem) -> list[float]:
+    """Numbers of the robot that are run-time parameters, in their order."""
+    bodies = [number for body in Planar(system.robot).bodies for number in _numbers(body)]
+    return [number for number in (*bodies, *map(float, system.robot.model.damping)) if number != 0.0]
+
+
+def parameters(law: Any, others: Sequence[Any], robot: Sequence[float], held: Values, n: int) -> Array:
+    """Run-time parameters of n lanes, (p, n), in the order of `symbols`.
+
+    Args:
+        law: parameters of the law, numbers or arrays of n.
+        others: stiffness, damping and friction, numbers or arrays of n.
+        robot: as of `robot_numbers`.
+        held: what is held, numbers or arrays of n.
+        n: number of lanes.
+    """
+    flat: list[Any] = []
+    for value in (*(getattr(law, f.name) for f in fields(law)), *others, *robot, *held.values()):
+        _flatten(value, flat)
+    rows = np.empty((len(flat), n))
+    for i, value in enumerate(flat):
+        rows[i] = value
+    return rows
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """What is compiled in: two systems of equal structure differ in run-time parameters only.
+
+    Attributes:
+        system: a system.
+        domain: one of its domains.
+        held: what is held there.
+    """
+
+    system: HybridSystem
+    domain: Domain
+    held: Values
+
+    @cached_property
+    def key(self) -> Any:
+        """Everything that two of the same structure have in common."""
+        system, domain = self.system, self.domain
+        planar, spring = Planar(system.robot), system.spring
+        bodies = tuple(_with_numbers(body, *(float(x != 0.0) for x in _numbers(body))) for body in planar.bodies)
+        robot = bodies, tuple(sorted(planar.frames.items())), planar.gravity, system.robot.toes, system.robot.actuated
+        dampers = tuple(mount.spring.damping == spring.damping for mount in domain.mounts)
+        rubbing = tuple(b != 0.0 for b in system.robot.model.damping)
+        law = tuple((f.name, _shape(getattr(system.law, f.name))) for f in fields(system.law))
+        parts = spring.unilateral, spring.rest, law, shape_of(self.held)
+        return system.kind, robot, dampers, rubbing, parts, domain.contacts, _functions(domain)
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Structure) and self.key == other.key
+
+
+class _Counter:
+    """Numbers become the next run-time parameters; what is no number is structure."""
+
+    def __init__(self, par: Any) -> None:
+        self._par, self._count = par, 0
+
+    def number(self, value: Any) -> Any:
+        if isinstance(value, tuple):
+            return tuple(self.number(item) for item in value)
+        if not _is_number(value):
+            return value
+        self._count += 1
+        return self._par[self._count - 1]
+
+    def nonzero(self, value: float) -> Any:
+        return self.number(value) if value != 0.0 else 0.0
+
+
+def _numbers(body: Body) -> tuple[float, ...]:
+    return body.mass, *body.com, body.inertia, body.armature
+
+
+def _with_numbers(body: Body, mass: Any, x: Any, z: Any, inertia: Any, armature: Any) -> Body:
+    return replace(body, mass=mass, com=(x, z), inertia=inertia, armature=armature)
+
+
+def _flatten(value: Any, flat: list[Any]) -> None:
+    if isinstance(value, tuple):
+        for item in value:
+            _flatten(item, flat)
+    elif _is_number(value):
+        flat.append(value)
+
+
+def _is_number(value: Any) -> bool:
+    return not (value is None or isinstance(value, (bool, str)))
+
+
+def shape_of(held: Values) -> Any:
+    """What what is held has in common with what else is compiled alike."""
+    return tuple((name, _shape(value)) for name, value in held.items())
+
+
+def _shape(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return tuple(_shape(item) for item in value)
+    return float if _is_number(value) else value
+
+
+def _functions(domain: Domain) -> Any:
+    """What tells a domain's functions from another's: they are made anew with every system."""
+    between = domain.between
+    functions: list[Any] = [domain.law, *(guard.value for guard in domain.guards)]
+    others: tuple[str, ...] = ()
+    if between is not None:
+        functions += [reset.latch for reset in (between.leave, between.touch, *between.follow) if reset.latch]
+        others = between.grounded.name, between.airborne.name
+    return domain.name, others, tuple(map(_identity, functions))
+
+
+def _identity(function: Any) -> Any:
+    """Its place in the code and the plain values that it closes over."""
+    cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    plain = tuple(value for value in cells if isinstance(value, (str, int, float)))
+    return function.__module__, function.__qualname__, plain
