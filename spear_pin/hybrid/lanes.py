@@ -37,7 +37,7 @@ from spear_pin.hybrid.lane_groups import (
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.phases import AT_REST, ON_GROUND, rise
 from spear_pin.hybrid.record import REASONS, Options
-from spear_pin.hybrid.run import AT_ONCE, INSTANT, run, struck_toes
+from spear_pin.hybrid.run import AT_ONCE, CYCLE_EVENTS, INSTANT, run, struck_toes
 from spear_pin.model.planar import Planar
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ Came = tuple[Domain, Reset]  # from where a phase was entered
 GLIMPSES = (1e-6, 1e-5, 1e-4)  # s: in the first of them guards on zero have to become positive
 BENT = 1e-9  # what changes sign at a kink is on zero within this, in its unit
 CHANGE = 1e-14  # of a guard's value, in its unit: less is rounding
-EVENTS = 40  # of a cycle; one with more is left to the reference engine
+CROWD = 10  # events in an instant, of a lane that is then left to the reference engine, as may be a Zeno point
 FINER = 100.0  # times the reference engine's tolerance is what the Taylor engine integrates with
 
 
@@ -69,7 +69,8 @@ class Lanes:
         self.others = [given.get(name, getattr(part, name)) for part, name in parts]
         self.start = np.concatenate([q.T, v.T])  # of the present cycle
         self.end = self.start.copy()
-        self.began, self.switches, self.events = np.zeros(n), np.zeros(n, np.int64), np.zeros(n, np.int64)
+        self.began, self.switches = np.zeros(n), np.zeros(n, np.int64)
+        self.events, self.crowd, self.last = np.zeros(n, np.int64), np.zeros(n, np.int64), np.full(n, -np.inf)
         self.cycles, self.on_section = np.zeros(n, np.int64), np.zeros(n, bool)
         self.spent = {phase: np.zeros(n) for phase in system.phases}
         self.durations = {phase: np.full(n, np.nan) for phase in system.phases}
@@ -309,8 +310,7 @@ class Lanes:
             elif end == KINK or domain.guards[end].observes:
                 if end != KINK:
                     self.observed[domain.guards[end].name][:, part.lanes] = part.y
-                self.events[part.lanes] += 1
-                self.rise(ready, self.within(part))
+                self.rise(ready, self.count(part))
             elif end == TIME_LIMIT:
                 over = until[ends == end] >= limit
                 self.finish(part.lanes[over], "no_event", f"{limit:g} s in {domain.phase}")
@@ -330,8 +330,7 @@ class Lanes:
                 self.finish(np.array([lane]), ends, f"{guard.name} at t = {self.began[lane] + t:.6g} s")
             return
         assert reset is not None
-        self.events[group.lanes] += 1
-        group = self.within(group)
+        group = self.count(group)
         struck = struck_toes(self.system, domain, reset)
         if struck:
             group.y[self.nv :] = self.strike(struck, group)
@@ -446,10 +445,15 @@ class Lanes:
         value = self.others[2]
         return value[lanes] if isinstance(value, np.ndarray) else value
 
-    def within(self, group: Group) -> Group:
-        """Those lanes that have not had too many events."""
-        many = self.events[group.lanes] > EVENTS
-        self.give_up(group.lanes[many])
+    def count(self, group: Group) -> Group:
+        """Count an event; returns those lanes that have not had too many in an instant or a cycle."""
+        lanes = group.lanes
+        now = self.began[lanes] + group.t
+        self.crowd[lanes] = np.where(now - self.last[lanes] < INSTANT, self.crowd[lanes] + 1, 0)
+        self.events[lanes] += 1
+        self.last[lanes] = now
+        many = (self.crowd[lanes] >= CROWD) | (self.events[lanes] >= CYCLE_EVENTS)
+        self.give_up(lanes[many])
         return group.take(~many)
 
     def give_up(self, lanes: Indices) -> None:

@@ -1,0 +1,104 @@
+"""Basins of attraction by the ten thousand: from which states a gait is reached, and what becomes of the others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spear_pin.errors import BadValue, require
+from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.batch import simulate_many
+
+Array = NDArray[np.float64]
+NEAR = 0.01  # m, rad, m/s, rad/s
+ELSEWHERE = "elsewhere"  # still going, but not near the gait
+
+
+@dataclass(frozen=True)
+class Attraction:
+    """What became of each state.
+
+    Attributes:
+        cycles: whole cycles until it was near the gait, (n,); NaN where it never was.
+        reason: "reached", "elsewhere", or why the run ended, (n,).
+    """
+
+    cycles: Array
+    reason: NDArray[np.str_]
+
+    @property
+    def share(self) -> float:
+        """Of the states, those that reach the gait."""
+        return float(np.isfinite(self.cycles).mean()) if len(self.cycles) else float("nan")
+
+
+def attraction(
+    gait: Gait,
+    q: ArrayLike,
+    v: ArrayLike,
+    cycles: int = 15,
+    near: float = NEAR,
+    on_cycle: Callable[[int, int], object] = lambda cycle, left: None,
+) -> Attraction:
+    """Run on from many states until they are near the gait at the section.
+
+    Args:
+        gait: the gait.
+        q: configurations, (n, nq), on the section or in the air.
+        v: velocities, (n, nv).
+        cycles: whole ones, after which a state counts as lost.
+        near: largest difference of a coordinate or velocity, cyclic coordinates left out, in m, rad, m/s, rad/s.
+        on_cycle: called with the cycle and how many states are still on their way.
+
+    Raises:
+        BadValue: as of `simulate_many`.
+        MissingExtra: as of `simulate_many`.
+    """
+    require("near", near, lambda distance: distance > 0, "a number > 0")
+    system = gait.system
+    q, v = np.array(q, dtype=float), np.array(v, dtype=float)
+    n = len(q)
+    taken, reason = np.full(n, np.nan), np.full(n, ELSEWHERE, dtype=object)
+    left = np.arange(n)
+    kept = [i for i, name in enumerate(system.robot.coordinates) if name not in system.cyclic]
+    for cycle in range(1, cycles + 1):
+        if not len(left):
+            break
+        on_cycle(cycle, len(left))
+        found = simulate_many(system, q[left], v[left])
+        q[left], v[left] = found.q, found.v
+        goes_on = found.reason == "complete"
+        reason[left[~goes_on]] = found.reason[~goes_on]
+        away = np.abs(np.hstack([(found.q - gait.state[0])[:, kept], found.v - gait.state[1]])).max(axis=1)
+        reached = goes_on & (away < near)
+        taken[left[reached]], reason[left[reached]] = cycle, "reached"
+        left = left[goes_on & ~reached]
+    return Attraction(taken, reason.astype(str))
+
+
+def dropped(gait: Gait, clearances: ArrayLike, knees: ArrayLike) -> tuple[Array, Array]:
+    """SPEAR-II held still in the air, its toe below the hip, over a grid: what it may be let go from.
+
+    Args:
+        gait: a hop in place.
+        clearances: of the toe above the ground, in m, (m,).
+        knees: angles of the knee, in rad, (k,).
+
+    Returns:
+        configurations, (m k, nq), the knee varying fastest, and velocities, zero.
+
+    Raises:
+        BadValue: the gait is no hop.
+    """
+    robot = gait.system.robot
+    if robot.coordinates[-2:] != ("hip", "knee"):
+        raise BadValue("gait", gait.system.kind, "a hop of SPEAR-II")
+    height, knee = (part.ravel() for part in np.meshgrid(clearances, knees, indexing="ij"))
+    q = np.zeros((len(height), robot.nq))
+    q[:, robot.index("hip")], q[:, robot.index("knee")] = 0.5 * knee, knee
+    reach = {float(angle): robot.toe_position([*[0.0] * (robot.nq - 2), 0.5 * angle, angle], "toe")[1] for angle in knee}
+    q[:, robot.index("boom_z")] = height - np.array([reach[float(angle)] for angle in knee])
+    return q, np.zeros((len(height), robot.nv))
