@@ -1,0 +1,1 @@
+"""Ways to compute the same hop and the same stride, one module each; `benchmarks.engines` compares them."""

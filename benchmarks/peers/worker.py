@@ -1,0 +1,43 @@
+"""Processes of their own: `python -m benchmarks.peers.worker first hop FOLDER`, `... serve hop 4096`.
+
+The first prints seconds until integrators are built, with heyoka's cache of compiled code in a folder, and of the same
+call again. The second answers each line on stdin with the seconds of one call.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+
+from benchmarks.peers.task import Task, bound, hop
+from spear_pin.hybrid.batch import simulate_many
+
+TASKS = {"hop": hop, "bound": bound}
+LANES = 8
+
+
+def call(task: Task) -> float:
+    """Wall seconds of one call with all lanes."""
+    begin = time.perf_counter()
+    simulate_many(task.gait.system, task.q, task.v)
+    return time.perf_counter() - begin
+
+
+def first(name: str, folder: str) -> None:
+    import heyoka as hy
+
+    hy.llvm_state.set_diskcache_path(folder)
+    task = TASKS[name](LANES)
+    print(call(task), call(task))
+
+
+def serve(name: str, lanes: str) -> None:
+    task = TASKS[name](int(lanes))
+    call(task)
+    print("ready", flush=True)
+    for _ in sys.stdin:
+        print(call(task), flush=True)
+
+
+if __name__ == "__main__":
+    {"first": first, "serve": serve}[sys.argv[1]](*sys.argv[2:])
