@@ -205,14 +205,14 @@ def _adjustment(p: BoundingLaw, state: Sequence[float]) -> tuple[float, ...]:
         return NO_ADJUSTMENT
     error = [now - then for now, then in zip(state, p.nominal, strict=True)]
     wanted = [sum(gain * e for gain, e in zip(row, error, strict=True)) for row in p.feedback]
-    return tuple(min(max(w, -limit), limit) for w, limit in zip(wanted, p.feedback_limits, strict=True))
+    return tuple(np.clip(w, -limit, limit) for w, limit in zip(wanted, p.feedback_limits, strict=True))
 
 
 def _swing(leg: Leg, phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
     """The other leg begins to swing while this one supports."""
     whole = getattr(p, f"{phase.name}_span")
     left = 1.0 - (dot(leg.angle, q) - held[f"{leg.name}_leg"]) / whole
-    span = whole * max(left, SHORTEST_SPAN)
+    span = whole * np.maximum(left, SHORTEST_SPAN)
     return _begin(phase, getattr(p, f"{phase.name}_swing"), q, v, span)
 
 
@@ -239,7 +239,7 @@ def _begin(
     that what begins is continuous in the state.
     """
     begun = resume(phase.outputs, shapes, q, v, span)
-    within = min(abs(dot(phase.outputs.phase, v) / span) / SLOWEST, 1.0) ** 2
+    within = np.minimum(abs(dot(phase.outputs.phase, v) / span) / SLOWEST, 1.0) ** 2
     alpha = tuple((a, a + within * (b - a), *rest) for a, b, *rest in begun.alpha)
     return {"alpha": alpha, "origin": begun.origin, "span": begun.span, "past": begun.past}
 

@@ -156,17 +156,19 @@ def hopping(
     if forward is None and law.foot_placement != 0.0:
         raise BadValue("HoppingLaw.foot_placement", law.foot_placement, "0 while boom_x is locked")
 
-    def engaged(q: Sequence[float]) -> Held:
+    def engaged(q: Sequence[float], held: Held) -> Held:
         if spring.rest is None:
             return {"knee_touchdown": q[knee], "taut": 1.0}
+        if "taut" in held:  # as it was
+            return {}
         return {"knee_touchdown": spring.rest, "taut": float(q[knee] > spring.rest or not spring.unilateral)}
 
     def latch_touchdown(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
-        return {**engaged(q), "flexing": 1.0, "compressing": 1.0, "limited": 0.0}
+        return {**engaged(q, held), "flexing": 1.0, "compressing": 1.0, "limited": 0.0}
 
     def latch_lift_off(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
         speed = {"speed": 0.0 if forward is None else v[forward]}
-        return speed if spring.rest is None else {**speed, **engaged(q)}
+        return speed if spring.rest is None else {**speed, **engaged(q, held)}
 
     mount = Mount("knee", spring, rest="knee_touchdown", taut="taut")
     fixed = () if spring.rest is None else (replace(mount, spring=replace(spring, damping=0.0)),)

@@ -111,6 +111,11 @@ class Guard:
         """Whether the event is only recorded."""
         return self.reset is None and self.ends is None
 
+    @property
+    def leaves(self) -> bool:
+        """Whether the event ends the phase."""
+        return self.ends is not None or (self.reset is not None and self.reset.phase is not None)
+
 
 @dataclass(frozen=True)
 class Switch:

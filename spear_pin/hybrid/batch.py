@@ -64,7 +64,7 @@ def simulate_many(
         q: configurations, (n, nq).
         v: velocities, (n, nv).
         cycles: number of whole cycles.
-        rtol: relative tolerance; the Taylor engine integrates a hundred times finer.
+        rtol: relative tolerance; the Taylor engine integrates a thousand times finer.
         parameters: numbers that differ from lane to lane, (n,) each, named as fields of law, spring or contact.
         observe: record the states at events that change nothing.
         on_lanes: called with the number of lanes done since the last call.

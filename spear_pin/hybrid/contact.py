@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from spear_pin.errors import require
 
 Array = NDArray[np.float64]
+RESTING = 1e-9  # m/s: a toe that approaches more slowly does not strike, whatever friction might make of it
 AGREES, ROUNDING = 1e-9, 1e-12  # of the toes' speed, and in m/s: by so much a joint impact may violate its law
 
 
@@ -139,7 +140,7 @@ def routh(A: Array, before: Array, friction: float | Array) -> tuple[Array, NDAr
     slides = np.ones(slide.shape, bool)
     with np.errstate(divide="ignore", invalid="ignore"):
         for _ in range(3):  # slide, then stick or slide back
-            goes_on = approach < 0.0
+            goes_on = approach < -RESTING
             sticks = (slide == 0.0) & (np.abs(a_tn) <= friction * a_tt)
             direction = np.copysign(1.0, np.where(slide != 0.0, slide, a_tn))
             ratio = np.where(sticks, -a_tn / a_tt, -friction * direction)

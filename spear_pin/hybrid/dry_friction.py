@@ -2,7 +2,8 @@
 
 Against a joint that moves acts a constant force. Where its rate falls to zero the joint moves on, turns or is held,
 whichever the forces allow: up to Coulomb's force they hold it, as a constraint, until more is needed. Every domain of
-a system thus becomes three, and which of them fits is decided anew after each event, impacts among them.
+a system thus becomes three, nine with two joints, and which of them fits is decided anew after each event, impacts
+among them.
 
 A law that reckons with forces, such as one that limits them, does so without dry friction: a torque that jumped where
 a joint comes to rest might be consistent with none of the three.
@@ -35,13 +36,19 @@ def with_dry_friction(system: HybridSystem, forces: Mapping[str, float]) -> Hybr
 
     Raises:
         UnknownName: the robot has no such joint, or it is locked.
-        BadValue: a force is not a finite number >= 0, or the joint has dry friction already.
+        BadValue: a force is not a finite number >= 0, the joint has dry friction already, or more joints would have
+            it than can move freely in stance.
     """
     for joint, force in forces.items():
         system.robot.index(joint)
         require(f"dry friction of {joint}", force, lambda value: value >= 0, "a number >= 0, in N or N·m")
         if any(rub.joint == joint for domain in system.domains for rub in domain.rubs):
             raise BadValue("forces", dict(forces), f"joints without dry friction, which {joint} has already")
+    rubbing = len(forces) + max((len(domain.rubs) for domain in system.domains), default=0)
+    free = min(system.robot.nv - _constraints(domain) for domain in system.domains)
+    if rubbing > free:
+        expected = f"at most {free} joint{'s' * (free != 1)}: no more move freely with toes on the ground"
+        raise BadValue("forces", dict(forces), f"{expected}, and friction could hold more in many ways")
     domains = (mode for domain in system.domains for mode in _modes(domain, system.robot, forces))
     build = system.build
 
@@ -56,8 +63,6 @@ def _modes(domain: Domain, robot: Robot, forces: Mapping[str, float]) -> list[Do
     modes = []
     for signs in product(SIGNS, repeat=len(forces)):
         rubs = tuple(Rub(joint, float(forces[joint]), sign) for joint, sign in zip(forces, signs, strict=True))
-        if _constraints(domain) + signs.count(0.0) > robot.nv:
-            continue  # the contacts hold what friction would
         names = [domain.name, *(f"{rub.joint} held" for rub in rubs if rub.sign == 0)]
         ends = (guard for rub in rubs for guard in _ends(rub, robot))
         # what else happens at the same instant, such as the apex, comes first
@@ -67,8 +72,8 @@ def _modes(domain: Domain, robot: Robot, forces: Mapping[str, float]) -> list[Do
 
 
 def _constraints(domain: Domain) -> int:
-    contacts = sum(0 if mode == OPEN else 2 if mode == STICK else 1 for mode in domain.contacts)
-    return contacts + sum(rub.sign == 0 for rub in domain.rubs)
+    """How many its contacts are."""
+    return sum(0 if mode == OPEN else 2 if mode == STICK else 1 for mode in domain.contacts)
 
 
 def _ends(rub: Rub, robot: Robot) -> tuple[Guard, ...]:

@@ -30,7 +30,8 @@ class Watch:
     """The guards of one domain, followed step by step.
 
     A guard can only be crossed once it has been positive. One that is on zero when the domain is
-    entered is an event at once if it falls from there, and waits to become positive if it rises.
+    entered is an event at once if it falls from there, and waits to become positive if it rises. One
+    that stays there is an event if it ends the phase, and none within it.
 
     Attributes:
         at_once: index of the guard that is an event on entering, or None.
@@ -47,8 +48,8 @@ class Watch:
             for i, (value, armed) in enumerate(zip(self._values, self._armed, strict=True))
             if not (armed or self._guards[i].observes or math.isnan(value))
         ]
-        rising = self._rising(t, y) if waiting else []
-        self.at_once = next((i for i in waiting if self._values[i] < -self._guards[i].tolerance or not rising[i]), None)
+        change = self._change(t, y) if waiting else []
+        self.at_once = next((i for i in waiting if self._falls(i, change[i])), None)
 
     def step(
         self,
@@ -82,6 +83,8 @@ class Watch:
             elif end > 0.0 or (self._guards[i].observes and middle <= 0.0):
                 self._armed[i] = end > 0.0
                 continue
+            elif self._stays(i, middle, end):
+                continue  # it stays on zero
             solution = solution or interpolate()
             nodes = [(t0, self._values[i]), (0.5 * (t0 + t1), middle), (t1, end)]
             try:
@@ -99,15 +102,25 @@ class Watch:
         self._flow(t, y)
         return [self._flow.value(guard, t, y) for guard in self._guards]
 
-    def _rising(self, t: float, y: Array) -> list[bool]:
-        """Whether each guard's value grows from here, over the shortest time in which it changes at all."""
+    def _falls(self, i: int, change: float) -> bool:
+        """Whether a guard on zero is an event; one that stays there is none within a phase, where nothing moves."""
+        guard = self._guards[i]
+        return self._values[i] < -guard.tolerance or change < -CHANGE or (guard.leaves and change <= CHANGE)
+
+    def _stays(self, i: int, middle: float, end: float) -> bool:
+        before, guard = self._values[i], self._guards[i]
+        same = max(abs(middle - before), abs(end - before)) <= CHANGE
+        return same and before >= -guard.tolerance and not guard.leaves
+
+    def _change(self, t: float, y: Array) -> list[float]:
+        """How each guard's value changes from here, over the shortest time in which it does at all."""
         change = [0.0] * len(self._values)
         for h in GLIMPSES:
             ahead = self._at(t + h, self._ahead(t, y, h))
             for i, (now, later) in enumerate(zip(self._values, ahead, strict=True)):
                 if abs(change[i]) <= CHANGE:
                     change[i] = later - now
-        return [value > 0.0 for value in change]
+        return change
 
     def _ahead(self, t: float, y: Array, h: float) -> Array:
         """One Runge-Kutta step: a toe at rest leaves by its acceleration or jerk."""

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import OPEN, Alternation, Domain, Guard, HybridSystem, Reset
 from spear_pin.hybrid.contact import joint_impact, routh
 from spear_pin.hybrid.engines import layout, taylor
+from spear_pin.hybrid.engines.layout import Structure
 from spear_pin.hybrid.engines.symbolic import with_fields
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Compiled, Point
 from spear_pin.hybrid.filippov import BEYOND, ENDS, MOST_AT_ONCE, ON_EDGE, alternation, chatter
@@ -42,11 +43,11 @@ from spear_pin.model.planar import Planar
 
 Array = NDArray[np.float64]
 Came = tuple[Domain, Reset]  # from where a phase was entered
-GLIMPSES = (1e-6, 1e-5, 1e-4)  # s: in the first of them guards on zero have to become positive
+GLIMPSES = (1e-6, 1e-7, 1e-8, 1e-5, 1e-4)  # s: in one of them guards on zero become positive and no other falls
 BENT = 1e-9  # what changes sign at a kink is on zero within this, in its unit
 CHANGE = 1e-14  # of a guard's value, in its unit: less is rounding
 CROWD = 10  # events in an instant, of a lane that is then left to the reference engine, as may be a Zeno point
-FINER = 100.0  # times the reference engine's tolerance is what the Taylor engine integrates with
+FINER = 1000.0  # times the reference engine's tolerance is what the Taylor engine integrates with
 
 
 class Lanes:
@@ -64,7 +65,8 @@ class Lanes:
     ) -> None:
         n, self.nv = len(q), system.robot.nv
         self.system, self.options, self.wanted, self.given = system, options, cycles, given
-        self.planar, self.robot = Planar(system.robot), layout.robot_numbers(system)
+        self.planar = Planar(system.robot)
+        self.robot = layout.robot_numbers(system, self.planar)
         parts = (system.spring, "stiffness"), (system.spring, "damping"), (system.contact, "friction")
         self.others = [given.get(name, getattr(part, name)) for part, name in parts]
         self.start = np.concatenate([q.T, v.T])  # of the present cycle
@@ -158,7 +160,8 @@ class Lanes:
             change = np.where(np.abs(change) <= CHANGE, self.ahead(ready, some, h)[1].guards - now, change)
             if (np.abs(change) > CHANGE)[waiting[:, on_zero]].all():
                 break
-        falls = waiting[:, on_zero] & ((now < -tolerances) | ~(change > 0.0))
+        leaving = np.array([guard.leaves for guard in ready.domain.guards])[:, None]
+        falls = waiting[:, on_zero] & ((now < -tolerances) | (change < -CHANGE) | (leaving & (change <= CHANGE)))
         found[on_zero] = np.where(falls.any(axis=0), falls.argmax(axis=0), -1)
         return found, on_zero
 
@@ -310,7 +313,8 @@ class Lanes:
             elif end == KINK or domain.guards[end].observes:
                 if end != KINK:
                     self.observed[domain.guards[end].name][:, part.lanes] = part.y
-                self.rise(ready, self.count(part))
+                part = self.count(part)
+                self.watch(ready, part, ready.at(part.t, part.y, self.parameters(part)), None)
             elif end == TIME_LIMIT:
                 over = until[ends == end] >= limit
                 self.finish(part.lanes[over], "no_event", f"{limit:g} s in {domain.phase}")
@@ -427,7 +431,8 @@ class Lanes:
         if key not in self.built:
             tol = self.options.rtol / FINER
             # kept with the domain, so that its identity stays its own
-            self.built[key] = domain, taylor.compiled(self.system, domain, group.held, tol, self.observing)
+            structure = Structure(self.system, domain, group.held, self.planar)
+            self.built[key] = domain, taylor.compiled(structure, tol, self.observing)
         return self.built[key][1]
 
     def parameters(self, group: Group) -> Array:

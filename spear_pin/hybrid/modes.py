@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Any, TypeVar
 
@@ -31,7 +32,12 @@ def choose(system: HybridSystem, phase: str, held: Held, t: float, y: Array) -> 
 
 
 def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
-    """The first of some flows whose modes are consistent, or the one whose guard says why none is."""
+    """The first of some flows whose modes are consistent, or the one whose guard says why none is.
+
+    Where toes begin to slide from rest within what is tolerated, it is the one that pushes them off best: with next
+    to no force on a toe both ways may pass.
+    """
+    fits: list[tuple[float, F]] = []
     moving: list[tuple[F, list[str]]] = []
     turning: list[F] = []
     for flow in flows:
@@ -48,8 +54,13 @@ def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
                 turning.append(flow)
                 continue
             if not failing:
-                return flow
+                push = min((_push(flow, toe, mode) for toe, mode in closed), default=math.inf)
+                if push == math.inf:
+                    return flow
+                fits.append((push, flow))
             moving.append((flow, failing))
+    if fits:
+        return max(fits, key=lambda pair: pair[0])[1]
     # where a toe has to be held down, the others had better be in their right modes: it leaves, not they
     only = [flow for flow, failing in moving if all(_pulled(flow, toe) for toe in failing)]
     pulled = [flow for flow, failing in moving if any(_pulled(flow, toe) for toe in failing)]
@@ -120,8 +131,14 @@ def _keeps(system: HybridSystem, flow: Flow, toe: str, mode: str) -> bool:
         return False
     if mode == STICK:  # on the cone's edge, within the slip guard's tolerance, it is about to slide
         return abs(tangential) < system.contact.friction * normal - UNLOADED
-    at_rest = abs(flow.toe_velocity(toe)[0]) <= AT_REST
-    return not at_rest or flow.toe_acceleration(toe)[0] * SIGN[mode] > -STARTS_TO_SLIDE
+    return _push(flow, toe, mode) > -STARTS_TO_SLIDE
+
+
+def _push(flow: Flow, toe: str, mode: str) -> float:
+    """Acceleration along its mode of a toe that begins to slide, in m/s²; infinite if it does not begin."""
+    if mode == STICK or abs(flow.toe_velocity(toe)[0]) > AT_REST:
+        return math.inf
+    return flow.toe_acceleration(toe)[0] * SIGN[mode]
 
 
 def _turns(rub: Rub, rate: float) -> bool:

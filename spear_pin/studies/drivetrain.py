@@ -201,7 +201,12 @@ def judged(motor: str, drive: Drive, gait: Gait) -> KneeDrive:
     reason = ""
     if worst.margin < 0.0:
         reason = f"outside the envelope at {abs(worst.torque):.1f} N·m and {abs(worst.speed):.1f} rad/s"
-        reason += f", by {-worst.margin:.1f} N·m" if math.isfinite(worst.margin) else ", above the motor's max_speed"
+        if not math.isfinite(worst.margin):
+            reason += ", above the motor's max_speed"
+        elif abs(worst.speed) > drive.no_load_speed:
+            reason += f", above the no-load speed of {drive.no_load_speed:.1f} rad/s"
+        else:
+            reason += f", by {-worst.margin:.1f} N·m"
     elif not gait.stable:
         reason = f"unstable: a multiplier of magnitude {multiplier:.2f}"
     return KneeDrive(

@@ -31,6 +31,7 @@ class SymbolicDynamics:
     """Answers with symbols; the normal force is affine in the torques."""
 
     at_rest, per_hip, per_knee = sp.symbols("F_0 F_hip F_knee", real=True)
+    friction_coefficient = sp.Symbol("mu", positive=True)
 
     def normal_force(self, toe, u):
         return self.at_rest + self.per_hip * u[0] + self.per_knee * u[1]

@@ -328,13 +328,28 @@ class TestComposition:
             assert all(domain.rubs[0].force == 20.0 for domain in system.domains)
         assert np.abs(runs[0].ledger.residual).max() < 1e-7
 
-    def test_one_joint_after_the_other(self):
-        system = hopping(ROBOT, LIMITED)
-        both = with_dry_friction(system, {"boom_z": 20.0, "knee": 0.2})
-        after = with_dry_friction(with_dry_friction(system, {"boom_z": 20.0}), {"knee": 0.2})
-        runs = [simulate(each, gait().state, rtol=1e-8, progress=False) for each in (both, after)]
+    def test_one_joint_after_the_other(self, free_robot, free_hop):
+        """Both slides of a leg that is free to move forward."""
+        system = hopping(free_robot, replace(free_hop.system.law, minimum_force=20.0))
+        both = with_dry_friction(system, {"boom_z": 10.0, "boom_x": 1.0})
+        after = with_dry_friction(with_dry_friction(system, {"boom_z": 10.0}), {"boom_x": 1.0})
+        runs = [simulate(each, free_hop.state, rtol=1e-8, progress=False) for each in (both, after)]
         np.testing.assert_allclose(runs[0].q[-1], runs[1].q[-1], atol=1e-10)
         assert np.abs(runs[0].ledger.residual).max() < 1e-7
+
+    def test_more_than_can_move_freely(self):
+        """In stance the leg has one degree of freedom: which of two joints holds it, friction does not say."""
+        with pytest.raises(BadValue, match="^forces is .*at most 1 joint"):
+            with_dry_friction(hopping(ROBOT), {"boom_z": 60.0, "knee": 0.001})
+        with pytest.raises(BadValue, match="^forces is "):
+            with_dry_friction(with_dry_friction(hopping(ROBOT), {"boom_z": 60.0}), {"knee": 0.001})
+
+    @pytest.mark.parametrize("forces", [{"boom_z": 66.0}, {"knee": 12.0}])
+    def test_held_at_the_latched_angle(self, forces):
+        """The spring is neither taut nor slack there, and does not switch for ever."""
+        q = np.array([2 * 0.318 * np.cos(0.5), 0.5, 1.0])
+        system = with_dry_friction(hopping(ROBOT, HoppingLaw(stance_torque=0.0)), forces)
+        assert simulate(system, (q, np.zeros(3)), progress=False).reason == "stuck"
 
     def test_the_other_system_is_left_alone(self):
         system = hopping(ROBOT)

@@ -181,8 +181,15 @@ class TestStartOnAGuard:
     def test_rising_from_zero_is_none(self):
         assert self.first(lambda t: t) is None
 
-    def test_resting_on_zero_is_an_event_at_once(self):
-        assert self.first(lambda t: 0.0) == 0.0
+    def test_resting_on_zero_ends_a_phase_at_once(self):
+        system = falling(Guard("rests", lambda t, *_: 0.0, ends="fall"))
+        trajectory = simulate(system, at_height(1.0), progress=False)
+        assert trajectory.reason == "fall" and times(trajectory, "rests") == [0.0]
+
+    @pytest.mark.parametrize("value", [0.0, -1e-10])
+    def test_resting_on_zero_within_a_phase_is_none(self, value):
+        """As where the spring's joint is held at the latched angle: it would toggle for ever."""
+        assert self.first(lambda t: value) is None
 
     @pytest.mark.parametrize("length", [1e-3, 2e-2, 0.2])
     def test_rising_from_zero_and_falling_back(self, length):

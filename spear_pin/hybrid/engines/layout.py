@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 
 
-def symbols(system: HybridSystem, held: Values, par: Any) -> tuple[Planar, Numbers, dict[str, Any]]:
+def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tuple[Planar, Numbers, dict[str, Any]]:
     """The robot, the system's numbers and what is held, as run-time parameters par[0], par[1], ...
 
     What is zero of the robot stays zero; what is no number stays what it is.
@@ -27,16 +27,15 @@ def symbols(system: HybridSystem, held: Values, par: Any) -> tuple[Planar, Numbe
     law = with_fields(system.law, {f.name: counter.number(getattr(system.law, f.name)) for f in fields(system.law)})
     spring = system.spring
     stiffness, damping, friction = map(counter.number, (spring.stiffness, spring.damping, system.contact.friction))
-    planar = Planar(system.robot)
     bodies = [_with_numbers(body, *map(counter.nonzero, _numbers(body))) for body in planar.bodies]
     joints = [counter.nonzero(float(b)) for b in system.robot.model.damping]
     kept = {name: counter.number(value) for name, value in held.items()}
     return planar.with_bodies(bodies), Numbers(law, stiffness, damping, friction, joints), kept
 
 
-def robot_numbers(system: HybridSystem) -> list[float]:
+def robot_numbers(system: HybridSystem, planar: Planar) -> list[float]:
     """Numbers of the robot that are run-time parameters, in their order."""
-    bodies = [number for body in Planar(system.robot).bodies for number in _numbers(body)]
+    bodies = [number for body in planar.bodies for number in _numbers(body)]
     return [number for number in (*bodies, *map(float, system.robot.model.damping)) if number != 0.0]
 
 
@@ -67,17 +66,19 @@ class Structure:
         system: a system.
         domain: one of its domains.
         held: what is held there.
+        planar: its robot's dynamics.
     """
 
     system: HybridSystem
     domain: Domain
     held: Values
+    planar: Planar
 
     @cached_property
     def key(self) -> Any:
         """Everything that two of the same structure have in common."""
         system, domain = self.system, self.domain
-        planar, spring = Planar(system.robot), system.spring
+        planar, spring = self.planar, system.spring
         bodies = tuple(_with_numbers(body, *(float(x != 0.0) for x in _numbers(body))) for body in planar.bodies)
         robot = bodies, tuple(sorted(planar.frames.items())), planar.gravity, system.robot.toes, system.robot.actuated
         dampers = tuple(mount.spring.damping == spring.damping for mount in domain.mounts)

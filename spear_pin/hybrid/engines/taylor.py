@@ -20,6 +20,7 @@ from spear_pin.hybrid.automaton import OPEN, STICK, Domain, HybridSystem
 from spear_pin.hybrid.engines.elimination import solve
 from spear_pin.hybrid.engines.layout import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Alternating, Motion
+from spear_pin.model.planar import Planar
 
 try:
     import heyoka as hy
@@ -94,7 +95,7 @@ class Compiled:
         names = [f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates]
         state = hy.make_vars(*names)
         q, v = state[: self.nv], state[self.nv :]
-        planar, numbers, kept = symbols(system, held, hy.par)
+        planar, numbers, kept = symbols(system, Planar(system.robot), held, hy.par)
         kinks: list[Any] = []
         ops = _operations(kinks)
         motion = (
@@ -193,9 +194,9 @@ def _compiled(key: Structure, tol: float, observing: bool) -> Compiled:
     return Compiled(key.system, key.domain, key.held, tol, observing)
 
 
-def compiled(system: HybridSystem, domain: Domain, held: Values, tol: float, observing: bool = False) -> Compiled:
+def compiled(structure: Structure, tol: float, observing: bool = False) -> Compiled:
     """A domain compiled, once for each structure."""
-    return _compiled(Structure(system, domain, held), tol, observing)
+    return _compiled(structure, tol, observing)
 
 
 def _operations(kinks: list[Any]) -> SimpleNamespace:
