@@ -1,7 +1,7 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
-Parts are hop, design, push, hardware, drivetrain. Those of the hop need Chromium; those of the design studies and of
-the drivetrain take some minutes; the latter print the table of docs/motors.md. The picture on top of
+Parts are hop, design, push, hardware, drivetrain, sweep. Those of the hop need Chromium; those of the design studies
+and of the drivetrain take some minutes; the latter print the table of docs/motors.md. The picture on top of
 the README is what the recorded page shows at one instant, beside plots of the same hop with that
 instant marked.
 """
@@ -29,7 +29,9 @@ from spear_pin.studies.identification import Estimate, MovingAverage, cut, ident
 from spear_pin.studies.laboratory import Instrument, synthesize, write_csv
 from spear_pin.studies.published_costs import PUBLISHED
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, gear_study, spear_ii
-from spear_pin.viz import design_plots, drivetrain_plots, energy_plots, plots, push_plots
+from spear_pin.studies.sweep import grid
+from spear_pin.studies.sweep import sweep as swept
+from spear_pin.viz import design_plots, drivetrain_plots, energy_plots, plots, push_plots, sweep_plots
 from spear_pin.viz.player import record
 from tests.viz.chromium import Browser
 
@@ -45,8 +47,8 @@ PUSHES = {"torso_x": np.linspace(-0.6, 0.6, 9), "pitch": np.linspace(-1.2, 1.2, 
 def main() -> None:
     """Write the pictures asked for, or every one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="*", help="hop, design, push, hardware, drivetrain; all if none is named")
-    parts = {"hop": hop, "design": design, "push": push, "hardware": hardware, "drivetrain": drivetrain}
+    parser.add_argument("what", nargs="*", help="hop, design, push, hardware, drivetrain, sweep; all if none is named")
+    parts = {"hop": hop, "design": design, "push": push, "hardware": hardware, "drivetrain": drivetrain, "sweep": sweep}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
         parser.error(f"no pictures of {', '.join(sorted(unknown))}")
@@ -84,6 +86,14 @@ def design() -> None:
         print(plots.save_figure(figure, IMAGES / f"{name}.svg"))
     strides = basin(regulated(gait), "flight_1", PUSHES)
     print(plots.save_figure(design_plots.basin_map(strides, PUSHES), IMAGES / "basin.svg"))
+
+
+def sweep() -> None:
+    """Write the map of the hop over spring and torque; it takes a minute."""
+    points = grid({"stiffness": np.linspace(38.0, 62.0, 49), "stance_torque": np.linspace(6.0, 9.0, 31)})
+    with tempfile.TemporaryDirectory() as folder:
+        dataset = swept(hopping(load("spear_ii", locked=["boom_x"])), points, Path(folder) / "map.zarr")
+        print(plots.save_figure(sweep_plots.sweep_map(dataset), IMAGES / "sweep.svg"))
 
 
 def push() -> None:

@@ -7,9 +7,9 @@ anew, then run on motors, gearboxes and a battery.
 
 What to notice: only in parallel does the spring carry the leg. In series it stores nearly as much, but the motor has to
 bear it, as it has to without a spring; it is spared two fifths of the power, not the torque, and the torque becomes
-heat in its winding. As its rotor turns slowly, higher gears would suit it. Between the two parallel springs there is next to nothing, if the fixed one rests just where the other latches,
-the law knows it, and it does not damp in flight: the leg is not drawn up in the air. It would be in running: to flex by
-0.3 rad more the motor has to hold 15 N·m against it.
+heat in its winding. As its rotor turns slowly, higher gears would suit it. Between the two parallel springs there is
+next to nothing, if the fixed one rests just where the other latches, the law knows it, and it does not damp in flight:
+the leg is not drawn up in the air. It would be in running: to flex by 0.3 rad more the motor has to hold 15 N·m.
 
 Run: python examples/compare_knees.py [FOLDER]
 """

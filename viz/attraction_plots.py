@@ -39,7 +39,12 @@ def attraction_map(found: Attraction, rows: ArrayLike, columns: ArrayLike, up: s
         raise BadValue("found", found.cycles.shape, f"a grid of {y.size} x {x.size} states")
     shape = y.size, x.size
     cycles, reason = found.cycles.reshape(shape), found.reason.reshape(shape)
-    options: dict[str, Any] = {"extent": _extent(x) + _extent(y), "origin": "lower", "aspect": "auto", "interpolation": "none"}
+    options: dict[str, Any] = {
+        "extent": _extent(x) + _extent(y),
+        "origin": "lower",
+        "aspect": "auto",
+        "interpolation": "none",
+    }
     with style():
         figure = Figure(figsize=(4.4, 3.2), layout="constrained")
         axes = figure.subplots()

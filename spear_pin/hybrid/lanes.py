@@ -310,17 +310,17 @@ class Lanes:
             part = group.take(ends == end)
             if end == FAILED:
                 self.give_up(part.lanes)
-            elif end == KINK or domain.guards[end].observes:
-                if end != KINK:
-                    self.observed[domain.guards[end].name][:, part.lanes] = part.y
-                part = self.count(part)
-                self.watch(ready, part, ready.at(part.t, part.y, self.parameters(part)), None)
             elif end == TIME_LIMIT:
                 over = until[ends == end] >= limit
                 self.finish(part.lanes[over], "no_event", f"{limit:g} s in {domain.phase}")
                 self.switches[part.lanes] += 1
                 if not over.all():
                     self.happen(domain, -1, part.take(~over))
+            elif end == KINK or domain.guards[end].observes:
+                if end != KINK:
+                    self.observed[domain.guards[end].name][:, part.lanes] = part.y
+                part = self.count(part)
+                self.watch(ready, part, ready.at(part.t, part.y, self.parameters(part)), None)
             else:
                 self.happen(domain, int(end), part)
 

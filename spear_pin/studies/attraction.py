@@ -99,6 +99,8 @@ def dropped(gait: Gait, clearances: ArrayLike, knees: ArrayLike) -> tuple[Array,
     height, knee = (part.ravel() for part in np.meshgrid(clearances, knees, indexing="ij"))
     q = np.zeros((len(height), robot.nq))
     q[:, robot.index("hip")], q[:, robot.index("knee")] = 0.5 * knee, knee
-    reach = {float(angle): robot.toe_position([*[0.0] * (robot.nq - 2), 0.5 * angle, angle], "toe")[1] for angle in knee}
+    reach = {
+        float(angle): robot.toe_position([*[0.0] * (robot.nq - 2), 0.5 * angle, angle], "toe")[1] for angle in knee
+    }
     q[:, robot.index("boom_z")] = height - np.array([reach[float(angle)] for angle in knee])
     return q, np.zeros((len(height), robot.nv))

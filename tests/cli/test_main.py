@@ -14,7 +14,18 @@ from tests.cli.calls import refused, run, words
 class TestHelp:
     @pytest.mark.parametrize(
         "command",
-        [(), ("robots",), ("dynamics",), ("hop",), ("push-test",), ("identify",), ("bound",), ("search",), ("doctor",)],
+        [
+            (),
+            ("robots",),
+            ("dynamics",),
+            ("hop",),
+            ("push-test",),
+            ("identify",),
+            ("bound",),
+            ("search",),
+            ("sweep",),
+            ("doctor",),
+        ],
         ids=words,
     )
     def test_help(self, capsys, command):
@@ -26,7 +37,7 @@ class TestHelp:
         _, out, _ = run(capsys, "--help")
         assert all(
             command in out
-            for command in ("robots", "dynamics", "hop", "push-test", "identify", "bound", "search", "doctor")
+            for command in ("robots", "dynamics", "hop", "push-test", "identify", "bound", "search", "sweep", "doctor")
         )
 
 

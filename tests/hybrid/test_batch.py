@@ -172,6 +172,14 @@ class TestLanes:
         assert found.reason.tolist() == ["no_event"] * 2 and "5 s in stance" in found.message[0]
         assert_agree(system, q, 0.05 * v, found)
 
+    @pytest.mark.parametrize("observe", [False, True])
+    def test_flies_away(self, hop, observe):
+        """Longer than a phase may last."""
+        q, v = np.array([[1.0, 0.5, 1.0]]), np.array([[60.0, 0.0, 0.0]])
+        found = simulate_many(hop.system, q, v, observe=observe)
+        assert found.reason.tolist() == ["no_event"] and "5 s in flight" in found.message[0]
+        assert_agree(hop.system, q, v, found)
+
     def test_none(self, hop):
         found = simulate_many(hop.system, np.zeros((0, 3)), np.zeros((0, 3)))
         assert found.q.shape == (0, 3) and found.message == ()

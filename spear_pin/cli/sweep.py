@@ -1,0 +1,166 @@
+"""`spear sweep`."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from spear_pin.cli.arguments import Commands, add_command
+from spear_pin.cli.gaits import BOUND, bounding_gait
+from spear_pin.cli.output import aligned
+from spear_pin.errors import BadValue
+
+if TYPE_CHECKING:
+    from spear_pin.hybrid.automaton import HybridSystem
+
+Axes = dict[str, tuple[float, ...]]
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    parser = add_command(
+        commands, "sweep", run, "find gaits and their multipliers over any parameters, write a dataset"
+    )
+    parser.add_argument("what", choices=("hop", "bound"), help="SPEAR-II's hop in place, or a bounding gait of Q-SPEAR")
+    parser.add_argument(
+        "--over",
+        action="append",
+        required=True,
+        metavar="NAME=VALUES",
+        help="a parameter and its values, FIRST:LAST:NUMBER or A,B,...; with --sobol or --latin LEAST:MOST; repeatable",
+    )
+    solved = parser.add_mutually_exclusive_group()
+    solved.add_argument("--flight-time", type=float, metavar="S", help="of a hop: solve the stance torque for it")
+    solved.add_argument("--speed", type=float, metavar="M/S", help="of a bound: solve the posterior hip torque for it")
+    parser.add_argument("--gait", default=BOUND, metavar="NAME|PATH", help=f"the bounding gait (default: {BOUND})")
+    sampled = parser.add_mutually_exclusive_group()
+    sampled.add_argument("--sobol", type=int, metavar="N", help="N points of a Sobol sequence instead of a grid")
+    sampled.add_argument("--latin", type=int, metavar="N", help="N points of a Latin hypercube instead of a grid")
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the points (default: 0)")
+    parser.add_argument("--out", type=Path, default=Path("sweep.zarr"), metavar="PATH", help="default: sweep.zarr")
+    parser.add_argument("--workers", type=int, default=1, metavar="N", help="processes (default: 1)")
+    parser.add_argument("--chunk", type=int, default=512, metavar="N", help="points solved together (default: 512)")
+    parser.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance (default: 1e-9)")
+    parser.add_argument("--resume", action="store_true", help="go on with a sweep that was broken off")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Find the gaits, and draw the map."""
+    from tqdm import tqdm
+
+    from spear_pin.hybrid.record import Options
+    from spear_pin.studies.sweep import grid, reasons, sample, sweep
+    from spear_pin.viz.plots import save_figure
+    from spear_pin.viz.sweep_plots import sweep_map
+
+    _check(arguments)
+    Options(rtol=arguments.rtol)
+    number, method = (arguments.latin, "latin") if arguments.latin else (arguments.sobol, "sobol")
+    axes = _axes(arguments.over, number is not None)
+    points = (
+        grid(axes)
+        if number is None
+        else sample({k: (v[0], v[1]) for k, v in axes.items()}, number, method, arguments.seed)
+    )
+    system, vary, target = _asked(arguments, set(axes))
+    with tqdm(total=1, unit="gait", delay=1.0, disable=None, leave=False) as bar:
+
+        def tell(done: int, total: int) -> None:
+            if bar.total != total:  # what was done before is no measure of the rate
+                bar.total, bar.initial = total, done
+                bar.n = done
+            bar.update(done - bar.n)
+
+        dataset = sweep(
+            system, points, arguments.out, vary, target,
+            rtol=arguments.rtol, chunk=arguments.chunk, n_jobs=arguments.workers, resume=arguments.resume,
+            on_points=tell,
+        )  # fmt: skip
+    why = reasons(dataset).tolist()
+    counts = {reason: why.count(reason) for reason in sorted(set(why), key=lambda each: -why.count(each))}
+    files, found = [str(arguments.out)], counts.get("converged", 0)
+    if found:
+        files.append(str(save_figure(sweep_map(dataset), arguments.out.with_suffix(".svg"))))
+    summary = {"points": len(why), "converged": found, "stable": int(dataset["stable"].sum()), "reasons": counts}
+    return summary | {"vary": vary, "files": files, "text": _text(summary, vary, files, dataset)}
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    """Refuse what makes no sense, before anything is solved for."""
+    if arguments.out.suffix != ".zarr" or not arguments.out.parent.is_dir():
+        raise BadValue("--out", str(arguments.out), "NAME.zarr in an existing folder")
+    for option, least in (("workers", 1), ("chunk", 1), ("seed", 0), ("sobol", 1), ("latin", 1)):
+        value = getattr(arguments, option)
+        if value is not None and value < least:
+            raise BadValue(f"--{option}", value, f"a whole number, at least {least}")
+    for option, kind in (("flight_time", "hop"), ("speed", "bound")):
+        value = getattr(arguments, option)
+        if value is not None and (arguments.what != kind or not 0.0 < value < math.inf):
+            raise BadValue(f"--{option.replace('_', '-')}", value, f"a number > 0, of a {kind}")
+
+
+def _axes(words: list[str], sampled: bool) -> Axes:
+    """Parameters and their values, or their ranges."""
+    axes: Axes = {}
+    for word in words:
+        name, _, values = word.partition("=")
+        form = "NAME=LEAST:MOST" if sampled else "NAME=FIRST:LAST:NUMBER or NAME=A,B,..."
+        try:
+            numbers = tuple(float(part) for part in values.replace(":", ",").split(","))
+            if not name or name in axes or not all(math.isfinite(number) for number in numbers):
+                raise ValueError
+            if sampled or ":" in values:
+                if values.count(":") != (1 if sampled else 2) or "," in values:
+                    raise ValueError
+                numbers = numbers if sampled else _spaced(*numbers)
+        except ValueError:
+            raise BadValue("--over", word, f"{form}, each name once") from None
+        axes[name] = numbers
+    return axes
+
+
+def _spaced(first: float, last: float, number: float) -> tuple[float, ...]:
+    if number % 1 or not 2 <= number <= 1e6:
+        raise ValueError
+    steps = int(number) - 1
+    return tuple(first + (last - first) * i / steps for i in range(steps + 1))
+
+
+def _asked(arguments: argparse.Namespace, names: set[str]) -> tuple[HybridSystem, list[str], dict[str, float]]:
+    """The system, what to solve for, and the target."""
+    from spear_pin import hopping, load
+    from spear_pin.gaits.bounding import SPEED_BY
+
+    if arguments.what == "hop":
+        system, measure, value, solved = (
+            hopping(load("spear_ii", locked=["boom_x"])),
+            "flight_time",
+            arguments.flight_time,
+            "stance_torque",
+        )
+    else:
+        system = bounding_gait(arguments.gait, None)[1].system
+        measure, value, solved = "mean_speed", arguments.speed, SPEED_BY
+    if value is not None and measure in names:
+        raise BadValue("--over", measure, f"another name, or no --{measure.replace('_', '-')}")
+    asked = value is not None or measure in names
+    return system, [solved] if asked else [], {} if value is None else {measure: value}
+
+
+def _text(summary: dict[str, Any], vary: list[str], files: list[str], dataset: Any) -> str:
+    share = 100.0 * summary["converged"] / summary["points"]
+    rows = [
+        ("points", f"{summary['points']}"),
+        ("gaits found", f"{summary['converged']} ({share:.1f} %), {summary['stable']} of them stable"),
+    ]
+    others = {reason: count for reason, count in summary["reasons"].items() if reason != "converged"}
+    rows += [("" if i else "not found", f"{count} {reason}") for i, (reason, count) in enumerate(others.items())]
+    if summary["converged"]:
+        largest = dataset["largest_multiplier"]
+        rows.append(("largest multiplier", f"{float(largest.min()):.4f} to {float(largest.max()):.4f}"))
+        for name in vary:
+            solved = dataset[name]
+            rows.append((name.replace("_", " "), f"{float(solved.min()):.4f} to {float(solved.max()):.4f}"))
+    return aligned([*rows, ("files", ", ".join(files))])

@@ -1,0 +1,304 @@
+"""Very many gaits at once: fixed points and Floquet multipliers of lanes that differ in their parameters.
+
+Newton's method on the section's chart, each lane with a damping of its own; the residuals and the columns of the
+Jacobians that the lanes need next are one call of `simulate_many`. Lanes that fail from the common guess begin
+again from what their nearest neighbour found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
+
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.gaits.charts import Section
+from spear_pin.gaits.lane_newton import Problem, multipliers, newton, valid
+from spear_pin.gaits.search import RESIDUAL, SETTLE
+from spear_pin.hybrid import record
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.batch import Batch, simulate_many
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.parameters import parameter
+from spear_pin.hybrid.record import State
+
+Array = NDArray[np.float64]
+Measure = Callable[[HybridSystem, Array, Batch], Array]
+ROUNDS = 6  # times at most that a lane begins from a neighbour
+
+CONVERGED = "converged"
+REASONS: Mapping[str, str] = {
+    CONVERGED: "a fixed point was found, with its multipliers",
+    "no_convergence": "Newton's method makes no progress",
+    "no_multipliers": "a fixed point was found, but a cycle that begins beside it does not close",
+    "short_cycle": "the toe leaves the ground and returns at once",
+    "not_valid": "a parameter is out of its range",
+    **{name: text for name, text in record.REASONS.items() if name != "complete"},
+}
+
+
+def _durations(phase: str) -> Measure:
+    return lambda system, q, batch: batch.durations[phase]
+
+
+def _period(system: HybridSystem, q: Array, batch: Batch) -> Array:
+    return np.asarray(sum(batch.durations.values()))
+
+
+def _stride(system: HybridSystem, q: Array, batch: Batch) -> Array:
+    if not system.cyclic:
+        return np.zeros(len(q))
+    forward = system.robot.index(system.cyclic[0])
+    return np.asarray(batch.q[:, forward] - q[:, forward])
+
+
+OBSERVED = ("apex_height",)  # measures of events that change nothing, which cost a stop in each cycle
+MEASURES: Mapping[str, Measure] = {
+    "apex_height": lambda system, q, batch: batch.observed["apex"][:, system.robot.index("boom_z")],
+    "flight_time": _durations("flight"),
+    "stance_time": _durations("stance"),
+    "period": _period,
+    "stride": _stride,
+    "mean_speed": lambda system, q, batch: _stride(system, q, batch) / _period(system, q, batch),
+}
+
+
+@dataclass(frozen=True)
+class GaitTable:
+    """What became of the lanes, a row each; NaN where no fixed point was found.
+
+    Attributes:
+        q: configurations on the section, (n, nq).
+        v: velocities there, (n, nv).
+        parameters: those given and those solved for, by name, (n,) each.
+        residual: ‖P(x) - x‖∞, (n,), in m, rad, m/s, rad/s.
+        multipliers: Floquet multipliers by decreasing modulus, (n, d); NaN beyond the section's dimension.
+        durations: seconds in each phase, (n,) each.
+        reason: a key of `REASONS`, (n,).
+    """
+
+    q: Array
+    v: Array
+    parameters: Mapping[str, Array]
+    residual: Array
+    multipliers: NDArray[np.complex128]
+    durations: Mapping[str, Array]
+    reason: NDArray[np.str_]
+
+    @property
+    def converged(self) -> NDArray[np.bool_]:
+        """Whether the gait was found, (n,)."""
+        return np.asarray(self.reason == CONVERGED)
+
+    @property
+    def largest(self) -> Array:
+        """Modulus of the largest multiplier, (n,)."""
+        return np.asarray(np.abs(self.multipliers[:, 0]))
+
+    @property
+    def stable(self) -> NDArray[np.bool_]:
+        """Whether the gait was found and every multiplier lies inside the unit circle, (n,)."""
+        return self.converged & (self.largest < 1.0)
+
+
+def find_many(
+    system: HybridSystem,
+    parameters: Mapping[str, ArrayLike],
+    vary: Sequence[str] = (),
+    target: Mapping[str, ArrayLike] | None = None,
+    *,
+    guess: State | None = None,
+    rtol: float = 1e-9,
+    on_lanes: Callable[[int], object] = lambda n: None,
+) -> GaitTable:
+    """Solve x = P(x) of (4.12) together with the targets, in every lane.
+
+    The rows do not depend on the order of the lanes, to the last digit. With other lanes beside it, a lane may begin
+    from another neighbour and end a rounding error, or where there are several gaits a gait, away.
+
+    Args:
+        system: robot, law and ground; its parameters hold where none are given.
+        parameters: numbers that differ from lane to lane, (n,) each, named as fields of law, spring or contact.
+        vary: parameters to solve for; one that is in `parameters` too begins there.
+        target: wanted values of measures of the cycle, a key of `MEASURES` each, for all lanes or (n,).
+        guess: a state (q, v) on the section to begin from; by default the system's own.
+        rtol: relative tolerance, as of `simulate_many`.
+        on_lanes: called with the number of lanes solved since the last call.
+
+    Raises:
+        MissingExtra: heyoka is not installed.
+        UnknownName: unknown parameter or measure.
+        BadValue: shapes do not fit, a number is not finite, a measure is of an event that lanes do not record,
+            or the system has what the engine cannot compile.
+    """
+    taylor.require()
+    target = dict(target or {})
+    given = {name: np.array(values, dtype=float) for name, values in parameters.items()}
+    n = len(next(iter(given.values()))) if given and next(iter(given.values())).ndim else 0
+    for name, values in given.items():
+        if values.shape != (n,) or not n or not np.isfinite(values).all():
+            raise BadValue(f"parameters[{name!r}]", values, "finite numbers, as many for each parameter")
+    if not given:
+        raise BadValue("parameters", parameters, "at least one, with a number for each lane")
+    wanted = _wanted(system, vary, target, n)
+    start = np.column_stack(
+        [given.get(name, np.full(n, parameter(system, name))) for name in vary] or [np.empty((n, 0))]
+    )
+    fixed = {name: values for name, values in given.items() if name not in vary}
+    features = np.column_stack([*fixed.values(), wanted])
+    state = guess if guess is not None else system.guess()
+    simulate_many(system, state[0][None], state[1][None], rtol=rtol)  # it says what cannot be compiled
+    search = _Search(system, fixed, tuple(vary), tuple(target), wanted, rtol, features)
+    lanes = _Lanes(search, start, on_lanes)
+    lanes.run(state)
+    return lanes.table()
+
+
+def _wanted(system: HybridSystem, vary: Sequence[str], target: Mapping[str, ArrayLike], n: int) -> Array:
+    """The targets, (n, k)."""
+    if len(vary) != len(target):
+        raise BadValue("target", target, f"as many targets as parameters to vary, {len(vary)}")
+    known = [name for name in system.measures if name in MEASURES]
+    for name, value in target.items():
+        if name not in system.measures:
+            raise UnknownName("target", name, known)
+        if name not in known:
+            raise BadValue(
+                "target", name, f"one of {', '.join(known)}: lanes do not record what happens at other events"
+            )
+        if np.shape(value) not in ((), (n,)) or not np.isfinite(np.asarray(value, dtype=float)).all():
+            raise BadValue(f"target {name}", value, f"a finite number, or {n} of them")
+    columns = [np.broadcast_to(np.asarray(value, dtype=float), n) for value in target.values()]
+    return np.column_stack(columns or [np.empty((n, 0))])
+
+
+@dataclass(frozen=True)
+class _Search:
+    """What is asked of the gaits."""
+
+    system: HybridSystem
+    fixed: Mapping[str, Array]
+    vary: tuple[str, ...]
+    target: tuple[str, ...]
+    wanted: Array
+    rtol: float
+    features: Array
+
+    def problem(self, lanes: NDArray[np.int64]) -> Problem:
+        """The equations of some lanes."""
+        fixed = {name: values[lanes] for name, values in self.fixed.items()}
+        measures = [MEASURES[name] for name in self.target]
+        observe = any(name in OBSERVED for name in self.target)
+        return Problem(self.system, fixed, self.vary, measures, self.wanted[lanes], self.rtol, observe)
+
+
+class _Lanes:
+    """The lanes, as far as they are solved."""
+
+    def __init__(self, search: _Search, start: Array, on_lanes: Callable[[int], object]) -> None:
+        n, robot = len(start), search.system.robot
+        self.search, self.start, self.on_lanes = search, start, on_lanes
+        self.section = Section(search.system)
+        self.q, self.v = np.full((n, robot.nq), np.nan), np.full((n, robot.nv), np.nan)
+        self.solved = np.full(start.shape, np.nan)
+        self.residual, self.norm = np.full(n, np.nan), np.full(n, np.inf)
+        self.multipliers = np.full((n, 2 * robot.nv), np.nan + 0j)
+        self.durations = {phase: np.full(n, np.nan) for phase in search.system.phases}
+        self.reason = np.full(n, "", dtype=object)
+        numbers = {**search.fixed, **dict(zip(search.vary, start.T, strict=True))}
+        self.reason[~valid(search.system, numbers, n)] = "not_valid"
+
+    def run(self, guess: State) -> None:
+        """From the guess, from neighbours, from where simulation from the guess leads, and from neighbours again."""
+        todo = np.flatnonzero(self.reason == "")
+        self.solve(todo, *_repeated(guess, len(todo)), self.start[todo])
+        self.from_neighbours()
+        self.settle(guess)
+        self.from_neighbours()
+        self.on_lanes(int((self.reason != CONVERGED).sum()))
+
+    @property
+    def failed(self) -> NDArray[np.int64]:
+        """Lanes that may still be found."""
+        return np.flatnonzero((self.reason != CONVERGED) & (self.reason != "not_valid"))
+
+    def from_neighbours(self) -> None:
+        """Begin from the nearest lane that converged, in parameters that are scaled to their spans."""
+        features, used = self.search.features, np.full(len(self.q), -1)
+        span = np.ptp(features, axis=0)
+        scaled = features / np.where(span > 0.0, span, 1.0)
+        for _ in range(ROUNDS):
+            found, todo = np.flatnonzero(self.reason == CONVERGED), self.failed
+            if not len(found) or not len(todo):
+                return
+            found = found[np.lexsort(scaled[found].T)]  # so that a tie does not depend on the order of the lanes
+            nearest = found[cKDTree(scaled[found]).query(scaled[todo])[1]]
+            fresh = nearest != used[todo]
+            todo, nearest = todo[fresh], nearest[fresh]
+            if not len(todo):
+                return
+            used[todo] = nearest
+            self.solve(todo, self.q[nearest], self.v[nearest], self.solved[nearest])
+
+    def settle(self, guess: State) -> None:
+        """Begin from where some cycles of simulation lead."""
+        todo = self.failed
+        if not len(todo):
+            return
+        own = {name: values[todo] for name, values in self.search.fixed.items()}
+        own |= dict(zip(self.search.vary, self.start[todo].T, strict=True))
+        q, v = _repeated(guess, len(todo))
+        batch = simulate_many(self.search.system, q, v, SETTLE, 1e-7, parameters=own)
+        there = batch.reason == "complete"
+        self.solve(todo[there], batch.q[there], batch.v[there], self.start[todo[there]])
+
+    def solve(self, lanes: NDArray[np.int64], q: Array, v: Array, start: Array) -> None:
+        """Newton's method and the multipliers, lanes with the same sliding toes together."""
+        slides = self.section.sliding(q, v)
+        for pattern in np.unique(slides, axis=0):
+            chosen = (slides == pattern).all(axis=1)
+            charts = self.section.charts(q[chosen], v[chosen], pattern)
+            problem, own = self.search.problem(lanes[chosen]), lanes[chosen]
+            root = newton(problem, charts, start[chosen])
+            self.fail(own, root.reason, root.norm)
+            there = np.flatnonzero(root.reason == CONVERGED)
+            self.finish(own[there], *charts.take(there).states(root.xi[there]), root.values[there])
+
+    def fail(self, lanes: NDArray[np.int64], reason: NDArray[np.object_], norm: Array) -> None:
+        """Note why lanes failed, of several attempts the nearest to a gait."""
+        better = (reason != CONVERGED) & ((norm < self.norm[lanes]) | (self.reason[lanes] == ""))
+        self.reason[lanes[better]], self.norm[lanes[better]] = reason[better], norm[better]
+
+    def finish(self, lanes: NDArray[np.int64], q: Array, v: Array, values: Array) -> None:
+        """Check the fixed points on the whole state, and find their multipliers."""
+        slides = self.section.sliding(q, v)
+        for pattern in np.unique(slides, axis=0):
+            chosen = (slides == pattern).all(axis=1)
+            own, charts = lanes[chosen], self.section.charts(q[chosen], v[chosen], pattern)
+            found = multipliers(self.search.problem(own), charts, values[chosen])
+            closes = found.residual <= max(RESIDUAL, 10.0 * self.search.rtol)
+            reason = np.where(closes, found.reason, "no_convergence").astype(object)
+            self.fail(own, reason, found.residual)
+            good = reason == CONVERGED
+            own = own[good]
+            self.q[own], self.v[own], self.solved[own] = q[chosen][good], v[chosen][good], values[chosen][good]
+            self.multipliers[own, : charts.dimension] = found.multipliers[good]
+            self.residual[own] = found.residual[good]
+            for phase, seconds in found.durations.items():
+                self.durations[phase][own] = seconds[good]
+            self.reason[own] = CONVERGED
+            self.on_lanes(len(own))
+
+    def table(self) -> GaitTable:
+        """The rows."""
+        parameters = {**self.search.fixed, **dict(zip(self.search.vary, self.solved.T.copy(), strict=True))}
+        width = int(np.isfinite(self.multipliers).any(axis=0).sum()) or 1
+        values, reason = self.multipliers[:, :width], self.reason.astype(str)
+        return GaitTable(self.q, self.v, parameters, self.residual, values, self.durations, reason)
+
+
+def _repeated(state: State, n: int) -> tuple[Array, Array]:
+    return np.repeat(state[0][None], n, axis=0), np.repeat(state[1][None], n, axis=0)

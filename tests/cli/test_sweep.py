@@ -1,0 +1,96 @@
+"""`spear sweep`: what it finds and writes, and one line for every mistake."""
+
+import numpy as np
+import pytest
+
+from spear_pin.errors import BadFile
+from spear_pin.studies import sweep_store
+from tests.cli.calls import printed, refused, run, words
+
+pytest.importorskip("heyoka")
+pytest.importorskip("joblib")
+pytest.importorskip("xarray")
+pytest.importorskip("zarr")
+
+OVER = ("--over", "stiffness=47:51:3", "--over", "knee_ratio=14,15")
+
+
+class TestSweep:
+    def test_a_grid_of_hops(self, capsys, tmp_path):
+        out = tmp_path / "hops.zarr"
+        result = printed(capsys, "sweep", "hop", *OVER, "--flight-time", 0.2, "--out", out)
+        assert result["points"] == result["converged"] == result["stable"] == 6
+        assert result["reasons"] == {"converged": 6} and result["vary"] == ["stance_torque"]
+        assert result["files"] == [str(out), str(tmp_path / "hops.svg")]
+        dataset = sweep_store.read(out)
+        np.testing.assert_allclose(np.unique(dataset["stiffness"]), [47.0, 49.0, 51.0])
+        again = printed(capsys, "sweep", "hop", *OVER, "--flight-time", 0.2, "--out", out, "--resume")
+        assert again == result
+        assert "exists already" in refused(capsys, "sweep", "hop", *OVER, "--flight-time", 0.2, "--out", out)
+        assert "differs in target" in refused(
+            capsys, "sweep", "hop", *OVER, "--flight-time", 0.21, "--out", out, "--resume"
+        )
+
+    def test_a_sample(self, capsys, tmp_path):
+        arguments = ("sweep", "hop", "--over", "stance_torque=7.7:8", "--over", "friction=0.01:0.9", "--seed", 3)
+        status, out, err = run(capsys, *arguments, "--sobol", 8, "--out", tmp_path / "a.zarr")
+        assert status == 0 and err == "" and "gaits found" in out and "largest multiplier" in out
+        dataset = sweep_store.read(tmp_path / "a.zarr")
+        assert dataset.sizes["point"] == 8 and dataset.attrs["vary"] == []
+        run(capsys, *arguments, "--latin", 8, "--out", tmp_path / "b.zarr")
+        assert (sweep_store.read(tmp_path / "b.zarr")["friction"] != dataset["friction"]).all()
+
+    def test_flight_times(self, capsys, tmp_path):
+        arguments = ("sweep", "hop", "--over", "flight_time=0.2,0.21", "--out", tmp_path / "a.zarr")
+        assert printed(capsys, *arguments)["vary"] == ["stance_torque"]
+
+    def test_none_found(self, capsys, tmp_path):
+        status, out, _ = run(capsys, "sweep", "hop", "--over", "stance_torque=-1,-2", "--out", tmp_path / "a.zarr")
+        assert status == 0 and "2 not_valid" in out and not (tmp_path / "a.svg").exists()
+
+
+class TestMistakes:
+    @pytest.mark.parametrize(
+        "arguments",
+        [
+            ("fly", "--over", "stiffness=1,2"),
+            ("hop",),
+            ("hop", "--over", "stiffness"),
+            ("hop", "--over", "stiffness=a,b"),
+            ("hop", "--over", "stiffness=1:2"),
+            ("hop", "--over", "stiffness=1:2:1"),
+            ("hop", "--over", "stiffness=1:2:2.5"),
+            ("hop", "--over", "stiffness=1:2:3,4"),
+            ("hop", "--over", "stiffness=1,nan"),
+            ("hop", "--over", "stiffness=1,2", "--over", "stiffness=3"),
+            ("hop", "--over", "stiffness=1:2:3", "--sobol", "4"),
+            ("hop", "--over", "stiffness=2:1", "--sobol", "4"),
+            ("hop", "--over", "stiffness=1:2", "--sobol", "0"),
+            ("hop", "--over", "stiffness=1:2", "--sobol", "4", "--latin", "4"),
+            ("hop", "--over", "stiffness=1:2", "--sobol", "4", "--seed", "-1"),
+            ("hop", "--over", "stiffnes=1,2"),
+            ("hop", "--over", "torso_mass=30,40"),
+            ("hop", "--over", "stiffness=40,50", "--flight-time", "-1"),
+            ("hop", "--over", "flight_time=0.2,0.3", "--flight-time", "0.2"),
+            ("hop", "--over", "stiffness=40,50", "--speed", "2"),
+            ("bound", "--over", "stiffness=40,50", "--flight-time", "0.2"),
+            ("bound", "--over", "stiffness=40,50", "--gait", "trot"),
+            ("hop", "--over", "stiffness=40,50", "--workers", "0"),
+            ("hop", "--over", "stiffness=40,50", "--chunk", "0"),
+            ("hop", "--over", "stiffness=40,50", "--rtol", "0"),
+            ("hop", "--over", "stiffness=40,50", "--out", "sweep.csv"),
+            ("hop", "--over", "stiffness=40,50", "--out", "no/where.zarr"),
+        ],
+        ids=words,
+    )
+    def test_take_one_line(self, capsys, tmp_path, monkeypatch, arguments):
+        monkeypatch.chdir(tmp_path)
+        refused(capsys, "sweep", *arguments)
+        assert not list(tmp_path.iterdir())
+
+    def test_of_a_disk(self, capsys, tmp_path, monkeypatch):
+        def full(*_):
+            raise BadFile("sweep.zarr", "cannot be written: no space left on device")
+
+        monkeypatch.setattr(sweep_store, "keep", full)
+        assert "no space left" in refused(capsys, "sweep", "hop", *OVER, "--out", tmp_path / "a.zarr")

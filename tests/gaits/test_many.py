@@ -1,0 +1,159 @@
+"""Many gaits at once against the search for one, and what they say where there is none."""
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, find_gait
+from spear_pin.errors import BadValue, MissingExtra, UnknownName
+from spear_pin.gaits import many
+from spear_pin.gaits.charts import Section
+from spear_pin.gaits.many import CONVERGED, REASONS, find_many
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.periodic import chart, multipliers
+
+compiles = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
+WANTED = {"flight_time": 0.2}
+
+
+def numbers(n, seed=0):
+    rng = np.random.default_rng(seed)
+    return {"stiffness": rng.uniform(46.0, 52.0, n), "damping": rng.uniform(1.1, 1.5, n)}
+
+
+def assert_is(table, i, gait):
+    """A row is a gait that was found alone."""
+    np.testing.assert_allclose(table.q[i], gait.state[0], rtol=0, atol=1e-7)
+    np.testing.assert_allclose(table.v[i], gait.state[1], rtol=0, atol=1e-7)
+    d = len(gait.multipliers)
+    np.testing.assert_allclose(table.multipliers[i, :d], gait.multipliers, rtol=0, atol=1e-5)
+    for phase, seconds in gait.durations.items():
+        assert table.durations[phase][i] == pytest.approx(seconds, abs=1e-7)
+    for name, value in gait.parameters.items():
+        assert table.parameters[name][i] == pytest.approx(value, abs=1e-6)
+
+
+class TestCharts:
+    @pytest.mark.parametrize("name", ["hop", "free_hop", "bound"])
+    def test_are_those_of_one_state(self, name, request):
+        gait = Gait.load("long_stride") if name == "bound" else request.getfixturevalue(name)
+        section, local = Section(gait.system), chart(gait.system, gait.state)
+        rng = np.random.default_rng(1)
+        xi = 1e-2 * rng.normal(size=(5, local.dimension))
+        q, v = (np.repeat(part[None], 5, axis=0) for part in gait.state)
+        charts = section.charts(q, v, section.sliding(q, v)[0])
+        assert charts.dimension == local.dimension
+        # the bases may be turned, the spaces are the same
+        for own, other in ((charts.q_bases, local.q_basis), (charts.v_bases, local.v_basis)):
+            np.testing.assert_allclose(own[2] @ own[2].T, other @ other.T, rtol=0, atol=1e-12)
+        q, v = charts.states(xi)
+        heights, jacobians = section.geometry(q)
+        assert np.abs(heights).max() < 1e-14
+        assert np.abs(jacobians[:, :, 1] @ v[:, :, None]).max() < 1e-13
+        np.testing.assert_allclose(charts.coordinates(q, v), xi, rtol=0, atol=1e-2)
+        for i in range(5):
+            own = np.concatenate([local.q_basis.T @ charts.q_bases[i] @ xi[i, : local.q_basis.shape[1]],
+                                  local.v_basis.T @ charts.v_bases[i] @ xi[i, local.q_basis.shape[1] :]])  # fmt: skip
+            expected = local.state(own)
+            np.testing.assert_allclose(q[i], expected[0], rtol=0, atol=1e-13)
+            np.testing.assert_allclose(v[i], expected[1], rtol=0, atol=1e-12)
+
+
+@compiles
+class TestAgainstOneSearch:
+    def test_for_a_flight_time(self, robot, hop):
+        given = numbers(5)
+        told = []
+        table = find_many(hop.system, given, ["stance_torque"], WANTED, guess=hop.state, on_lanes=told.append)
+        assert table.reason.tolist() == [CONVERGED] * 5 and sum(told) == 5
+        for i in range(5):
+            system = with_parameters(hop.system, {name: float(values[i]) for name, values in given.items()})
+            assert_is(table, i, find_gait(system, ["stance_torque"], WANTED))
+
+    def test_for_targets_of_their_own(self, hop):
+        wanted = np.array([0.195, 0.2, 0.21, 0.17])
+        given = {"stiffness": np.full(4, 48.84)}
+        table = find_many(hop.system, given, ["stance_torque"], {"flight_time": wanted}, guess=hop.state)
+        # there is none with 0.17 s: later lift-off than at the torque's switch goes with flights below 0.15 s
+        assert table.converged.tolist() == [True, True, True, False]
+        np.testing.assert_allclose(table.durations["flight"][:3], wanted[:3], atol=1e-9)
+        assert_is(table, 1, hop)
+
+    def test_for_an_apex(self, hop, hops):
+        apex = [event for event in hops.events if event.name == "apex"][-1].q[0]
+        given = {"stiffness": np.array([48.84])}
+        assert_is(find_many(hop.system, given, ["stance_torque"], {"apex_height": apex}), 0, hop)
+
+    def test_with_nothing_to_solve_for(self, free_hop):
+        torques = free_hop.system.law.stance_torque + np.array([0.0, 0.02])
+        table = find_many(free_hop.system, {"stance_torque": torques}, guess=free_hop.state)
+        assert table.multipliers.shape == (2, 4) and not table.stable.any()
+        for i, torque in enumerate(torques):
+            system = with_parameters(free_hop.system, {"stance_torque": float(torque)})
+            assert_is(table, i, find_gait(system, guess=free_hop.state))
+
+    @pytest.mark.slow
+    def test_bounds(self):
+        gait = Gait.load("long_stride")
+        table = find_many(gait.system, {"stiffness": np.array([105.0])}, guess=gait.state)
+        assert table.converged.all()
+        alone = multipliers(gait.system, gait.state)
+        np.testing.assert_allclose(table.multipliers[:, : len(alone)], [alone], rtol=0, atol=1e-5)
+        np.testing.assert_allclose(table.v, [gait.state[1]], rtol=0, atol=1e-6)
+
+
+@compiles
+class TestLanes:
+    def test_do_not_depend_on_their_order(self, hop):
+        given = {name: np.append(values, 1.4) for name, values in numbers(9).items()}
+        tables = [
+            find_many(hop.system, {name: values[::step] for name, values in given.items()}, ["stance_torque"], WANTED)
+            for step in (1, -1, 1)
+        ]
+        for other, step in ((tables[1], -1), (tables[2], 1)):
+            for name in ("q", "v", "multipliers", "residual"):
+                np.testing.assert_array_equal(getattr(other, name)[::step], getattr(tables[0], name))
+            np.testing.assert_array_equal(other.reason[::step], tables[0].reason)
+
+    def test_begin_from_neighbours(self, hop, monkeypatch):
+        """Far from the guess Newton's method fails, and gets there from lane to lane."""
+        given = {"stance_torque": np.linspace(6.0, 9.0, 13)}
+        monkeypatch.setattr(many, "ROUNDS", 0)
+        monkeypatch.setattr(many._Lanes, "settle", lambda self, guess: None)
+        alone = find_many(hop.system, given, guess=hop.state).converged
+        monkeypatch.setattr(many, "ROUNDS", 6)
+        table = find_many(hop.system, given, guess=hop.state)
+        assert table.converged.all() and not alone.all()
+
+    def test_say_why_there_is_no_gait(self, hop):
+        given = {"stance_torque": np.array([7.8, 0.05, -1.0])}
+        table = find_many(hop.system, given, guess=hop.state)
+        assert table.converged.tolist() == [True, False, False] and table.stable.tolist() == [True, False, False]
+        assert table.reason[2] == "not_valid" and set(table.reason) <= set(REASONS)
+        assert np.isnan(table.q[1:]).all() and np.isnan(table.largest[1:]).all()
+
+
+@compiles
+class TestBadInput:
+    def test_measures(self, hop):
+        given = {"stiffness": np.array([48.0])}
+        with pytest.raises(BadValue, match="^target is 'knee_at_touchdown'; expected one of flight_time"):
+            find_many(hop.system, given, ["stance_torque"], {"knee_at_touchdown": 1.0})
+        with pytest.raises(UnknownName, match="hight"):
+            find_many(hop.system, given, ["stance_torque"], {"hight": 1.0})
+        with pytest.raises(BadValue, match="^target is "):
+            find_many(hop.system, given, ["stance_torque"])
+        with pytest.raises(BadValue, match="^target flight_time is "):
+            find_many(hop.system, given, ["stance_torque"], {"flight_time": [0.2, 0.3]})
+
+    def test_parameters(self, hop):
+        for given in ({}, {"stiffness": 48.0}, {"stiffness": [np.nan]}, {"stiffness": [1.0], "damping": [1.0, 2.0]}):
+            with pytest.raises(BadValue, match="^parameters"):
+                find_many(hop.system, given)
+        with pytest.raises(UnknownName, match="stiffnes"):
+            find_many(hop.system, {"stiffnes": [48.0]})
+
+    def test_without_the_extra(self, hop, monkeypatch):
+        monkeypatch.setattr(taylor, "hy", None)
+        with pytest.raises(MissingExtra, match=r"spear-pin\[fast\]"):
+            find_many(hop.system, {"stiffness": [48.0]})
