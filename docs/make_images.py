@@ -1,6 +1,6 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
-Parts are hop, design, push, hardware, drivetrain, sweep. Those of the hop need Chromium; those of the design studies
+Parts are hop, attraction, design, push, hardware, drivetrain, sweep. Those of the hop need Chromium; those of the design studies
 and of the drivetrain take some minutes; the latter print the table of docs/motors.md. The picture on top of
 the README is what the recorded page shows at one instant, beside plots of the same hop with that
 instant marked.
@@ -20,6 +20,8 @@ from spear_pin.gaits.feedback import regulated
 from spear_pin.hybrid.hardware import Sensing, with_hardware
 from spear_pin.model.catalogue import gearbox, motor
 from spear_pin.model.motor import Drive, Gearbox
+from spear_pin.studies.attraction import attraction as attracted
+from spear_pin.studies.attraction import dropped
 from spear_pin.studies.basin import basin
 from spear_pin.studies.design import Member
 from spear_pin.studies.drivetrain import knee_drives
@@ -31,7 +33,7 @@ from spear_pin.studies.published_costs import PUBLISHED
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, gear_study, spear_ii
 from spear_pin.studies.sweep import grid
 from spear_pin.studies.sweep import sweep as swept
-from spear_pin.viz import design_plots, drivetrain_plots, energy_plots, plots, push_plots, sweep_plots
+from spear_pin.viz import attraction_plots, design_plots, drivetrain_plots, energy_plots, plots, push_plots, sweep_plots
 from spear_pin.viz.player import record
 from tests.viz.chromium import Browser
 
@@ -47,8 +49,9 @@ PUSHES = {"torso_x": np.linspace(-0.6, 0.6, 9), "pitch": np.linspace(-1.2, 1.2, 
 def main() -> None:
     """Write the pictures asked for, or every one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="*", help="hop, design, push, hardware, drivetrain, sweep; all if none is named")
-    parts = {"hop": hop, "design": design, "push": push, "hardware": hardware, "drivetrain": drivetrain, "sweep": sweep}
+    parser.add_argument("what", nargs="*", help="some of the parts; all if none is named")
+    known = hop, attraction, design, push, hardware, drivetrain, sweep
+    parts = {part.__name__: part for part in known}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
         parser.error(f"no pictures of {', '.join(sorted(unknown))}")
@@ -68,6 +71,16 @@ def hop() -> None:
     print(plots.save_figure(plots.boom_height(recovery), IMAGES / "recovery.svg"))
     late = find_gait(hopping(robot, HoppingLaw(stance_torque=7.5)))
     print(plots.save_figure(plots.knee_torque(simulate(late.system, late.state, cycles=2)), IMAGES / "late.svg"))
+
+
+def attraction() -> None:
+    """Write the map of where the hop is reached from, of a hundred thousand states; it takes half a minute."""
+    gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])), vary=["stance_torque"], target={"flight_time": 0.2})
+    clearances, knees = np.linspace(0.005, 0.6, 317), np.linspace(0.1, 2.4, 317)
+    found = attracted(gait, *dropped(gait, clearances, knees))
+    labels = "Toe above the ground (m)", "Knee (rad)"
+    figure = attraction_plots.attraction_map(found, clearances, knees, *labels)
+    print(plots.save_figure(figure, IMAGES / "attraction.png"), found.share)
 
 
 def design() -> None:

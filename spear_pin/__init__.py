@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from spear_pin.gaits.gait import Gait
     from spear_pin.gaits.hopping import HoppingLaw, hopping
     from spear_pin.gaits.search import find_gait
+    from spear_pin.hybrid.batch import simulate_many
     from spear_pin.hybrid.contact import Contact
     from spear_pin.hybrid.simulate import simulate
     from spear_pin.hybrid.trajectory import Trajectory
@@ -38,6 +39,7 @@ __all__ = [
     "hopping",
     "load",
     "simulate",
+    "simulate_many",
     "vary",
 ]
 
@@ -48,6 +50,7 @@ _HOMES = {
     "Spring": "model.spring",
     "Contact": "hybrid.contact",
     "simulate": "hybrid.simulate",
+    "simulate_many": "hybrid.batch",
     "Trajectory": "hybrid.trajectory",
     "bounding": "gaits.bounding",
     "BoundingLaw": "gaits.bounding_law",

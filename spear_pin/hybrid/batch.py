@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.lanes import Lanes
+from spear_pin.hybrid.lanes.journey import Lanes
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.record import Options
 from spear_pin.model.boom import BoomedRobot

@@ -1,4 +1,4 @@
-"""Groups of lanes in the same domain: what they are made of, and which domain fits them."""
+"""Groups of lanes in the same domain."""
 
 from __future__ import annotations
 
@@ -8,63 +8,34 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import STICK
-from spear_pin.hybrid.engines.taylor import Compiled, Point
-from spear_pin.hybrid.modes import STARTS_TO_SLIDE
-from spear_pin.hybrid.phases import AT_REST, SIGN, UNLOADED
-
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 
-@dataclass
+@dataclass(frozen=True)
 class Group:
-    """Lanes in the same domain: their numbers, clocks of the phase, states (2 nv, n) and what is held."""
+    """Lanes in the same domain.
+
+    Attributes:
+        lanes: which, (n,).
+        t: clocks of the phase, in s, (n,).
+        y: states, (2 nv, n).
+        held: what is held, arrays of n or nested tuples of them.
+    """
 
     lanes: Indices
     t: Array
     y: Array
     held: dict[str, Any]
 
+    def __len__(self) -> int:
+        return len(self.lanes)
+
     def take(self, chosen: Any) -> Group:
         """Some of the lanes."""
         held = {name: take(value, chosen) for name, value in self.held.items()}
         return Group(self.lanes[chosen], self.t[chosen], self.y[:, chosen], held)
-
-
-def moves(ready: Compiled, point: Point) -> Flags:
-    """Whether the sliding of every closed toe fits its mode."""
-    fits = np.ones(point.slopes.shape[1], bool)
-    for (_, mode), sliding in zip(ready.closed, point.sliding, strict=True):
-        at_rest = np.abs(sliding) <= AT_REST
-        fits &= at_rest if mode == STICK else at_rest | (sliding * SIGN[mode] > 0.0)
-    return fits
-
-
-def _stays(ready: Compiled, point: Point, friction: Any) -> Flags:
-    """Whether the forces keep each closed toe in its mode, (c, n)."""
-    stays = np.empty(point.sliding.shape, bool)
-    for i, (_, mode) in enumerate(ready.closed):
-        tangential, normal = point.forces[i]
-        if mode == STICK:
-            stays[i] = np.abs(tangential) < friction * normal - UNLOADED
-        else:
-            pushed = point.accelerations[i] * SIGN[mode] > -STARTS_TO_SLIDE
-            stays[i] = pushed | (np.abs(point.sliding[i]) > AT_REST)
-        stays[i] &= normal > 0.0
-    return stays & (point.pivots > 0.0).all(axis=0)
-
-
-def keeps(ready: Compiled, point: Point, friction: Any) -> Flags:
-    """Whether the forces keep every closed toe in its mode."""
-    return np.asarray(_stays(ready, point, friction).all(axis=0))
-
-
-def leaves(ready: Compiled, point: Point, friction: Any) -> Flags:
-    """Whether those that are not kept would have to be held down."""
-    pulled = (point.forces[:, 1] <= 0.0) & (point.pivots > 0.0).all(axis=0)
-    return np.asarray((_stays(ready, point, friction) | pulled).all(axis=0))
 
 
 # what is held, by lane

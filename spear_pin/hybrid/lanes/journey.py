@@ -1,0 +1,295 @@
+"""Lanes on their way from event to event.
+
+Where a lane meets something rare (a choice of modes that none fits, events that crowd in an instant) the reference
+engine runs it again from the beginning of its cycle: what is rare is slow, never different.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem
+from spear_pin.hybrid.contact import joint_impact, routh
+from spear_pin.hybrid.engines.layout import shape_of
+from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Compiled, Point
+from spear_pin.hybrid.lanes.entry import at_once, away, choose
+from spear_pin.hybrid.lanes.groups import Group, Indices, along, merged, stacked
+from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.lanes.sliding import Came, slide
+from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.phases import AT_REST, ON_GROUND, rise
+from spear_pin.hybrid.record import REASONS, Options
+from spear_pin.hybrid.run import AT_ONCE, CYCLE_EVENTS, INSTANT, run, struck_toes
+
+Array = NDArray[np.float64]
+CROWD = 10  # events in an instant, of a lane that is then left to the reference engine, as may be a Zeno point
+FINER = 1000.0  # times the reference engine's tolerance is what the Taylor engine integrates with
+
+
+class Lanes:
+    """The lanes of a chunk: what became of each so far, and what is to be done with those under way.
+
+    Groups wait in two queues: those that enter a phase, by where they came from, and those to be integrated in a
+    domain.
+    """
+
+    def __init__(
+        self,
+        system: HybridSystem,
+        q: Array,
+        v: Array,
+        cycles: int,
+        options: Options,
+        given: Mapping[str, Array],
+        observing: bool,
+    ) -> None:
+        n, self.nv = len(q), system.robot.nv
+        self.system, self.options, self.wanted = system, options, cycles
+        self.numbers = Numbers(system, given, options.rtol / FINER, observing)
+        self.start = np.concatenate([q.T, v.T])  # of the present cycle
+        self.end = self.start.copy()
+        self.began, self.switches = np.zeros(n), np.zeros(n, np.int64)
+        self.events, self.crowd, self.last = np.zeros(n, np.int64), np.zeros(n, np.int64), np.full(n, -np.inf)
+        self.cycles, self.on_section = np.zeros(n, np.int64), np.zeros(n, bool)
+        self.spent = {phase: np.zeros(n) for phase in system.phases}
+        self.durations = {phase: np.full(n, np.nan) for phase in system.phases}
+        self.reason, self.message = np.full(n, "", dtype=object), np.full(n, "", dtype=object)
+        self.repeated = np.zeros(n, bool)
+        seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and observing}
+        self.observed = {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
+        self._entering: dict[Any, tuple[str, Came | None, list[Group]]] = {}
+        self._flying: dict[int, tuple[Compiled, list[Group]]] = {}
+
+    def go(self) -> None:
+        """Run to the end of every lane."""
+        with np.errstate(all="ignore"):
+            self.begin()
+            while self._entering or self._flying:
+                while self._entering:
+                    phase, came, groups = self._entering.pop(next(iter(self._entering)))
+                    self.enter(phase, merged(groups), came)
+                if self._flying:
+                    # the fullest first, so that groups fill up
+                    key = max(self._flying, key=lambda key: sum(map(len, self._flying[key][1])))
+                    ready, groups = self._flying.pop(key)
+                    self.advance(ready, merged(groups))
+            for lane in np.flatnonzero(self.repeated):
+                self.repeat(int(lane))
+
+    def begin(self) -> None:
+        """Sort the lanes into the phases where they begin."""
+        system, n = self.system, self.start.shape[1]
+        flight, lands = system.landing
+        stance = system.section_phase
+        terms = self.numbers.planar.terms(list(self.start[: self.nv]), list(self.start[self.nv :]), np)
+        heights = np.array([np.broadcast_to(terms.positions[toe][1], n) for toe in system.robot.toes])
+        below = (heights < -ON_GROUND).any(axis=0)
+        for lane in np.flatnonzero(below):
+            self.finish(np.array([lane]), "below_ground", f"at {heights[:, lane].min():.3g} m")
+        contacts = system.of_phase(stance)[0].contacts
+        closed = [i for i, mode in enumerate(contacts) if mode != OPEN]
+        sinking = [abs(along(terms.jacobians[system.robot.toes[i]][1], self.start[self.nv :])) for i in closed]
+        rests = (heights[closed] <= ON_GROUND).all(axis=0) & (np.array(sinking) <= 10 * AT_REST).all(axis=0)
+        for phase, chosen in ((stance, rests & ~below), (flight, ~rests & ~below)):
+            lanes = np.flatnonzero(chosen)
+            if not len(lanes):
+                continue
+            group = Group(lanes, np.zeros(len(lanes)), self.start[:, lanes].copy(), {})
+            group = self.numbers.latch(group, system.reset_into(flight))
+            if phase == stance:
+                group = self.numbers.latch(group, lands)
+            self.on_section[lanes] = phase == stance
+            self.put(phase, group, None)
+
+    def put(self, phase: str, group: Group, came: Came | None) -> None:
+        """Have lanes enter a phase, or go on with it after an event within it."""
+        key = phase, shape_of(group.held), None if came is None else (id(came[0]), id(came[1]))
+        self._entering.setdefault(key, (phase, came, []))[2].append(group)
+
+    def fly(self, ready: Compiled, group: Group) -> None:
+        """Have lanes integrated in a domain."""
+        self._flying.setdefault(id(ready), (ready, []))[1].append(group)
+
+    def enter(self, phase: str, group: Group, came: Came | None) -> None:
+        """Find each lane's domain of a phase."""
+        chosen, left = choose(self.numbers, phase, group)
+        self.give_up(left)
+        for ready, part, point in chosen:
+            self.watch(ready, part, point, came)
+
+    def watch(self, ready: Compiled, group: Group, point: Point, came: Came | None) -> None:
+        """Let happen what happens as soon as a domain is entered; the other lanes are to be integrated."""
+        domain = ready.domain
+        defined = np.isfinite(point.guards).all(axis=0) & np.isfinite(group.y).all(axis=0)
+        self.give_up(group.take(~defined))
+        group, point = group.take(defined), point.take(defined)
+        first, on_zero = at_once(self.numbers, ready, group, point)
+        if not on_zero.all():
+            self.fly(ready, group.take(~on_zero))
+        for index in np.unique(first[first >= 0]).tolist():
+            part, reset = group.take(first == index), domain.guards[index].reset
+            if came is not None and reset is not None and reset.phase == came[0].phase:
+                just = part.t <= AT_ONCE
+                self.happen(domain, index, part.take(~just))
+                part = self.slide(ready, index, came, part.take(just))
+            self.happen(domain, index, part)
+        clear, left = away(self.numbers, ready, group.take(on_zero & (first < 0)))
+        self.give_up(left)
+        for each in clear:
+            self.fly(ready, each)
+
+    def slide(self, ready: Compiled, index: int, came: Came, group: Group) -> Group:
+        """Motion on the switching surface of lanes that would leave a phase by a guard at once; returns the others."""
+        reset = ready.domain.guards[index].reset
+        assert reset is not None
+        try:
+            sliding, rest = slide(self.numbers, ready.domain, reset, came, group)
+        except TypeError:
+            self.give_up(group)
+            return group.take(np.zeros(len(group), bool))
+        for surface, part, point in sliding:
+            self.leave(ready.domain.phase, group.take(np.isin(group.lanes, part.lanes)))
+            self.watch(surface, part, point, None)
+        return rest
+
+    def advance(self, ready: Compiled, group: Group) -> None:
+        """Integrate up to the next event, and let it happen."""
+        domain, limit = ready.domain, self.system.phase_limit
+        until = np.full(len(group), limit)
+        if domain.switch is not None:
+            for n in np.unique(self.switches[group.lanes]):
+                chosen = self.switches[group.lanes] == n
+                law = self.numbers.law(group.lanes[chosen])
+                until[chosen] = np.minimum(domain.switch.time(int(n) + 1, law), limit)
+        late = until <= group.t
+        self.give_up(group.take(late))
+        group, until = group.take(~late), until[~late]
+        t, y, ends = ready.run(group.t, group.y, until, self.numbers.parameters(group))
+        group = replace(group, t=t, y=y)
+        for end in np.unique(ends).tolist():
+            part = group.take(ends == end)
+            if end == FAILED:
+                self.give_up(part)
+            elif end == TIME_LIMIT:
+                over = until[ends == end] >= limit
+                self.finish(part.lanes[over], "no_event", f"{limit:g} s in {domain.phase}")
+                self.switches[part.lanes] += 1
+                if not over.all():
+                    self.happen(domain, -1, part.take(~over))
+            elif end == KINK or domain.guards[end].observes:
+                if end != KINK:
+                    self.observed[domain.guards[end].name][:, part.lanes] = part.y
+                part = self.count(part)
+                self.watch(ready, part, self.numbers.at(ready, part), None)
+            else:
+                self.happen(domain, end, part)
+
+    def happen(self, domain: Domain, index: int, group: Group) -> None:
+        """An event of a domain, a guard's or with -1 the scheduled one: impact, latch, phase."""
+        guard = domain.guards[index] if index >= 0 else domain.switch
+        assert guard is not None
+        ends, reset = (guard.ends, guard.reset) if isinstance(guard, Guard) else (None, guard.reset)
+        if ends is not None:
+            for lane, t in zip(group.lanes, group.t, strict=True):
+                self.finish(np.array([lane]), ends, f"{guard.name} at t = {self.began[lane] + t:.6g} s")
+            return
+        assert reset is not None
+        group = self.count(group)
+        struck = struck_toes(self.system, domain, reset)
+        if struck and len(group):
+            group = self.strike(struck, group)
+        group = self.numbers.latch(group, reset)
+        if reset.phase is not None:
+            self.leave(domain.phase, group)
+            group = replace(group, t=np.zeros(len(group)))
+        if guard.name == self.system.section:
+            group = self.close_cycle(group)
+        if len(group):
+            self.put(reset.phase or domain.phase, group, None if reset.phase is None else (domain, reset))
+
+    def leave(self, phase: str, group: Group) -> None:
+        """Count the time spent in a phase."""
+        self.spent[phase][group.lanes] += group.t
+        self.began[group.lanes] += group.t
+        self.switches[group.lanes] = 0
+
+    def strike(self, toes: list[str], group: Group) -> Group:
+        """An impact on some toes."""
+        q, v = group.y[: self.nv], group.y[self.nv :]
+        n, terms = len(group), self.numbers.planar.terms(list(q), list(v), np)
+        D = stacked(terms.mass_matrix, n)
+        J = np.concatenate([stacked(terms.jacobians[toe], n) for toe in toes], axis=1)
+        friction = self.numbers.friction(group.lanes)
+        held = group.held
+        if len(toes) > 1:
+            each = zip(D, J, v.T, np.broadcast_to(friction, n), strict=True)
+            impacts = [joint_impact(*numbers[:3], float(numbers[3])) for numbers in each]
+            rises = np.array([(J[i] @ impact.v)[1::2] * impact.leaves for i, impact in enumerate(impacts)])
+            held = {**held, **{rise(toe): rises[:, i] for i, toe in enumerate(toes)}}
+            after = np.array([impact.v for impact in impacts]).T
+        else:
+            response = np.linalg.solve(D, J.transpose(0, 2, 1))
+            before = (J @ v.T[:, :, None])[:, :, 0].T
+            impulse, _ = routh((J @ response).transpose(1, 2, 0), before, friction)
+            after = v + (response @ impulse.T[:, :, None])[:, :, 0].T
+        return replace(group, y=np.concatenate([q, after]), held=held)
+
+    def close_cycle(self, group: Group) -> Group:
+        """The section is crossed; returns the lanes that go on."""
+        lanes, counts = group.lanes, self.on_section[group.lanes]
+        instant = counts & (sum(spent[lanes] for spent in self.spent.values()) < INSTANT)
+        self.give_up(group.take(instant))
+        self.cycles[lanes[counts & ~instant]] += 1
+        for phase, spent in self.spent.items():
+            self.durations[phase][lanes[counts]] = spent[lanes[counts]]
+            spent[lanes] = 0.0
+        self.on_section[lanes], self.events[lanes] = True, 0
+        self.start[:, lanes] = group.y
+        done = self.cycles[lanes] == self.wanted
+        self.end[:, lanes] = group.y
+        self.finish(lanes[done & ~instant], "complete", "")
+        return group.take(~done & ~instant)
+
+    def repeat(self, lane: int) -> None:
+        """Run a lane again by the reference engine from where its cycle began."""
+        nq = self.system.robot.nq
+        done = int(self.cycles[lane])
+        system = with_parameters(self.system, self.numbers.of_lane(lane))
+        state = self.start[:nq, lane].copy(), self.start[nq:, lane].copy()
+        result = run(system, state, self.wanted - done, self.options)
+        self.cycles[lane] = done + result.cycles
+        self.end[:, lane] = np.concatenate(result.state if result.reason == "complete" else state)
+        self.reason[lane], self.message[lane] = result.reason, result.message
+        for name, states in self.observed.items():
+            last = [event for event in result.events if event.name == name][-1:]
+            states[:, lane] = np.concatenate([last[0].q, last[0].v]) if last else np.nan
+        if result.cycles:
+            for phase in self.durations:
+                self.durations[phase][lane] = result.durations.get(phase, 0.0)
+
+    # bookkeeping
+
+    def count(self, group: Group) -> Group:
+        """Count an event; returns those lanes that have not had too many in an instant or a cycle."""
+        lanes = group.lanes
+        now = self.began[lanes] + group.t
+        self.crowd[lanes] = np.where(now - self.last[lanes] < INSTANT, self.crowd[lanes] + 1, 0)
+        self.events[lanes] += 1
+        self.last[lanes] = now
+        many = (self.crowd[lanes] >= CROWD) | (self.events[lanes] >= CYCLE_EVENTS)
+        self.give_up(group.take(many))
+        return group.take(~many)
+
+    def give_up(self, group: Group) -> None:
+        """Leave lanes to the reference engine."""
+        self.repeated[group.lanes] = True
+
+    def finish(self, lanes: Indices, reason: str, detail: str) -> None:
+        """Some lanes end."""
+        self.reason[lanes] = reason
+        self.message[lanes] = REASONS[reason] + (f" ({detail})" if detail else "")

@@ -1,0 +1,104 @@
+"""The numbers of lanes that may differ in them, and what depends on those: compiled domains, what events latch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
+from spear_pin.hybrid.engines import layout, taylor
+from spear_pin.hybrid.engines.symbolic import with_fields
+from spear_pin.hybrid.engines.taylor import Compiled, Point
+from spear_pin.hybrid.lanes.groups import Group, Indices, collected, spread, take
+from spear_pin.model.planar import Planar
+
+Array = NDArray[np.float64]
+
+
+class Numbers:
+    """A system's numbers in every lane.
+
+    Args:
+        system: the system.
+        given: numbers that differ from lane to lane, (n,) each, named as fields of law, spring or contact.
+        tol: tolerance of the Taylor engine.
+        observing: whether events that are only observed stop its integrators, too.
+    """
+
+    def __init__(self, system: HybridSystem, given: Mapping[str, Array], tol: float, observing: bool) -> None:
+        self.system, self.nv, self._given = system, system.robot.nv, given
+        self.planar = Planar(system.robot)
+        self._robot = layout.robot_numbers(system, self.planar)
+        parts = (system.spring, "stiffness"), (system.spring, "damping"), (system.contact, "friction")
+        self._others = [given.get(name, getattr(part, name)) for part, name in parts]
+        self._tol, self._observing = tol, observing
+        self._built: dict[Any, tuple[Domain, Compiled]] = {}
+
+    def of_lane(self, lane: int) -> dict[str, float]:
+        """The numbers in which a lane differs."""
+        return {name: float(values[lane]) for name, values in self._given.items()}
+
+    def law(self, lanes: Indices) -> Any:
+        """Parameters of the law in some lanes."""
+        return with_fields(self.system.law, {name: values[lanes] for name, values in self._given.items()})
+
+    def friction(self, lanes: Indices) -> Any:
+        """The ground's friction under some lanes."""
+        return take(self._others[2], lanes)
+
+    def parameters(self, group: Group) -> Array:
+        """Run-time parameters of a group, (p, n)."""
+        others = [take(value, group.lanes) for value in self._others]
+        return layout.parameters(self.law(group.lanes), others, self._robot, group.held, len(group))
+
+    def compiled(self, domain: Domain, group: Group) -> Compiled:
+        """The domain, compiled for what the group holds.
+
+        Raises:
+            TypeError: it cannot be: a latch branches on a value.
+        """
+        key = id(domain), layout.shape_of(group.held)
+        if key not in self._built:
+            structure = layout.Structure(self.system, domain, group.held, self.planar)
+            # kept with the domain, so that its identity stays its own
+            self._built[key] = domain, taylor.compiled(structure, self._tol, self._observing)
+        return self._built[key][1]
+
+    def at(self, ready: Compiled, group: Group) -> Point:
+        """A domain evaluated where a group is."""
+        return ready.at(group.t, group.y, self.parameters(group))
+
+    def ahead(self, ready: Compiled, group: Group, h: float) -> Group:
+        """The group after one Runge-Kutta step."""
+        parameters = self.parameters(group)
+
+        def slope(c: float, k: Array) -> Array:
+            return ready.at(group.t + c * h, group.y + c * h * k, parameters).slopes
+
+        k1 = slope(0.0, np.zeros_like(group.y))
+        k2 = slope(0.5, k1)
+        k3 = slope(0.5, k2)
+        k4 = slope(1.0, k3)
+        return replace(group, t=group.t + h, y=group.y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4))
+
+    def latch(self, group: Group, reset: Reset) -> Group:
+        """What an event latches: for all lanes at once if the latch is plain arithmetic, else lane by lane."""
+        if reset.latch is None or not len(group):
+            return group
+        n, q, v = len(group), group.y[: self.nv], group.y[self.nv :]
+        try:
+            new = reset.latch(list(q), list(v), group.held, self.law(group.lanes))
+            return replace(group, held={**group.held, **{name: spread(value, n) for name, value in new.items()}})
+        except (TypeError, ValueError):
+            each = []
+            for i in range(n):
+                own = {name: take(value, i) for name, value in group.held.items()}
+                law = with_fields(self.system.law, self.of_lane(int(group.lanes[i])))
+                each.append(reset.latch(q[:, i].tolist(), v[:, i].tolist(), own, law))
+            return replace(
+                group, held={**group.held, **{name: collected([one[name] for one in each]) for name in each[0]}}
+            )

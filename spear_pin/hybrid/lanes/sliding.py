@@ -1,0 +1,90 @@
+"""Lanes that two phases would send back and forth: motion on the switching surface, as `filippov.sliding` finds it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from spear_pin.hybrid.automaton import Alternation, Domain, Reset
+from spear_pin.hybrid.engines.taylor import Compiled, Point
+from spear_pin.hybrid.filippov import BEYOND, ENDS, MOST_AT_ONCE, ON_EDGE, alternation, chatter
+from spear_pin.hybrid.lanes.entry import at_once, choose
+from spear_pin.hybrid.lanes.groups import Group, along
+from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.phases import AT_REST
+
+Came = tuple[Domain, Reset]  # from where a phase was entered, and by which reset
+
+
+def slide(
+    numbers: Numbers, domain: Domain, reset: Reset, came: Came, group: Group
+) -> tuple[list[tuple[Compiled, Group, Point]], Group]:
+    """The motion between two domains that lanes go into, evaluated there, and the lanes that do not.
+
+    Args:
+        numbers: the lanes'.
+        domain: that they are in, having just entered it.
+        reset: by which they would leave it at once.
+        came: the domain before, and the reset by which they left that.
+        group: the lanes.
+
+    Raises:
+        TypeError: the motion cannot be compiled: a latch branches on a value.
+    """
+    between = alternation(numbers.system, (domain, came[0]), (reset, came[1]))
+    if between is None:
+        return [], group
+    q, v = group.y[: numbers.nv], group.y[numbers.nv :]
+    sinking = along(numbers.planar.terms(list(q), list(v), np).jacobians[between.toe][1], v)
+    slides = np.zeros(len(group), bool)
+    found = []
+    resting = group.take(np.abs(np.broadcast_to(sinking, len(group))) <= AT_REST)
+    for left, follow, landed in _at_once_after(numbers, between.touch, resting):
+        if left is not between.leave:
+            continue
+        for again, _, lifted in _at_once_after(numbers, left, landed):
+            if again is between.touch:
+                part = group.take(np.isin(group.lanes, lifted.lanes))
+                for each in _begin(numbers, replace(between, follow=follow), part):
+                    slides |= np.isin(group.lanes, each[1].lanes)
+                    found.append(each)
+    return found, group.take(~slides)
+
+
+def _at_once_after(
+    numbers: Numbers, reset: Reset, group: Group
+) -> Iterator[tuple[Reset | None, tuple[Reset, ...], Group]]:
+    """What would happen at once after a reset: the reset that leaves its phase, those before it, what is held."""
+    assert reset.phase is not None
+    waiting: list[tuple[tuple[Reset, ...], Group]] = [
+        ((), numbers.latch(replace(group, t=np.zeros(len(group))), reset))
+    ]
+    while waiting:
+        follow, group = waiting.pop()
+        for ready, part, point in choose(numbers, reset.phase, group)[0] if len(group) else ():
+            first, _ = at_once(numbers, ready, part, point)
+            for index in np.unique(first):
+                own = part.take(first == index)
+                then = None if index < 0 else ready.domain.guards[index].reset
+                if then is None or then.phase is not None or len(follow) == MOST_AT_ONCE:
+                    yield then, follow, own
+                else:
+                    waiting.append(((*follow, then), numbers.latch(own, then)))
+
+
+def _begin(numbers: Numbers, between: Alternation, group: Group) -> Iterator[tuple[Compiled, Group, Point]]:
+    """Motion between two domains, of those lanes whose laws' shares allow it."""
+    group = replace(group, t=np.zeros(len(group)))
+    for beyond in BEYOND:
+        if not len(group):
+            return
+        ready = numbers.compiled(chatter(between, beyond), group)
+        point = numbers.at(ready, group)
+        first, _ = at_once(numbers, ready, group, point)
+        share = 1.0 + beyond - point.guards[0]
+        slides = ~np.isin(first, ENDS) & (share > -beyond - ON_EDGE) & (share < 1.0 + beyond + ON_EDGE)
+        if slides.any():
+            yield ready, group.take(slides), point.take(slides)
+        group = group.take(~slides)
