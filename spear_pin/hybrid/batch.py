@@ -14,7 +14,6 @@ from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.lanes.journey import Lanes
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.record import Options
-from spear_pin.model.boom import BoomedRobot
 
 Array = NDArray[np.float64]
 CHUNK = 4096  # lanes at a time, which bounds memory
@@ -101,7 +100,7 @@ def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array],
         raise BadValue("cycles", cycles, "a whole number, at least 1")
     if system.hardware is not None or any(domain.rubs for domain in system.domains):
         raise BadValue("system", system.kind, "one without hardware and without dry friction of joints")
-    if isinstance(robot, BoomedRobot):
+    if robot.added is not None:
         raise BadValue("robot", robot, "one on its slider")
     for name, values in given.items():
         if values.shape != (len(q),) or not np.isfinite(values).all():

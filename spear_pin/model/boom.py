@@ -51,92 +51,41 @@ class RotaryBoom:
         """How far the end is drawn towards the pivot, R (1 - cos φ), in m."""
         return np.asarray(self.radius * (1.0 - np.cos(self.elevation(height))))
 
-    def added(self, height: float, mass: float) -> tuple[float, float]:
-        """Inertia μ on the height, in kg, and its derivative μ′, in kg/m, with a mass at the end.
 
-        Raises:
-            ValueError: the height is not within the arm's reach.
-        """
-        sine = (height - self.pivot) / self.radius
-        square = 1.0 - sine * sine
-        if not abs(sine) <= REACH:
-            raise ValueError("beyond the arm's reach")
-        arm = self.inertia / self.radius**2
-        return (mass * sine * sine + arm) / square, 2.0 * sine * (mass + arm) / (self.radius * square**2)
-
-
-class BoomedRobot(Robot):
-    """A robot with its height on a rotary boom; queries include what that adds.
+@dataclass(frozen=True)
+class Arm:
+    """What a rotary boom adds to a robot at its end, as `Robot.added`.
 
     Attributes:
         boom: the arm.
+        row: of the height among the coordinates.
+        mass: at the end of the arm, in kg.
     """
 
-    def __init__(self, robot: Robot, boom: RotaryBoom) -> None:
-        super().__init__(
-            robot.model.copy(),
-            name=robot.name,
-            toes=robot.toes,
-            actuated=robot.actuated,
-            locked=robot.locked,
-            source=robot.source,
-            varied=robot.varied,
-        )
-        self.boom = boom
-        self._slider = robot
-        self._row = self.index(HEIGHT)
-        self._rotor = float(robot.model.armature[self._row])
-        self._moving = float(sum(inertia.mass for inertia in list(robot.model.inertias)[1:]))
-        aloft = np.zeros(self.nq)
-        aloft[self._row] = boom.pivot + 0.1 * boom.radius
-        self.mount(aloft, np.zeros(self.nv))  # no longer the model that was loaded: it cannot be varied
+    boom: RotaryBoom
+    row: int
+    mass: float
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return BoomedRobot, (self._slider, self.boom)
-
-    def mount(self, q: Array, v: Array) -> float:
-        """Put what is added at q into the model, and return ½ μ′ ż², in N, which the model does not have.
+    def __call__(self, q: Array) -> tuple[int, float, float]:
+        """The row of the height, μ on it, in kg, and μ′, in kg/m.
 
         Raises:
-            ValueError: the height is not within the arm's reach.
+            BadValue: the height is not within the arm's reach.
         """
-        added, slope = self.boom.added(float(q[self._row]), self._moving)
-        self.model.armature[self._row] = self._rotor + added
-        return 0.5 * slope * float(v[self._row]) ** 2
-
-    @property
-    def row(self) -> int:
-        """Row of the height."""
-        return self._row
-
-    def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """C(q, v), (nv, nv), with Ḋ - 2C skew-symmetric."""
-        matrix, rates = super().coriolis_matrix(q, v), self._v(v)
-        _, slope = self.boom.added(float(self._q(q)[self._row]), self._moving)
-        matrix[self._row, self._row] += 0.5 * slope * float(rates[self._row])
-        return matrix
-
-    def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """C(q, v) v + G(q), (nv,), in N or N·m."""
-        vector = super().bias(q, v)
-        vector[self._row] += self.mount(self._q(q), self._v(v))
-        return vector
-
-    def _q(self, q: ArrayLike) -> Array:
-        vector = super()._q(q)
-        try:
-            self.mount(vector, np.zeros(self.nv))
-        except ValueError:
-            low, high = (self.boom.pivot + side * REACH * self.boom.radius for side in (-1.0, 1.0))
-            expected = f"within the arm's reach, {low:g} to {high:g} m"
-            raise BadValue(f"q[{self._row}]", float(vector[self._row]), expected) from None
-        return vector
+        boom, height = self.boom, float(q[self.row])
+        sine = (height - boom.pivot) / boom.radius
+        if not abs(sine) <= REACH:
+            low, high = (boom.pivot + side * REACH * boom.radius for side in (-1.0, 1.0))
+            raise BadValue(f"q[{self.row}]", height, f"within the arm's reach, {low:g} to {high:g} m")
+        square, arm = 1.0 - sine * sine, boom.inertia / boom.radius**2
+        slope = 2.0 * sine * (self.mass + arm) / (boom.radius * square**2)
+        return self.row, (self.mass * sine * sine + arm) / square, slope
 
 
-def on_rotary_boom(robot: Robot, boom: RotaryBoom | None = None) -> BoomedRobot:
+def on_rotary_boom(robot: Robot, boom: RotaryBoom | None = None) -> Robot:
     """The same robot on a rotary boom in place of its slider, the given one being left alone.
 
-    Vary the robot before. A saved gait does not keep the boom.
+    A saved gait does not keep the boom.
 
     Args:
         robot: planar, its height the coordinate `boom_z`, `boom_x` locked.
@@ -147,6 +96,16 @@ def on_rotary_boom(robot: Robot, boom: RotaryBoom | None = None) -> BoomedRobot:
     """
     if not robot.planar or HEIGHT not in robot.coordinates or "boom_x" in robot.coordinates:
         raise BadValue("robot", robot, f"a planar robot with the height {HEIGHT}, and boom_x locked")
-    if isinstance(robot, BoomedRobot):
+    if robot.added is not None:
         raise BadValue("robot", robot, "one on its slider")
-    return BoomedRobot(robot, boom or RotaryBoom())
+    moving = float(sum(inertia.mass for inertia in list(robot.model.inertias)[1:]))
+    return Robot(
+        robot.model,
+        name=robot.name,
+        toes=robot.toes,
+        actuated=robot.actuated,
+        locked=robot.locked,
+        source=robot.source,
+        varied=robot.varied,
+        added=Arm(boom or RotaryBoom(), robot.index(HEIGHT), moving),
+    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -14,6 +14,8 @@ from spear_pin.errors import BadValue, UnknownName
 Array = NDArray[np.float64]
 WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 UNCHANGED: Mapping[str, float] = MappingProxyType({})
+Added = Callable[[Array], tuple[int, float, float]]
+"""Inertia μ(q) on one coordinate that no body of the model has: its row, μ, and dμ/dq along that coordinate."""
 # what Pinocchio stores for a joint, by how many numbers it has in q and v; others are numbered
 CONFIGURATION = {2: ("cos", "sin"), 7: ("x", "y", "z", "qx", "qy", "qz", "qw")}
 VELOCITY = {6: ("vx", "vy", "vz", "wx", "wy", "wz")}
@@ -39,6 +41,7 @@ class Robot:
         planar: whether everything moves in the x-z plane; toe queries are then two-dimensional.
         source: what the robot was loaded from, a registered name or a path.
         varied: the parameters that are not as there, by name (see `spear_pin.model.variants`).
+        added: inertia beside the model's, if there is any (see `spear_pin.model.boom`).
     """
 
     def __init__(
@@ -51,7 +54,9 @@ class Robot:
         locked: Sequence[str] = (),
         source: str = "",
         varied: Mapping[str, float] = UNCHANGED,
+        added: Added | None = None,
     ) -> None:
+        self.added = added
         self.name, self.model, self.source = name, model, source or name
         self.varied: Mapping[str, float] = MappingProxyType(dict(varied))
         self.toes, self.actuated, self.locked = tuple(toes), tuple(actuated), tuple(locked)
@@ -69,7 +74,7 @@ class Robot:
 
     def __reduce__(self) -> tuple[object, ...]:
         varied = dict(self.varied)
-        return _rebuild, (self.model, self.name, self.toes, self.actuated, self.locked, self.source, varied)
+        return _rebuild, (self.model, self.name, self.toes, self.actuated, self.locked, self.source, varied, self.added)
 
     @property
     def mass(self) -> float:
@@ -120,11 +125,21 @@ class Robot:
         Raises:
             BadValue: q has the wrong length or is not finite (as in every query).
         """
-        return np.array(pin.crba(self.model, self._data, self._q(q)))
+        configuration = self._q(q)
+        matrix = np.array(pin.crba(self.model, self._data, configuration))
+        if self.added is not None:
+            row, inertia, _ = self.added(configuration)
+            matrix[row, row] += inertia
+        return matrix
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Array:
         """C(q, v), (nv, nv), of (3.16), with Ḋ - 2C skew-symmetric."""
-        return np.array(pin.computeCoriolisMatrix(self.model, self._data, self._q(q), self._v(v)))
+        configuration, rates = self._q(q), self._v(v)
+        matrix = np.array(pin.computeCoriolisMatrix(self.model, self._data, configuration, rates))
+        if self.added is not None:
+            row, _, slope = self.added(configuration)
+            matrix[row, row] += 0.5 * slope * rates[row]
+        return matrix
 
     def gravity(self, q: ArrayLike) -> Array:
         """G(q), (nv,), of (3.16), in N or N·m."""
@@ -132,7 +147,12 @@ class Robot:
 
     def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
         """C(q, v) v + G(q), (nv,), by RNEA, in N or N·m."""
-        return np.array(pin.nonLinearEffects(self.model, self._data, self._q(q), self._v(v)))
+        configuration, rates = self._q(q), self._v(v)
+        vector = np.array(pin.nonLinearEffects(self.model, self._data, configuration, rates))
+        if self.added is not None:
+            row, _, slope = self.added(configuration)
+            vector[row] += 0.5 * slope * rates[row] ** 2
+        return vector
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
         """½ vᵀ D v, in J, rotors included (Pinocchio's own energy leaves them out for some joints)."""
@@ -191,8 +211,11 @@ def _rebuild(
     locked: Sequence[str],
     source: str,
     varied: Mapping[str, float],
+    added: Added | None,
 ) -> Robot:
-    return Robot(model, name=name, toes=toes, actuated=actuated, locked=locked, source=source, varied=varied)
+    return Robot(
+        model, name=name, toes=toes, actuated=actuated, locked=locked, source=source, varied=varied, added=added
+    )
 
 
 def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]) -> Array:

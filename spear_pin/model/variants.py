@@ -98,6 +98,7 @@ def vary(robot: Robot, **values: float) -> Robot:
         locked=robot.locked,
         source=robot.source,
         varied=varied,
+        added=robot.added,
     )
 
 

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from spear_pin import find_gait, hopping, load, simulate, vary
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.record import Moment
-from spear_pin.model.boom import RotaryBoom, on_rotary_boom
+from spear_pin.model.boom import Arm, RotaryBoom, on_rotary_boom
 from tests.hybrid.test_dry_friction import in_the_air
 
 SLIDER = load("spear_ii", locked=["boom_x"])
@@ -36,7 +36,7 @@ def test_what_it_adds_is_lagranges():
     for height, rate, acceleration in ((0.9, -1.3, 4.0), (0.05, 0.7, -9.0), (0.3, 2.0, 1.0)):
         values = {z.diff(t, 2): acceleration, z.diff(t): rate, z: height}
         expected = float(row.subs(place).subs(z.diff(t, 2), acceleration).subs(z.diff(t), rate).subs(z, height))
-        added, slope = LOW.added(height, 6.8)
+        _, added, slope = Arm(LOW, 0, 6.8)(np.array([height]))
         assert values and (6.8 + added) * acceleration + 0.5 * slope * rate**2 == pytest.approx(expected, rel=1e-12)
 
 
@@ -144,10 +144,11 @@ def test_it_remembers_what_was_varied_and_can_be_pickled():
     robot = on_rotary_boom(plain, LOW)
     again = pickle.loads(pickle.dumps(robot))
     q = [0.6, 0.5, 1.0]
-    assert robot.varied == {"boom_damping": 3.0} and robot.model.damping[0] == 3.0 and again.boom == LOW
+    assert robot.varied == {"boom_damping": 3.0} and robot.model.damping[0] == 3.0 and again.added.boom == LOW
     np.testing.assert_array_equal(again.mass_matrix(q), robot.mass_matrix(q))
-    with pytest.raises(BadValue, match="^robot is .*varied by this function"):
-        vary(on_rotary_boom(SLIDER), boom_damping=3.0)
+    after = vary(on_rotary_boom(SLIDER, LOW), boom_damping=3.0)
+    np.testing.assert_array_equal(after.mass_matrix(q), robot.mass_matrix(q))
+    assert after.model.damping[0] == 3.0
     assert plain.mass_matrix(q)[0, 0] == pytest.approx(6.8) and robot.mass_matrix(q)[0, 0] > 8.0
 
 

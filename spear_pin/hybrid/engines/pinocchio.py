@@ -13,11 +13,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem
 from spear_pin.hybrid.contact import constrained
 from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
 from spear_pin.hybrid.phases import SIGN
-from spear_pin.model.boom import BoomedRobot
 from spear_pin.model.robot import WORLD_ALIGNED
 
 Array = NDArray[np.float64]
@@ -60,7 +60,7 @@ class Flow:
         self._law, self._p = domain.law, system.law
         self._actuated = [robot.index(joint) for joint in robot.actuated]
         self.hold(held)
-        self._boomed = robot if isinstance(robot, BoomedRobot) else None
+        self._added = robot.added
         self._joint_damping = np.array(robot.model.damping)
         self._has_friction = bool(self._joint_damping.any() or domain.rubs)
         self._zeros = np.zeros(robot.nv)
@@ -108,12 +108,14 @@ class Flow:
     def _derivative(self, t: float, y: Array) -> Array:
         nv = self._nv
         self.q, self.v = q, v = y[:nv], y[nv : 2 * nv]
-        if self._boomed is None:
-            pin.computeAllTerms(self._model, self._data, q, v)
-        else:
-            bent = self._boomed.mount(q, v)
-            pin.computeAllTerms(self._model, self._data, q, v)
-            self._data.nle[self._boomed.row] += bent
+        pin.computeAllTerms(self._model, self._data, q, v)
+        if self._added is not None:
+            try:
+                row, inertia, bend = self._added(q)
+            except BadValue as error:
+                raise ValueError(str(error)) from None  # no derivative here, as anywhere
+            self._data.M[row, row] += inertia
+            self._data.nle[row] += 0.5 * bend * v[row] ** 2
         angles, rates = q.tolist(), v.tolist()
         rubbed = 0.0
         if self._has_friction:  # before the law, which may ask for forces
@@ -259,7 +261,7 @@ class Flow:
 
     def _open(self, applied: Array) -> Array:
         a: Array
-        if self._boomed is None:
+        if self._added is None:
             a = pin.aba(self._model, self._data, self.q, self.v, applied)
         else:
             a = np.linalg.solve(self._data.M, applied - self._data.nle)
