@@ -17,7 +17,13 @@ from spear_pin.viz.plots import style
 
 # a gait that is lost is grey, in shades that a print still tells apart
 LOST = {"fall": "0.80", "no_event": "0.55", ELSEWHERE: "#d55e00", "zeno": "black"}
-WORDS = {"fall": "falls", "no_event": "stays down", ELSEWHERE: "goes on elsewhere", "zeno": "events accumulate"}
+WORDS = {
+    "fall": "falls",
+    "no_event": "stays down",
+    ELSEWHERE: "goes on elsewhere",
+    "zeno": "events accumulate",
+    "painleve": "Painlevé's paradox",
+}
 OTHER = "black"
 
 
