@@ -1,8 +1,8 @@
 """How many hops survive noise, lost commands and saturation? And why do the rest stop?
 
-`python -m benchmarks.hardware [--runs 200] [--hops 11] [--workers 2] [--json]`: seeded runs of the hop on hardware,
-for several levels of disturbance: what is in the table's head is assumed, not the source's. A run stops with
-`no_event` when the leg stays on the ground.
+`python -m benchmarks.hardware [--level rough ...] [--runs 200] [--hops 11] [--workers 2] [--json]`: seeded runs of the
+hop on hardware, for several levels of disturbance: what is in the table's head is assumed, not the source's. A run
+stops with `no_event` when the leg stays on the ground.
 """
 
 from __future__ import annotations
@@ -65,6 +65,7 @@ def summary(outcomes: list[Outcome], hops: int) -> dict[str, Any]:
 def main() -> None:
     """Run, and print Markdown or JSON."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--level", action="append", choices=list(LEVELS), help="one of the levels; all by default")
     parser.add_argument("--runs", type=int, default=200)
     parser.add_argument("--hops", type=int, default=11)
     parser.add_argument("--workers", type=int, default=2)
@@ -73,7 +74,7 @@ def main() -> None:
     begin = time.perf_counter()
     result: dict[str, Any] = {"runs": arguments.runs, "hops": arguments.hops, "levels": {}}
     with ProcessPoolExecutor(arguments.workers, initializer=prepare) as pool:
-        for level in LEVELS:
+        for level in arguments.level or LEVELS:
             jobs = [pool.submit(one, level, seed, arguments.hops) for seed in range(arguments.runs)]
             outcomes = [job.result() for job in tqdm(jobs, desc=level, disable=None)]
             result["levels"][level] = summary(outcomes, arguments.hops)

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from spear_pin import Gait, simulate
-from spear_pin.gaits.gait import with_parameters
+from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.studies.bound import summarize
 from spear_pin.viz.bound_plots import bound_summary
 from spear_pin.viz.player import record

@@ -74,10 +74,10 @@ def simulate_many(
             hardware, or dry friction of joints.
         UnknownName: no part has a numeric field of a name in `parameters`.
     """
-    taylor.require()
     q, v = np.array(q, dtype=float), np.array(v, dtype=float)
     given = {name: np.array(values, dtype=float) for name, values in (parameters or {}).items()}
     _check(system, q, v, given, cycles)
+    taylor.require()
     options, parts = Options(rtol), []
     for first in range(0, max(len(q), 1), CHUNK):
         chunk = slice(first, first + CHUNK)

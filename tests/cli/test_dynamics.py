@@ -55,7 +55,9 @@ class TestDynamics:
 
 class TestMistakes:
     def test_an_unknown_robot(self, capsys):
-        assert "unknown robot 'spear_iii'; valid: spear_ii, q_spear" in refused(capsys, "dynamics", "spear_iii")
+        assert "unknown robot 'spear_iii'; valid: spear_ii, spear_ii_series, q_spear" in refused(
+            capsys, "dynamics", "spear_iii"
+        )
 
     def test_a_missing_urdf(self, capsys, tmp_path):
         assert "missing.urdf" in refused(capsys, "dynamics", tmp_path / "missing.urdf")

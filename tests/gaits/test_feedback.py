@@ -10,7 +10,7 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits import feedback
 from spear_pin.gaits.bounding_law import INPUTS
 from spear_pin.gaits.feedback import SCALES, linearized, regulated, speed_regulated
-from spear_pin.gaits.gait import parameter, with_parameters
+from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, displacement, return_map
 
 RADIUS = {"least_effort": 0.9, "force_lift_off": 0.9}  # beside long_stride

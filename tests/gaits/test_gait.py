@@ -8,7 +8,7 @@ import pytest
 
 from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping
 from spear_pin.errors import BadFile, BadValue, UnknownName
-from spear_pin.gaits.gait import parameter, with_parameters
+from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import residual
 
 
