@@ -70,12 +70,12 @@ class SeriesHoppingLaw:
 
 
 def flight_law(t: Any, q: Any, v: Any, held: Any, p: SeriesHoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
-    """Hip and knee torque in flight, in N·m."""
+    """Hip and knee torque in flight, in N·m: (4.9)-(4.10) with corrected signs, the knee's on the rotor."""
     return p.hip_gain * (p.hip_commanded - q[1]) - p.hip_damping * v[1], _holding(q, v, p, dyn)
 
 
 def stance_law(t: Any, q: Any, v: Any, held: Any, p: SeriesHoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
-    """Hip and knee torque in stance, in N·m."""
+    """Hip and knee torque in stance, in N·m: the square wave of (4.10) on a rotor that holds its angle."""
     return 0.0, _holding(q, v, p, dyn) + p.stance_torque * held["flexing"]
 
 

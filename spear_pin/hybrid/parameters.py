@@ -18,6 +18,8 @@ def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> Hybrid
         UnknownName: no part has a numeric field of that name.
         BadValue: a value is not valid for its field.
     """
+    if not values:
+        return system  # as it is, with what may have been replaced in it
     parts = {part: getattr(system, part) for part in PARTS}
     for name, value in values.items():
         owner = _owner(system, name)

@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 
 from spear_pin import Contact, load
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.contact import constrained, joint_impact, plastic_impact, routh
+from spear_pin.hybrid.contact import constrained, joint_impact, plastic_impact
 
 many = settings(max_examples=400, derandomize=True, deadline=None)
 MODERATE = 2.0  # of velocities, in m/s and rad/s
@@ -449,27 +449,3 @@ class TestContact:
 
     def test_default_is_the_documented_assumption(self):
         assert Contact().friction == 0.8
-
-
-class TestManyImpacts:
-    def test_one_by_one(self):
-        """As `plastic_impact` has them, of toes that stick, slide on and slide back."""
-        rng = np.random.default_rng(8)
-        roots, before = rng.normal(size=(200, 2, 2)), rng.normal(size=(2, 200))
-        A = (roots @ roots.transpose(0, 2, 1) + 0.05 * np.eye(2)).transpose(1, 2, 0)
-        before[1] = -np.abs(before[1])
-        friction = rng.uniform(0.1, 2.0, 200)
-        impulse, slides = routh(A, before, friction)
-        assert 20 < slides.sum() < 180
-        for i in range(200):
-            # with D = A⁻¹ and J = 1 the toe's velocity is the state
-            single = plastic_impact(np.linalg.inv(A[:, :, i]), np.eye(2), before[:, i], float(friction[i]))
-            np.testing.assert_allclose(impulse[:, i], single.impulse, rtol=1e-9, atol=1e-12)
-            assert slides[i] == single.slides
-
-    @pytest.mark.parametrize("rate", [1e-12, -1e-12])
-    def test_rounding_is_no_impact(self, rate):
-        """A toe that slides on the ground, where friction could drive it in: nothing strikes, nothing happens."""
-        A = np.array([[3.0, 2.0], [2.0, 1.5]])[:, :, None]
-        impulse, slides = routh(A, np.array([[1.0], [rate]]), 1.0)
-        assert not impulse.any() and slides.all()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -81,11 +82,13 @@ class Structure:
         planar, spring = self.planar, system.spring
         bodies = tuple(_with_numbers(body, *(float(x != 0.0) for x in _numbers(body))) for body in planar.bodies)
         robot = bodies, tuple(sorted(planar.frames.items())), planar.gravity, system.robot.toes, system.robot.actuated
-        dampers = tuple(mount.spring.damping == spring.damping for mount in domain.mounts)
+        own = [(mount.spring.stiffness, mount.spring.damping) for mount in domain.mounts]
+        shared = spring.stiffness, spring.damping
+        springs = tuple(None if a == b else a for pair in own for a, b in zip(pair, shared, strict=True))
         rubbing = tuple(b != 0.0 for b in system.robot.model.damping)
         law = tuple((f.name, _shape(getattr(system.law, f.name))) for f in fields(system.law))
         parts = spring.unilateral, spring.rest, law, shape_of(self.held)
-        return system.kind, robot, dampers, rubbing, parts, domain.contacts, _functions(domain)
+        return system.kind, robot, springs, rubbing, parts, domain.contacts, _functions(domain)
 
     def __hash__(self) -> int:
         return hash(self.key)
@@ -155,7 +158,17 @@ def _functions(domain: Domain) -> Any:
 
 
 def _identity(function: Any) -> Any:
-    """Its place in the code and the plain values that it closes over."""
-    cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    plain = tuple(value for value in cells if isinstance(value, (str, int, float)))
-    return function.__module__, function.__qualname__, plain
+    """Its place in the code and what it closes over."""
+    cells = (cell.cell_contents for cell in function.__closure__ or ())
+    return function.__module__, function.__qualname__, tuple(map(_known_by, cells))
+
+
+def _known_by(value: Any) -> Any:
+    """What tells a value from another: functions are made anew with every system, mutable things equal themselves."""
+    if isinstance(value, FunctionType):
+        return _identity(value)
+    try:
+        hash(value)
+    except TypeError:
+        return id(value)
+    return value  # equal if it is frozen, else only the same

@@ -198,7 +198,8 @@ class Motion:
     def _springs(self) -> dict[str, Any]:
         torques = {}
         for mount in self.domain.mounts:
-            stiffness = self.numbers.stiffness * self.held[mount.taut]
+            stiffness = self._own(mount.spring.stiffness, self.system.spring.stiffness, self.numbers.stiffness)
+            stiffness = stiffness * self.held[mount.taut]
             torques[mount.joint] = stiffness * (self.held[mount.rest] - self.q[self._index[mount.joint]])
         return torques
 
@@ -208,10 +209,14 @@ class Motion:
         forces = [negated(times(b, rate)) for b, rate in zip(self.numbers.joints, self.v, strict=True)]
         for mount in self.domain.mounts:
             i = self._index[mount.joint]
-            # a mount may have its spring without its damper
-            damper = self.numbers.damping if mount.spring.damping == self.system.spring.damping else 0.0
+            damper = self._own(mount.spring.damping, self.system.spring.damping, self.numbers.damping)
             forces[i] = forces[i] + self._springs[mount.joint] - damper * self.v[i]
         return forces
+
+    @staticmethod
+    def _own(value: float, of_system: float, symbol: Any) -> Any:
+        """A number of a mount's spring: the system's, whatever that is, or one of its own, which does not vary."""
+        return symbol if value == of_system else value
 
     def _at_rest(self) -> tuple[Matrix, list[Any]]:
         rows: Matrix = []

@@ -190,13 +190,9 @@ class Compiled:
 
 
 @lru_cache(MOST)
-def _compiled(key: Structure, tol: float, observing: bool) -> Compiled:
-    return Compiled(key.system, key.domain, key.held, tol, observing)
-
-
-def compiled(structure: Structure, tol: float, observing: bool = False) -> Compiled:
+def compiled(structure: Structure, tol: float, observing: bool) -> Compiled:
     """A domain compiled, once for each structure."""
-    return _compiled(structure, tol, observing)
+    return Compiled(structure.system, structure.domain, structure.held, tol, observing)
 
 
 def _operations(kinks: list[Any]) -> SimpleNamespace:
