@@ -82,7 +82,8 @@ class Structure:
         planar, spring = self.planar, system.spring
         bodies = tuple(_with_numbers(body, *(float(x != 0.0) for x in _numbers(body))) for body in planar.bodies)
         robot = bodies, tuple(sorted(planar.frames.items())), planar.gravity, system.robot.toes, system.robot.actuated
-        own = [(mount.spring.stiffness, mount.spring.damping) for mount in domain.mounts]
+        mounts = domain.mounts if domain.between is None else (*domain.mounts, *domain.between.grounded.mounts)
+        own = [(mount.spring.stiffness, mount.spring.damping) for mount in mounts]
         shared = spring.stiffness, spring.damping
         springs = tuple(None if a == b else a for pair in own for a, b in zip(pair, shared, strict=True))
         rubbing = tuple(b != 0.0 for b in system.robot.model.damping)
