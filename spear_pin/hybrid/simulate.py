@@ -145,7 +145,8 @@ def _samples(result: Run, beyond: int) -> Iterator[tuple[Segment, Array, Array]]
         begin, end, whole = segment.pieces[0].begin, segment.pieces[-1].end, lengths[segment.began]
         if end == begin:
             continue  # left as soon as entered
-        count = 2 + int(np.ceil(SAMPLES * (end - begin) / whole))
+        # of a whole phase exactly so many, however its end is rounded
+        count = 2 + int(np.ceil(SAMPLES * (end - begin) / whole - 1e-6))
         times = np.linspace(begin, end, count)
         pieces = np.searchsorted([piece.end for piece in segment.pieces[:-1]], times)
         states = [np.atleast_2d(segment.pieces[i].state(times[pieces == i]).T) for i in np.unique(pieces)]
