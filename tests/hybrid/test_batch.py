@@ -12,6 +12,8 @@ from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.hardware import with_hardware
+from spear_pin.hybrid.lanes import journey
+from spear_pin.hybrid.lanes.track import Track
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.record import Options
@@ -42,6 +44,20 @@ def assert_agree(system, q, v, found, cycles=1, tolerance=1e-8, parameters=None)
             np.testing.assert_allclose(found.v[i], expected.state[1], rtol=0, atol=10 * tolerance)
             for phase, seconds in expected.durations.items():
                 assert found.durations[phase][i] == pytest.approx(seconds, abs=tolerance)
+
+
+def assert_same(one, other, atol=1e-10):
+    """Two batches of the same lanes, to rounding but for those that the reference engine repeated in one of them."""
+    assert one.message == other.message
+    np.testing.assert_array_equal(one.cycles, other.cycles)
+    clear = ~(one.repeated | other.repeated)
+    assert clear.sum() > 0.9 * len(clear)
+    pairs = [(one.q.T, other.q.T), (one.v.T, other.v.T)]
+    for own, others in ((one.durations, other.durations), (one.observed, other.observed)):
+        assert own.keys() == others.keys()
+        pairs += [(own[name].T, others[name].T) for name in own]
+    for mine, theirs in pairs:
+        np.testing.assert_allclose(mine[..., clear], theirs[..., clear], rtol=0, atol=atol)
 
 
 @compiles
@@ -150,7 +166,8 @@ class TestAgainstTheReference:
 @compiles
 class TestLanes:
     def test_do_not_depend_on_each_other(self, hop, monkeypatch):
-        """The same alone, in another order and in chunks, to the last digit."""
+        """The same in another order and in chunks, to the last digit."""
+        monkeypatch.setattr(journey, "FEW", 0)
         q, v = around(hop, 0.05, 20)
         everything = simulate_many(hop.system, q, v)
         backwards = simulate_many(hop.system, q[::-1], v[::-1])
@@ -160,6 +177,27 @@ class TestLanes:
         assert told == [7, 7, 6]
         np.testing.assert_array_equal(chunked.q, everything.q)
         np.testing.assert_array_equal(backwards.v[::-1], everything.v)
+
+    @pytest.mark.parametrize("spread", [0.01, 0.1])
+    def test_one_by_one(self, hop, spread, monkeypatch):
+        """Few lanes run one by one: to rounding as together, whatever they meet on their way."""
+        q, v = around(hop, spread, 24)
+        monkeypatch.setattr(journey, "FEW", 0)
+        together = simulate_many(hop.system, q, v, 3, observe=True)
+        monkeypatch.setattr(journey, "FEW", 24)
+        laps, lap = [], Track.lap
+        monkeypatch.setattr(Track, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
+        alone = simulate_many(hop.system, q, v, 3, observe=True)
+        refused = sum(each is None for each in laps)
+        assert refused == 0 if spread < 0.1 else 0 < refused < len(laps) / 2
+        assert_same(alone, together)
+
+    def test_one_by_one_with_their_own_numbers(self, hop, monkeypatch):
+        q, v = around(hop, 0.01, 8)
+        given = {"stiffness": np.linspace(47.0, 50.0, 8), "stance_torque": np.full(8, 7.9), "friction": np.full(8, 0.7)}
+        alone = simulate_many(hop.system, q, v, 2, parameters=given)
+        monkeypatch.setattr(journey, "FEW", 0)
+        assert_same(alone, simulate_many(hop.system, q, v, 2, parameters=given))
 
     def test_observed(self, hop):
         """The state at the apex, of lanes that the reference engine repeats too."""

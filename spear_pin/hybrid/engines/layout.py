@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from types import FunctionType
@@ -50,13 +50,19 @@ def parameters(law: Any, others: Sequence[Any], robot: Sequence[float], held: Va
         held: what is held, numbers or arrays of n.
         n: number of lanes.
     """
-    flat: list[Any] = []
-    for value in (*(getattr(law, f.name) for f in fields(law)), *others, *robot, *held.values()):
-        _flatten(value, flat)
+    flat = flattened((*(getattr(law, f.name) for f in fields(law)), *others, *robot, *held.values()))
     rows = np.empty((len(flat), n))
     for i, value in enumerate(flat):
         rows[i] = value
     return rows
+
+
+def flattened(values: Iterable[Any]) -> list[Any]:
+    """The numbers among values and in nested tuples of them, in their order."""
+    flat: list[Any] = []
+    for value in values:
+        _flatten(value, flat)
+    return flat
 
 
 @dataclass(frozen=True, eq=False)

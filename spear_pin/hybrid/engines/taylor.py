@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -32,6 +32,7 @@ Values = Mapping[str, Any]
 TIME_LIMIT = -1  # ends of an arc that no guard ended
 FAILED = -2
 KINK = -3
+BENT = 1e-9  # what changes sign at a kink is on zero within this, in its unit
 CACHE = 2**28  # bytes of compiled code that heyoka may keep on disk
 UNROLLED = 4  # coordinates: with more, code that is not unrolled is built ten times faster and runs half as fast
 MOST = 64  # compiled domains that are kept, some 10 MB each
@@ -105,35 +106,38 @@ class Compiled:
         )
         slopes = [*v, *map(_expression, motion.a)]
         guards = [_expression(value) for value in motion.guards]
-        self._kinks = len(kinks)
+        self.kinks = len(kinks)
         outputs = [*slopes, *guards, *kinks]
         for toe, mode in self.closed:
             outputs += [motion.toe_velocity(toe)[0], *motion.force(toe), motion.toe_acceleration(toe)[0]]
             outputs.append(_expression(1.0 if mode == STICK else motion.pivot(toe)))
-        self._function = hy.cfunc([_expression(output) for output in outputs], state)
-        falling = hy.event_direction.negative
-        self._watched = [i for i, guard in enumerate(domain.guards) if observing or not guard.observes]
-        events = [hy.t_event_batch(guards[i], direction=falling) for i in self._watched]
-        events += [hy.t_event_batch(kink) for kink in kinks]  # a polynomial does not bend
+        self.function = hy.cfunc([_expression(output) for output in outputs], state)
+        watched = [i for i, guard in enumerate(domain.guards) if observing or not guard.observes]
+        self.motion = list(zip(state, slopes, strict=True))
+        falling, either = hy.event_direction.negative, hy.event_direction.any
+        # a polynomial does not bend
+        self.events = [*((guards[i], falling) for i in watched), *((kink, either) for kink in kinks)]
+        self.meaning = np.array([*watched, *[KINK] * len(kinks)], dtype=np.int64)  # of its events
+        self.settings = {"tol": tol, "compact_mode": self.nv > UNROLLED}
         self.width = width()
         self._somewhere = np.full((2 * self.nv, 1), 0.1)  # a finite state
-        start = np.repeat(self._somewhere, self.width, axis=1)
-        motion_of = list(zip(state, slopes, strict=True))
-        compact = self.nv > UNROLLED
-        self._integrator = hy.taylor_adaptive_batch(motion_of, start, tol=tol, t_events=events, compact_mode=compact)
 
-        self._meaning = np.array([*self._watched, *[KINK] * len(kinks)], dtype=np.int64)  # of its events
+    @cached_property
+    def _integrator(self) -> Any:
+        events = [require().t_event_batch(value, direction=direction) for value, direction in self.events]
+        start = np.repeat(self._somewhere, self.width, axis=1)
+        return require().taylor_adaptive_batch(self.motion, start, t_events=events, **self.settings)
 
     def at(self, t: Array, y: Array, parameters: Array) -> Point:
         """Evaluate at states y, (2 nv, n), and times t, (n,), with parameters (p, n)."""
-        function, n = self._function, y.shape[1]
+        function, n = self.function, y.shape[1]
         given: dict[str, Array] = {}
         if function.nparams:
             given["pars"] = np.ascontiguousarray(parameters[: function.nparams])
         if function.is_time_dependent:
             given["time"] = np.ascontiguousarray(t)
         values = function(np.ascontiguousarray(y), **given)
-        counts = 2 * self.nv, len(self.domain.guards), self._kinks
+        counts = 2 * self.nv, len(self.domain.guards), self.kinks
         slopes, guards, kinks, toes = np.split(values, np.cumsum(counts))
         toes = toes.reshape(len(self.closed), 5, n)
         return Point(slopes, guards, kinks, toes[:, 0], toes[:, 1:3], toes[:, 3], toes[:, 4])
@@ -164,8 +168,8 @@ class Compiled:
             self._run(*block)
         codes = codes.ravel()[:n]
         ends = np.where(codes == _LIMIT, TIME_LIMIT, FAILED)
-        events = (codes < 0) & (codes >= -len(self._meaning))  # the first is -1
-        ends[events] = self._meaning[-codes[events] - 1]
+        events = (codes < 0) & (codes >= -len(self.meaning))  # the first is -1
+        ends[events] = self.meaning[-codes[events] - 1]
         return times.ravel()[:n], states.transpose(1, 0, 2).reshape(len(y), -1)[:, :n].copy(), ends
 
     def _run(self, t: Array, y: Array, until: Array, parameters: Array, codes: NDArray[np.int64]) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import STICK
-from spear_pin.hybrid.engines.taylor import Compiled, Point
+from spear_pin.hybrid.engines.taylor import BENT, Compiled, Point
 from spear_pin.hybrid.events import CHANGE, GLIMPSES
 from spear_pin.hybrid.lanes.groups import Flags, Group, Indices
 from spear_pin.hybrid.lanes.numbers import Numbers
@@ -20,7 +20,6 @@ from spear_pin.hybrid.phases import AT_REST, SIGN, UNLOADED
 
 Array = NDArray[np.float64]
 AWAY = (1e-6, 1e-7, 1e-8, 1e-5, 1e-4)  # s: in one of them guards on zero become positive and no other falls
-BENT = 1e-9  # what changes sign at a kink is on zero within this, in its unit
 
 
 def choose(numbers: Numbers, phase: str, group: Group) -> tuple[list[tuple[Compiled, Group, Point]], Group]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
+Held = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,15 @@ def take(value: Any, chosen: Any) -> Any:
     if isinstance(value, tuple):
         return tuple(take(item, chosen) for item in value)
     return value[chosen] if isinstance(value, np.ndarray) else value
+
+
+def alone(value: Any) -> Any:
+    """What the only lane of a group holds, as plain numbers."""
+    if isinstance(value, dict):
+        return {name: alone(item) for name, item in value.items()}
+    if isinstance(value, tuple):
+        return tuple(alone(item) for item in value)
+    return value.item() if isinstance(value, np.ndarray) else value
 
 
 def spread(value: Any, n: int) -> Any:

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
-from spear_pin.hybrid.engines import layout, taylor
+from spear_pin.hybrid.engines import layout
 from spear_pin.hybrid.engines.symbolic import with_fields
 from spear_pin.hybrid.engines.taylor import Compiled, Point
+from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, Indices, collected, spread, take
-from spear_pin.model.planar import Planar
 
 Array = NDArray[np.float64]
 
@@ -31,16 +31,23 @@ class Numbers:
 
     def __init__(self, system: HybridSystem, given: Mapping[str, Array], tol: float, observing: bool) -> None:
         self.system, self.nv, self._given = system, system.robot.nv, given
-        self.planar = Planar(system.robot)
-        self._robot = layout.robot_numbers(system, self.planar)
+        self.ready = compilation(system, tol, observing)
+        self.planar = self.ready.planar
         parts = (system.spring, "stiffness"), (system.spring, "damping"), (system.contact, "friction")
         self._others = [given.get(name, getattr(part, name)) for part, name in parts]
-        self._tol, self._observing = tol, observing
-        self._built: dict[Any, tuple[Domain, Compiled]] = {}
 
     def of_lane(self, lane: int) -> dict[str, float]:
         """The numbers in which a lane differs."""
         return {name: float(values[lane]) for name, values in self._given.items()}
+
+    def law_of(self, lane: int) -> Any:
+        """Parameters of the law in one lane."""
+        return with_fields(self.system.law, self.of_lane(lane))
+
+    def constants(self, lane: int) -> list[float]:
+        """A lane's run-time parameters ahead of what is held."""
+        law, others = self.law_of(lane), [float(take(value, lane)) for value in self._others]
+        return layout.flattened((*(getattr(law, field.name) for field in fields(law)), *others, *self.ready.robot))
 
     def law(self, lanes: Indices) -> Any:
         """Parameters of the law in some lanes."""
@@ -53,7 +60,7 @@ class Numbers:
     def parameters(self, group: Group) -> Array:
         """Run-time parameters of a group, (p, n)."""
         others = [take(value, group.lanes) for value in self._others]
-        return layout.parameters(self.law(group.lanes), others, self._robot, group.held, len(group))
+        return layout.parameters(self.law(group.lanes), others, self.ready.robot, group.held, len(group))
 
     def compiled(self, domain: Domain, group: Group) -> Compiled:
         """The domain, compiled for what the group holds.
@@ -61,12 +68,7 @@ class Numbers:
         Raises:
             TypeError: it cannot be: a latch branches on a value.
         """
-        key = id(domain), layout.shape_of(group.held)
-        if key not in self._built:
-            structure = layout.Structure(self.system, domain, group.held, self.planar)
-            # kept with the domain, so that its identity stays its own
-            self._built[key] = domain, taylor.compiled(structure, self._tol, self._observing)
-        return self._built[key][1]
+        return self.ready.domain(domain, group.held)
 
     def at(self, ready: Compiled, group: Group) -> Point:
         """A domain evaluated where a group is."""
@@ -97,7 +99,7 @@ class Numbers:
             each = []
             for i in range(n):
                 own = {name: take(value, i) for name, value in group.held.items()}
-                law = with_fields(self.system.law, self.of_lane(int(group.lanes[i])))
+                law = self.law_of(int(group.lanes[i]))
                 each.append(reset.latch(q[:, i].tolist(), v[:, i].tolist(), own, law))
             return replace(
                 group, held={**group.held, **{name: collected([one[name] for one in each]) for name in each[0]}}

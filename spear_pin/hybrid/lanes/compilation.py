@@ -1,0 +1,73 @@
+"""A system's domains and impacts, compiled when first needed and kept."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import Any
+
+from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.engines import layout, taylor
+from spear_pin.hybrid.engines.single import Impact, Single, impact, single
+from spear_pin.hybrid.engines.taylor import Compiled
+from spear_pin.hybrid.lanes.groups import Held
+from spear_pin.model.planar import Planar
+
+KEPT = 16  # systems
+
+
+class Compilation:
+    """What lanes of a system share, whatever their numbers.
+
+    Args:
+        system: the system.
+        tol: tolerance of the Taylor engine.
+        observing: whether events that are only observed stop its integrators, too.
+    """
+
+    def __init__(self, system: HybridSystem, tol: float, observing: bool) -> None:
+        self.system, self.planar = system, Planar(system.robot)
+        self.robot = layout.robot_numbers(system, self.planar)
+        self._tol, self._observing = tol, observing
+        # domains are kept with what was made of them, so that their identities stay their own
+        self._domains: dict[Any, tuple[Domain, Compiled]] = {}
+        self._singles: dict[Any, tuple[Domain, Single]] = {}
+        self._impacts: dict[str, Impact] = {}
+
+    def domain(self, domain: Domain, held: Held) -> Compiled:
+        """A domain, compiled for what is held.
+
+        Raises:
+            TypeError: it cannot be: a latch branches on a value.
+        """
+        key = id(domain), layout.shape_of(held)
+        if key not in self._domains:
+            structure = layout.Structure(self.system, domain, held, self.planar)
+            self._domains[key] = domain, taylor.compiled(structure, self._tol, self._observing)
+        return self._domains[key][1]
+
+    def single(self, domain: Domain, held: Held) -> Single:
+        """The same for one lane."""
+        key = id(domain), layout.shape_of(held)
+        if key not in self._singles:
+            self._singles[key] = domain, single(self.domain(domain, held))
+        return self._singles[key][1]
+
+    def impact(self, toe: str) -> Impact:
+        """A toe's impact."""
+        if toe not in self._impacts:
+            structure = layout.Structure(self.system, self.system.domains[0], {}, self.planar)
+            self._impacts[toe] = impact(structure, toe)
+        return self._impacts[toe]
+
+
+_kept: OrderedDict[Any, Compilation] = OrderedDict()
+
+
+def compilation(system: HybridSystem, tol: float, observing: bool) -> Compilation:
+    """A system's, made once as long as that system is among the last that were asked for."""
+    key = id(system), tol, observing
+    found = _kept.pop(key, None) or Compilation(system, tol, observing)
+    _kept[key] = found  # the system is kept with it, so that its identity stays its own
+    if len(_kept) > KEPT:
+        _kept.popitem(last=False)
+    return found
