@@ -76,6 +76,17 @@ class MissingExtra(SpearError):
         super().__init__(f"{purpose} needs {package}, which is not installed: pip install 'spear-pin[{extra}]'")
 
 
+class MissingProgram(SpearError):
+    """A program that is no Python package is not installed."""
+
+    def __init__(self, program: str, purpose: str, package: str) -> None:
+        self.program, self.package = program, package
+        super().__init__(
+            f"{purpose} need {program}, which is not installed (Debian, Ubuntu: apt-get install {package};"
+            f" macOS: brew install {package})"
+        )
+
+
 def require(name: str, value: Any, valid: Callable[[Any], Any], expected: str) -> None:
     """Raise `BadValue` unless a number is finite and valid; symbols pass.
 

@@ -1,0 +1,167 @@
+"""`spear export`."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.gaits import BOUND
+from spear_pin.cli.output import aligned
+from spear_pin.errors import BadFile, BadValue, SpearError
+
+if TYPE_CHECKING:
+    from spear_pin.hybrid.trajectory import Trajectory
+    from spear_pin.model.robot import Robot
+
+ROBOT = {"mjcf": "xml", "srdf": "srdf"}  # formats of a robot, and how their files end
+TRAJECTORY = {"csv": "csv", "mat": "mat", "png": "png", "mp4": "mp4"}
+# what each option goes with
+NEEDS = {
+    "toes": ROBOT,
+    "lock": ROBOT,
+    "robot": ("png", "mp4"),
+    "size": ("png", "mp4"),
+    "time": ("png",),
+    "fps": ("mp4",),
+    "speed": ("mp4",),
+}
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    summary = "write a robot for other programs, or a trajectory as a table, a picture or a film"
+    parser = add_command(commands, "export", run, summary)
+    parser.add_argument("what", help="a robot's name, the path of a URDF, or a trajectory that was saved (.npz)")
+    add_out(parser, "the files")
+    robot = parser.add_argument_group("of a robot")
+    robot.add_argument("--mjcf", action="store_true", help="MuJoCo's format, with rotors, motors, toes and ground")
+    robot.add_argument("--srdf", action="store_true", help="legs, postures and rotors, to go with the URDF")
+    robot.add_argument("--lock", nargs="+", metavar="JOINT", help="joints held at zero; not with --srdf")
+    robot.add_argument("--toes", nargs="+", metavar="FRAME", help="toe frames of a URDF")
+    trajectory = parser.add_argument_group("of a trajectory")
+    trajectory.add_argument("--csv", action="store_true", help="its samples as a table")
+    trajectory.add_argument("--mat", action="store_true", help="samples, events and ledger for MATLAB")
+    trajectory.add_argument("--png", action="store_true", help="a picture, drawn by Chromium")
+    trajectory.add_argument("--mp4", action="store_true", help="a film, drawn by Chromium, encoded by ffmpeg")
+    trajectory.add_argument("--time", type=float, metavar="S", help="of the picture (default: the beginning)")
+    trajectory.add_argument("--size", metavar="WxH", help="of picture and film, in pixels (default: 1280x720)")
+    trajectory.add_argument("--fps", type=float, metavar="HZ", help="frames a second of the film (default: 30)")
+    trajectory.add_argument("--speed", type=float, metavar="FACTOR", help="less than 1 is slow motion (default: 1)")
+    trajectory.add_argument("--robot", metavar="NAME|URDF", help="whose it is, where the file's own is not found")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Write the files."""
+    check_out(arguments)
+    moves = Path(arguments.what).suffix == ".npz"
+    fitting, other = (TRAJECTORY, ROBOT) if moves else (ROBOT, TRAJECTORY)
+    asked = [name for name in (*ROBOT, *TRAJECTORY) if getattr(arguments, name)]
+    if not asked or set(asked) & set(other):
+        kind, valid = "trajectory" if moves else "robot", ", ".join(f"--{name}" for name in fitting)
+        raise BadValue("format", ", ".join(f"--{name}" for name in asked) or "none", f"of a {kind}: {valid}")
+    for option, formats in NEEDS.items():
+        if getattr(arguments, option) is not None and not set(asked) & set(formats):
+            valid = " or ".join(f"--{name}" for name in formats)
+            raise BadValue(f"--{option}", getattr(arguments, option), f"to go with {valid}")
+    name = Path(arguments.what).stem if {"/", "\\", "."} & set(arguments.what) else arguments.what
+    paths = {form: arguments.out / f"{name}.{fitting[form]}" for form in asked}
+    result = _trajectory(arguments, paths) if moves else _robot(arguments, paths)
+    files = [str(path) for path in paths.values()]
+    rows = [*result.pop("rows"), ("files", ", ".join(files))]
+    return result | {"files": files, "text": aligned(rows)}
+
+
+def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str, Any]:
+    from spear_pin.files import atomic
+    from spear_pin.model.loading import load
+    from spear_pin.model.mjcf import to_mjcf
+    from spear_pin.model.srdf import to_srdf
+
+    robot = load(arguments.what, toes=arguments.toes, locked=arguments.lock or ())
+    postures = _postures(robot)
+    writers = {"mjcf": to_mjcf, "srdf": to_srdf}
+    texts = {path: writers[form](robot, postures) for form, path in paths.items()}
+    for path, text in texts.items():
+        with atomic(path) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+    names = ["home", *postures]
+    rows = [("robot", f"{robot.name}, {robot.mass:.4g} kg"), ("postures", ", ".join(names))]
+    return {"robot": robot.name, "mass": robot.mass, "postures": names, "rows": rows}
+
+
+def _postures(robot: Robot) -> dict[str, Any]:
+    """Where the gaits of this package, which are not the source's, touch down."""
+    import numpy as np
+
+    from spear_pin.gaits.gait import Gait
+    from spear_pin.gaits.hopping import HoppingLaw
+    from spear_pin.model.postures import grounded
+
+    if robot.source in ("spear_ii", "spear_ii_series"):
+        knee = HoppingLaw().knee_touchdown
+        angles = {"hip": 0.5 * knee, "knee": knee}
+    elif robot.source == "q_spear":
+        gait = Gait.load(BOUND)
+        angles = dict(zip(gait.system.robot.coordinates, gait.state[0], strict=True))
+    else:
+        return {}
+    q = np.array([angles.get(coordinate, 0.0) for coordinate in robot.coordinates])
+    return {"touchdown": grounded(robot, q)}
+
+
+def _trajectory(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str, Any]:
+    from tqdm import tqdm
+
+    from spear_pin.hybrid.trajectory import Trajectory
+    from spear_pin.viz import video
+
+    trajectory = Trajectory.load(arguments.what)
+    size = _size(arguments.size) if arguments.size else video.SIZE
+    for form in ("csv", "mat"):
+        if form in paths:
+            trajectory.export(paths[form])
+    if "png" in paths:
+        time = float(trajectory.t[0]) if arguments.time is None else arguments.time
+        video.still(_moving(arguments, trajectory), trajectory, paths["png"], time=time, size=size)
+    if "mp4" in paths:
+        given = {name: value for name in ("fps", "speed") if (value := getattr(arguments, name)) is not None}
+        with tqdm(unit="frame", disable=None, leave=False) as bar:
+
+            def tell(done: int, total: int) -> None:
+                bar.total = total
+                bar.update(done - bar.n)
+
+            robot = _moving(arguments, trajectory)
+            video.film(robot, trajectory, paths["mp4"], size=size, on_frame=tell, **given)
+    begin, end = float(trajectory.t[0]), float(trajectory.t[-1])
+    rows = [("robot", trajectory.robot), ("samples", f"{len(trajectory.t)}, from {begin:.4g} to {end:.4g} s")]
+    return {"robot": trajectory.robot, "samples": len(trajectory.t), "begin": begin, "end": end, "rows": rows}
+
+
+def _size(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text.strip())
+    if found is None:
+        raise BadValue("--size", text, "WIDTHxHEIGHT, in pixels, such as 1280x720")
+    return int(found[1]), int(found[2])
+
+
+def _moving(arguments: argparse.Namespace, trajectory: Trajectory) -> Robot:
+    """The robot of a trajectory, whose joints that it does not have are locked."""
+    from spear_pin.model.loading import load
+
+    try:
+        whole = load(arguments.robot or trajectory.robot)
+    except SpearError as error:
+        if arguments.robot:
+            raise
+        raise BadFile(arguments.what, f"its robot is not found: {error}; give it by --robot") from None
+    if not set(trajectory.coordinates) <= set(whole.coordinates):
+        expected = f"a robot with {', '.join(trajectory.coordinates)}, which the trajectory has"
+        raise BadValue("--robot", whole.source, expected)
+    joints = list(zip(whole.model.names, whole.model.joints, strict=True))[1:]
+    locked = [name for name, joint in joints if whole.coordinates[joint.idx_v] not in trajectory.coordinates]
+    return load(whole.source, toes=trajectory.toes, locked=locked)

@@ -1,0 +1,213 @@
+"""A robot as an MJCF file, MuJoCo's own format.
+
+MuJoCo reads a URDF itself, and could save it again, but not the same robot: it ignores `<transmission>`, and with it
+rotors, gears and motors; it refuses the massless carriages, merges the toes into their shanks and drops the shapes. So
+the file is written here, from the model as loaded, varied and locked. MuJoCo need not be installed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from lxml import etree
+from numpy.typing import ArrayLike, NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.model.document import document
+from spear_pin.model.postures import checked, home
+from spear_pin.model.robot import Robot
+
+Array = NDArray[np.float64]
+FRICTION = 0.8  # of toes and ground, the package's assumption
+LEAST = 1e-14  # kg and kg·m² that a link without inertia is given: MuJoCo wants more than 1e-15
+CONTACT_RADIUS = 1e-3  # m, of the sphere that stands for a toe, a point
+SLIDING = (FRICTION, 0.005, 0.0001)  # the other two are MuJoCo's own, of turning and rolling; points do neither
+UNTOUCHED = {"contype": "0", "conaffinity": "0", "group": "2"}
+ON_GROUND = {"contype": "0", "conaffinity": "1", "group": "3"}
+FREE = 6  # velocities of a floating joint
+NOTE = """
+  Written by spear_pin. Units are SI and radians.
+  Joints have the names and signs of the URDF. armature is the inertia N^2 J of a rotor behind its gears.
+  ctrl is the torque of a rotor, in N m; gear is N; the joint's torque is N ctrl, its limit the URDF's effort.
+  A free joint: qpos has the scalar of the quaternion first, and the linear velocity is in world axes.
+  The switchable spring of a knee is not in this file: no spring of MJCF can latch its rest angle at touchdown.
+  Apply its torque from outside, for instance through qfrc_applied.
+  Contact with the ground is MuJoCo's, compliant, with a friction of {friction} (an assumption); spear_pin's is rigid.
+"""
+
+
+def to_mjcf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> str:
+    """The text of an MJCF file with the robot: mass matrix and bias in MuJoCo are the robot's own.
+
+    It has a body for each joint, a site for each toe, a motor for each transmission, the boxes, cylinders and spheres
+    that the URDF shows, the ground, and the postures as keyframes.
+
+    Args:
+        robot: as loaded, varied or with joints locked.
+        postures: configurations, (nq,) each, by name, beside "home" (see `postures.home`).
+
+    Raises:
+        BadValue: the robot has a joint that neither turns nor slides about one axis nor floats from the origin, an
+            inertia that MuJoCo refuses, or inertia beside its model's (`on_rotary_boom`); or a posture has not nq
+            numbers.
+        BadFile: its URDF is gone.
+    """
+    if robot.added is not None:
+        raise BadValue("robot", robot, "one without inertia beside its model's: MJCF cannot express that of an arm")
+    root = etree.Element("mujoco", model=robot.name)
+    root.append(etree.Comment(NOTE.format(friction=FRICTION)))
+    bounds = {"boundmass": LEAST, "boundinertia": LEAST}
+    _add(root, "compiler", angle="radian", autolimits="true", inertiafromgeom="false", **bounds)
+    _add(root, "option", gravity=robot.model.gravity.linear, timestep=0.001, integrator="implicitfast", cone="elliptic")
+    assets = _add(root, "asset")
+    light, dark, side = (0.80, 0.84, 0.88), (0.72, 0.77, 0.82), "256"
+    _add(assets, "texture", type="skybox", builtin="gradient", width=side, height=side, rgb1=light, rgb2=dark)
+    _add(assets, "texture", name="ground", type="2d", builtin="checker", width=side, height=side, rgb1=light, rgb2=dark)
+    _add(assets, "material", name="ground", texture="ground", texrepeat=(1, 1), texuniform="true")
+    world = _add(root, "worldbody")
+    _add(world, "light", directional="true", castshadow="false", pos=(0, 0, 4), dir=(0.3, 0.4, -1))
+    _add(world, "geom", name="ground", type="plane", size=(0, 0, 1), material="ground", friction=SLIDING)
+    elements = _add_bodies(robot.model, world)
+    _add_shapes(robot, elements)
+    _add_toes(robot, elements)
+    _add_motors(robot, root)
+    keys = _add(root, "keyframe")
+    for name, q in {"home": home(robot), **(postures or {})}.items():
+        _add(keys, "key", name=name, qpos=qpos(robot, checked(robot, name, q)))
+    return str(etree.tostring(root, encoding="unicode", pretty_print=True))
+
+
+def qpos(robot: Robot, q: Array) -> Array:
+    """A configuration, (nq,), as MuJoCo's qpos of the exported file: scalars of quaternions first, angles as angles."""
+    parts = []
+    for joint in list(robot.model.joints)[1:]:
+        part = q[joint.idx_q : joint.idx_q + joint.nq]
+        if joint.nv == FREE:
+            part = part[[0, 1, 2, 6, 3, 4, 5]]
+        parts.append([np.arctan2(part[1], part[0])] if joint.nq == 2 else part)
+    return np.concatenate(parts)
+
+
+def qvel(robot: Robot, q: Array, v: Array) -> Array:
+    """A velocity, (nv,), as MuJoCo's qvel of the exported file: that of a floating link in world axes."""
+    values = np.array(v, dtype=np.float64)
+    for joint in list(robot.model.joints)[1:]:
+        if joint.nv == FREE:
+            pose = pin.XYZQUATToSE3(q[joint.idx_q : joint.idx_q + joint.nq])
+            values[joint.idx_v : joint.idx_v + 3] = pose.rotation @ values[joint.idx_v : joint.idx_v + 3]
+    return values
+
+
+def _add_bodies(model: pin.Model, world: Any) -> list[Any]:
+    """The element of each joint's body, the world's first; depth first, as MuJoCo counts."""
+    elements = [world]
+    for joint in range(1, model.njoints):
+        parent, placement, kind = elements[model.parents[joint]], model.jointPlacements[joint], model.joints[joint]
+        body = _add(parent, "body", name=_link(model, joint), **_place(placement))
+        _add_inertial(model, joint, body)
+        if kind.nv == FREE and parent is world and placement.isIdentity():
+            _add(body, "freejoint", name=model.names[joint])
+        elif kind.nv == 1:
+            _add_joint(model, joint, body)
+        else:
+            expected = "joints that turn or slide about one axis, or a floating joint at the world's origin"
+            raise BadValue(f"joint {model.names[joint]!r}", kind.shortname(), expected)
+        elements.append(body)
+    return elements
+
+
+def _link(model: pin.Model, joint: int) -> str:
+    """Name of the link that a joint moves."""
+    frames = (frame for frame in model.frames if frame.parentJoint == joint and frame.type == pin.FrameType.BODY)
+    return str(next(frames).name)
+
+
+def _add_inertial(model: pin.Model, joint: int, body: Any) -> None:
+    inertia = model.inertias[joint]
+    matrix = np.array(inertia.inertia) if np.any(inertia.inertia) else LEAST * np.eye(3)
+    least, middle, most = np.linalg.eigvalsh(matrix)
+    if most > least + middle + 1e-6 * most:
+        name, found = f"inertia of link {_link(model, joint)!r}", (float(least), float(middle), float(most))
+        raise BadValue(name, found, "principal moments of which none exceeds the sum of the others, for MuJoCo")
+    moments = [matrix[row, column] for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    _add(body, "inertial", pos=inertia.lever, mass=max(inertia.mass, LEAST), fullinertia=moments)
+
+
+def _add_joint(model: pin.Model, joint: int, body: Any) -> None:
+    kind, row = model.joints[joint], model.joints[joint].idx_v
+    data = kind.createData()
+    kind.calc(data, pin.neutral(model))
+    motion = np.ravel(data.S)
+    name, axis = ("slide", motion[:3]) if motion[:3].any() else ("hinge", motion[3:])
+    element = _add(body, "joint", name=model.names[joint], type=name, axis=axis)
+    low, high = model.lowerPositionLimit[kind.idx_q], model.upperPositionLimit[kind.idx_q]
+    if kind.nq == 1 and -np.inf < low < high < np.inf:
+        element.set("range", _numbers((low, high)))
+    parts = {"armature": model.armature, "damping": model.damping, "frictionloss": model.upperDryFrictionLimit}
+    for name, values in parts.items():
+        if values[row]:
+            element.set(name, _numbers(values[row]))
+
+
+def _add_shapes(robot: Robot, elements: list[Any]) -> None:
+    """What the URDF shows, read by Pinocchio; files of meshes are not read."""
+    urdf = document(robot)
+    for visual in list(urdf.iter("visual")):
+        if visual.find("geometry/mesh") is not None:
+            name = visual.getparent().get("name").replace("-", "_")  # XML allows no "--" in a comment
+            elements[0].addprevious(etree.Comment(f" a mesh of link {name} is left out "))
+            visual.getparent().remove(visual)
+    text = str(etree.tostring(urdf, encoding="unicode"))
+    try:
+        shapes = pin.buildGeomFromUrdfString(robot.model, text, pin.GeometryType.VISUAL).geometryObjects
+    except (ValueError, RuntimeError):
+        elements[0].addprevious(etree.Comment(" the shapes are left out: some are not valid "))
+        return
+    for shape in shapes:
+        kind, color = shape.meshPath, " ".join(f"{part:.4g}" for part in shape.meshColor)
+        geom = _add(elements[shape.parentJoint], "geom", type=kind.lower(), size=_size(kind, shape.geometry))
+        geom.attrib.update({**_place(shape.placement), "rgba": color, **UNTOUCHED})
+
+
+def _size(kind: str, solid: Any) -> ArrayLike:
+    if kind == "BOX":
+        return np.array(solid.halfSide)
+    return (solid.radius, solid.halfLength) if kind == "CYLINDER" else solid.radius
+
+
+def _add_toes(robot: Robot, elements: list[Any]) -> None:
+    for toe in robot.toes:
+        frame = robot.model.frames[robot.toe_id(toe)]
+        at, parent = frame.placement.translation, elements[frame.parentJoint]
+        _add(parent, "site", name=toe, pos=at, size=0.005)
+        sphere = _add(parent, "geom", name=toe, type="sphere", size=CONTACT_RADIUS, pos=at, friction=SLIDING)
+        sphere.attrib.update(ON_GROUND)
+
+
+def _add_motors(robot: Robot, root: Any) -> None:
+    motors = _add(root, "actuator")
+    for joint in robot.actuated:
+        ratio = robot.gear_ratio(joint)
+        motor = _add(motors, "motor", name=joint, joint=joint, gear=ratio)
+        effort = float(robot.model.upperEffortLimit[robot.index(joint)])
+        if 0.0 < effort < np.inf:
+            motor.set("ctrlrange", _numbers((-effort / abs(ratio), effort / abs(ratio))))
+
+
+def _place(placement: pin.SE3) -> dict[str, str]:
+    x, y, z, w = pin.Quaternion(placement.rotation).coeffs()
+    found = {"pos": _numbers(placement.translation)} if np.any(placement.translation) else {}
+    return found | ({"quat": _numbers((w, x, y, z))} if any((x, y, z)) else {})
+
+
+def _add(parent: Any, tag: str, **attributes: str | ArrayLike) -> Any:
+    """A new element; numbers are written in full."""
+    texts = {name: value if isinstance(value, str) else _numbers(value) for name, value in attributes.items()}
+    return etree.SubElement(parent, tag, texts)
+
+
+def _numbers(values: ArrayLike) -> str:
+    return " ".join(repr(float(value)) for value in np.ravel(np.asarray(values)))

@@ -1,0 +1,45 @@
+"""Configurations to start from: a robot standing on the ground."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.model.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+def home(robot: Robot) -> Array:
+    """Every joint at zero, the lowest toe on the ground where a joint can lift the robot; (nq,)."""
+    return grounded(robot, pin.neutral(robot.model))
+
+
+def grounded(robot: Robot, q: Array) -> Array:
+    """A configuration, (nq,), lifted or lowered until its lowest toe is at height zero.
+
+    It stays as it is if the robot has no toes, or no coordinate that moves them all straight up.
+    """
+    if not robot.toes:
+        return q
+    jacobians = np.array([robot.toe_jacobian(q, toe) for toe in robot.toes])
+    up = np.eye(jacobians.shape[1])[-1]
+    lifting = np.flatnonzero(np.abs(jacobians - up[None, :, None]).max(axis=(0, 1)) < 1e-12)
+    if not len(lifting):
+        return q
+    height = min(float(robot.toe_position(q, toe)[-1]) for toe in robot.toes)
+    return np.asarray(pin.integrate(robot.model, q, -height * np.eye(robot.nv)[lifting[0]]))
+
+
+def checked(robot: Robot, name: str, q: ArrayLike) -> Array:
+    """A configuration, (nq,), as float64.
+
+    Raises:
+        BadValue: it has the wrong length or is not finite.
+    """
+    values = np.asarray(q, dtype=np.float64)
+    if values.shape != (robot.nq,) or not np.isfinite(values).all():
+        raise BadValue(f"posture {name!r}", q, f"{robot.nq} finite numbers")
+    return values

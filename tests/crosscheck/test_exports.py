@@ -1,0 +1,74 @@
+"""Exported files in the programs they are for: MuJoCo compiles the MJCF to the same robot."""
+
+import numpy as np
+import pytest
+
+from spear_pin.model.loading import ROBOTS, load
+from spear_pin.model.mjcf import qpos, qvel, to_mjcf
+from spear_pin.model.variants import vary
+from tests.crosscheck.test_engines import assert_close, in_world_axes, joints, random_states
+
+CASES = {name: lambda name=name: load(name) for name in ROBOTS} | {
+    "locked": lambda: load("spear_ii", locked=["boom_x"]),
+    "varied": lambda: vary(load("q_spear_full"), hip_spacing=0.4, knee_ratio=20.0, torso_mass=30.0),
+}
+
+each_robot = pytest.mark.parametrize("case", CASES)
+
+
+def compiled(robot):
+    """MuJoCo, the model, its data, and the entries of its vectors that each number of q and of v is."""
+    mujoco = pytest.importorskip("mujoco")
+    model = mujoco.MjModel.from_xml_string(to_mjcf(robot))
+    positions, velocities = [], []
+    for name, floating in joints(robot):
+        joint = model.joint(name)
+        positions += [joint.qposadr[0] + i for i in ((0, 1, 2, 4, 5, 6, 3) if floating else (0,))]
+        velocities += [joint.dofadr[0] + i for i in range(6 if floating else 1)]
+    return mujoco, model, mujoco.MjData(model), positions, velocities
+
+
+@each_robot
+def test_mass_matrix_bias_and_toes(case):
+    robot = CASES[case]()
+    mujoco, model, data, positions, velocities = compiled(robot)
+    assert sorted(positions) == list(range(model.nq)) and sorted(velocities) == list(range(model.nv))
+    mass_matrix = np.zeros((model.nv, model.nv))
+    for q, v in random_states(robot):
+        change, rate = in_world_axes(robot, q, v, 3)
+        data.qpos[positions], data.qvel[velocities] = q, change @ v
+        np.testing.assert_array_equal(qpos(robot, q), data.qpos)
+        assert_close(qvel(robot, q, v), data.qvel)
+        mujoco.mj_forward(model, data)
+        for column, unit in zip(mass_matrix, np.eye(model.nv), strict=True):
+            mujoco.mj_mulM(model, data, column, unit)
+        there = mass_matrix[np.ix_(velocities, velocities)]
+        assert_close(robot.mass_matrix(q), change.T @ there @ change)
+        assert_close(robot.bias(q, v), change.T @ (data.qfrc_bias[velocities] + there @ rate))
+        for toe in robot.toes:
+            place = data.site(toe).xpos
+            assert_close(robot.toe_position(q, toe), place[[0, 2]] if robot.planar else place)
+
+
+@each_robot
+def test_motors(case):
+    robot = CASES[case]()
+    mujoco, model, data, _, velocities = compiled(robot)
+    efforts = robot.model.upperEffortLimit[[robot.index(joint) for joint in robot.actuated]]
+    data.ctrl[:] = 2.0 * model.actuator_ctrlrange[:, 1]  # as much as it may, and then as much again
+    mujoco.mj_forward(model, data)
+    assert_close(robot.actuation_matrix @ efforts, data.qfrc_actuator[velocities])
+    assert float(model.body_mass.sum()) == pytest.approx(robot.mass, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["spear_ii", "q_spear", "q_spear_full"])
+def test_it_falls_onto_its_toes(name):
+    robot = load(name)
+    mujoco, model, data, _, _ = compiled(robot)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    mujoco.mj_forward(model, data)
+    touching = {model.geom(geom).name for contact in data.contact for geom in contact.geom}
+    assert touching == {"ground", *robot.toes}
+    mujoco.mj_step(model, data, nstep=20)
+    up = data.site(robot.toes[0]).xpos[2]
+    assert abs(up) < 2e-3
