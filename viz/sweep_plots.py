@@ -51,19 +51,19 @@ def sweep_map(dataset: Any) -> Figure:
     if not np.isfinite(largest).any():
         raise BadValue("dataset", f"{len(largest)} points", "a sweep in which a gait was found")
     solved = dataset[vary[0]].to_numpy() if vary else dataset["duration"].to_numpy().sum(axis=1)
-    panels = {"Largest multiplier (1)": largest, _label(vary[0] if vary else "period"): solved}
+    panels = {"Largest multiplier (1)": largest, label(vary[0] if vary else "period"): solved}
     with style():
         figure = Figure(figsize=(7.0, 2.8), layout="constrained")
-        for i, (panel, (label, values)) in enumerate(zip(figure.subplots(1, 2), panels.items(), strict=True)):
-            panel.set_xlabel(_label(names[0]))
+        for i, (panel, (title, values)) in enumerate(zip(figure.subplots(1, 2), panels.items(), strict=True)):
+            panel.set_xlabel(label(names[0]))
             if len(names) == 1:
                 _line(panel, axes[0], values, first=i == 0)
-                panel.set_ylabel(label)
+                panel.set_ylabel(title)
                 continue
-            panel.set_ylabel(_label(names[1]))
+            panel.set_ylabel(label(names[1]))
             draw = _cells if _is_grid(axes) else _points
             drawn = draw(panel, axes[0], axes[1], values)
-            bar = figure.colorbar(drawn, label=label)
+            bar = figure.colorbar(drawn, label=title)
             if i == 0:
                 _stable(panel, axes, values)
                 if np.nanmin(values) < 1.0 < np.nanmax(values):
@@ -125,5 +125,6 @@ def _edges(values: Array) -> Array:
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
 
 
-def _label(name: str) -> str:
+def label(name: str) -> str:
+    """A parameter's or measure's name and unit, for an axis."""
     return f"{name.replace('_', ' ').capitalize()} ({UNITS.get(name, '1')})"
