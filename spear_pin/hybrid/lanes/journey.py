@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem
 from spear_pin.hybrid.contact import joint_impact, routh
 from spear_pin.hybrid.engines.layout import shape_of
-from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Compiled, Point
+from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, UNROLLED, Compiled, Point
 from spear_pin.hybrid.lanes.entry import at_once, away, choose
 from spear_pin.hybrid.lanes.groups import Group, Indices, alone, along, merged, spread, stacked
 from spear_pin.hybrid.lanes.numbers import Numbers
@@ -28,7 +28,7 @@ from spear_pin.hybrid.record import REASONS, Options
 from spear_pin.hybrid.run import AT_ONCE, CYCLE_EVENTS, INSTANT, run, struck_toes
 
 Array = NDArray[np.float64]
-FEW = 8  # lanes that are faster one by one
+FEW = 12  # lanes that are faster one by one; half as many where code is not unrolled
 CROWD = 10  # events in an instant, of a lane that is then left to the reference engine, as may be a Zeno point
 FINER = 1000.0  # times the reference engine's tolerance is what the Taylor engine integrates with
 
@@ -64,7 +64,8 @@ class Lanes:
         self.repeated = np.zeros(n, bool)
         seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and observing}
         self.observed = {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
-        self._tracks = [Track(self.numbers, lane) for lane in range(n)] if n <= FEW else []
+        few = FEW if self.nv <= UNROLLED else FEW // 2
+        self._tracks = [Track(self.numbers, lane) for lane in range(n)] if n <= few else []
         self._alone: list[tuple[Group, Came | None]] = []
         self._entering: dict[Any, tuple[str, Came | None, list[Group]]] = {}
         self._flying: dict[int, tuple[Compiled, list[Group]]] = {}
