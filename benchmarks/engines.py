@@ -21,14 +21,29 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 from benchmarks.peers import lean_stride
-from benchmarks.peers.task import AGREES, CHECKED, FINEST, Absent, Lane, Task, bound, bound_on, hop, reference, taylor
+from benchmarks.peers.task import (
+    AGREES,
+    CHECKED,
+    FINEST,
+    STATES,
+    Absent,
+    Lane,
+    Task,
+    bound,
+    bound_on,
+    hop,
+    reference,
+    taylor,
+)
 from spear_pin.hybrid.engines.taylor import available, width
 
-SIZES = {"hop": (1, 8, 64, 512, 4096), "bound": (1, 8, 64, 512)}  # lanes of a batch
+SIZES = {"hop": (1, STATES, 64, 512, 4096), "bound": (1, STATES, 64, 512)}  # lanes; few are run one by one
+FIRST = (STATES, 64)  # lanes of a first use: one by one, and a batch
 PEERS = ("lean_loop", "pinocchio_cpp", "mujoco_exact", "mujoco_native", "drake_hop")
 ENOUGH = 0.2  # s: that a lane is run for in a round, or once
 PACKAGES = ("numpy", "scipy", "pin", "heyoka", "mujoco", "drake")
@@ -46,6 +61,8 @@ def hop_lanes(task: Task) -> tuple[list[Lane], list[str]]:
     lanes += [reference(task, 1e-8), reference(task, 1e-9), reference(task, 1e-9, sampled=True)]
     if available():
         lanes += [taylor(task, size, 1e-9) for size in SIZES["hop"]]
+        # still far more accurate than the yardstick
+        lanes += [taylor(task, size, 1e-7) for size in (SIZES["hop"][1], SIZES["hop"][-1])]
     else:
         missing.append("simulate_many: heyoka is not installed")
     return lanes, missing
@@ -106,15 +123,15 @@ def worker(*given: str) -> list[str]:
 def first_use(rounds: int) -> list[Row]:
     """Seconds until the integrators are ready: compiled anew, and read from heyoka's cache."""
     rows = []
-    for name in SIZES:
+    for name, lanes in product(SIZES, FIRST):
         seconds: dict[str, list[float]] = {"compiled": [], "cached": []}
         for _ in range(rounds):
             with tempfile.TemporaryDirectory() as folder:
                 for kind in seconds:
-                    command = worker("first", name, folder)
+                    command = worker("first", name, str(lanes), folder)
                     out = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
                     seconds[kind].append(float(out[0]) - float(out[1]))
-        rows.append({"name": name} | {kind: statistics.median(own) for kind, own in seconds.items()})
+        rows.append({"name": name, "lanes": lanes} | {kind: statistics.median(own) for kind, own in seconds.items()})
     return rows
 
 
@@ -217,8 +234,11 @@ def main() -> None:
     for reason in results.get("missing", ()):
         print(f"Not measured: {reason}.\n")
     if "first_use" in results:
-        uses = [(row["name"], f"{row['compiled']:.2f}", f"{row['cached']:.2f}") for row in results["first_use"]]
-        table(("first use", "compiled [s]", "from the cache [s]"), uses)
+        uses = [
+            (row["name"], str(row["lanes"]), f"{row['compiled']:.2f}", f"{row['cached']:.2f}")
+            for row in results["first_use"]
+        ]
+        table(("first use", "lanes", "compiled [s]", "from the cache [s]"), uses)
         pairs = [
             (row["name"], str(row["lanes"]), f"{row['one']:.0f}", f"{row['two']:.0f}", f"{row['gain']:.2f}")
             for row in results["two_processes"]

@@ -4,17 +4,23 @@ Objective: see what `load` gives and that the pieces fit together, D v̇ + C v +
 
 What to notice: the reflected rotor inertias sit on the diagonal of D (0.047 and 0.027 kg·m², of
 0.147 and 0.041 in all); the hip angle is absolute and the knee angle relative to the thigh, so a
-knee torque enters one row of B only; the ground carries the whole weight in standing.
+knee torque enters one row of B only; the ground carries the whole weight in standing. A bent knee brings
+the shank's mass nearer to the hip, so the hip's own inertia falls; the knee's does not change.
 
-Run: python examples/dynamics_queries.py
+Run: python examples/dynamics_queries.py [FOLDER]
 """
 
+import sys
+from pathlib import Path
+
 import numpy as np
+from matplotlib.figure import Figure
 
 from spear_pin import load
+from spear_pin.viz.plots import save_figure, style
 
 
-def main() -> None:
+def main(folder: Path) -> None:
     robot = load("spear_ii")
     q = np.array([0.0, 0.55, 0.5, 1.0])  # boom_x, boom_z in m; hip, knee in rad
     v = np.array([0.2, -0.6, 1.0, -2.0])
@@ -50,6 +56,20 @@ def main() -> None:
     in_place = load("spear_ii", locked=["boom_x"])
     print(f"with boom_x locked: {', '.join(in_place.coordinates)}; D is {in_place.mass_matrix(q[1:]).shape}")
 
+    knees = np.linspace(0.0, 2.5, 101)  # rad
+    inertias = np.array([robot.mass_matrix([0.0, 0.55, 0.5, knee])[2:, 2:] for knee in knees])
+    with style():
+        figure = Figure(figsize=(6.0, 3.4), layout="constrained")
+        axes = figure.subplots()
+        for label, i, j in (("hip", 0, 0), ("knee", 1, 1), ("hip to knee", 0, 1)):
+            (line,) = axes.plot(knees, inertias[:, i, j], label=label)
+            if i == j:
+                rotor = robot.model.armature[2 + i]
+                axes.axhline(rotor, color=line.get_color(), linestyle="--", label=f"of it the {label}'s rotor")
+        axes.set(xlabel="knee angle [rad]", ylabel="entry of D [kg·m²]")
+        axes.legend(ncols=2)
+    print("file", save_figure(figure, folder / "inertias.svg"))
+
 
 if __name__ == "__main__":
-    main()
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "."))

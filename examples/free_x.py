@@ -17,9 +17,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from spear_pin import HoppingLaw, SpearError, find_gait, hopping, load, simulate
 from spear_pin.viz.player import record
+from spear_pin.viz.plots import save_figure, style
 
 
 def main(folder: Path) -> None:
@@ -45,6 +47,10 @@ def main(folder: Path) -> None:
     best = min(gaits, key=lambda gain: abs(gaits[gain].multipliers[0]))
     print(f"best of these: K = {best} rad·s/m, largest multiplier {abs(gaits[best].multipliers[0]):.4f}")
 
+    with style():
+        figure = Figure(figsize=(6.0, 3.2), layout="constrained")
+        axes = figure.subplots()
+        axes.set(xlabel="hops after the push", ylabel="error of the forward speed [m/s]", ylim=(-0.2, 1.0))
     for gain in (0.0, best):
         system = gaits[gain].system
         for push in (0.1, 0.3):
@@ -54,9 +60,13 @@ def main(folder: Path) -> None:
             speeds = np.array([event.v[0] for event in pushed.named("apex")]) - apex.v[0]
             print(f"K = {gain}, pushed by {push} m/s at the apex: {pushed.reason} after {pushed.cycles} hops")
             print(f"  error of the forward speed at the apex [m/s]: {np.round(speeds[:8], 3)}")
+            axes.plot([push, *speeds], "o-", markersize=3, label=f"pushed by {push} m/s, K = {gain}")
             if push == 0.3 and gain == best:
                 print(f"  it ends {pushed.q[-1, 0] - apex.q[0]:.3f} m further on")
                 print("file", record(robot, pushed, folder / "free_x.html", title="SPEAR-II recovers from a push"))
+    with style():
+        axes.legend()
+    print("file", save_figure(figure, folder / "free_x.svg"))
 
     try:
         hopping(load("spear_ii", locked=["boom_x"]), gaits[best].system.law)

@@ -17,6 +17,7 @@ from pathlib import Path
 
 from spear_pin import HoppingLaw, SpearError, Spring, find_gait, hopping, load, simulate
 from spear_pin.viz.player import record
+from spear_pin.viz.plots import hop_summary, save_figure
 
 LINK = """<link name="{name}"><inertial><origin xyz="0 0 {z}"/><mass value="{mass}"/>
   <inertia ixx="{inertia}" iyy="{inertia}" izz="{inertia}" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
@@ -76,7 +77,8 @@ def main(folder: Path) -> None:
     for name, solved in (("mini", gait), ("SPEAR-II", model)):
         print(f"multipliers of {name:<9}: {', '.join(f'{value:.6f}' for value in solved.multipliers)}")
     hops = simulate(gait.system, gait.state, cycles=5)
-    print("file", record(robot, hops, folder / "mini.html", title="A monopod of one's own"))
+    page = record(robot, hops, folder / "mini.html", title="A monopod of one's own")
+    print("files", page, save_figure(hop_summary(hops, gait), folder / "mini.svg"))
 
 
 if __name__ == "__main__":

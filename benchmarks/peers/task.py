@@ -134,7 +134,7 @@ def reference(task: Task, rtol: float, sampled: bool = False) -> Lane:
 
 
 def taylor(task: Task, lanes: int, rtol: float, where: str = "") -> Lane:
-    """Our Taylor engine: `simulate_many`, the lanes of a call next to each other; with one lane, call by call."""
+    """Our Taylor engine: `simulate_many`; with one lane, call by call."""
     system, calls = task.gait.system, STATES if lanes == 1 else 1
     repeated = 0
 

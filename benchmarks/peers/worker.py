@@ -1,4 +1,4 @@
-"""Processes of their own: `python -m benchmarks.peers.worker first hop FOLDER`, `... serve hop 4096`.
+"""Processes of their own: `python -m benchmarks.peers.worker first hop 64 FOLDER`, `... serve hop 4096`.
 
 The first prints seconds until integrators are built, with heyoka's cache of compiled code in a folder, and of the same
 call again. The second answers each line on stdin with the seconds of one call.
@@ -13,7 +13,6 @@ from benchmarks.peers.task import Task, bound, hop
 from spear_pin.hybrid.batch import simulate_many
 
 TASKS = {"hop": hop, "bound": bound}
-LANES = 8
 
 
 def call(task: Task) -> float:
@@ -23,11 +22,11 @@ def call(task: Task) -> float:
     return time.perf_counter() - begin
 
 
-def first(name: str, folder: str) -> None:
+def first(name: str, lanes: str, folder: str) -> None:
     import heyoka as hy
 
     hy.llvm_state.set_diskcache_path(folder)
-    task = TASKS[name](LANES)
+    task = TASKS[name](int(lanes))
     print(call(task), call(task))
 
 

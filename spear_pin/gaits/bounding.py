@@ -45,7 +45,7 @@ BEYOND = 1e-3  # rad: a knee that flexed so far beyond θ̄ has something to com
 def bounding(
     robot: Robot, law: BoundingLaw, spring: Spring | None = None, contact: Contact | None = None
 ) -> HybridSystem:
-    """The bounding automaton of Fig. 5.4 with double stances and slip.
+    """The bounding automaton of Figure 5.4 with double stances and slip.
 
     Touchdown latches the leg's spring and its angle, lift-off releases it; every event that changes
     the phase resets the virtual constraints so that the outputs stay at zero, (5.22).
@@ -81,7 +81,7 @@ def bounding(
 
         into = phase if isinstance(phase, str) else phase.name
         reset = Reset(impact=(leg.toe,), latch=latch, phase=into)
-        return Guard(f"{leg.name}_{name}", touchdown(leg.toe, reset).value, reset, tolerance=1e-8)
+        return touchdown(leg.toe, reset, f"{leg.name}_{name}")
 
     def lifts(leg: Leg, phase: Phase, remaining: Leg | None) -> Reset:
         """The leg lifts off, into flight or into the stance of the one that remains."""

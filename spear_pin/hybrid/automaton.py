@@ -1,7 +1,8 @@
 """The hybrid automaton as data: domains, guards, resets. Engines assemble right-hand sides from it.
 
-Control laws and guards share one signature, `f(t, q, v, held, p, dyn, ops)`:
+Control laws and guards share one signature, `f(t, q, v, held, p, dyn, ops)`.
 
+Args:
     t: time since the phase began, in s.
     q, v: configuration and velocity, sequences of scalars.
     held: what was latched at events, by name: numbers, or tuples of numbers.
@@ -91,6 +92,8 @@ class Reset:
 @dataclass(frozen=True)
 class Guard:
     """An event, when `value` falls through zero.
+
+    If it leads back into its own phase, what it latches has to make `value` positive, or it happens again at once.
 
     Attributes:
         name: name of the event.

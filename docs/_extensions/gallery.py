@@ -1,0 +1,171 @@
+"""The gallery: every program in `examples/` is run as a reader would, and shown with what it drew and printed."""
+
+import ast
+import os
+import shutil
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sphinx.application import Sphinx
+from sphinx.errors import ExtensionError
+from sphinx.util import logging
+
+ROOT = Path(__file__).parents[2]
+SOURCES = ("spear_pin", "viz", "urdf")  # what an example depends on, besides itself
+PRINTED = "printed.txt"
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Example:
+    """A program and the folder that it writes into."""
+
+    path: Path
+    folder: Path
+
+    @property
+    def name(self) -> str:
+        """Its name, which its page has, too."""
+        return self.path.stem
+
+    @property
+    def pictures(self) -> list[str]:
+        """Names of the pictures it drew."""
+        return sorted(path.name for path in self.folder.iterdir() if path.suffix in (".svg", ".png"))
+
+    @property
+    def players(self) -> list[str]:
+        """Names of the pages it recorded."""
+        return sorted(path.name for path in self.folder.glob("*.html"))
+
+    @property
+    def text(self) -> tuple[str, str]:
+        """What it does in a sentence, and the rest of its docstring, as Markdown."""
+        docstring = ast.get_docstring(ast.parse(self.path.read_text(encoding="utf-8"))) or ""
+        sentence, _, rest = docstring.replace("<", "\\<").partition("\n\n")
+        return " ".join(sentence.split()), rest
+
+    @property
+    def up_to_date(self) -> bool:
+        """Whether it was run since it, or the package, changed."""
+        printed = self.folder / PRINTED
+        sources = [path for name in SOURCES for path in (ROOT / name).rglob("*") if path.suffix != ".pyc"]
+        files = [self.path, *(path for path in sources if path.is_file())]
+        return printed.is_file() and printed.stat().st_mtime > max(path.stat().st_mtime for path in files)
+
+
+def examples(gallery: Path) -> list[Example]:
+    """All programs, in the order of the README."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    paths = sorted((ROOT / "examples").glob("*.py"), key=lambda path: readme.find(f"(examples/{path.name})"))
+    return [Example(path, gallery / path.stem) for path in paths]
+
+
+def run(example: Example) -> str | None:
+    """Run a program in its folder; what went wrong, if anything did."""
+    if example.up_to_date:
+        return None
+    shutil.rmtree(example.folder, ignore_errors=True)
+    example.folder.mkdir(parents=True)
+    environment = os.environ | {"MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"}
+    begin = time.monotonic()
+    done = subprocess.run(
+        [sys.executable, example.path], cwd=example.folder, env=environment, capture_output=True, encoding="utf-8"
+    )
+    logger.info("example %s: %.0f s", example.name, time.monotonic() - begin)
+    if done.returncode != 0:
+        return f"{example.path.name} failed:\n{done.stderr}"
+    if not example.pictures:
+        return f"{example.path.name} drew no picture"
+    (example.folder / PRINTED).write_text(done.stdout, encoding="utf-8")
+    return None
+
+
+def page(example: Example) -> str:
+    """The page of an example, which stands beside its folder."""
+    sentence, rest = example.text
+    pictures = "\n\n".join(f"![{name}, drawn by the program]({example.name}/{name})" for name in example.pictures)
+    players = "".join(
+        f'\n```{{raw}} html\n<iframe class="player" src="../play/{example.name}/{name}" title="{name}" loading="lazy">'
+        f'</iframe>\n<p><a href="../play/{example.name}/{name}">{name} on a page of its own</a></p>\n```\n'
+        for name in example.players
+    )
+    return f"""# {example.name}
+
+{sentence}
+
+{rest}
+
+{pictures}
+{players}
+## What it prints
+
+```{{literalinclude}} {example.name}/{PRINTED}
+:language: none
+```
+
+## The program
+
+```{{literalinclude}} ../../examples/{example.path.name}
+```
+"""
+
+
+def index(shown: list[Example]) -> str:
+    """The first page: a card for each example."""
+    cards = "\n".join(
+        f":::{{grid-item-card}} {example.name}\n:link: {example.name}\n:link-type: doc\n"
+        f":img-top: {example.name}/{example.pictures[0]}\n{example.text[0]}\n:::"
+        for example in shown
+    )
+    names = "\n".join(example.name for example in shown)
+    return f"""# Gallery
+
+Every picture here is drawn by the program beside it, run when this page was built.
+
+::::{{grid}} 1 2 2 3
+{cards}
+::::
+
+```{{toctree}}
+:hidden:
+
+{names}
+```
+"""
+
+
+def make(app: Sphinx) -> None:
+    """Run the examples, two and more at a time, and write their pages."""
+    gallery = Path(app.srcdir) / "gallery"
+    shown = examples(gallery)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        failures = [failure for failure in pool.map(run, shown) if failure]
+    if failures:
+        raise ExtensionError("\n".join(failures))
+    for example in shown:
+        (gallery / f"{example.name}.md").write_text(page(example), encoding="utf-8")
+    (gallery / "index.md").write_text(index(shown), encoding="utf-8")
+
+
+def copy_players(app: Sphinx, exception: Exception | None) -> None:
+    """Put the recorded pages where the gallery's links lead."""
+    if exception is None:
+        for example in examples(Path(app.srcdir) / "gallery"):
+            for name in example.players:
+                target = Path(app.outdir) / "play" / example.name / name
+                target.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(example.folder / name, target)
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Listen to the build's beginning and end."""
+    app.connect("builder-inited", make)
+    app.connect("build-finished", copy_players)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,49 @@
+"""Sphinx: the pages of this folder, the API from its docstrings, the gallery from `examples/`."""
+
+import sys
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parent / "_extensions"), str(Path(__file__).parents[1])]
+
+import spear_pin  # noqa: E402
+
+project = "spear-pin"
+author = "The spear-pin developers"
+version = release = spear_pin.__version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx_design",
+    "docstrings",
+    "gallery",
+    "links",
+    "mathml",
+]
+exclude_patterns = ["_extensions", "_templates", "images"]
+
+myst_enable_extensions = ["colon_fence", "dollarmath"]
+myst_heading_anchors = 3
+
+templates_path = ["_templates"]
+autodoc_typehints_format = "short"
+autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike", "GuardValue", "Held", "Latch", "Law")}
+autodoc_preserve_defaults = True
+maximum_signature_line_length = 120
+autodoc_member_order = "bysource"
+# a name in backquotes is a link where it can be one, and code where not
+default_role = "py:obj"
+
+nitpicky = True
+# only references that name something of this package in full can be checked without the network
+nitpick_ignore_regex = [("py:.*", r"(?!spear_pin\.).*|spear_pin\.\w+"), ("py:class", r"spear_pin\..*\.([A-Z]|_\w+)")]
+
+html_theme = "furo"
+html_title = "spear-pin"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_copy_source = False
+html_show_copyright = False
+html_math_renderer = "mathml"
+html_theme_options = {"navigation_with_keys": True}

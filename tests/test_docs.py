@@ -1,0 +1,113 @@
+"""The documentation site: nothing public and no page is left out of it, and an example that fails says so."""
+
+import ast
+import os
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+import spear_pin
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+PAGES = {path.stem: path.read_text(encoding="utf-8") for path in DOCS.glob("*.md")}
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+
+
+def entries(directive: str) -> set[str]:
+    """What stands in all directives of a name, options left out."""
+    found = re.findall(
+        rf"^(?:```\{{{directive}\}}|\.\. {directive}::)\n(.*?)^```$", "\n".join(PAGES.values()), re.M | re.S
+    )
+    return {line.strip() for block in found for line in block.splitlines() if line.strip() and ":" not in line}
+
+
+def test_every_page_is_in_a_table_of_contents():
+    assert entries("toctree") == {*PAGES, "gallery/index"} - {"index"}
+
+
+def test_every_public_name_is_in_the_api():
+    homes = {f"~spear_pin.{home}.{name}" for name, home in spear_pin._HOMES.items()}
+    assert len(homes) == len(spear_pin.__all__)
+    assert homes == {entry for entry in entries("autosummary") if entry.startswith("~")}
+
+
+def test_every_module_is_in_the_api():
+    listed = {entry for entry in entries("autosummary") if not entry.startswith("~")}
+    package = ROOT / "spear_pin"
+    modules = {path.stem for path in package.glob("*.py")} | {
+        path.parent.name for path in package.glob("*/__init__.py")
+    }
+    assert listed == {f"spear_pin.{name}" for name in modules - {"__init__", "__main__", "cli", "urdf"}}
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_says_what_it_is_for(example: Path):
+    docstring = ast.get_docstring(ast.parse(example.read_text(encoding="utf-8"))) or ""
+    assert "\n\nObjective: " in docstring
+
+
+def test_the_limits_of_the_readme_are_explained():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    items = re.search(r"^## What it does not do\n(.*?)^## ", readme, re.M | re.S)
+    limits = [re.split(r"[:.]", item)[0] for item in re.findall(r"^- (.*)$", items[1], re.M)]
+    assert limits == re.findall(r"^## (.*)$", PAGES["limits"], re.M)[: len(limits)]
+
+
+@pytest.fixture
+def gallery(monkeypatch):
+    pytest.importorskip("sphinx")
+    monkeypatch.setattr(sys, "path", [str(DOCS / "_extensions"), *sys.path])
+    import gallery
+
+    return gallery
+
+
+class TestGallery:
+    DRAWS = "from pathlib import Path\nPath('a.svg').write_text('<svg/>')\nprint('drawn')\n"
+
+    @staticmethod
+    def run(gallery, folder: Path, program: str):
+        path = folder / "sketch.py"
+        path.write_text(program, encoding="utf-8")
+        example = gallery.Example(path, folder / "sketch")
+        return gallery.run(example), example
+
+    def test_shows_what_a_program_drew_and_printed(self, gallery, tmp_path):
+        failure, example = self.run(gallery, tmp_path, f'"""Draw <a> thing.\n\nObjective: draw.\n"""\n{self.DRAWS}')
+        assert failure is None and example.pictures == ["a.svg"]
+        assert (example.folder / gallery.PRINTED).read_text() == "drawn\n"
+        page = gallery.page(example)
+        assert "Draw \\<a> thing.\n\nObjective: draw." in page and "](sketch/a.svg)" in page
+        assert ":img-top: sketch/a.svg" in gallery.index([example])
+
+    def test_runs_again_when_the_program_changed(self, gallery, tmp_path):
+        _, example = self.run(gallery, tmp_path, self.DRAWS)
+        assert example.up_to_date
+        after = (example.folder / gallery.PRINTED).stat().st_mtime + 1.0
+        os.utime(example.path, (after, after))
+        assert not example.up_to_date
+
+    def test_names_a_program_that_fails(self, gallery, tmp_path):
+        failure, example = self.run(gallery, tmp_path, f"{self.DRAWS}raise SystemExit('no such spring')\n")
+        assert "sketch.py failed" in failure and "no such spring" in failure
+        assert not example.up_to_date
+
+    def test_wants_a_picture(self, gallery, tmp_path):
+        failure, _ = self.run(gallery, tmp_path, "print('nothing to see')\n")
+        assert failure == "sketch.py drew no picture"
+
+    def test_has_every_example(self, gallery, tmp_path):
+        assert {example.path for example in gallery.examples(tmp_path)} == set(EXAMPLES)
+
+
+def test_links_to_files_lead_to_the_pages_made_from_them(gallery):
+    from links import redirected
+
+    text = "[a](../examples/hop.py), [b](../spear_pin/model/robot.py), [c](../README.md), [d](model.md#contact)"
+    assert (
+        redirected(text)
+        == "[a](gallery/hop.md), [b](api/spear_pin.model.robot.rst), [c](index.md), [d](model.md#contact)"
+    )
