@@ -7,6 +7,7 @@ from statistics import fmean
 
 import numpy as np
 
+from spear_pin.model.spring import belt_stiffness
 from spear_pin.studies.push_test import pushed_angle, resting_at, spear_ii
 from spear_pin.studies.release import PassiveKnee, move
 
@@ -77,6 +78,38 @@ def average(motor: bool) -> TableRow:
     """Mean of the rows of Table 4.1 with the motor, or without."""
     rows = [row for row in TABLE_4_1 if row.motor == motor]
     return TableRow(motor, None, *(fmean(getattr(row, name) for row in rows) for name in COLUMNS))
+
+
+def mean(column: str, motor: bool) -> float:
+    """Mean of a column of Table 4.1 over the rows with the motor, or without."""
+    return float(getattr(average(motor), column))
+
+
+def motor_effect(column: str) -> float:
+    """What the motor adds to a column of Table 4.1 in the mean."""
+    return mean(column, True) - mean(column, False)
+
+
+def motor_effect_in_deviations() -> float:
+    """What the motor adds to the stiffness, by inverse variances, over its standard deviation."""
+    (engaged, first), (disengaged, second) = weighted_stiffness(True), weighted_stiffness(False)
+    return (engaged - disengaged) / float(np.hypot(first, second))
+
+
+def damping_by_depth(motor: bool) -> tuple[float, ...]:
+    """Damping of Table 4.1 by depth, in N·m·s/rad."""
+    return tuple(row.damping for row in TABLE_4_1 if row.motor == motor)
+
+
+def belt_range() -> tuple[float, float]:
+    """k_rotBelt of (4.6) with the source's numbers, in N·m/rad."""
+    low, high = (belt_stiffness(modulus, **BELT) for modulus in BELT_MODULUS)
+    return low, high
+
+
+def boom_over_motor() -> float:
+    """Damping without the motor over what the motor adds, by the means of Table 4.1."""
+    return mean("damping", False) / motor_effect("damping")
 
 
 def weighted_stiffness(motor: bool) -> tuple[float, float]:

@@ -1,0 +1,95 @@
+"""`spear report`."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.output import aligned, open_page
+from spear_pin.errors import BadFile
+
+PAGE, FIGURES = "report.html", "report_figures"
+FORMATS = ("svg", "pdf", "png")
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    parser = add_command(
+        commands, "report", run, "check what the source states and draw its figures: write report.html, about a minute"
+    )
+    parser.add_argument(
+        "--figures", choices=FORMATS, help=f"write the figures in this format too, into the folder {FIGURES}"
+    )
+    parser.add_argument(
+        "--only", nargs="+", default=[], metavar="ID", help="parts of it, by id, such as 'fig-5.*' (default: all)"
+    )
+    parser.add_argument("--no-cache", action="store_true", help="make everything anew, and keep nothing")
+    add_out(parser, "the files")
+    parser.add_argument("--open", action="store_true", help="open report.html in the browser")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Make the report and write its page."""
+    from tqdm import tqdm
+
+    from spear_pin.files import atomic
+    from spear_pin.studies.cache import user_cache
+    from spear_pin.viz.report import SVG, make, select, write_figures
+    from spear_pin.viz.report_page import MOST_BYTES, render
+
+    check_out(arguments)
+    selection = select(arguments.only)
+    formats = tuple(dict.fromkeys((SVG, arguments.figures or SVG)))
+    with tqdm(total=len(selection), unit="item", leave=False, disable=None) as bar:
+
+        def began(name: str) -> None:
+            bar.set_postfix_str(name, refresh=False)
+            bar.update()
+
+        report = make(selection, None if arguments.no_cache else user_cache(), formats, began)
+    page = arguments.out / PAGE
+    text = render(report).encode()
+    if len(text) > MOST_BYTES:
+        raise BadFile(page, f"would have {len(text)} bytes, more than {MOST_BYTES}")
+    with atomic(page) as temporary:
+        temporary.write_bytes(text)
+    files = [str(page)]
+    if arguments.figures:
+        files += map(str, write_figures(report, arguments.out / FIGURES, arguments.figures))
+    if arguments.open:
+        open_page(page)
+    failed = report.failures | {
+        name: finding.reason for name, finding in report.findings.items() if finding.verdict == "failed"
+    }
+    counts = report.counts
+    rows = [
+        ("statements", ", ".join(f"{count} {verdict}" for verdict, count in counts.items() if count)),
+        ("figures, tables", f"{len(report.pictures)}, {len(report.rows)}"),
+        *((f"failed: {name}", reason) for name, reason in failed.items()),
+        ("files", f"{page}" + (f", {len(files) - 1} in {arguments.out / FIGURES}" if arguments.figures else "")),
+    ]
+    return {
+        "failed": bool(failed),
+        "counts": counts,
+        "rows": [_row(statement, report.findings[statement.id]) for statement in selection.statements],
+        "failures": failed,
+        "bytes": len(text),
+        "files": files,
+        "text": aligned(rows),
+    }
+
+
+def _row(statement: Any, finding: Any) -> dict[str, Any]:
+    return {
+        "id": statement.id,
+        "place": statement.place,
+        "says": statement.says,
+        "printed": statement.printed,
+        "found": finding.value,
+        "unit": statement.unit,
+        "verdict": finding.verdict,
+        "criterion": statement.criterion.text if statement.criterion else None,
+        "reason": finding.reason,
+        "command": statement.command,
+    }

@@ -1,0 +1,207 @@
+"""Tables 2.2, 2.4 and 5.1 of the source, as printed, and what the shipped robots and the catalogue make of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from spear_pin.errors import UnknownName
+from spear_pin.model import catalogue
+from spear_pin.model.loading import load
+
+
+@dataclass(frozen=True)
+class LegDesign:
+    """A column of Table 2.4.
+
+    Attributes:
+        leg_mass: in kg.
+        thigh_mass: in kg.
+        shank_mass: in kg.
+        thigh_inertia: "thigh link inertia", in kg·m².
+        shank_inertia: "shank link inertia", in kg·m².
+        hip_inertia: "hip motor inertia", in kg·m²; N² J.
+        knee_inertia: "knee motor inertia", in kg·m²; N² J.
+        thigh_com: distance of the centre of mass from the hip, in m.
+        shank_com: distance of the centre of mass from the knee, in m.
+        hip_ratio: N of the hip's gears.
+        knee_ratio: N of the knee's gears.
+        thigh_width: in m.
+    """
+
+    leg_mass: float
+    thigh_mass: float
+    shank_mass: float
+    thigh_inertia: float
+    shank_inertia: float
+    hip_inertia: float
+    knee_inertia: float
+    thigh_com: float
+    shank_com: float
+    hip_ratio: float
+    knee_ratio: float
+    thigh_width: float
+
+
+@dataclass(frozen=True)
+class QuadrupedDesign:
+    """Table 5.1.
+
+    Attributes:
+        torso_mass: in kg.
+        thigh_mass: of one leg, in kg.
+        shank_mass: of one leg, in kg.
+        total_mass: in kg.
+        torso_inertia: in kg·m² (printed: kg/m²).
+        thigh_inertia: "link only", in kg·m².
+        shank_inertia: "link only", in kg·m².
+        hip_inertia: effective rotor inertia, in kg·m².
+        knee_inertia: effective rotor inertia, in kg·m².
+        knee_ratio: N of the knee's gears.
+        hip_ratio: N of the hip's gears.
+        thigh_length: in m.
+        shank_length: in m.
+        thigh_com: distance of the centre of mass from the hip, in m.
+        shank_com: distance of the centre of mass from the knee, in m.
+        stiffness: k_rot of one leg, in N·m/rad.
+        speed: nominal, in m/s.
+    """
+
+    torso_mass: float
+    thigh_mass: float
+    shank_mass: float
+    total_mass: float
+    torso_inertia: float
+    thigh_inertia: float
+    shank_inertia: float
+    hip_inertia: float
+    knee_inertia: float
+    knee_ratio: float
+    hip_ratio: float
+    thigh_length: float
+    shank_length: float
+    thigh_com: float
+    shank_com: float
+    stiffness: float
+    speed: float
+
+
+SPEAR_I = LegDesign(4.55, 3.6, 0.95, 0.039, 0.02, 0.047, 0.008, 0.092, 0.097, 60.0, 25.0, 0.081)
+SPEAR_II = LegDesign(2.2, 1.72, 0.48, 0.014, 0.014, 0.047, 0.027, 0.008, 0.14, 60.0, 15.0, 0.057)
+Q_SPEAR = QuadrupedDesign(
+    *(35.0, 1.72, 0.47, 43.76, 2.1, 0.014, 0.005, 0.047, 0.027),
+    *(15.0, 60.0, 0.318, 0.318, 0.008, 0.144, 56.0, 2.5),
+)
+DESIGNS = {"SPEAR-I": SPEAR_I, "SPEAR-II": SPEAR_II}
+LEGS = 4  # of the quadruped
+BOOM_MASS = 4.6  # kg, Section 5.3
+ROTORS = {  # the catalogue's motor that stands for the source's
+    ("SPEAR-I", "hip"): "faulhaber_3863h024cr",
+    ("SPEAR-I", "knee"): "faulhaber_3863h024cr",
+    ("SPEAR-II", "hip"): "faulhaber_3863h024cr",
+    ("SPEAR-II", "knee"): "ec_60_flat_100w_48v",
+}
+
+
+def links_mass(robot: str) -> float:
+    """Thigh and shank of Table 2.4 together, in kg."""
+    column = _column(robot)
+    return column.thigh_mass + column.shank_mass
+
+
+def improvement(quantity: str) -> float:
+    """A quantity of Table 2.4 of SPEAR-II over that of SPEAR-I."""
+    return float(getattr(SPEAR_II, quantity) / getattr(SPEAR_I, quantity))
+
+
+def imbalance(robot: str) -> float:
+    """First moment of the thigh about the hip, m d, in kg·m."""
+    column = _column(robot)
+    return column.thigh_mass * column.thigh_com
+
+
+def bare_rotor(robot: str, joint: str) -> float:
+    """A "motor inertia" of Table 2.4 over the square of its gear ratio, in kg·m²."""
+    column = _column(robot)
+    return float(getattr(column, f"{joint}_inertia") / getattr(column, f"{joint}_ratio") ** 2)
+
+
+def reflected_rotor(robot: str, joint: str) -> float:
+    """N² J of the motor in the catalogue that stands for the source's, in kg·m²; its gears' own inertia is left out."""
+    rotor = catalogue.motor(ROTORS[robot, joint]).known("rotor_inertia")
+    return float(getattr(_column(robot), f"{joint}_ratio") ** 2 * rotor)
+
+
+def flat_over_cylindrical() -> float:
+    """Rotor inertia of the flat knee motor over that of the cylindrical one."""
+    flat, long = (catalogue.motor(ROTORS["SPEAR-II", joint]).known("rotor_inertia") for joint in ("knee", "hip"))
+    return flat / long
+
+
+def shipped_leg() -> LegDesign:
+    """What SPEAR-II's URDF makes of its column of Table 2.4: thigh about the hip, shank about the knee; no width."""
+    robot = load("spear_ii")
+    hip, knee = (robot.model.getJointId(joint) for joint in ("hip", "knee"))
+    links = [robot.model.inertias[index] for index in (hip, knee)]
+    (thigh, shank), depths = links, [float(abs(link.lever[2])) for link in links]
+    about = [float(link.inertia[1, 1] + link.mass * depth**2) for link, depth in zip(links, depths, strict=True)]
+    hip_rotor, knee_rotor = (float(robot.model.armature[robot.index(joint)]) for joint in ("hip", "knee"))
+    return LegDesign(
+        leg_mass=thigh.mass + shank.mass,
+        thigh_mass=thigh.mass,
+        shank_mass=shank.mass,
+        thigh_inertia=about[0],
+        shank_inertia=about[1],
+        hip_inertia=hip_rotor,
+        knee_inertia=knee_rotor,
+        thigh_com=depths[0],
+        shank_com=depths[1],
+        hip_ratio=robot.gear_ratio("hip"),
+        knee_ratio=robot.gear_ratio("knee"),
+        thigh_width=float("nan"),
+    )
+
+
+def shipped(quantity: str) -> float:
+    """A quantity of Table 2.4 by SPEAR-II's URDF, see `shipped_leg`."""
+    return float(getattr(shipped_leg(), quantity))
+
+
+def shank_about_com() -> float:
+    """Inertia of SPEAR-II's shank about its centre of mass, in kg·m²."""
+    robot = load("spear_ii")
+    return float(robot.model.inertias[robot.model.getJointId("knee")].inertia[1, 1])
+
+
+def quadruped_mass() -> float:
+    """Mass of the shipped Q-SPEAR, in kg."""
+    return float(load("q_spear").mass)
+
+
+def torso_share() -> float:
+    """What each leg of the standing quadruped bears of the torso, in kg."""
+    return Q_SPEAR.torso_mass / LEGS
+
+
+def straight_leg_inertia() -> float:
+    """Of thigh and shank of Table 5.1 about the hip with the knee straight, without rotors, in kg·m²."""
+    table = Q_SPEAR
+    reach = table.thigh_length + table.shank_com
+    return (
+        table.thigh_inertia + table.thigh_mass * table.thigh_com**2 + table.shank_inertia + table.shank_mass * reach**2
+    )
+
+
+def hip_against_leg(ratio: float) -> tuple[float, float]:
+    """Hip rotor reflected by a gear ratio, and the straight leg about the hip, in kg·m²."""
+    return ratio**2 * Q_SPEAR.hip_inertia / Q_SPEAR.hip_ratio**2, straight_leg_inertia()
+
+
+def quantities() -> tuple[str, ...]:
+    """Names of the rows of Table 2.4."""
+    return tuple(field.name for field in fields(LegDesign))
+
+
+def _column(robot: str) -> LegDesign:
+    if robot not in DESIGNS:
+        raise UnknownName("column of Table 2.4", robot, DESIGNS)
+    return DESIGNS[robot]

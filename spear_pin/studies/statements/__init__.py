@@ -1,0 +1,36 @@
+"""What the source states in its chapters 2 to 5, as data, and what checking it finds; to add one, add an entry."""
+
+from __future__ import annotations
+
+from spear_pin.studies.statements import (
+    chapter2,
+    chapter3,
+    chapter4_hop,
+    chapter4_push,
+    chapter4_tables,
+    chapter5,
+    chapter5_motors,
+)
+from spear_pin.studies.statements.assumptions import ASSUMPTIONS, Assumption
+from spear_pin.studies.statements.statement import VERDICTS, Finding, Statement, Verdict, check, command_of
+
+CHAPTERS: dict[int, tuple[Statement, ...]] = {
+    2: chapter2.STATEMENTS,
+    3: chapter3.STATEMENTS,
+    4: (*chapter4_tables.STATEMENTS, *chapter4_push.STATEMENTS, *chapter4_hop.STATEMENTS),
+    5: (*chapter5.STATEMENTS, *chapter5_motors.STATEMENTS),
+}
+STATEMENTS: tuple[Statement, ...] = tuple(statement for chapter in CHAPTERS.values() for statement in chapter)
+
+__all__ = [
+    "ASSUMPTIONS",
+    "CHAPTERS",
+    "STATEMENTS",
+    "VERDICTS",
+    "Assumption",
+    "Finding",
+    "Statement",
+    "Verdict",
+    "check",
+    "command_of",
+]

@@ -1,0 +1,76 @@
+"""What this package had to assume because the source does not print it; statements name what they rest on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """A number or a reading of the text that the source leaves open.
+
+    Attributes:
+        id: that it is called by.
+        what: the source leaves open.
+        here: what stands in its place.
+    """
+
+    id: str
+    what: str
+    here: str
+
+
+ASSUMPTIONS = (
+    Assumption("touchdown", "Touchdown angles of the hop", "commanded knee 1.0 rad, hip half of it"),
+    Assumption(
+        "stance-torque",
+        "Stance torque τ̄ of the hop",
+        "solved for so that the flight lasts the 0.2 s of Section 4.2.2; the flight time is then no finding",
+    ),
+    Assumption("friction", "Coefficient of friction", "0.8, of which a bounding gait may use 0.6 in its search"),
+    Assumption("rest-angle", "What RA of Table 4.1 is", "the spring's zero, not the angle at which the leg stands"),
+    Assumption(
+        "knee-motor",
+        "Resistance, inductance and continuous torque of the knee motor",
+        "those of an EC 60 flat in its 48 V winding, mostly from memory; the source gives K_v, power and gear ratio",
+    ),
+    Assumption(
+        "hip-motor",
+        "Type of the hip motor",
+        "Faulhaber 3863 H 024 CR, whose rotor fits the reflected inertia; gears without loss where its limits are "
+        "asked",
+    ),
+    Assumption(
+        "supply", "Battery and bridge", "24 V without resistance, diodes of 0.7 V; current limits of 8 and 10 A"
+    ),
+    Assumption(
+        "disturbances",
+        "Noise, lost commands and current loop of the experiment",
+        "5 mrad, 0.2 rad/s, 5 losses a second",
+    ),
+    Assumption(
+        "records",
+        "The records of the push test",
+        "synthetic ones, of the tables' own parameters with white noise of 5 mrad; nothing here is measured",
+    ),
+    Assumption(
+        "bound",
+        "Torques, touchdown angles and polynomials of the bounding gait",
+        "a gait of this package, long_stride: the source's masses, springs and speed, the rest found by optimisation",
+    ),
+    Assumption("torso-length", "Distance of the quadruped's hips", "0.70 m"),
+    Assumption(
+        "virtual-stiffness",
+        "Virtual stiffness k_p, k_a of (5.5) and (5.6)",
+        "200 N·m/rad a motor, which Fig. 5.6 implies by its flat line; that the line is flat there is then no finding",
+    ),
+    Assumption(
+        "prospective-motors",
+        "Which motors of 260 W and 600 W are meant",
+        "an EC 90 flat by a secondary source, on 48 V behind 15:1, and the same scaled to 600 W, which is no real "
+        "motor",
+    ),
+    Assumption(
+        "costs", "The points of Fig. 2.4", "published numbers of other robots, each with how far it is verified"
+    ),
+)

@@ -1,0 +1,131 @@
+"""Statements of Section 5.4: hip and knee motors of the quadruped."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from spear_pin.studies import source_design
+from spear_pin.studies.statements import bound_numbers as bound
+from spear_pin.studies.statements.chapter5 import OWN
+from spear_pin.studies.statements.criteria import above, below, between, near, rising
+from spear_pin.studies.statements.statement import Statement
+
+MOTORS = (*OWN, "prospective-motors")
+
+STATEMENTS = (
+    Statement(
+        "hip-drive-exceeded",
+        "Section 5.4, Fig. 5.7",
+        "The present hip motors cannot give these torques.",
+        "largest share of a stride outside the envelope at 60:1",
+        partial(bound.hip_time_outside, 60.0),
+        criterion=above(0.0),
+        assumes=(*OWN, "hip-motor", "supply"),
+        exhibit="fig-5.7",
+    ),
+    Statement(
+        "doubled-hip-gears",
+        "Section 5.4",
+        "Doubling the hip's gears to 120:1 is the remedy.",
+        "largest share of a stride outside the envelope at 120:1",
+        partial(bound.hip_time_outside, 120.0),
+        criterion=below(1e-9),
+        remark="The torque doubles and the speed halves.",
+        assumes=(*OWN, "hip-motor", "supply"),
+        exhibit="fig-5.7",
+    ),
+    Statement(
+        "hip-inertia-no-concern",
+        "Section 5.4",
+        "The reflected inertia at the hip is not as much a concern.",
+        "the hip's rotor at 120:1, and the straight leg about the hip",
+        partial(source_design.hip_against_leg, 120.0),
+        "kg·m²",
+        criterion=rising(),
+        remark="The rotor would outweigh the leg that it moves.",
+        exhibit="fig-5.7",
+    ),
+    Statement(
+        "hip-effort-small",
+        "Section 5.4",
+        "The hips' effort is small beside that of the knees.",
+        "rms torque of a hip motor over its leg's knee motor, posterior and anterior",
+        bound.hip_over_knee,
+        criterion=below(0.5),
+        assumes=OWN,
+        exhibit="fig-5.7",
+    ),
+    Statement(
+        "too-little-100-w",
+        "Section 5.4, Fig. 5.8",
+        "The present 100 W motor is not enough at the knee.",
+        "largest share of a stride outside the envelope",
+        partial(bound.knee_time_outside, "100 W"),
+        criterion=above(0.0),
+        assumes=(*OWN, "knee-motor", "supply"),
+        exhibit="fig-5.8",
+    ),
+    Statement(
+        "nearly-260-w",
+        "Section 5.4, Fig. 5.8",
+        "Of a 260 W motor a few points are out of reach.",
+        "largest share of a stride outside the envelope",
+        partial(bound.knee_time_outside, "260 W"),
+        criterion=between(0.001, 0.1),
+        remark="A few: from 0.1 to 10 % of the stride.",
+        assumes=MOTORS,
+        exhibit="fig-5.8",
+    ),
+    Statement(
+        "near-the-events",
+        "Section 5.4, Fig. 5.8",
+        "These lie just after touchdown and just before lift-off.",
+        "share of them within 20 ms of either",
+        bound.outside_near_events,
+        criterion=above(0.5),
+        assumes=MOTORS,
+        exhibit="fig-5.8",
+    ),
+    Statement(
+        "because-of-preload",
+        "Section 5.4",
+        "The preload ū is what takes them out of reach.",
+        "share of the points outside in stance that are outside without ū, too",
+        bound.outside_without_preload,
+        criterion=below(0.5),
+        remark="It is the speed, near or above the drive's speed without load.",
+        assumes=MOTORS,
+        exhibit="fig-5.8",
+    ),
+    Statement(
+        "enough-600-w",
+        "Section 5.4, Fig. 5.8",
+        "A 600 W motor reaches every point.",
+        "largest share of a stride outside the envelope of the motor assumed",
+        partial(bound.knee_time_outside, "600 W"),
+        unknown="Which motor is meant is not printed. The one assumed has the 260 W motor's speed and is outside at "
+        "15:1.",
+        assumes=MOTORS,
+        exhibit="fig-5.8",
+    ),
+    Statement(
+        "similar-260-w",
+        "Section 5.4",
+        "The 260 W motor has about the inertia of the present one.",
+        "rotor inertia of an EC 90 flat of 260 W over that of an EC 60 flat of 100 W",
+        bound.rotor_ratio,
+        criterion=near(1.0, 0.5),
+        remark="If it is that motor.",
+        assumes=("prospective-motors", "knee-motor"),
+        exhibit="fig-5.8",
+    ),
+    Statement(
+        "torso-before-gears",
+        "Section 5.3",
+        "The torso's inertia matters more than the knee's gear ratio.",
+        unknown="The simulations that show it are not described, nor by what it was measured; by peak knee torque it "
+        "holds for "
+        "gaits of this package, by effort it does not (docs/design.md).",
+        assumes=OWN,
+    ),
+)

@@ -1,0 +1,201 @@
+"""The statements of the source: that each is whole, that its command runs, and that checking notices."""
+
+import ast
+import contextlib
+import importlib
+import io
+import re
+import shlex
+from dataclasses import replace
+from functools import partial
+
+import pytest
+
+from docs import make_errata
+from spear_pin.studies.errata import ERRATA
+from spear_pin.studies.source_design import Q_SPEAR, SPEAR_II, quantities
+from spear_pin.studies.statements import (
+    ASSUMPTIONS,
+    CHAPTERS,
+    STATEMENTS,
+    chapter2,
+    chapter4_push,
+    chapter4_tables,
+    check,
+    command_of,
+)
+from spear_pin.studies.statements import criteria as c
+from spear_pin.studies.statements.statement import Statement
+from spear_pin.studies.statements.tables import TABULATIONS, shipped_quadruped
+
+BY_ID = {statement.id: statement for statement in STATEMENTS}
+FOUND = [statement for statement in STATEMENTS if statement.study is not None]
+CHEAP = [  # no simulation behind them
+    *chapter2.STATEMENTS,
+    *CHAPTERS[3],
+    *(statement for statement in chapter4_tables.STATEMENTS if statement.id != "resting-angle"),
+    *(statement for statement in chapter4_push.STATEMENTS if statement.id.startswith("back-")),
+    *(BY_ID[name] for name in ("total-mass", "same-shank", "hip-inertia-no-concern", "bounding-knee-sign")),
+]
+KNOWN = {  # typed here, from calculations of others than the functions under test
+    "leg-mass-halved": (0.484, "agrees"),
+    "thigh-inertia-halved": (0.359, "agrees"),
+    "knee-rotor-spear-ii": (0.02723, "agrees"),
+    "kinetic-energy": ((0.1636, 0.1932), "differs"),
+    "potential-energy": ((18.40, 9.62), "differs"),
+    "table-3.1-ratios": (0.432, "differs"),
+    "stator-turns": ((0.0018, 0.026), "cannot be known"),
+    "flight-law-sign": ((35.15, -4.40), "differs"),
+    "settles-in-flight": ((0.502, 0.909), "differs"),
+    "mean-stiffness-with-motor": (51.35, "differs"),
+    "mean-fit-with-motor": (86.20, "differs"),
+    "mean-stiffness-no-motor": (47.99, "agrees"),
+    "motor-stiffens": (3.37, "differs"),
+    "motor-damps": (0.2733, "agrees"),
+    "belt-stiffness": ((0.7256, 1.0884), "agrees"),
+    "boom-damping": (3.80, "agrees"),
+    "square-of-the-ratio": ((1.0, 4.0, 19.36), "agrees"),
+    "back-emf": (34.5, "agrees"),
+    "back-emf-of-rotor": (2.3, "differs"),
+    "speed-on-24-volts": (13.91, "cannot be known"),
+    "total-mass": (43.76, "agrees"),
+    "load-of-a-leg": (8.75, "agrees"),
+    "hip-inertia-no-concern": ((0.188, 0.119), "differs"),
+    "similar-260-w": (4.18, "differs"),
+    "motor-length": (None, "cannot be known"),
+}
+
+
+def test_there_are_many_and_each_is_called_by_a_name_of_its_own():
+    assert len(STATEMENTS) >= 40
+    assert len(BY_ID) == len(STATEMENTS)
+    assert all(re.fullmatch(r"[a-z0-9.-]+", name) for name in BY_ID)
+
+
+@pytest.mark.parametrize("statement", STATEMENTS, ids=lambda each: each.id)
+def test_each_is_whole(statement):
+    assert re.search(r"\d", statement.place) and statement.says.endswith(".")
+    assert (statement.study is None) == (statement.finds == "")
+    assert statement.criterion is not None or statement.unknown, "neither checked, nor said why not"
+    assert statement.study is not None or statement.unknown
+    assert set(statement.assumes) <= {assumption.id for assumption in ASSUMPTIONS}
+
+
+@pytest.mark.parametrize("statement", FOUND, ids=lambda each: each.id)
+def test_each_command_names_a_function_that_there_is(statement):
+    python, option, code = shlex.split(statement.command)
+    assert (python, option) == ("python", "-c")
+    (imported, _) = ast.parse(code).body
+    assert isinstance(imported, ast.ImportFrom) and imported.module
+    assert callable(getattr(importlib.import_module(imported.module), imported.names[0].name))
+
+
+@pytest.mark.parametrize("statement", [each for each in CHEAP if each.study is not None], ids=lambda each: each.id)
+def test_the_command_prints_what_is_found(statement):
+    shown = io.StringIO()
+    with contextlib.redirect_stdout(shown):
+        exec(shlex.split(statement.command)[2], {})
+    finding = check(statement)
+    assert ast.literal_eval(shown.getvalue()) == pytest.approx(finding.value)
+
+
+@pytest.mark.parametrize(("name", "expected"), KNOWN.items(), ids=KNOWN)
+def test_known_findings(name, expected):
+    value, verdict = expected
+    finding = check(BY_ID[name])
+    assert finding.verdict == verdict and finding.id == name
+    assert finding.value == (value if value is None else pytest.approx(value, rel=5e-3))
+
+
+@pytest.mark.parametrize("name", [name for name, (_, verdict) in KNOWN.items() if verdict == "agrees"])
+def test_a_value_that_is_off_differs(name):
+    statement = BY_ID[name]
+    value = check(statement).value
+    for factor in (1.5, 0.5, -1.0):
+        off = tuple(factor * each for each in value) if isinstance(value, tuple) else factor * value
+        if not statement.criterion.holds(off):
+            assert check(replace(statement, study=lambda off=off: off)).verdict == "differs"
+            return
+    pytest.fail("no wrong value is noticed")
+
+
+class TestCheck:
+    STATEMENT = Statement("one", "(1.1)", "One is one.", "one", lambda: 1.0, criterion=c.near(1.0, 0.1))
+
+    def test_agrees(self):
+        assert check(self.STATEMENT).verdict == "agrees"
+
+    def test_what_rests_on_the_unprinted_cannot_be_known(self):
+        finding = check(replace(self.STATEMENT, unknown="It is not printed."))
+        assert (finding.verdict, finding.value, finding.reason) == ("cannot be known", 1.0, "It is not printed.")
+
+    @pytest.mark.parametrize("unknown", ["", "It is not printed."])
+    def test_a_failure_is_a_finding_with_a_reason(self, unknown):
+        finding = check(replace(self.STATEMENT, study=lambda: 1.0 / 0.0, unknown=unknown))
+        assert finding.verdict == "failed" and finding.value is None and "division" in finding.reason
+
+    def test_so_is_a_number_that_is_none(self):
+        finding = check(replace(self.STATEMENT, study=lambda: (1.0, float("nan"))))
+        assert finding.verdict == "failed" and "nan" in finding.reason
+
+    def test_an_interruption_is_not(self):
+        def interrupted():
+            raise KeyboardInterrupt
+
+        with pytest.raises(KeyboardInterrupt):
+            check(replace(self.STATEMENT, study=interrupted))
+
+    def test_command_of_a_partial(self):
+        command = command_of(partial(int.from_bytes, b"\x01", byteorder="big"))
+        assert command.endswith("print(from_bytes(b'\\x01', byteorder='big'))\"")
+
+
+@pytest.mark.parametrize(
+    ("criterion", "good", "bad", "words"),
+    [
+        (c.near(2.0, 0.1), 2.1, 2.11, "within 0.1 of 2"),
+        (c.near((1.0, 2.0), 0.1), (1.1, 1.9), (1.1, 1.8), "within 0.1 of 1; 2"),
+        (c.near((1.0, 2.0), 0.1), (1.0, 2.0), 1.0, "within 0.1"),
+        (c.near(3.0, 0.0), 3.0, 3.001, "3"),
+        (c.about(-10.0, 0.1), -11.0, -11.1, "within 10 % of -10"),
+        (c.equal(0.1), (1.09, 1.0), (1.2, 1.0), "within 10 %"),
+        (c.below(1.0), (0.5, 0.9), (0.5, 1.0), "below 1"),
+        (c.above(1.0), (1.1, 2.0), (1.0, 2.0), "above 1"),
+        (c.between(1.0, 2.0), (1.0, 2.0), (0.9, 2.0), "from 1 to 2"),
+        (c.rising(), (1.0, 2.0, 3.0), (1.0, 1.0, 3.0), "larger"),
+        (c.falling(), (3.0, 2.0), (2.0, 2.0), "smaller"),
+        (c.first(c.below(0.0)), (-1.0, 1.0), (1.0, -1.0), "the first below 0"),
+    ],
+)
+def test_criteria(criterion, good, bad, words):
+    assert criterion.holds(good) and not criterion.holds(bad)
+    assert words in criterion.text
+
+
+class TestErrata:
+    def test_the_page_is_written_from_the_data(self):
+        assert make_errata.PAGE.read_text(encoding="utf-8") == make_errata.page(), "run: python -m docs.make_errata"
+
+    def test_they_are_shown_by_statements_that_there_are(self):
+        named = [name for errata in ERRATA.values() for erratum in errata for name in erratum.shown_by]
+        assert len(named) >= 20 and set(named) <= set(BY_ID)
+
+
+class TestTables:
+    @pytest.mark.parametrize(
+        "table", [each for chapter in TABULATIONS.values() for each in chapter], ids=lambda t: t.id
+    )
+    def test_rows_fit_their_head(self, table):
+        rows = table.rows()
+        assert rows and {len(row) for row in rows} == {len(table.head)}
+
+    def test_the_urdf_has_table_2_4(self):
+        (table,) = TABULATIONS[2]
+        for name, row in zip(quantities(), table.rows(), strict=True):
+            printed, of_urdf = row[4], row[6]
+            assert printed == getattr(SPEAR_II, name)
+            assert of_urdf is None or of_urdf == pytest.approx(printed, rel=0.03), name
+
+    def test_the_urdf_has_table_5_1(self):
+        for name, of_urdf in shipped_quadruped().items():
+            assert of_urdf is None or of_urdf == pytest.approx(getattr(Q_SPEAR, name), rel=1e-9), name

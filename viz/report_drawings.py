@@ -1,0 +1,108 @@
+"""What the figures of the report show: the plots with the runs that they are of."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from spear_pin.model.catalogue import motor
+from spear_pin.studies import reference
+from spear_pin.studies.energetics import computed_points
+from spear_pin.studies.published_costs import PUBLISHED
+from spear_pin.studies.push_test import DEPTHS, release, spear_ii
+from spear_pin.studies.source_design import SPEAR_II
+from spear_pin.viz import bound_plots, design_plots, energy_plots, plots, push_plots, source_plots
+
+
+def transport() -> Figure:
+    """Costs of transport of others, and of the bound."""
+    return energy_plots.cost_of_transport(
+        PUBLISHED, computed_points("Q-SPEAR, assumed motors", reference.bound_costs())
+    )
+
+
+def energy() -> Figure:
+    """Energy flow of the hop on hardware."""
+    return energy_plots.energy_flow(reference.hop_energy())
+
+
+def releases() -> Figure:
+    """Releases with the estimates of Table 4.1: from the three depths with motor, from the deepest without."""
+    cases = {f"{100 * depth:g} cm": (depth, True) for depth in DEPTHS} | {"10 cm, no motor": (DEPTHS[-1], False)}
+    return push_plots.release_summary(
+        {
+            name: release(spear_ii(15.0 if motor_on else None), reference.estimated(depth, motor_on), depth)
+            for name, (depth, motor_on) in cases.items()
+        }
+    )
+
+
+def fits() -> Figure:
+    """The model fitted to six synthetic sets of releases."""
+    return push_plots.fit_summary(
+        {
+            f"{100 * depth:g} cm, {'with motor' if motor_on else 'no motor'}": reference.fitted(depth, motor_on)
+            for motor_on in (True, False)
+            for depth in DEPTHS
+        }
+    )
+
+
+def gears() -> Figure:
+    """The release with other gear ratios."""
+    return push_plots.gear_comparison(reference.gears())
+
+
+def idling() -> Figure:
+    """The release with the motor idling."""
+    return source_plots.power_off_heights(reference.idling())
+
+
+def bridge() -> Figure:
+    """The knee motor turned from outside."""
+    return source_plots.bridge_currents(motor("spear_ii_knee"), SPEAR_II.knee_ratio)
+
+
+def hop() -> Figure:
+    """The hop at a glance."""
+    return plots.hop_summary(reference.hops(), reference.hop())
+
+
+def experiment_angles() -> Figure:
+    """Angles on disturbed hardware and without."""
+    return energy_plots.angles_against(reference.rough_hops(), reference.hops(), reference.hardware_hop())
+
+
+def experiment_currents() -> Figure:
+    """Currents on disturbed hardware."""
+    return energy_plots.currents(reference.rough_hops())
+
+
+def experiment_heights() -> Figure:
+    """Heights on disturbed hardware and without."""
+    return energy_plots.heights(reference.rough_hops(), reference.hops())
+
+
+def bound() -> Figure:
+    """The bound at a glance."""
+    return bound_plots.bound_summary(reference.strides(), reference.bound())
+
+
+def compliance() -> Figure:
+    """Knee torques with the spring and without."""
+    return design_plots.compliance(reference.bound())
+
+
+def stiffness() -> Figure:
+    """Knee torques with springs of other stiffness."""
+    return design_plots.stiffness_sweep(reference.bound())
+
+
+def hips() -> Figure:
+    """Hip torques of the bound."""
+    return design_plots.hip_torques(reference.bound())
+
+
+def torque_speed() -> Figure:
+    """Operating points of the knees against three drives."""
+    drives = {power: reference.knee_drive(power) for power in ("100 W", "260 W", "600 W")}
+    return design_plots.torque_speed(reference.bound(), drives)
