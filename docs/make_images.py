@@ -1,14 +1,15 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
-Parts are hop, attraction, design, push, hardware, drivetrain, sweep. Those of the hop need Chromium; those of the
-design studies and of the drivetrain take some minutes; the latter print the table of docs/motors.md. The picture on
-top of the README is what the recorded page shows at one instant, beside plots of the same hop with that instant
-marked.
+Parts are hop, biped, attraction, robust, design, push, hardware, drivetrain, sweep. The first two need Chromium;
+those of the design studies and of the drivetrain take some minutes; the latter print the table of docs/motors.md. The
+picture on top of the README is what the recorded page shows at one instant, beside plots of the same hop with that
+instant marked.
 """
 
 from __future__ import annotations
 
 import argparse
+import runpy
 import tempfile
 from pathlib import Path
 
@@ -31,9 +32,19 @@ from spear_pin.studies.identification import Estimate, MovingAverage, cut, ident
 from spear_pin.studies.laboratory import Instrument, synthesize, write_csv
 from spear_pin.studies.published_costs import PUBLISHED
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, gear_study, spear_ii
+from spear_pin.studies.robustness import robustness
 from spear_pin.studies.sweep import grid
 from spear_pin.studies.sweep import sweep as swept
-from spear_pin.viz import attraction_plots, design_plots, drivetrain_plots, energy_plots, plots, push_plots, sweep_plots
+from spear_pin.viz import (
+    attraction_plots,
+    design_plots,
+    drivetrain_plots,
+    energy_plots,
+    plots,
+    push_plots,
+    robustness_plots,
+    sweep_plots,
+)
 from spear_pin.viz.player import record
 from tests.viz.chromium import Browser
 
@@ -50,7 +61,7 @@ def main() -> None:
     """Write the pictures asked for, or every one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", help="some of the parts; all if none is named")
-    known = hop, attraction, design, push, hardware, drivetrain, sweep
+    known = hop, biped, attraction, robust, design, push, hardware, drivetrain, sweep
     parts = {part.__name__: part for part in known}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
@@ -73,6 +84,14 @@ def hop() -> None:
     print(plots.save_figure(plots.knee_torque(simulate(late.system, late.state, cycles=2)), IMAGES / "late.svg"))
 
 
+def biped() -> None:
+    """Run the example and show its page at one instant."""
+    with tempfile.TemporaryDirectory() as folder, Browser(WIDTH, 560) as browser:
+        runpy.run_path(str(IMAGES.parents[1] / "examples" / "biped.py"))["main"](Path(folder))
+        browser.open(Path(folder) / "biped.html", "#t=0.62")
+        browser.screenshot(IMAGES / "biped.png")
+
+
 def attraction() -> None:
     """Write the map of where the hop is reached from, of a hundred thousand states; it takes half a minute."""
     gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])), vary=["stance_torque"], target={"flight_time": 0.2})
@@ -81,6 +100,15 @@ def attraction() -> None:
     labels = "Toe above the ground (m)", "Knee (rad)"
     figure = attraction_plots.attraction_map(found, clearances, knees, *labels)
     print(plots.save_figure(figure, IMAGES / "attraction.png"), found.share)
+
+
+def robust() -> None:
+    """Write the picture of what the hop survives, of four thousand draws; it takes a minute."""
+    gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])), vary=["stance_torque"], target={"flight_time": 0.2})
+    drawn = dict.fromkeys(("stiffness", "damping", "stance_torque", "friction"), 0.1)
+    found = robustness(gait, drawn, draws=4000)
+    print(plots.save_figure(robustness_plots.robustness_figure(found), IMAGES / "robustness.svg"))
+    print(found.share, found.interval(), dict(zip(*np.unique(found.reason, return_counts=True), strict=True)))
 
 
 def design() -> None:

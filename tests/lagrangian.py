@@ -46,6 +46,8 @@ SPEAR_II_LEG = Leg((1.72, 0.48), (0.008, 0.14), (0.014, 0.005), (0.318, 0.318), 
 TORSO_MASS, TORSO_INERTIA, HIP_OFFSET = 35.0, 2.1, 0.35
 Q_SPEAR_PAIR = Leg((2 * 1.72, 2 * 0.47), (0.008, 0.144), (2 * 0.014, 2 * 0.005), (0.318, 0.318), (2 * 0.047, 2 * 0.027))
 
+BIPED_TORSO, BIPED_TORSO_COM = (4.6, 0.106), 0.2  # mass and inertia; height of the centre above the hips
+
 GRAVITY = 9.81
 
 
@@ -198,6 +200,22 @@ def quadruped(
     for name, offset in (("posterior", -hip_offset), ("anterior", hip_offset)):
         bends = system.coordinate(f"{name}_hip"), system.coordinate(f"{name}_knee")
         system.add_leg(f"{name}_toe", pair, middle + _exact(offset) * axis, pitch, bends)
+    return system.lagrangian()
+
+
+@cache
+def biped(
+    coordinates: tuple[str, ...] = ("torso_x", "torso_z", "pitch", "left_hip", "left_knee", "right_hip", "right_knee"),
+) -> Lagrangian:
+    """Two SPEAR-II legs below a torso, at the position of the hips, pitch (nose up) and joint angles."""
+    system = _System(coordinates)
+    hips = sp.Matrix([system.coordinate("torso_x"), system.coordinate("torso_z")])
+    pitch = system.coordinate("pitch")
+    upward = sp.Matrix([-sp.sin(pitch), sp.cos(pitch)])
+    system.add_body(*BIPED_TORSO, hips + _exact(BIPED_TORSO_COM) * upward, pitch)
+    for side in ("left", "right"):
+        bends = system.coordinate(f"{side}_hip"), system.coordinate(f"{side}_knee")
+        system.add_leg(f"{side}_toe", SPEAR_II_LEG, hips, pitch, bends)
     return system.lagrangian()
 
 

@@ -150,8 +150,8 @@ MUTATIONS = [
             ),
             "lift-off when the force rises": ("dyn, ops: dyn.force(toe)[1]", "dyn, ops: -dyn.force(toe)[1]"),
             "touchdown a tenth of a millimetre early": (
-                'Guard("touchdown", height(toe),',
-                'Guard("touchdown", lambda *at: height(toe)(*at) - 1e-4,',
+                "Guard(name, height(toe),",
+                "Guard(name, lambda *at: height(toe)(*at) - 1e-4,",
             ),
         },
     ),

@@ -33,6 +33,7 @@ STANCE = "stance"
 STANCE_COLOR = "0.92"
 BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
 FORMATS = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}  # with the metadata left out
+LINES = ("-", "--", ":", "-.")  # of one toe after the other
 DETAIL = 2  # cycles that a composite shows of the quantities that repeat
 FLOWS = {  # label and colour of the energy flows, in the order of stacking
     "motor_knee": ("knee motor", BLUE),
@@ -70,11 +71,11 @@ def ground_force(trajectory: Trajectory) -> Figure:
         return figure
 
 
-def knee_torque(trajectory: Trajectory) -> Figure:
-    """Torque on the knee over time, positive in flexion, split into motor, spring and damping."""
+def knee_torque(trajectory: Trajectory, joint: str = "knee") -> Figure:
+    """Torque on a knee over time, positive in flexion, split into motor, spring and damping."""
     with style():
         figure = Figure(layout="constrained")
-        draw_torque(figure.subplots(), trajectory)
+        draw_torque(figure.subplots(), trajectory, joint)
         return figure
 
 
@@ -163,12 +164,14 @@ def style() -> Iterator[None]:
 def draw_angle(axes: Axes, trajectory: Trajectory, joint: str, gait: Gait | None) -> None:
     """Angle of a joint over time, with what is commanded in flight and latched in stance."""
     index = trajectory.coordinates.index(joint)
-    _over_time(axes, trajectory, f"{joint.capitalize()} angle (rad)")
+    _over_time(axes, trajectory, f"{_words(joint)} angle (rad)")
     axes.plot(trajectory.t, trajectory.q[:, index], color=BLUE, label="simulated")
     if gait is not None:
         _levels(axes, trajectory, _commanded(trajectory, joint, gait), "--", "commanded")
     if joint in trajectory.spring_joints:
-        latched = [(span, float(trajectory.q[span[0], index])) for span in _stances(trajectory)]
+        engaged = trajectory.engaged[:, trajectory.spring_joints.index(joint)]
+        spans = _runs(trajectory, _bears(trajectory) & engaged)
+        latched = [(span, float(trajectory.q[span[0], index])) for span in spans]
         _levels(axes, trajectory, latched, ":", "latched")
     _legend(axes)
 
@@ -177,19 +180,19 @@ def draw_force(axes: Axes, trajectory: Trajectory) -> None:
     """Ground force over time."""
     _over_time(axes, trajectory, "Ground force (N)")
     for index, toe in enumerate(trajectory.toes):
-        of_toe = f" of {toe}" if len(trajectory.toes) > 1 else ""
-        style = ("-", "--", ":", "-.")[index % 4]
+        of_toe = f" of {toe.replace('_', ' ')}" if len(trajectory.toes) > 1 else ""
         for column, color, label in ((1, BLUE, "normal"), (0, VERMILLION, "tangential")):
-            axes.plot(trajectory.t, trajectory.force[:, index, column], style, color=color, label=label + of_toe)
-    _legend(axes)
+            force = trajectory.force[:, index, column]
+            axes.plot(trajectory.t, force, LINES[index % len(LINES)], color=color, label=label + of_toe)
+    _legend(axes, 4 if len(trajectory.toes) == 1 else 2)
 
 
-def draw_torque(axes: Axes, trajectory: Trajectory) -> None:
-    """Torques on the knee over time."""
-    motor = trajectory.u[:, trajectory.actuated.index("knee")]
-    spring = trajectory.spring[:, trajectory.spring_joints.index("knee")]
-    total = trajectory.tau[:, trajectory.actuated.index("knee")]
-    _over_time(axes, trajectory, "Knee torque (N·m)")
+def draw_torque(axes: Axes, trajectory: Trajectory, joint: str = "knee") -> None:
+    """Torques on a knee over time."""
+    motor = trajectory.u[:, trajectory.actuated.index(joint)]
+    spring = trajectory.spring[:, trajectory.spring_joints.index(joint)]
+    total = trajectory.tau[:, trajectory.actuated.index(joint)]
+    _over_time(axes, trajectory, f"{_words(joint)} torque (N·m)")
     axes.axhline(0.0, color="0.6", linewidth=0.5)
     axes.plot(trajectory.t, motor, color=BLUE, label="motor")
     axes.plot(trajectory.t, spring, color=GREEN, label="spring")
@@ -197,8 +200,8 @@ def draw_torque(axes: Axes, trajectory: Trajectory) -> None:
     _legend(axes)
 
 
-def draw_energy(axes: Axes, trajectory: Trajectory) -> None:
-    """The energy ledger, hop by hop."""
+def draw_energy(axes: Axes, trajectory: Trajectory, cycle: str = "Hop") -> None:
+    """The energy ledger, hop by hop, the motors of several legs taken together."""
     ledger = trajectory.ledger
     if trajectory.cycles == 0:
         raise BadValue("trajectory.cycles", 0, "at least one whole hop")
@@ -206,8 +209,12 @@ def draw_energy(axes: Axes, trajectory: Trajectory) -> None:
     floor = NEGLIGIBLE * float(np.abs(ledger.work).max())
     top, bottom = np.zeros(len(hops)), np.zeros(len(hops))
     handles: list[Artist | Container] = []
-    for flow in sorted(ledger.flows, key=lambda name: list(FLOWS).index(name) if name in FLOWS else len(FLOWS)):
-        energy = ledger[flow]
+    flows: dict[str, NDArray[np.float64]] = {}
+    for flow in ledger.flows:
+        kind = _of_all_legs(flow)
+        flows[kind] = flows.get(kind, 0.0) + ledger[flow]
+    for flow in sorted(flows, key=lambda name: list(FLOWS).index(name) if name in FLOWS else len(FLOWS)):
+        energy = flows[flow]
         if np.abs(energy).max() <= floor:
             continue
         label, color = FLOWS.get(flow, (flow.replace("_", " "), "0.7"))
@@ -221,14 +228,14 @@ def draw_energy(axes: Axes, trajectory: Trajectory) -> None:
     axes.set_xlim(0.4, len(hops) + 0.6)
     axes.set_ylim(1.1 * min(float(bottom.min()), float(ledger.change.min())), 1.1 * float(top.max()))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=12))
-    axes.set_xlabel("Hop")
+    axes.set_xlabel(cycle)
     axes.set_ylabel("Energy (J)")
     axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
 
 
-def draw_height(axes: Axes, trajectory: Trajectory) -> None:
+def draw_height(axes: Axes, trajectory: Trajectory, coordinate: str = "boom_z") -> None:
     """Height of the hip over time."""
-    rise = trajectory.coordinates.index("boom_z")
+    rise = trajectory.coordinates.index(coordinate)
     apexes = trajectory.named("apex")
     _over_time(axes, trajectory, "Height of the hip (m)")
     axes.plot(trajectory.t, trajectory.q[:, rise], color=BLUE, label="hip")
@@ -244,9 +251,11 @@ def draw_clearance(axes: Axes, trajectory: Trajectory) -> None:
     if locked:
         robot = load(trajectory.robot, toes=trajectory.toes, locked=locked)
     _over_time(axes, trajectory, "Clearance (mm)")
-    for toe in trajectory.toes:
+    for index, toe in enumerate(trajectory.toes):
         heights = np.array([robot.toe_position(q, toe)[1] for q in trajectory.q])
-        axes.plot(trajectory.t, 1e3 * heights, color=GREEN, label=toe)
+        axes.plot(trajectory.t, 1e3 * heights, LINES[index % len(LINES)], color=GREEN, label=toe.replace("_", " "))
+    if len(trajectory.toes) > 1:
+        _legend(axes)
 
 
 # what the panels share
@@ -262,8 +271,8 @@ def _over_time(axes: Axes, trajectory: Trajectory, label: str) -> None:
     axes.set_ylabel(label)
 
 
-def _legend(axes: Axes) -> None:
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4)
+def _legend(axes: Axes, columns: int = 4) -> None:
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
 
 
 def _levels(axes: Axes, trajectory: Trajectory, levels: list[tuple[Span, float]], style: str, label: str) -> None:
@@ -275,7 +284,21 @@ def _levels(axes: Axes, trajectory: Trajectory, levels: list[tuple[Span, float]]
 
 def _stances(trajectory: Trajectory) -> list[Span]:
     """The stances."""
-    return _runs(trajectory, np.char.find(trajectory.phase, STANCE) >= 0)
+    return _runs(trajectory, _bears(trajectory))
+
+
+def _bears(trajectory: Trajectory) -> NDArray[np.bool_]:
+    """Whether each sample is one of a stance."""
+    return np.asarray(np.char.find(trajectory.phase, STANCE) >= 0)
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ").capitalize()
+
+
+def _of_all_legs(flow: str) -> str:
+    """The flow that one of a leg's motors is part of: "motor_knee" for "motor_left_knee"."""
+    return f"motor_{flow.rpartition('_')[2]}" if flow.startswith("motor_") else flow
 
 
 def _runs(trajectory: Trajectory, chosen: NDArray[np.bool_]) -> list[Span]:
@@ -290,7 +313,7 @@ def _commanded(trajectory: Trajectory, joint: str, gait: Gait) -> list[tuple[Spa
     law = gait.system.law
     hip = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown
     levels = []
-    for first, last in _runs(trajectory, np.char.find(trajectory.phase, STANCE) < 0):
+    for first, last in _runs(trajectory, ~_bears(trajectory)):
         speed = trajectory.v[first, trajectory.coordinates.index("boom_x")] if law.foot_placement else 0.0
         commanded = {"hip": hip + law.foot_placement * (speed - law.speed), "knee": law.knee_touchdown}
         levels.append(((first, last), float(commanded[joint])))

@@ -89,8 +89,12 @@ class Gait:
         return Path(path)
 
     @classmethod
-    def load(cls, path: str | Path) -> Gait:
+    def load(cls, path: str | Path, like: HybridSystem | None = None) -> Gait:
         """Read a shipped gait by its name, or what `save` wrote by its path, and rebuild the system.
+
+        Args:
+            path: a name, or a path.
+            like: for an automaton that is not the package's, any system of it.
 
         Raises:
             UnknownName: no gait of that name ships, and it is not a path (it has no suffix or separator).
@@ -102,9 +106,10 @@ class Gait:
             data = json.loads(Path(path).read_text(encoding="utf-8"))
             if data["format"] != FORMAT:
                 raise KeyError("format")
-            if data["kind"] not in KINDS:
-                raise UnknownName("kind of gait", data["kind"], KINDS)
-            build, law = KINDS[data["kind"]]
+            kinds = KINDS if like is None else {like.kind: (like.build, type(like.law))}
+            if data["kind"] not in kinds:
+                raise UnknownName("kind of gait", data["kind"], kinds)
+            build, law = kinds[data["kind"]]
             robot = load(data["robot"]["source"], toes=data["robot"]["toes"], locked=data["robot"]["locked"])
             robot = vary(robot, **data["robot"].get("varied", {}))
             values = {name: _tuples(value) for name, value in data["law"].items()}

@@ -12,8 +12,8 @@ from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import STEP, chart, displacement, multipliers, newton, return_map
-from spear_pin.hybrid.record import Options, Run, State
+from spear_pin.hybrid.periodic import EVALUATIONS, STEP, chart, displacement, multipliers, newton, return_map
+from spear_pin.hybrid.record import Moment, Options, Run, State
 from spear_pin.hybrid.run import run
 
 Array = NDArray[np.float64]
@@ -151,23 +151,43 @@ class _Search:
         return np.array([measure(result) for measure in self.measures], dtype=float)
 
     def gait(self, system: HybridSystem, state: State) -> Gait:
-        """The gait at a solution, checked on the whole state."""
+        """The gait at a solution, checked on the whole state, and on the cycle after it."""
         result = return_map(system, state, self.rtol)
         error = float(np.abs(displacement(system, state, result.state)).max())
-        if not error <= max(RESIDUAL, 10.0 * self.rtol):
+        allowed = max(RESIDUAL, 10.0 * self.rtol)
+        if not error <= allowed:
             raise NoGait(f"the cycle that was found closes no better at rtol {self.rtol:g}", error)
+        values = multipliers(system, state, self.rtol)
+        _check_memory(system, result, allowed * max(1.0, float(np.abs(values).max())), self.rtol)
         return Gait(
             system=system,
             state=state,
             parameters={name: parameter(system, name) for name in self.vary},
             residual=error,
-            multipliers=multipliers(system, state, self.rtol),
+            multipliers=values,
             durations=result.durations,
         )
+
+
+def _check_memory(system: HybridSystem, cycle: Run, allowed: float, rtol: float) -> None:
+    """The next cycle, which remembers the first, closes as well.
+
+    Raises:
+        NoGait: something latched before the section acts after it, so that (q, v) is not all that a cycle depends on.
+    """
+    moment = Moment(*cycle.state, system.section_phase, cycle.held)
+    again = run(system, moment, 1, Options(rtol=rtol, max_evaluations=EVALUATIONS))
+    error = float(np.abs(displacement(system, cycle.state, again.state)).max()) if again.cycles else np.inf
+    if not error <= allowed:
+        raise NoGait("the next cycle differs: something latched before the section acts after it", error)
 
 
 def _settle(system: HybridSystem) -> State:
     """The system's guess, followed for a few cycles towards a stable gait; where that breaks off, the guess."""
     guess = system.guess()
     result = run(system, guess, SETTLE, Options(rtol=1e-7))
-    return result.state if result.cycles == SETTLE else guess
+    if result.cycles < SETTLE:
+        return guess
+    rows = [system.robot.index(name) for name in system.cyclic]
+    result.state[0][rows] = guess[0][rows]  # back to where it began
+    return result.state

@@ -67,14 +67,14 @@ def stays(toe: str) -> GuardValue:
     return lambda t, q, v, held, p, dyn, ops: 10.0 * AT_REST - held.get(rise(toe), 0.0)
 
 
-def touchdown(toe: str, reset: Reset) -> Guard:
+def touchdown(toe: str, reset: Reset, name: str = "touchdown") -> Guard:
     """The toe reaches the ground from above."""
-    return Guard("touchdown", height(toe), reset, tolerance=ON_GROUND)
+    return Guard(name, height(toe), reset, tolerance=ON_GROUND)
 
 
 def fall(frames: Sequence[str]) -> tuple[Guard, ...]:
     """The run ends when one of these frames reaches the ground."""
-    return tuple(Guard(f"fall:{frame}", height(frame), ends="fall") for frame in frames)
+    return tuple(Guard(f"fall:{frame}", height(frame), ends="fall", tolerance=ON_GROUND) for frame in frames)
 
 
 def spring_switches(mount: Mount, index: int) -> tuple[Guard, ...]:

@@ -62,6 +62,12 @@ ROBOTS = {
         "quadruped Q-SPEAR in three dimensions, four legs with hip adduction on a floating torso",
         "source Table 5.1; places of the hips and their adduction joints are assumptions",
     ),
+    "biped": Shipped(
+        "biped.urdf",
+        ("left_toe", "right_toe"),
+        "biped of two SPEAR-II legs in the sagittal plane",
+        "legs as spear_ii; the source suggests it (Section 6.2.4), the torso is an assumption",
+    ),
 }
 
 

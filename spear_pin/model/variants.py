@@ -18,7 +18,7 @@ from spear_pin.model.urdf import MAX_NUMBER
 FULL = ("q_spear_full",)
 QUADRUPEDS = ("q_spear", *FULL)
 MONOPODS = ("spear_ii", "spear_ii_series")
-ALL = (*MONOPODS, *QUADRUPEDS)
+ALL = (*MONOPODS, *QUADRUPEDS, "biped")
 TABLE, TABLES, ASSUMPTION = "source Table 5.1", "source Tables 2.4 and 5.1", "assumption"
 COMPUTED = f"computed from {TABLES}"
 

@@ -1,6 +1,7 @@
 """Gait search: several unknowns and targets, requests that make no sense, requests that cannot be met."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -66,6 +67,11 @@ class TestFinds:
         trajectory = simulate(hop.system, hop.state, cycles=3, rtol=1e-11)
         np.testing.assert_allclose(trajectory.events[-1].v, hop.state[1], rtol=0, atol=1e-7)
         assert hop.durations["stance"] == pytest.approx(trajectory.named("lift_off")[0].time, abs=1e-8)
+
+    def test_begins_where_the_guess_does(self, free_robot):
+        """However far the settling run went along the ground."""
+        law = HoppingLaw(hip_touchdown=0.5, foot_placement=0.14, speed=0.05)
+        assert find_gait(hopping(free_robot, law)).state[0][0] == pytest.approx(0.0, abs=1e-12)
 
     def test_tells_of_its_iterations(self, hop):
         told = []
@@ -141,6 +147,25 @@ class TestNoGait:
         with pytest.raises(NoGait):
             find_gait(hopping(robot), ["stance_torque"], {"flight_time": 5.0})
         assert sum(evaluations) < 250_000
+
+    def test_a_law_that_remembers_what_was_before_the_section(self, hop):
+        """Begun afresh the cycle closes, but the next one is another: (q, v) on the section is not its whole state."""
+        *stances, flight = hop.system.domains
+
+        def law(t, q, v, held, p, dyn, ops):
+            hip, knee = stances[0].law(t, q, v, held, p, dyn, ops)
+            return hip, knee - 0.1 * held["rate"]
+
+        def remembering(guard):
+            if guard.name != "lift_off":
+                return guard
+            return replace(guard, reset=replace(guard.reset, latch=lambda q, v, held, p: {"rate": v[0], "speed": 0.0}))
+
+        changed = [replace(each, law=law, guards=tuple(map(remembering, each.guards))) for each in stances]
+        system = replace(hop.system, domains=(*changed, flight))
+        with pytest.raises(NoGait) as error:
+            find_gait(system, guess=hop.state)
+        self.assert_one_line(error, "latched before the section")
 
     def test_a_measure_of_an_event_that_never_happens(self, robot):
         with pytest.raises(SpearError, match="never"):

@@ -10,12 +10,13 @@ from hypothesis import strategies as st
 
 from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
-from tests.lagrangian import monopod, quadruped
+from tests.lagrangian import biped, monopod, quadruped
 
 ROBOTS = {
     "spear_ii": (load("spear_ii"), monopod),
     "spear_ii locked": (load("spear_ii", locked=["boom_x"]), monopod),
     "q_spear": (load("q_spear"), quadruped),
+    "biped": (load("biped"), biped),
 }
 DEGREES_OF_FREEDOM = 7
 STATES = 1000
@@ -220,7 +221,9 @@ class TestActuationAndMass:
         expected = [[float(row == column) for column in robot.actuated] for row in robot.coordinates]
         np.testing.assert_array_equal(robot.actuation_matrix, expected)
 
-    @pytest.mark.parametrize(("name", "mass"), [("spear_ii", 6.8), ("spear_ii locked", 6.8), ("q_spear", 43.76)])
+    @pytest.mark.parametrize(
+        ("name", "mass"), [("spear_ii", 6.8), ("spear_ii locked", 6.8), ("q_spear", 43.76), ("biped", 9.0)]
+    )
     def test_mass(self, name, mass):
         robot, _ = ROBOTS[name]
         assert robot.mass == pytest.approx(mass, abs=1e-12)
@@ -240,6 +243,7 @@ class TestRotors:
                 "q_spear",
                 {"posterior_hip": 0.094, "posterior_knee": 0.054, "anterior_hip": 0.094, "anterior_knee": 0.054},
             ),
+            ("biped", {"left_hip": 0.047, "left_knee": 0.027, "right_hip": 0.047, "right_knee": 0.027}),
         ],
     )
     def test_reflected_inertia_is_on_the_diagonal(self, name, reflected):

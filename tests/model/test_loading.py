@@ -105,7 +105,7 @@ def refusal(kind, call):
 
 class TestShipped:
     def test_names(self):
-        assert set(ROBOTS) == {"spear_ii", "spear_ii_series", "q_spear", "q_spear_full"}
+        assert set(ROBOTS) == {"spear_ii", "spear_ii_series", "q_spear", "q_spear_full", "biped"}
         for shipped in ROBOTS.values():
             assert shipped.path.is_file() and shipped.summary and shipped.provenance
 
@@ -114,6 +114,11 @@ class TestShipped:
         assert (robot.name, robot.source, robot.toes) == ("spear_ii", "spear_ii", ("toe",))
         assert (robot.nq, robot.nv, robot.nu) == (4, 4, 2)
         assert robot.planar and robot.locked == () and robot.actuated == ("hip", "knee")
+
+    def test_biped(self):
+        robot = load("biped")
+        assert robot.toes == ("left_toe", "right_toe")
+        assert (robot.nq, robot.nv, robot.nu, robot.planar) == (7, 7, 4, True)
 
     def test_quadruped(self):
         robot = load("q_spear")

@@ -76,6 +76,7 @@ ROBOTS = {
     "q_spear with long hips": lambda: vary(load("q_spear"), hip_distance=0.93),
     "q_spear with slow knees": lambda: vary(load("q_spear"), knee_ratio=40.0, torso_mass=28.0),
     "q_spear, pitch locked": lambda: load("q_spear", locked=["pitch"]),
+    "biped": lambda: load("biped"),
 }
 
 

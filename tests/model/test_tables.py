@@ -50,6 +50,8 @@ LEGS = {
     "posterior right": (Q_SPEAR, 1, "q_spear_full", "posterior_right_"),
     "anterior left": (Q_SPEAR, 1, "q_spear_full", "anterior_left_"),
     "anterior right": (Q_SPEAR, 1, "q_spear_full", "anterior_right_"),
+    "left of the biped": (SPEAR_II, 1, "biped", "left_"),
+    "right of the biped": (SPEAR_II, 1, "biped", "right_"),
 }
 
 each_leg = pytest.mark.parametrize(("table", "count", "name", "prefix"), LEGS.values(), ids=LEGS)

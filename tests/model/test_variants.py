@@ -125,7 +125,7 @@ class TestByHand:
     )
     def test_ratio(self, name, ratio, reflected):
         before = {"hip_ratio": 0.047, "knee_ratio": 0.027, "adduction_ratio": 0.047}[name]
-        rotors = {"q_spear": [2, 2], "q_spear_full": [1, 1, 1, 1]}  # a monopod one, that the kind's joints turn
+        rotors = {"q_spear": [2, 2], "q_spear_full": [1, 1, 1, 1], "biped": [1, 1]}  # others: one
         for source in PARAMETERS[name].robots:
             robot = load(source)
             rows = [i for i, joint in enumerate(robot.coordinates) if joint.endswith(name.removesuffix("_ratio"))]

@@ -34,6 +34,13 @@ def hops(gait: Gait) -> Trajectory:
     return simulate(gait.system, gait.state, HOPS, 1e-7, progress=False)
 
 
+@pytest.fixture(scope="module")
+def strides() -> Trajectory:
+    """Of a robot with two legs, and names of its own."""
+    gait = Gait.load("long_stride")
+    return simulate(gait.system, gait.state, 2, 1e-7, progress=False)
+
+
 def line(axes: Axes, label: str) -> tuple[np.ndarray, np.ndarray]:
     drawn = next(line for line in axes.lines if line.get_label() == label)
     return np.asarray(drawn.get_xdata()), np.asarray(drawn.get_ydata())
@@ -216,3 +223,36 @@ def test_slipping_is_part_of_stance():
     trajectory = simulate(system, system.guess(), 2, 1e-7, progress=False)
     assert {"stance", "stance slip-"} <= set(trajectory.domain)
     assert shaded(plots.ground_force(trajectory).axes[0]) == 2
+
+
+class TestSeveralLegs:
+    def test_the_torque_of_one_knee(self, strides: Trajectory):
+        (axes,) = plots.knee_torque(strides, "anterior_knee").axes
+        assert axes.get_ylabel() == "Anterior knee torque (N·m)"
+        assert np.array_equal(line(axes, "motor")[1], strides.u[:, strides.actuated.index("anterior_knee")])
+        assert np.array_equal(line(axes, "spring")[1], strides.spring[:, strides.spring_joints.index("anterior_knee")])
+
+    def test_a_knee_is_latched_in_the_stances_of_its_own_leg(self, strides: Trajectory):
+        axes = Figure().subplots()
+        plots.draw_angle(axes, strides, "anterior_knee", None)
+        t, angle = line(axes, "latched")
+        knee = strides.coordinates.index("anterior_knee")
+        assert t[::3] == pytest.approx([event.time for event in strides.named("anterior_touchdown")])
+        assert angle[::3] == pytest.approx([event.q[knee] for event in strides.named("anterior_touchdown")], abs=1e-6)
+
+    def test_motors_of_a_kind_are_one_flow(self, strides: Trajectory):
+        (axes,) = plots.energy_per_hop(strides).axes
+        legend = axes.get_legend()
+        assert legend is not None
+        drawn = [text.get_text() for text in legend.get_texts()]
+        assert drawn == ["knee motor", "hip motor", "impact", "stored"]
+        knees = strides.ledger["motor_posterior_knee"] + strides.ledger["motor_anterior_knee"]
+        assert bars(axes)[:2].sum(axis=0) == pytest.approx(knees, abs=1e-12)
+
+    def test_toes_are_told_apart(self, strides: Trajectory):
+        for draw in (plots.draw_clearance, plots.draw_force):
+            axes = Figure().subplots()
+            draw(axes, strides)
+            looks = [(drawn.get_color(), drawn.get_linestyle()) for drawn in axes.lines]
+            assert len(set(looks)) == len(looks)
+            assert axes.get_legend() is not None
