@@ -17,7 +17,8 @@ from urllib.parse import urlencode
 
 from spear_pin.studies.explore_engines import REFERENCE, TAYLOR, best_engine
 from spear_pin.viz.explore_server import Explorer
-from tests.viz.exploring import browsing, move, serving, visit
+from tests.viz.chromium import Browser
+from tests.viz.exploring import move, serving, visit
 
 RANGES = {
     "stiffness": (46.0, 56.0),
@@ -51,13 +52,18 @@ def main() -> None:
     parser.add_argument("--picture", type=Path, metavar="FILE")
     given = parser.parse_args()
     explorer = Explorer({"Taylor": TAYLOR, "reference": REFERENCE}[given.engine])
-    with serving(explorer) as server, browsing() as browser:
+    begun = time.process_time()
+    for name, value in drawn(given.moves, given.rounds):
+        explorer.answer(f"/hop?{urlencode({name: value})}")
+    spent = 1e3 * (time.process_time() - begun) / given.moves
+    with serving(explorer) as server, Browser(1280, 900) as browser:
         if given.picture:
             visit(browser, server, SHOWN)
             time.sleep(1.0)
             browser.screenshot(given.picture)
             return
-        print(f"{given.engine} engine; {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}\n")
+        machine = f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}"
+        print(f"{given.engine} engine; {machine}; an answer takes {spent:.0f} ms of CPU\n")
         for number in range(given.rounds):
             visit(browser, server)
             found = []
@@ -71,10 +77,6 @@ def main() -> None:
             row("sent", [each["answered"] - each["simulate"] - each["draw"] for each in found])
             row("rendered", [each["rendered"] for each in found])
             print()
-    begun = time.process_time()
-    for name, value in drawn(given.moves, given.rounds):
-        explorer.answer(f"/hop?{urlencode({name: value})}")
-    print(f"CPU time of an answer: {1e3 * (time.process_time() - begun) / given.moves:.0f} ms")
 
 
 if __name__ == "__main__":

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import base64
 import html
-import json
 import os
 import re
-from importlib.resources import files
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -23,6 +20,7 @@ from spear_pin.viz.marks import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
 from spear_pin.viz.motion import Motion, TrajectoryLike, read_times, resample
 from spear_pin.viz.scene import Scene, moving, still
 from spear_pin.viz.stage import HORIZON
+from spear_pin.viz.template import asset, css, filled, script_json, viewer_parts
 
 MOST_BYTES = 2_000_000
 # frames per second; more frames than this never fit
@@ -110,26 +108,24 @@ def _first_rate(trajectory: TrajectoryLike) -> float:
 
 
 def _page(motion: Motion, scene: Scene, animation: str, title: str) -> str:
-    viewer = _meshcat_folder() / "viewer" / "dist"
     parts = {
         "title": html.escape(title),
-        "style": _asset("player.css"),
-        "licences": _comment(_licences(viewer)),
-        "library": (viewer / "main.min.js").read_text(encoding="utf-8"),
-        "data": _script_json(_data(motion, scene, animation, title)),
-        "script": _asset("player.js"),
+        "style": asset("player.css"),
+        "data": script_json(_data(motion, scene, animation, title)),
+        "script": asset("player.js"),
+        **viewer_parts(),
     }
-    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _asset("player.html"))
+    return filled("player.html", parts)
 
 
 def _data(motion: Motion, scene: Scene, animation: str, title: str) -> dict[str, Any]:
     force = (
         "ground force" + " on each foot" * scene.paired + f", peak {scene.peak_force:.0f} N" * (scene.peak_force > 0)
     )
-    legend = [[force, _css(ARROW_COLOR)]]
+    legend = [[force, css(ARROW_COLOR)]]
     if motion.springs:
-        legend.insert(0, ["spring engaged", _css(COIL_COLOR)])
-    legend.append(["toe path", _css(TRAIL_COLOR)])
+        legend.insert(0, ["spring engaged", css(COIL_COLOR)])
+    legend.append(["toe path", css(TRAIL_COLOR)])
     return {
         "title": title,
         "start": motion.start,
@@ -141,7 +137,7 @@ def _data(motion: Motion, scene: Scene, animation: str, title: str) -> dict[str,
         "notes": scene.notes,
         "aspect": scene.view.aspect,
         "distance": scene.view.distance,
-        "horizon": _css(HORIZON),
+        "horizon": css(HORIZON),
         "commands": [*map(_base64, scene.commands), animation],
     }
 
@@ -156,40 +152,6 @@ def in_words(name: str) -> str:
 
 def _base64(command: c.Command) -> str:
     return base64.b64encode(c.pack(command)).decode()
-
-
-def _css(color: tuple[float, float, float]) -> str:
-    return "#" + "".join(f"{round(255 * value):02x}" for value in color)
-
-
-def _script_json(data: dict[str, Any]) -> str:
-    # a title may hold the end of the script or of a comment
-    return json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
-
-
-def _asset(name: str) -> str:
-    return files("spear_pin.viz").joinpath(name).read_text(encoding="utf-8")
-
-
-def _meshcat_folder() -> Path:
-    # importing meshcat takes a second and warns; only its files are needed
-    spec = find_spec("meshcat")
-    if spec is None or not spec.submodule_search_locations:
-        raise ImportError("playback needs the package meshcat")
-    return Path(spec.submodule_search_locations[0])
-
-
-def _licences(viewer: Path) -> str:
-    paths = (
-        viewer.parent / "LICENSE",
-        viewer / "main.min.js.LICENSE.txt",
-        viewer / "main.min.js.THIRD_PARTY_LICENSES.json",
-    )
-    return "\n\n".join(path.read_text(encoding="utf-8") for path in paths if path.is_file())
-
-
-def _comment(text: str) -> str:
-    return text.replace("--", "- -").replace("<", "&lt;").replace(">", "&gt;")
 
 
 def _write(path: Path, text: bytes) -> None:

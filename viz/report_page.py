@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import html
-import json
 import re
 from collections.abc import Iterable
-from importlib.resources import files
 
 from spear_pin import __version__
 from spear_pin.studies.errata import ERRATA, Erratum
@@ -16,6 +14,7 @@ from spear_pin.viz.report import SVG, Report
 from spear_pin.viz.report_figures import NOTHING_TO_COMPUTE, PICTURES, Picture
 from spear_pin.viz.report_playbacks import shared
 from spear_pin.viz.report_text import markdown, number, numbers, text
+from spear_pin.viz.template import asset, filled, script_json
 
 TITLES = {
     2: "Two legs",
@@ -36,8 +35,8 @@ ENLARGED = 1.3  # figures on a screen beside those on paper
 def render(report: Report) -> str:
     """The text of the page."""
     parts = {
-        "style": _asset("report.css"),
-        "script": _asset("report.js"),
+        "style": asset("report.css"),
+        "script": asset("report.js"),
         "version": html.escape(__version__),
         "summary": _summary(report),
         "contents": _contents(report),
@@ -51,7 +50,7 @@ def render(report: Report) -> str:
         ),
         "data": _data(report),
     }
-    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _asset("report.html"))
+    return filled("report.html", parts)
 
 
 # the head of the page
@@ -291,9 +290,4 @@ def _errata(report: Report, group: str, errata: Iterable[Erratum]) -> str:
 def _data(report: Report) -> str:
     """The viewer once, and what stands about it in each playback's page."""
     viewer, sides = shared(report.pages.values())
-    data = {"viewer": viewer, "pages": dict(zip(report.pages, sides, strict=True))}
-    return json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
-
-
-def _asset(name: str) -> str:
-    return files("spear_pin.viz").joinpath(name).read_text(encoding="utf-8")
+    return script_json({"viewer": viewer, "pages": dict(zip(report.pages, sides, strict=True))})

@@ -6,15 +6,28 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from spear_pin.cli import bound, doctor, dynamics, hop, identify, push_test, robots, search, sweep
+from spear_pin.cli import (
+    bound,
+    doctor,
+    dynamics,
+    explore,
+    export,
+    hop,
+    identify,
+    push_test,
+    report,
+    robots,
+    search,
+    sweep,
+)
 from spear_pin.cli.arguments import Parser
 from spear_pin.cli.output import print_result
 from spear_pin.errors import SpearError
 
 # as the help lists them
 COMMANDS = (
-    *(robots.add, dynamics.add, hop.add, push_test.add, identify.add),
-    *(bound.add, search.add, sweep.add, doctor.add),
+    *(robots.add, dynamics.add, hop.add, explore.add, push_test.add, identify.add),
+    *(bound.add, search.add, sweep.add, report.add, export.add, doctor.add),
 )
 
 

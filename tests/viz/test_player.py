@@ -21,6 +21,7 @@ from spear_pin.viz import player
 from spear_pin.viz.marks import spring_path
 from spear_pin.viz.scene import joint_paths
 from spear_pin.viz.stage import WORLD
+from spear_pin.viz.template import viewer_parts
 from tests.viz import samples
 from tests.viz.recording import Recording, read
 
@@ -56,7 +57,7 @@ USER_URDF = """<?xml version="1.0"?>
 
 def test_page_fetches_nothing(hop_page: str) -> None:
     # the library names addresses in its texts; the security policy keeps it from using them
-    library = (player._meshcat_folder() / "viewer" / "dist" / "main.min.js").read_text(encoding="utf-8")
+    library = viewer_parts()["library"]
     own = re.sub(r"<!--.*?-->", "", hop_page.replace(library, ""), flags=re.DOTALL)
     assert "http:" not in own and "https:" not in own and "//" not in own.replace("// ", "").split("<body>")[0]
     assert set(re.findall(r"(?:src|href)\s*=\s*[\"']?([^\"'\s>]*)", own)) <= {"data:,"}

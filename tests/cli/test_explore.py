@@ -1,0 +1,63 @@
+"""`spear explore`: it says where its page is, serves it, and ends on request without a trace."""
+
+import json
+import signal
+import socket
+import subprocess
+import sys
+from http.client import HTTPConnection
+from pathlib import Path
+
+import pytest
+
+from tests.cli.calls import refused
+
+
+def children(pid):
+    """Numbers of a process's children."""
+    return [int(word) for path in Path(f"/proc/{pid}/task").glob("*/children") for word in path.read_text().split()]
+
+
+def start(*arguments):
+    """The command in a process of its own, and the line that it prints."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "spear_pin", "explore", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=Path(__file__).parents[2],
+    )
+    return process, process.stdout.readline()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT], ids=lambda number: number.name)
+def test_it_answers_and_ends_cleanly(number):
+    process, line = start("--json")
+    try:
+        told = json.loads(line)
+        connection = HTTPConnection("127.0.0.1", told["port"], timeout=60)
+        connection.request("GET", "/hop?friction=0.5")
+        response = connection.getresponse()
+        assert response.status == 200 and json.load(response)["knobs"]["friction"] == 0.5
+        assert told["url"] == f"http://127.0.0.1:{told['port']}/" and told["engine"] in ("Taylor", "reference")
+        assert children(process.pid) == []
+        process.send_signal(number)
+        assert process.communicate(timeout=30) == ("", "")
+        assert process.returncode == 0
+        with pytest.raises(ConnectionRefusedError):
+            socket.create_connection(("127.0.0.1", told["port"]), timeout=5)
+    finally:
+        process.kill()
+        process.wait()
+
+
+@pytest.mark.parametrize("port", ["-1", "65536"])
+def test_a_port_that_does_not_exist_is_refused(capsys, port):
+    assert "--port" in refused(capsys, "explore", "--port", port)
+
+
+@pytest.mark.slow
+def test_a_port_that_is_taken_is_refused(capsys):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        assert "one that is free" in refused(capsys, "explore", "--port", taken.getsockname()[1])

@@ -1,0 +1,48 @@
+"""What pages that hold everything themselves are filled with: files of this package, meshcat's viewer, data."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from importlib.resources import files
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+
+def filled(template: str, parts: Mapping[str, str]) -> str:
+    """A template of this package with its {{parts}}."""
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], asset(template))
+
+
+def asset(name: str) -> str:
+    """Text of a file of this package."""
+    return files("spear_pin.viz").joinpath(name).read_text(encoding="utf-8")
+
+
+def viewer_parts() -> dict[str, str]:
+    """Meshcat's viewer as the parts "library" and "licences"."""
+    # importing meshcat takes a second and warns; only its files are needed
+    spec = find_spec("meshcat")
+    if spec is None or not spec.submodule_search_locations:
+        raise ImportError("playback needs the package meshcat")
+    folder = Path(spec.submodule_search_locations[0]) / "viewer"
+    built = folder / "dist"
+    papers = folder / "LICENSE", built / "main.min.js.LICENSE.txt", built / "main.min.js.THIRD_PARTY_LICENSES.json"
+    licences = "\n\n".join(path.read_text(encoding="utf-8") for path in papers if path.is_file())
+    return {"library": (built / "main.min.js").read_text(encoding="utf-8"), "licences": _comment(licences)}
+
+
+def script_json(data: Mapping[str, Any]) -> str:
+    """Data as JSON that may stand in a script: a title may hold the end of one, or of a comment."""
+    return json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
+
+
+def css(color: tuple[float, float, float]) -> str:
+    """A colour, each part from 0 to 1, as CSS has it."""
+    return "#" + "".join(f"{round(255 * value):02x}" for value in color)
+
+
+def _comment(text: str) -> str:
+    return text.replace("--", "- -").replace("<", "&lt;").replace(">", "&gt;")
