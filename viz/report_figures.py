@@ -45,6 +45,7 @@ PICTURES: dict[int, tuple[Picture, ...]] = {
             "Torque of the switchable spring with the key engaged and disengaged. K₂ is taken as 1 % of K₁.",
             "A schematic of the mechanism, with the stiffness of the joint switched by the key.",
             source_plots.switched_spring,
+            ("soft-spring",),
         ),
         Picture(
             "fig-2.4",
@@ -57,7 +58,7 @@ PICTURES: dict[int, tuple[Picture, ...]] = {
         Picture(
             "fig-2.9",
             "Fig. 2.9",
-            "Thigh and its centre of mass about the hip axis, to scale.",
+            "Thigh and its centre of mass about the hip axis; 318 mm are SPEAR-II's, SPEAR-I's length is not printed.",
             "The thigh's centre of mass before and after moving the knee motor.",
             source_plots.balance,
         ),
@@ -187,7 +188,7 @@ PICTURES: dict[int, tuple[Picture, ...]] = {
         Picture(
             "fig-5.5",
             "Fig. 5.5",
-            "Torque of one knee motor with a spring of 56 N·m/rad a leg, and without.",
+            "Bound of this package: torque of one knee motor with a spring of 56 N·m/rad a leg, and without.",
             "The same for the source's gait, front (a) and back (b).",
             drawings.compliance,
             BOUND,
@@ -195,7 +196,7 @@ PICTURES: dict[int, tuple[Picture, ...]] = {
         Picture(
             "fig-5.6",
             "Fig. 5.6",
-            "Torque of one knee motor in stance for springs from 0 to 400 N·m/rad, the motion unchanged.",
+            "The same bound: torque of one knee motor in stance for springs from 0 to 400 N·m/rad.",
             "Knee torques with 0, 56, 200, 300 and 400 N·m/rad; that of 200 is flat.",
             drawings.stiffness,
             BOUND,
@@ -203,7 +204,7 @@ PICTURES: dict[int, tuple[Picture, ...]] = {
         Picture(
             "fig-5.7",
             "Fig. 5.7",
-            "Torque of one hip motor, front and back, and its root mean square.",
+            "The same bound: torque of one hip motor, front and back, and its root mean square.",
             "Hip torques, front and back, beyond the present drive.",
             drawings.hips,
             BOUND,
@@ -211,7 +212,7 @@ PICTURES: dict[int, tuple[Picture, ...]] = {
         Picture(
             "fig-5.8",
             "Fig. 5.8",
-            "Torque and speed of the knee motors against drives of 100, 260 and 600 W.",
+            "The same bound: torque and speed of the knee motors against drives of 100, 260 and 600 W.",
             "Points of the knees with the limits of 260 W and 600 W, those of continuous duty dashed.",
             drawings.torque_speed,
             (*BOUND, "prospective-motors", "knee-motor", "supply"),

@@ -82,7 +82,7 @@ def design_metrics() -> Figure:
 
 
 def balance() -> Figure:
-    """Thigh and its centre of mass about the hip, of both robots, as in Fig. 2.9, drawn to scale."""
+    """Thigh and its centre of mass about the hip, of both robots, as in Fig. 2.9; both drawn with SPEAR-II's length."""
     length = 0.318
     with style():
         figure = Figure(figsize=(3.4, 2.6), layout="constrained")

@@ -178,8 +178,9 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             "Moving average",
-            "The data are smoothed over 100 samples, the model is not. A centred average raises b by 9 % and "
-            "leaves k; a causal one lowers k by 22 % and raises b by 12 %. Here both are smoothed.",
+            "The data are smoothed over 100 samples; that the model is, too, is not said. If it is not, a centred "
+            "average raises b by 9 % and leaves k, and a causal one lowers k by 22 % and raises b by 12 %, in "
+            "synthetic records. Here both are smoothed.",
         ),
         Erratum(
             "Belt (4.5)-(4.7)",
@@ -205,7 +206,7 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             "Shorted phases",
-            "They would brake the knee by 2.1 to 2.7 N·m·s/rad; b rises by 0.26 with the motor, so its "
+            "With the 1.1 Ω assumed they would brake the knee by 2.7 N·m·s/rad; b rises by 0.26 with the motor, so its "
             "circuit was open, as the source concludes.",
             ("open-circuit",),
         ),
@@ -221,11 +222,11 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             "Output linearisation",
-            "In (5.11) the input is u^sw; the last term of (5.15) and (5.20) is L²_f h, not L_g L_f h again; "
+            "The last term of (5.15) and (5.20) is L²_f h, not L_g L_f h again; "
             "the outputs meant below (5.10) are (5.9), whose H has the index of its phase; the lead-in of "
             "(5.22) has to say that x⁺ is *not* in Z. In (5.10) γ^td is the value at touchdown and Δ is "
-            "negative, for the leg sweeps back. The roles of u^su and u^sw are exchanged in the sentence "
-            "under (5.3).",
+            "negative, for the leg sweeps back. In the sentence under (5.3) g^sw and g^su are exchanged, and "
+            "the state (q_s′, q̇_s′)′ is x_s, without a dot.",
             ("output-linearisation",),
         ),
         Erratum(
@@ -233,7 +234,8 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "The total of 43.76 kg in Table 5.1 is 35 kg with four legs, so that a leg of the sagittal model "
             "is a pair, with twice the mass, inertia, spring and torque. Fig. 5.6, where the motor's curve is "
             "flat at k_rot = 200 N·m/rad, then says that k_p = k_a is 200 N·m/rad a motor, 400 a pair. At 300 "
-            "and 400 the spring does more than the law asks for, and the motor's torque is reversed.",
+            "and 400 the spring does more than the law asks for, and the motor has to take off the excess: where "
+            "ū is small, its torque is reversed.",
             (
                 "total-mass",
                 "flat-at-200",
@@ -244,8 +246,11 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "120:1 at the hip",
             "Doubling the ratio reflects four times 0.047 = 0.188 kg·m². The straight leg's inertia about the "
             "hip is 0.014 + 1.72 · 0.008² + 0.005 + 0.47 · 0.462² = 0.119 kg·m²: the rotor outweighs the leg "
-            'it moves, which is not "not as much a concern". That the hip\'s effort is "relatively small" and '
-            'that its motor "would not be able to provide the peak torques" do not go together either.',
+            'it moves, 1.6 to 1. That this is "not as much a concern" as at the knee depends on the measure: there '
+            "0.027 kg·m² move a shank of 0.015 about the knee, 1.8 to 1, but in kg·m² the hip's is seven times as "
+            "much. "
+            'That the hip\'s effort is "relatively small" and that its motor "would not be able to provide the peak '
+            'torques" do not go together.',
             (
                 "hip-inertia-no-concern",
                 "hip-effort-small",

@@ -195,9 +195,10 @@ def bounding_knee_stiffness() -> tuple[float, float]:
 
 
 def damping_gain(knee_damping: float = 1.3) -> float:
-    """Largest damping ratio of a mode in flight with damping at the knee over the largest without."""
-    ratios = [max(-poles.real / np.abs(poles)) for poles in (flight_poles(knee_damping=knee_damping), flight_poles())]
-    return float(ratios[0] / ratios[1])
+    """Damping ratio of the knee's mode in flight, the faster one, with damping at the knee over that without."""
+    fastest = [flight_poles(knee_damping=damping)[-1] for damping in (knee_damping, 0.0)]
+    ratios = [float(-pole.real / abs(pole)) for pole in fastest]
+    return ratios[0] / ratios[1]
 
 
 def decoupling_columns() -> float:

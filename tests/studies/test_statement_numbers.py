@@ -23,8 +23,7 @@ class TestBound:
 
     def test_flat_at_the_virtual_stiffness_and_reversed_beyond(self):
         assert max(bound.spread_in_stance(200.0)) < 1e-9 < min(bound.spread_in_stance(56.0))
-        assert bound.reversed_torque(400.0)[0] == pytest.approx(-45.5, abs=0.05)
-        assert min(bound.reversed_torque(56.0)) > 0.0
+        assert bound.peaks_by_stiffness(0, (300.0, 400.0)) == pytest.approx((15.2, 45.5), abs=0.1)
 
     def test_hips(self):
         assert bound.hip_time_outside(60.0) == pytest.approx(0.16, abs=5e-3)

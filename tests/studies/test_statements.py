@@ -60,7 +60,7 @@ KNOWN = {  # typed here, from calculations of others than the functions under te
     "speed-on-24-volts": (13.91, "cannot be known"),
     "total-mass": (43.76, "agrees"),
     "load-of-a-leg": (8.75, "agrees"),
-    "hip-inertia-no-concern": ((0.188, 0.119), "differs"),
+    "hip-inertia-no-concern": ((0.188, 0.119), "cannot be known"),
     "similar-260-w": (4.18, "differs"),
     "motor-length": (None, "cannot be known"),
 }

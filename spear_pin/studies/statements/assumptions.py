@@ -21,6 +21,7 @@ class Assumption:
 
 
 ASSUMPTIONS = (
+    Assumption("soft-spring", "Stiffness K₂ of the soft spring of Fig. 2.1", "1 % of K₁; the source has K₂ ≪ K₁"),
     Assumption("touchdown", "Touchdown angles of the hop", "commanded knee 1.0 rad, hip half of it"),
     Assumption(
         "stance-torque",
@@ -32,16 +33,20 @@ ASSUMPTIONS = (
     Assumption(
         "knee-motor",
         "Resistance, inductance and continuous torque of the knee motor",
-        "those of an EC 60 flat in its 48 V winding, mostly from memory; the source gives K_v, power and gear ratio",
+        "those of an EC 60 flat in its 48 V winding, mostly from memory, behind gears of an efficiency of 0.83; the "
+        "source gives type, K_v, power and gear ratio",
     ),
     Assumption(
         "hip-motor",
         "Type of the hip motor",
-        "Faulhaber 3863 H 024 CR, whose rotor fits the reflected inertia; gears without loss where its limits are "
-        "asked",
+        "Faulhaber 3863 H 024 CR, whose rotor fits the reflected inertia; gears of an efficiency of 0.75 in the hop, "
+        "without loss where its limits are asked; the source gives the maker",
     ),
     Assumption(
-        "supply", "Battery and bridge", "24 V without resistance, diodes of 0.7 V; current limits of 8 and 10 A"
+        "supply",
+        "Battery and bridge",
+        "SPEAR-II's 24 V without resistance, for the quadruped's hips and its 100 W motors, too; diodes of 0.7 V; "
+        "current limits of 8 and 10 A",
     ),
     Assumption(
         "disturbances",

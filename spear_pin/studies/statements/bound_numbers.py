@@ -14,7 +14,6 @@ from spear_pin.studies.design import Points, against
 from spear_pin.studies.reference import bound, hip_drive, hips, knee_drive, knees
 
 OWN_SPRING = 56.0  # N·m/rad, Table 5.1
-PUSH = 1.0  # N·m: what a reversed motor gives at least
 
 
 def speed() -> float:
@@ -64,14 +63,6 @@ def spread_in_stance(stiffness: float) -> tuple[float, float]:
     """From the least to the largest torque of a knee motor in stance, in N·m."""
     given = knees()[stiffness]
     posterior, anterior = (float(np.ptp(given.torque[given.bears[:, leg], leg])) for leg in (0, 1))
-    return posterior, anterior
-
-
-def reversed_torque(stiffness: float) -> tuple[float, float]:
-    """Least torque of a knee motor in stance, counted in the direction of its extension, in N·m; < 0 is reversed."""
-    given = knees()[stiffness]
-    extension = np.sign(knees()[0.0].torque)  # without a spring the motors extend
-    posterior, anterior = (float((given.torque * extension)[given.bears[:, leg], leg].min()) for leg in (0, 1))
     return posterior, anterior
 
 

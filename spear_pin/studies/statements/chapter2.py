@@ -30,6 +30,7 @@ STATEMENTS = (
         partial(off_stiffness, 0.01),
         criterion=near(1.0, 0.02),
         remark="K₁ and K₂ are not printed; the softer S₂, the nearer it comes to 1.",
+        assumes=("soft-spring",),
         exhibit="fig-2.1",
     ),
     Statement(
@@ -179,13 +180,13 @@ STATEMENTS = (
         "kg·m²",
         SPEAR_II.shank_inertia,
         near(SPEAR_II.shank_inertia, 0.0005),
-        remark="Table 5.1's 0.005 about the centre of mass and m d² give it: both tables are right, about two axes.",
+        remark="Table 5.1's 0.005 about the centre of mass and m d² give it: both tables can be right, about two axes.",
         exhibit="table-2.4",
     ),
     Statement(
         "shank-inertia-about-com",
         "Tables 2.4 and 3.1",
-        "The shank has 0.014 kg·m² about its centre of mass, where Table 3.1 has J₂.",
+        "Read as Table 3.1's J₂, the shank's 0.014 kg·m² is about its centre of mass.",
         "the URDF's, about the centre of mass",
         shank_about_com,
         "kg·m²",

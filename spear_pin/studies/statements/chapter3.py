@@ -43,7 +43,6 @@ STATEMENTS = (
         "coupling N J that this leaves out, and the coupling of hip and knee in D",
         printed_model.stator_coupling,
         "kg·m²",
-        criterion=equal(0.01),
         unknown="The knee motor turns with the thigh; which way its rotor turns is not printed, so the term's sign "
         "is not known.",
         remark="Left out here as in the source.",
@@ -107,7 +106,8 @@ STATEMENTS = (
         "rank of B: inputs that are independent",
         printed_model.independent_inputs,
         criterion=near(1.0, 0.0),
-        remark="u has a row for each joint; the knee's torque, spring and damper act on θ₂ only.",
+        remark="Read as scalars, as they are named. u has a row for each joint; the knee's torque, spring and damper "
+        "act on θ₂ only.",
     ),
     Statement(
         "spring-sign",
@@ -128,5 +128,6 @@ STATEMENTS = (
         printed_model.damping_gain,
         criterion=near(1.0, 0.1),
         remark="The belt and gears do not know whether the foot is on the ground. Neglected here as in the source.",
+        assumes=("touchdown",),
     ),
 )

@@ -53,8 +53,8 @@ LABELS = {
     "leg_mass": ("Leg, mass", "kg"),
     "thigh_mass": ("Thigh, mass", "kg"),
     "shank_mass": ("Shank, mass", "kg"),
-    "thigh_inertia": ("Thigh, inertia about the hip", "kg·m²"),
-    "shank_inertia": ("Shank, inertia about the knee", "kg·m²"),
+    "thigh_inertia": ("Thigh, inertia, taken about the hip", "kg·m²"),
+    "shank_inertia": ("Shank, inertia, taken about the knee", "kg·m²"),
     "hip_inertia": ("Hip motor, inertia at the joint", "kg·m²"),
     "knee_inertia": ("Knee motor, inertia at the joint", "kg·m²"),
     "thigh_com": ("Thigh, centre of mass from the hip", "m"),
@@ -71,8 +71,8 @@ LABELS = {
     "speed": ("Speed", "m/s"),
 }
 LINK_ONLY = {
-    "thigh_inertia": ("Thigh, inertia about its centre of mass", "kg·m²"),
-    "shank_inertia": ("Shank, inertia about its centre of mass", "kg·m²"),
+    "thigh_inertia": ("Thigh, inertia, taken about its centre of mass", "kg·m²"),
+    "shank_inertia": ("Shank, inertia, taken about its centre of mass", "kg·m²"),
 }
 
 
