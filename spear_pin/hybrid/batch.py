@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from threading import Lock
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,11 +13,13 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.lanes.journey import Lanes
-from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.lanes.numbers import OTHERS
+from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.record import Options
 
 Array = NDArray[np.float64]
 CHUNK = 4096  # lanes at a time, which bounds memory
+LOCK = Lock()  # a compiled integrator has one state, whichever thread asks
 
 
 @dataclass(frozen=True)
@@ -70,8 +73,8 @@ def simulate_many(
 
     Raises:
         MissingExtra: heyoka is not installed.
-        BadValue: shapes do not fit, a number is not finite, or the system has what the engine cannot compile:
-            hardware, or dry friction of joints.
+        BadValue: shapes do not fit, a number is not finite, lanes cannot differ in it (a spring's fixed rest angle),
+            or the system has what the engine cannot compile: hardware, or dry friction of joints.
         UnknownName: no part has a numeric field of a name in `parameters`.
     """
     q, v = np.array(q, dtype=float), np.array(v, dtype=float)
@@ -83,7 +86,8 @@ def simulate_many(
         chunk = slice(first, first + CHUNK)
         own = {name: values[chunk] for name, values in given.items()}
         lanes = Lanes(system, q[chunk], v[chunk], cycles, options, own, observe)
-        lanes.go()
+        with LOCK:
+            lanes.go()
         parts.append(_result(lanes))
         on_lanes(len(q[chunk]))
     return _joined(parts)
@@ -102,7 +106,11 @@ def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array],
         raise BadValue("system", system.kind, "one without hardware and without dry friction of joints")
     if robot.added is not None:
         raise BadValue("robot", robot, "one on its slider")
+    free = {field.name for field in fields(system.law)} | set(OTHERS)
     for name, values in given.items():
+        parameter(system, name)  # it says what there is
+        if name not in free:
+            raise BadValue("parameters", name, "fields of the law, stiffness, damping or friction")
         if values.shape != (len(q),) or not np.isfinite(values).all():
             raise BadValue(f"parameters[{name!r}]", values, f"{len(q)} finite numbers")
         for value in {values.min(initial=np.inf), values.max(initial=-np.inf)} if len(q) else ():

@@ -1,5 +1,6 @@
 """Many lanes at once by the Taylor engine, each against the reference engine."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping, vary
 from spear_pin.errors import BadValue, MissingExtra, UnknownName
 from spear_pin.hybrid import batch
+from spear_pin.hybrid.automaton import Guard
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.engines import taylor
@@ -198,6 +200,101 @@ class TestLanes:
         alone = simulate_many(hop.system, q, v, 2, parameters=given)
         monkeypatch.setattr(journey, "FEW", 0)
         assert_same(alone, simulate_many(hop.system, q, v, 2, parameters=given))
+
+    def test_strides_one_by_one(self, monkeypatch):
+        gait = Gait.load("force_lift_off")
+        q, v = around(gait, 2e-4, 4)
+        laps, lap = [], Track.lap
+        monkeypatch.setattr(Track, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
+        alone = simulate_many(gait.system, q, v, 2)
+        assert len(laps) == 8 and None not in laps
+        monkeypatch.setattr(journey, "FEW", 0)
+        assert_same(alone, simulate_many(gait.system, q, v, 2), 1e-8)
+
+    def test_lanes_that_are_refused_are_left(self, robot, hop, monkeypatch):
+        """With the limit on flexion active at touchdown no cycle is clear at a glance."""
+        law = replace(hop.system.law, minimum_force=12.0)
+        system = hopping(robot, law, Spring(), Contact())
+        laps, lap = [], Track.lap
+        monkeypatch.setattr(Track, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
+        found = simulate_many(system, *(part[None] for part in hop.state), 6)
+        assert laps == [None] * journey.PATIENCE and found.cycles[0] == 6
+
+    @pytest.mark.parametrize("few", [0, 12])
+    def test_events_at_the_same_instant(self, hop, few, monkeypatch):
+        """One that is only observed does not hide the one that it falls together with."""
+        monkeypatch.setattr(journey, "FEW", few)
+
+        def tied(domain):
+            slips = [
+                replace(guard, name="about_to_slip", reset=None) for guard in domain.guards if guard.name == "slip"
+            ]
+            return replace(domain, guards=(*slips, *domain.guards))
+
+        system = replace(hop.system, domains=tuple(map(tied, hop.system.domains)))
+        q, v = around(hop, 0.05, 12, seed=3)
+        found = simulate_many(system, q, v, observe=True)
+        np.testing.assert_allclose(found.v, simulate_many(hop.system, q, v).v, rtol=0, atol=1e-8)
+
+    @pytest.mark.parametrize("few", [0, 12])
+    def test_beyond_a_guard(self, hop, few, monkeypatch):
+        """A guard that is negative on entering is an event even if it rises."""
+        monkeypatch.setattr(journey, "FEW", few)
+        late = Guard("late", lambda t, q, v, held, p, dyn, ops: t - 5e-7, ends="overload")
+        domains = [replace(each, guards=(late, *each.guards[each.phase != "flight" :])) for each in hop.system.domains]
+        system = replace(hop.system, domains=tuple(domains))
+        assert run(system, hop.state, 1, Options()).reason == "overload"
+        assert simulate_many(system, *(part[None] for part in hop.state)).reason[0] == "overload"
+
+    @pytest.mark.parametrize("few", [0, 12])
+    def test_a_latch_that_divides_by_zero(self, hop, few, monkeypatch):
+        monkeypatch.setattr(journey, "FEW", few)
+
+        def divides(domain):
+            def latch(q, v, held, p):
+                return {"nothing": 1.0 / (held.get("taut", 0.0) - 1.0)}
+
+            guards = [
+                replace(each, reset=replace(each.reset, latch=latch)) if each.name == "lift_off" else each
+                for each in domain.guards
+            ]
+            return replace(domain, guards=tuple(guards))
+
+        system = replace(hop.system, domains=tuple(map(divides, hop.system.domains)))
+        found = simulate_many(system, *(part[None] for part in hop.state))
+        assert found.reason[0] == run(system, hop.state, 1, Options()).reason == "not_finite"
+
+    @pytest.mark.parametrize("few", [0, 12])
+    def test_schedules_and_latches_are_each_systems_own(self, hop, few, monkeypatch):
+        """Compiled code is shared by systems that differ in what their events do."""
+        monkeypatch.setattr(journey, "FEW", few)
+        simulate_many(hop.system, *(part[None] for part in hop.state))
+
+        def later(domain):
+            if domain.switch is None:
+                return domain
+            return replace(domain, switch=replace(domain.switch, time=lambda n, p: 0.52 * n / p.frequency))
+
+        system = replace(hop.system, domains=tuple(map(later, hop.system.domains)))
+        q, v = around(hop, 0.01, 3)
+        assert_agree(system, q, v, simulate_many(system, q, v))
+
+    def test_threads(self, hop):
+        """Integrators are shared, and used by one thread at a time."""
+        q, v = around(hop, 0.02, 3)
+        expected = simulate_many(hop.system, q, v, 5)
+        with ThreadPoolExecutor(4) as pool:
+            for found in pool.map(lambda _: simulate_many(hop.system, q, v, 5), range(24)):
+                np.testing.assert_array_equal(found.v, expected.v)
+
+    @pytest.mark.parametrize(
+        ("name", "said"),
+        [("rest", "lanes|fields of the law"), ("hip_touchdown", "set it first"), ("unilateral", "unknown")],
+    )
+    def test_refuses_what_lanes_cannot_differ_in(self, robot, hop, name, said):
+        system = hopping(robot, hop.system.law, Spring(rest=1.0))
+        with pytest.raises((BadValue, UnknownName), match=said):
+            simulate_many(system, *(part[None] for part in hop.state), parameters={name: [1.0]})
 
     def test_observed(self, hop):
         """The state at the apex, of lanes that the reference engine repeats too."""

@@ -161,7 +161,8 @@ def _functions(domain: Domain) -> Any:
     if between is not None:
         functions += [reset.latch for reset in (between.leave, between.touch, *between.follow) if reset.latch]
         others = between.grounded.name, between.airborne.name
-    return domain.name, others, tuple(map(_identity, functions))
+    watched = tuple(guard.observes for guard in domain.guards)
+    return domain.name, others, watched, tuple(map(_identity, functions))
 
 
 def _identity(function: Any) -> Any:

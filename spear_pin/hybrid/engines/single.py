@@ -13,12 +13,12 @@ from spear_pin.hybrid.automaton import STICK
 from spear_pin.hybrid.contact import RESTING, routh
 from spear_pin.hybrid.engines.elimination import dot, factorize, substitute
 from spear_pin.hybrid.engines.layout import Structure, symbols
-from spear_pin.hybrid.engines.taylor import BENT, FAILED, MOST, STEPS, TIME_LIMIT, Compiled, require
+from spear_pin.hybrid.engines.taylor import BENT, FAILED, MOST, STEPS, TIME_LIMIT, Ready, require
 from spear_pin.hybrid.modes import STARTS_TO_SLIDE
 from spear_pin.hybrid.phases import AT_REST, SIGN, UNLOADED
 
 Array = NDArray[np.float64]
-AHEAD = 1e-5  # s: one step of third order, which takes a toe that leaves by its jerk off the ground
+AHEAD = 1e-6  # s: a step of third order, whose error is below rounding, takes guards off zero
 
 
 class Look(NamedTuple):
@@ -31,6 +31,7 @@ class Look(NamedTuple):
         guards: their values.
         fits: whether the domain does.
         waiting: indices of guards on zero, or beyond, that are more than observed.
+        lost: whether one of them is beyond.
         bent: whether something is on a kink.
         clear: whether every guard that is more than observed is positive, and nothing at a kink.
     """
@@ -41,6 +42,7 @@ class Look(NamedTuple):
     guards: list[float]
     fits: bool
     waiting: list[int]
+    lost: bool
     bent: bool
     clear: bool
 
@@ -52,20 +54,15 @@ class Single:
         ready: the domain, compiled.
     """
 
-    def __init__(self, ready: Compiled) -> None:
-        hy = require()
-        self.domain = ready.domain
-        self._meaning: list[int] = ready.meaning.tolist()
-        events = [hy.t_event(value, direction=direction) for value, direction in ready.events]
-        self._n = len(ready.motion)
-        start = np.full(self._n, 0.1)  # a finite state
-        self._integrator = hy.taylor_adaptive(ready.motion, start, t_events=events, **ready.settings)
+    def __init__(self, ready: Ready) -> None:
+        self.domain, code = ready.domain, ready.compiled
+        self._meaning: list[int] = code.meaning.tolist()
+        self._n, self._integrator, self._function = 2 * code.nv, code.alone, code.function
         self._state, self._parameters = self._integrator.state, self._integrator.pars  # views
-        self._function = ready.function
-        self._counts = len(self.domain.guards), ready.kinks
-        self._closed = [mode for _, mode in ready.closed]
-        self._pars, self._timed = ready.function.nparams, ready.function.is_time_dependent
-        self._limit = int(hy.taylor_outcome.time_limit)
+        self._counts = code.guards, code.kinks
+        self._closed = [mode for _, mode in code.closed]
+        self._pars, self._timed = code.function.nparams, code.function.is_time_dependent
+        self._limit = int(require().taylor_outcome.time_limit)
         self._happening = [(i, guard.tolerance) for i, guard in enumerate(self.domain.guards) if not guard.observes]
 
     def look(self, t: float, y: Array, parameters: Array, friction: float) -> Look:
@@ -80,6 +77,7 @@ class Single:
             rest[:guards],
             all(map(math.isfinite, values.tolist())) and self._fits(toes, friction),
             [i for i, tolerance in self._happening if rest[i] <= tolerance],
+            any(rest[i] < -tolerance for i, tolerance in self._happening),
             any(abs(kink) <= BENT for kink in kinks),
             all(rest[i] > 0.0 for i, _ in self._happening) and all(kinks),
         )
@@ -116,35 +114,17 @@ class Single:
                 return False
         return True
 
-    def begin(self, t: float, y: Array, parameters: Array) -> None:
-        """Set time, state and parameters."""
+    def run(self, t: float, y: Array, until: float, parameters: Array) -> tuple[float, Array, int]:
+        """Integrate up to the first event, or a time, as `Compiled.run`."""
         self._integrator.time = t
         self._state[:] = y
         self._parameters[:] = parameters[: len(self._parameters)]
         self._integrator.reset_cooldowns()
-
-    def go(self, until: float) -> int:
-        """Integrate up to the first event, or a time; the guard's index, or `TIME_LIMIT`, `KINK` or `FAILED`.
-
-        A second call goes on behind an event.
-        """
         outcome = int(self._integrator.propagate_until(until, max_steps=STEPS)[0])
-        if outcome == self._limit:
-            return TIME_LIMIT
+        end = TIME_LIMIT if outcome == self._limit else FAILED
         if -len(self._meaning) <= outcome < 0:
-            return self._meaning[-outcome - 1]
-        return FAILED
-
-    @property
-    def reached(self) -> tuple[float, Array]:
-        """Time and state."""
-        return float(self._integrator.time), self._state.copy()
-
-
-@lru_cache(MOST)
-def single(ready: Compiled) -> Single:
-    """A compiled domain for one lane, made once."""
-    return Single(ready)
+            end = self._meaning[-outcome - 1]
+        return float(self._integrator.time), self._state.copy(), end
 
 
 class Impact:

@@ -77,7 +77,7 @@ class Point:
 
 
 class Compiled:
-    """A domain with held values of one shape, ready to run.
+    """Motion and guards of a domain with held values of one shape; what its events do is left to `Ready`.
 
     Args:
         system: the system; of its law, springs and ground the structure counts, not the numbers.
@@ -89,7 +89,7 @@ class Compiled:
 
     def __init__(self, system: HybridSystem, domain: Domain, held: Values, tol: float, observing: bool = False) -> None:
         hy = require()
-        self.domain, self.nv = domain, system.robot.nv
+        self.nv, self.guards = system.robot.nv, len(domain.guards)
         self.closed = [
             (toe, mode) for toe, mode in zip(system.robot.toes, domain.contacts, strict=True) if mode != OPEN
         ]
@@ -113,20 +113,26 @@ class Compiled:
             outputs.append(_expression(1.0 if mode == STICK else motion.pivot(toe)))
         self.function = hy.cfunc([_expression(output) for output in outputs], state)
         watched = [i for i, guard in enumerate(domain.guards) if observing or not guard.observes]
-        self.motion = list(zip(state, slopes, strict=True))
+        self._motion = list(zip(state, slopes, strict=True))
         falling, either = hy.event_direction.negative, hy.event_direction.any
         # a polynomial does not bend
-        self.events = [*((guards[i], falling) for i in watched), *((kink, either) for kink in kinks)]
+        self._events = [*((guards[i], falling) for i in watched), *((kink, either) for kink in kinks)]
         self.meaning = np.array([*watched, *[KINK] * len(kinks)], dtype=np.int64)  # of its events
-        self.settings = {"tol": tol, "compact_mode": self.nv > UNROLLED}
+        self._settings = {"tol": tol, "compact_mode": self.nv > UNROLLED}
         self.width = width()
         self._somewhere = np.full((2 * self.nv, 1), 0.1)  # a finite state
 
     @cached_property
     def _integrator(self) -> Any:
-        events = [require().t_event_batch(value, direction=direction) for value, direction in self.events]
+        events = [require().t_event_batch(value, direction=direction) for value, direction in self._events]
         start = np.repeat(self._somewhere, self.width, axis=1)
-        return require().taylor_adaptive_batch(self.motion, start, t_events=events, **self.settings)
+        return require().taylor_adaptive_batch(self._motion, start, t_events=events, **self._settings)
+
+    @cached_property
+    def alone(self) -> Any:
+        """The integrator of one lane."""
+        events = [require().t_event(value, direction=direction) for value, direction in self._events]
+        return require().taylor_adaptive(self._motion, self._somewhere[:, 0], t_events=events, **self._settings)
 
     def at(self, t: Array, y: Array, parameters: Array) -> Point:
         """Evaluate at states y, (2 nv, n), and times t, (n,), with parameters (p, n)."""
@@ -137,7 +143,7 @@ class Compiled:
         if function.is_time_dependent:
             given["time"] = np.ascontiguousarray(t)
         values = function(np.ascontiguousarray(y), **given)
-        counts = 2 * self.nv, len(self.domain.guards), self.kinks
+        counts = 2 * self.nv, self.guards, self.kinks
         slopes, guards, kinks, toes = np.split(values, np.cumsum(counts))
         toes = toes.reshape(len(self.closed), 5, n)
         return Point(slopes, guards, kinks, toes[:, 0], toes[:, 1:3], toes[:, 3], toes[:, 4])
@@ -191,6 +197,32 @@ class Compiled:
             ready = codes != _SUCCESS
             integrator.state[:, ready] = self._somewhere
             until = np.where(ready, integrator.time, until)
+
+
+@dataclass(frozen=True, eq=False)
+class Ready:
+    """A domain of a system, and what is compiled of it, which other systems may share.
+
+    Attributes:
+        domain: the domain, whose events are this system's own.
+        compiled: its motion and guards.
+    """
+
+    domain: Domain
+    compiled: Compiled
+
+    @property
+    def closed(self) -> list[tuple[str, str]]:
+        """Toes on the ground, with their modes."""
+        return self.compiled.closed
+
+    def at(self, t: Array, y: Array, parameters: Array) -> Point:
+        """As `Compiled.at`."""
+        return self.compiled.at(t, y, parameters)
+
+    def run(self, t: Array, y: Array, until: Array, parameters: Array) -> tuple[Array, Array, NDArray[np.int64]]:
+        """As `Compiled.run`."""
+        return self.compiled.run(t, y, until, parameters)
 
 
 @lru_cache(MOST)

@@ -7,8 +7,8 @@ from typing import Any
 
 from spear_pin.hybrid.automaton import Domain, HybridSystem
 from spear_pin.hybrid.engines import layout, taylor
-from spear_pin.hybrid.engines.single import Impact, Single, impact, single
-from spear_pin.hybrid.engines.taylor import Compiled
+from spear_pin.hybrid.engines.single import Impact, Single, impact
+from spear_pin.hybrid.engines.taylor import Ready
 from spear_pin.hybrid.lanes.groups import Held
 from spear_pin.model.planar import Planar
 
@@ -28,12 +28,12 @@ class Compilation:
         self.system, self.planar = system, Planar(system.robot)
         self.robot = layout.robot_numbers(system, self.planar)
         self._tol, self._observing = tol, observing
-        # domains are kept with what was made of them, so that their identities stay their own
-        self._domains: dict[Any, tuple[Domain, Compiled]] = {}
-        self._singles: dict[Any, tuple[Domain, Single]] = {}
+        # with what was made of them domains are kept, so that their identities stay their own
+        self._domains: dict[Any, Ready] = {}
+        self._singles: dict[Any, Single] = {}
         self._impacts: dict[str, Impact] = {}
 
-    def domain(self, domain: Domain, held: Held) -> Compiled:
+    def domain(self, domain: Domain, held: Held) -> Ready:
         """A domain, compiled for what is held.
 
         Raises:
@@ -42,15 +42,15 @@ class Compilation:
         key = id(domain), layout.shape_of(held)
         if key not in self._domains:
             structure = layout.Structure(self.system, domain, held, self.planar)
-            self._domains[key] = domain, taylor.compiled(structure, self._tol, self._observing)
-        return self._domains[key][1]
+            self._domains[key] = Ready(domain, taylor.compiled(structure, self._tol, self._observing))
+        return self._domains[key]
 
     def single(self, domain: Domain, held: Held) -> Single:
         """The same for one lane."""
         key = id(domain), layout.shape_of(held)
         if key not in self._singles:
-            self._singles[key] = domain, single(self.domain(domain, held))
-        return self._singles[key][1]
+            self._singles[key] = Single(self.domain(domain, held))
+        return self._singles[key]
 
     def impact(self, toe: str) -> Impact:
         """A toe's impact."""

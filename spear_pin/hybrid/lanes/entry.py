@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import STICK
-from spear_pin.hybrid.engines.taylor import BENT, Compiled, Point
+from spear_pin.hybrid.engines.taylor import BENT, Point, Ready
 from spear_pin.hybrid.events import CHANGE, GLIMPSES
 from spear_pin.hybrid.lanes.groups import Flags, Group, Indices
 from spear_pin.hybrid.lanes.numbers import Numbers
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 AWAY = (1e-6, 1e-7, 1e-8, 1e-5, 1e-4)  # s: in one of them guards on zero become positive and no other falls
 
 
-def choose(numbers: Numbers, phase: str, group: Group) -> tuple[list[tuple[Compiled, Group, Point]], Group]:
+def choose(numbers: Numbers, phase: str, group: Group) -> tuple[list[tuple[Ready, Group, Point]], Group]:
     """The domain of a phase that fits each lane, evaluated there, and the lanes that none fits.
 
     Where the forces fit none, it is the first in which the toes that cannot stay would have to be held down: they
@@ -42,7 +42,7 @@ def choose(numbers: Numbers, phase: str, group: Group) -> tuple[list[tuple[Compi
     return chosen, group
 
 
-def at_once(numbers: Numbers, ready: Compiled, group: Group, point: Point) -> tuple[Indices, Flags]:
+def at_once(numbers: Numbers, ready: Ready, group: Group, point: Point) -> tuple[Indices, Flags]:
     """Of each lane the guard that is an event on entering a domain, or -1, and whether something is on zero there."""
     tolerances = np.array([guard.tolerance for guard in ready.domain.guards])[:, None]
     waiting = (point.guards <= tolerances) & _happening(ready)
@@ -63,7 +63,7 @@ def at_once(numbers: Numbers, ready: Compiled, group: Group, point: Point) -> tu
     return found, on_zero
 
 
-def away(numbers: Numbers, ready: Compiled, group: Group) -> tuple[list[Group], Group]:
+def away(numbers: Numbers, ready: Ready, group: Group) -> tuple[list[Group], Group]:
     """Lanes a moment later, where no guard is on zero any more, and those that do not get there."""
     clear = []
     for h in AWAY:
@@ -78,12 +78,12 @@ def away(numbers: Numbers, ready: Compiled, group: Group) -> tuple[list[Group], 
     return clear, group
 
 
-def _happening(ready: Compiled) -> Flags:
+def _happening(ready: Ready) -> Flags:
     """Which guards are more than observed, (g, 1)."""
     return np.array([not guard.observes for guard in ready.domain.guards])[:, None]
 
 
-def _moves(ready: Compiled, point: Point) -> Flags:
+def _moves(ready: Ready, point: Point) -> Flags:
     """Whether the sliding of every closed toe fits its mode."""
     fits = np.ones(point.slopes.shape[1], bool)
     for (_, mode), sliding in zip(ready.closed, point.sliding, strict=True):
@@ -92,7 +92,7 @@ def _moves(ready: Compiled, point: Point) -> Flags:
     return fits
 
 
-def _stays(ready: Compiled, point: Point, friction: Any) -> Flags:
+def _stays(ready: Ready, point: Point, friction: Any) -> Flags:
     """Whether the forces keep each closed toe in its mode, (c, n)."""
     stays = np.empty(point.sliding.shape, bool)
     for i, (_, mode) in enumerate(ready.closed):
@@ -106,12 +106,12 @@ def _stays(ready: Compiled, point: Point, friction: Any) -> Flags:
     return stays & (point.pivots > 0.0).all(axis=0)
 
 
-def _keeps(ready: Compiled, point: Point, friction: Any) -> Flags:
+def _keeps(ready: Ready, point: Point, friction: Any) -> Flags:
     """Whether the forces keep every closed toe in its mode."""
     return np.asarray(_stays(ready, point, friction).all(axis=0))
 
 
-def _leaves(ready: Compiled, point: Point, friction: Any) -> Flags:
+def _leaves(ready: Ready, point: Point, friction: Any) -> Flags:
     """Whether those that are not kept would have to be held down."""
     pulled = (point.forces[:, 1] <= 0.0) & (point.pivots > 0.0).all(axis=0)
     return np.asarray((_stays(ready, point, friction) | pulled).all(axis=0))

@@ -59,6 +59,14 @@ def alone(value: Any) -> Any:
     return value.item() if isinstance(value, np.ndarray) else value
 
 
+def finite(value: Any, n: int) -> Flags:
+    """Which of n lanes hold finite numbers only."""
+    items = value.values() if isinstance(value, Mapping) else value if isinstance(value, tuple) else None
+    if items is None:
+        return np.array(np.broadcast_to(np.isfinite(value), (n,)), dtype=bool)
+    return np.asarray(np.all([np.ones(n, bool), *(finite(item, n) for item in items)], axis=0), dtype=bool)
+
+
 def spread(value: Any, n: int) -> Any:
     """The same for n lanes, as arrays."""
     if isinstance(value, tuple):

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem
 from spear_pin.hybrid.contact import joint_impact, routh
 from spear_pin.hybrid.engines.layout import shape_of
-from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, UNROLLED, Compiled, Point
+from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, UNROLLED, Point, Ready
 from spear_pin.hybrid.lanes.entry import at_once, away, choose
-from spear_pin.hybrid.lanes.groups import Group, Indices, alone, along, merged, spread, stacked
+from spear_pin.hybrid.lanes.groups import Group, Indices, alone, along, finite, merged, spread, stacked
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.sliding import Came, slide
 from spear_pin.hybrid.lanes.track import Track
@@ -29,6 +29,7 @@ from spear_pin.hybrid.run import AT_ONCE, CYCLE_EVENTS, INSTANT, run, struck_toe
 
 Array = NDArray[np.float64]
 FEW = 12  # lanes that are faster one by one; half as many where code is not unrolled
+PATIENCE = 3  # cycles of a lane that its track refuses before it is left
 CROWD = 10  # events in an instant, of a lane that is then left to the reference engine, as may be a Zeno point
 FINER = 1000.0  # times the reference engine's tolerance is what the Taylor engine integrates with
 
@@ -57,6 +58,7 @@ class Lanes:
         self.end = self.start.copy()
         self.began, self.switches = np.zeros(n), np.zeros(n, np.int64)
         self.events, self.crowd, self.last = np.zeros(n, np.int64), np.zeros(n, np.int64), np.full(n, -np.inf)
+        self.refused = np.zeros(n, np.int64)
         self.cycles, self.on_section = np.zeros(n, np.int64), np.zeros(n, bool)
         self.spent = {phase: np.zeros(n) for phase in system.phases}
         self.durations = {phase: np.full(n, np.nan) for phase in system.phases}
@@ -68,7 +70,7 @@ class Lanes:
         self._tracks = [Track(self.numbers, lane) for lane in range(n)] if n <= few else []
         self._alone: list[tuple[Group, Came | None]] = []
         self._entering: dict[Any, tuple[str, Came | None, list[Group]]] = {}
-        self._flying: dict[int, tuple[Compiled, list[Group]]] = {}
+        self._flying: dict[int, tuple[Ready, list[Group]]] = {}
 
     def go(self) -> None:
         """Run to the end of every lane."""
@@ -114,11 +116,11 @@ class Lanes:
             self.go_on(phase, group, None)
 
     def go_on(self, phase: str, group: Group, came: Came | None) -> None:
-        """Have lanes begin a cycle, one by one if they are few."""
-        if self._tracks and self.on_section[group.lanes].all():
-            self._alone += [(group.take([i]), came) for i in range(len(group))]
-        elif len(group):
-            self.put(phase, group, came)
+        """Have lanes begin a cycle, one by one if they are few and that has not failed too often."""
+        single = bool(self._tracks) & self.on_section[group.lanes] & (self.refused[group.lanes] < PATIENCE)
+        self._alone += [(group.take([i]), came) for i in np.flatnonzero(single)]
+        if not single.all():
+            self.put(phase, group.take(~single), came)
 
     def go_round(self, group: Group, came: Came | None) -> None:
         """Run the cycles of one lane that need no second look."""
@@ -137,6 +139,7 @@ class Lanes:
         if self.cycles[lane] == self.wanted:
             self.finish(group.lanes, "complete", "")
         else:
+            self.refused[lane] += 1
             held = {name: spread(value, 1) for name, value in held.items()}
             self.put(self.system.section_phase, Group(group.lanes, np.zeros(1), y[:, None].copy(), held), came)
 
@@ -145,7 +148,7 @@ class Lanes:
         key = phase, shape_of(group.held), None if came is None else (id(came[0]), id(came[1]))
         self._entering.setdefault(key, (phase, came, []))[2].append(group)
 
-    def fly(self, ready: Compiled, group: Group) -> None:
+    def fly(self, ready: Ready, group: Group) -> None:
         """Have lanes integrated in a domain."""
         self._flying.setdefault(id(ready), (ready, []))[1].append(group)
 
@@ -156,7 +159,7 @@ class Lanes:
         for ready, part, point in chosen:
             self.watch(ready, part, point, came)
 
-    def watch(self, ready: Compiled, group: Group, point: Point, came: Came | None) -> None:
+    def watch(self, ready: Ready, group: Group, point: Point, came: Came | None) -> None:
         """Let happen what happens as soon as a domain is entered; the other lanes are to be integrated."""
         domain = ready.domain
         defined = np.isfinite(point.guards).all(axis=0) & np.isfinite(group.y).all(axis=0)
@@ -177,7 +180,7 @@ class Lanes:
         for each in clear:
             self.fly(ready, each)
 
-    def slide(self, ready: Compiled, index: int, came: Came, group: Group) -> Group:
+    def slide(self, ready: Ready, index: int, came: Came, group: Group) -> Group:
         """Motion on the switching surface of lanes that would leave a phase by a guard at once; returns the others."""
         reset = ready.domain.guards[index].reset
         assert reset is not None
@@ -191,7 +194,7 @@ class Lanes:
             self.watch(surface, part, point, None)
         return rest
 
-    def advance(self, ready: Compiled, group: Group) -> None:
+    def advance(self, ready: Ready, group: Group) -> None:
         """Integrate up to the next event, and let it happen."""
         domain, limit = ready.domain, self.system.phase_limit
         until = np.full(len(group), limit)
@@ -238,6 +241,9 @@ class Lanes:
         if struck and len(group):
             group = self.strike(struck, group)
         group = self.numbers.latch(group, reset)
+        latched = finite(group.held, len(group))
+        self.give_up(group.take(~latched))
+        group = group.take(latched)
         if reset.phase is not None:
             self.leave(domain.phase, group)
             group = replace(group, t=np.zeros(len(group)))

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
 from spear_pin.hybrid.engines import layout
 from spear_pin.hybrid.engines.symbolic import with_fields
-from spear_pin.hybrid.engines.taylor import Compiled, Point
+from spear_pin.hybrid.engines.taylor import Point, Ready
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, Indices, collected, spread, take
 
 Array = NDArray[np.float64]
+OTHERS = ("stiffness", "damping", "friction")  # numbers beside the law's in which lanes may differ
 
 
 class Numbers:
@@ -31,10 +32,10 @@ class Numbers:
 
     def __init__(self, system: HybridSystem, given: Mapping[str, Array], tol: float, observing: bool) -> None:
         self.system, self.nv, self._given = system, system.robot.nv, given
-        self.ready = compilation(system, tol, observing)
-        self.planar = self.ready.planar
-        parts = (system.spring, "stiffness"), (system.spring, "damping"), (system.contact, "friction")
-        self._others = [given.get(name, getattr(part, name)) for part, name in parts]
+        self.compilation = compilation(system, tol, observing)
+        self.planar = self.compilation.planar
+        parts = system.spring, system.spring, system.contact
+        self._others = [given.get(name, getattr(part, name)) for part, name in zip(parts, OTHERS, strict=True)]
 
     def of_lane(self, lane: int) -> dict[str, float]:
         """The numbers in which a lane differs."""
@@ -47,7 +48,9 @@ class Numbers:
     def constants(self, lane: int) -> list[float]:
         """A lane's run-time parameters ahead of what is held."""
         law, others = self.law_of(lane), [float(take(value, lane)) for value in self._others]
-        return layout.flattened((*(getattr(law, field.name) for field in fields(law)), *others, *self.ready.robot))
+        return layout.flattened(
+            (*(getattr(law, field.name) for field in fields(law)), *others, *self.compilation.robot)
+        )
 
     def law(self, lanes: Indices) -> Any:
         """Parameters of the law in some lanes."""
@@ -60,21 +63,21 @@ class Numbers:
     def parameters(self, group: Group) -> Array:
         """Run-time parameters of a group, (p, n)."""
         others = [take(value, group.lanes) for value in self._others]
-        return layout.parameters(self.law(group.lanes), others, self.ready.robot, group.held, len(group))
+        return layout.parameters(self.law(group.lanes), others, self.compilation.robot, group.held, len(group))
 
-    def compiled(self, domain: Domain, group: Group) -> Compiled:
+    def compiled(self, domain: Domain, group: Group) -> Ready:
         """The domain, compiled for what the group holds.
 
         Raises:
             TypeError: it cannot be: a latch branches on a value.
         """
-        return self.ready.domain(domain, group.held)
+        return self.compilation.domain(domain, group.held)
 
-    def at(self, ready: Compiled, group: Group) -> Point:
+    def at(self, ready: Ready, group: Group) -> Point:
         """A domain evaluated where a group is."""
         return ready.at(group.t, group.y, self.parameters(group))
 
-    def ahead(self, ready: Compiled, group: Group, h: float) -> Group:
+    def ahead(self, ready: Ready, group: Group, h: float) -> Group:
         """The group after one Runge-Kutta step."""
         parameters = self.parameters(group)
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from spear_pin.hybrid.automaton import Alternation, Domain, Reset
-from spear_pin.hybrid.engines.taylor import Compiled, Point
+from spear_pin.hybrid.engines.taylor import Point, Ready
 from spear_pin.hybrid.filippov import BEYOND, ENDS, MOST_AT_ONCE, ON_EDGE, alternation, chatter
 from spear_pin.hybrid.lanes.entry import at_once, choose
 from spear_pin.hybrid.lanes.groups import Group, along
@@ -20,7 +20,7 @@ Came = tuple[Domain, Reset]  # from where a phase was entered, and by which rese
 
 def slide(
     numbers: Numbers, domain: Domain, reset: Reset, came: Came, group: Group
-) -> tuple[list[tuple[Compiled, Group, Point]], Group]:
+) -> tuple[list[tuple[Ready, Group, Point]], Group]:
     """The motion between two domains that lanes go into, evaluated there, and the lanes that do not.
 
     Args:
@@ -74,7 +74,7 @@ def _at_once_after(
                     waiting.append(((*follow, then), numbers.latch(own, then)))
 
 
-def _begin(numbers: Numbers, between: Alternation, group: Group) -> Iterator[tuple[Compiled, Group, Point]]:
+def _begin(numbers: Numbers, between: Alternation, group: Group) -> Iterator[tuple[Ready, Group, Point]]:
     """Motion between two domains, of those lanes whose laws' shares allow it."""
     group = replace(group, t=np.zeros(len(group)))
     for beyond in BEYOND:

@@ -23,8 +23,7 @@ from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.run import AT_ONCE, INSTANT, struck_toes
 
 Array = NDArray[np.float64]
-CLEAR = 1e-13  # of a guard's change within `single.AHEAD`, in its unit
-GOES_ON = -9  # no event at once
+MOVES = 1e-14  # of a guard's change within `single.AHEAD`, in its unit
 EVENTS = 50  # of a cycle
 
 
@@ -56,7 +55,7 @@ class Track:
     """
 
     def __init__(self, numbers: Numbers, lane: int) -> None:
-        self._compiled, self._system, self._nv = numbers.ready, numbers.system, numbers.nv
+        self._compiled, self._system, self._nv = numbers.compilation, numbers.system, numbers.nv
         self._law, self._constants = numbers.law_of(lane), numbers.constants(lane)
         self._friction = float(numbers.friction(np.array(lane)))
 
@@ -75,21 +74,20 @@ class Track:
             ready, t, y, end = entered
             switch = ready.domain.switch
             at = math.inf if switch is None else switch.time(switches + 1, self._law)
-            if t >= at:
+            until = min(at, system.phase_limit)
+            if t >= until:
                 return None
-            if end == GOES_ON:
-                ready.begin(t, y, parameters)
-                end = ready.go(min(at, system.phase_limit))
-                while end >= 0 and ready.domain.guards[end].observes:
-                    observed[ready.domain.guards[end].name] = ready.reached[1]
-                    end = ready.go(min(at, system.phase_limit))
-                t, y = ready.reached
+            if end is None:
+                t, y, end = ready.run(t, y, until, parameters)
             if end == KINK:
+                continue
+            if end >= 0 and ready.domain.guards[end].observes:
+                observed[ready.domain.guards[end].name] = y
                 continue
             if end >= 0:
                 event: Guard | Switch | None = ready.domain.guards[end]
             else:
-                event, switches = switch if end == TIME_LIMIT and at < system.phase_limit else None, switches + 1
+                event, switches = switch if end == TIME_LIMIT and until == at else None, switches + 1
             if event is None or event.reset is None:
                 return None
             after = self._reset(ready.domain, event.reset, y, held, parameters)
@@ -105,7 +103,7 @@ class Track:
 
     def _enter(
         self, domains: Iterable[Domain], t: float, y: Array, held: Held, parameters: Array
-    ) -> tuple[Single, float, Array, int] | None:
+    ) -> tuple[Single, float, Array, int | None] | None:
         """The first domain that fits, with a state there, now or soon, at which its guards are positive.
 
         If one falls at once instead, its index comes last.
@@ -118,15 +116,15 @@ class Track:
         else:
             return None
         if not (here.waiting or here.bent):
-            return ready, t, y, GOES_ON
+            return ready, t, y, None
         there = ready.ahead(here, parameters, self._friction)
         change = [(there.guards[i] - here.guards[i], i) for i in here.waiting]
         falls = [i for by, i in change if by < 0.0]
-        if not all(abs(by) > CLEAR for by, _ in change) or (falls and t <= AT_ONCE):
+        if here.lost or not all(abs(by) > MOVES for by, _ in change) or (falls and t <= AT_ONCE):
             return None
         if falls:
             return ready, t, y, falls[0]
-        return (ready, there.t, there.y, GOES_ON) if there.clear else None
+        return (ready, there.t, there.y, None) if there.clear else None
 
     def _reset(
         self, domain: Domain, reset: Reset, y: Array, held: Held, parameters: Array
@@ -140,5 +138,8 @@ class Track:
             y = self._compiled.impact(toes[0])(y, parameters, self._friction)
         if reset.latch is not None:
             now = y.tolist()
-            held = {**held, **reset.latch(now[:nv], now[nv:], held, self._law)}
+            try:
+                held = {**held, **reset.latch(now[:nv], now[nv:], held, self._law)}
+            except ArithmeticError:
+                return None
         return y, held

@@ -1,0 +1,104 @@
+"""The Taylor engine for one lane: its impact, and what it sees at a state."""
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait
+from spear_pin.hybrid.contact import plastic_impact
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.engines.layout import flattened
+from spear_pin.hybrid.engines.single import AHEAD, Look
+from spear_pin.hybrid.lanes.compilation import compilation
+from spear_pin.hybrid.lanes.entry import choose
+from spear_pin.hybrid.lanes.groups import Group, alone, spread
+from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.periodic import chart
+
+pytestmark = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
+
+
+def systems(hop):
+    yield hop, "stance", 0.3
+    yield Gait.load("long_stride"), "posterior_stance", 0.05
+
+
+def test_impact_is_rouths(hop):
+    """Impacts that stick, slide on and slide back, and toes that rise."""
+    rng, robot = np.random.default_rng(0), hop.system.robot
+    strike = compilation(hop.system, 1e-12, False).impact("toe")
+    ways = set()
+    for _ in range(400):
+        friction = float(10.0 ** rng.uniform(-2.5, 0.5))
+        numbers = Numbers(hop.system, {"friction": np.array([friction])}, 1e-12, False)
+        q, v = hop.state[0] + 0.4 * rng.normal(size=3), 3.0 * rng.normal(size=3)
+        expected = plastic_impact(robot.mass_matrix(q), robot.toe_jacobian(q, "toe"), v, friction)
+        after = strike(np.concatenate([q, v]), np.array(numbers.constants(0)), friction)
+        np.testing.assert_allclose(after[3:], expected.v, rtol=1e-11, atol=1e-11)
+        np.testing.assert_array_equal(after[:3], q)
+        ways.add((bool(expected.impulse.any()), expected.slides))
+    assert ways == {(False, True), (True, True), (True, False)} or len(ways) == 3
+
+
+def test_chooses_as_for_many(hop):
+    """A domain fits one lane where it is chosen for many, whatever the state."""
+    rng = np.random.default_rng(1)
+    chosen = {}
+    for gait, phase, spread_of in systems(hop):
+        system = gait.system
+        numbers, local = Numbers(system, {}, 1e-12, False), chart(system, gait.state)
+        held = first_held(numbers, gait)
+        for _ in range(60):
+            q, v = local.state(spread_of * rng.normal(size=local.dimension))
+            v = v + rng.choice([0.0, 0.3]) * rng.normal(size=len(v))
+            y = np.concatenate([q, v])
+            group = Group(
+                np.array([0]), np.zeros(1), y[:, None], {name: spread(each, 1) for name, each in held.items()}
+            )
+            found, _ = choose(numbers, phase, group)
+            parameters = np.array([*numbers.constants(0), *flat(held)])
+            friction = system.contact.friction
+            fits = [
+                domain.name
+                for domain in system.of_phase(phase)
+                if numbers.compilation.single(domain, held).look(0.0, y, parameters, friction).fits
+            ]
+            kept = [ready.domain.name for ready, _, point in found if (point.forces[:, 1] > 0.0).all()]
+            assert fits[:1] == kept[:1] or not kept
+            for name in fits[:1]:
+                chosen[name] = chosen.get(name, 0) + 1
+    assert len(chosen) >= 4, chosen
+
+
+def test_a_step_ahead_is_exact(hop):
+    """To rounding as the integrator's."""
+    numbers = Numbers(hop.system, {}, 1e-15, False)
+    held = first_held(numbers, hop)
+    single = numbers.compilation.single(hop.system.of_phase("stance")[0], held)
+    parameters, y = np.array([*numbers.constants(0), *flat(held)]), np.concatenate(hop.state)
+    here = single.look(0.0, y, parameters, 0.8)
+    ahead = single.ahead(here, parameters, 0.8)
+    assert isinstance(ahead, Look) and ahead.t == AHEAD
+    t, reached, end = single.run(0.0, ahead.y, AHEAD, parameters)
+    back = single.run(0.0, y, 2.0 * AHEAD, parameters)
+    assert end == back[2] == taylor.TIME_LIMIT and t == AHEAD
+    np.testing.assert_allclose(reached, back[1], rtol=0, atol=1e-13)
+
+
+def test_what_is_not_finite_fits_nothing(hop):
+    numbers = Numbers(hop.system, {}, 1e-12, False)
+    held = first_held(numbers, hop)
+    single = numbers.compilation.single(hop.system.of_phase("stance")[0], held)
+    parameters = np.array([*numbers.constants(0), *flat(held)])
+    assert single.look(0.0, np.concatenate(hop.state), parameters, 0.8).fits
+    assert not single.look(0.0, np.full(6, np.nan), parameters, 0.8).fits
+
+
+def first_held(numbers, gait):
+    """What is held just behind the section."""
+    flight, lands = gait.system.landing
+    group = Group(np.array([0]), np.zeros(1), np.concatenate(gait.state)[:, None], {})
+    return alone(numbers.latch(numbers.latch(group, gait.system.reset_into(flight)), lands).held)
+
+
+def flat(held):
+    return flattened(held.values())
