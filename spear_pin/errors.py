@@ -87,6 +87,13 @@ class MissingProgram(SpearError):
         )
 
 
+def require_kinds(**values: tuple[Any, type]) -> None:
+    """Raise `BadValue` unless each value, given with a class by its name, is of that class."""
+    for name, (value, kind) in values.items():
+        if not isinstance(value, kind):
+            raise BadValue(name, value, f"a {kind.__name__}")
+
+
 def require(name: str, value: Any, valid: Callable[[Any], Any], expected: str) -> None:
     """Raise `BadValue` unless a number is finite and valid; symbols pass.
 

@@ -15,11 +15,16 @@ from spear_pin.errors import BadValue
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(commands, "bound", run, "simulate a bounding gait of Q-SPEAR, write bound.html and bound.npz")
+    parser = add_command(commands, "bound", run, "simulate a bounding gait of Q-SPEAR, write page, plots and samples")
     parser.add_argument(
         "--gait", default=BOUND, metavar="NAME|PATH", help=f"a shipped gait, or a saved one (default: {BOUND})"
     )
-    parser.add_argument("--speed", type=float, metavar="M/S", help="continue the gait to this mean speed")
+    parser.add_argument(
+        "--speed",
+        type=float,
+        metavar="M/S",
+        help="continue the gait to this mean speed, 1.5 to 3.5 m/s or little more; takes half a minute to minutes",
+    )
     add_simulation(parser, 5, "strides", "bound.html")
     parser.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
 
@@ -28,7 +33,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Simulate the gait and write its files, or list the gaits."""
     from spear_pin import simulate
     from spear_pin.studies.bound import at_speed, summarize
+    from spear_pin.viz.bound_plots import bound_summary
     from spear_pin.viz.player import record
+    from spear_pin.viz.plots import save_figure
 
     if arguments.list:
         return _shipped()
@@ -43,10 +50,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     summary = {"gait": name, **summarize(gait, trajectory)}
     title = f"Q-SPEAR bounding at {summary['speed']:.2f} m/s"
     page = record(gait.system.robot, trajectory, arguments.out / "bound.html", title=title)
-    data = trajectory.save(arguments.out / "bound.npz")
+    files = [page, trajectory.save(arguments.out / "bound.npz")]
+    files.append(save_figure(bound_summary(trajectory, gait), arguments.out / "bound.svg"))
     if arguments.open:
         open_page(page)
-    return summary | {"files": [str(page), str(data)], "text": _text(summary, page, data)}
+    return summary | {"files": [*map(str, files)], "text": _text(summary, files)}
 
 
 def _shipped() -> dict[str, Any]:
@@ -76,7 +84,7 @@ def _shipped() -> dict[str, Any]:
     return {"gaits": rows, "text": "\n".join(lines)}
 
 
-def _text(summary: dict[str, Any], page: Path, data: Path) -> str:
+def _text(summary: dict[str, Any], files: list[Path]) -> str:
     largest = abs(summary["multipliers"][0])
 
     def legs(key: str, form: str, unit: str) -> str:
@@ -110,6 +118,6 @@ def _text(summary: dict[str, Any], page: Path, data: Path) -> str:
         ("fixed point", f"residual {summary['residual']:.1e}"),
         ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a stride"),
         ("simulated", f"{summary['cycles']} strides ({summary['reason']})"),
-        ("files", f"{page}, {data}"),
+        ("files", ", ".join(map(str, files))),
     ]
     return aligned(rows)

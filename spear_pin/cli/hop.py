@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
 from spear_pin.cli.output import aligned, iterations, open_page
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadValue, NoGait, SpearError
 
 if TYPE_CHECKING:
     from spear_pin.studies.hardware import Rig
@@ -18,7 +18,7 @@ RIG = ("current_limit", "bandwidth", "noise", "losses", "seed")  # options of --
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(commands, "hop", run, "solve SPEAR-II's hop in place, simulate it, write hop.html and hop.npz")
+    parser = add_command(commands, "hop", run, "solve SPEAR-II's hop in place, simulate it, write page, plots, samples")
     wanted = parser.add_mutually_exclusive_group()
     wanted.add_argument("--flight-time", type=float, metavar="S", help="solve the stance torque for it (default: 0.2)")
     wanted.add_argument("--stance-torque", type=float, metavar="N·m", help="given; solve the fixed point only")
@@ -52,6 +52,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.hybrid.hardware import with_hardware
     from spear_pin.studies.hop import summarize
     from spear_pin.viz.player import record
+    from spear_pin.viz.plots import hop_summary, save_figure
 
     if arguments.flight_time is not None and not arguments.flight_time > 0:
         raise BadValue("--flight-time", arguments.flight_time, "a number > 0, in s")
@@ -76,19 +77,25 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.free_x:
         target["hip_touchdown"] = 0.0
     measures = {"stance_torque": "flight_time", "hip_touchdown": "mean_speed"}  # what each parameter is solved for
-    with iterations() as tell:
-        gait = find_gait(system, list(target), {measures[k]: v for k, v in target.items()}, on_iteration=tell)
+    wanted = {measures[name]: value for name, value in target.items()}
+    try:
+        with iterations() as tell:
+            gait = find_gait(system, list(target), {**wanted}, on_iteration=tell)
+    except NoGait as error:
+        raise SpearError(f"{error}; nearer to the defaults there is one: change less, or --knee as well") from None
     running = gait.system if rig is None else with_hardware(gait.system, rig.on(robot))
     trajectory = simulate(running, gait.state, arguments.cycles, arguments.rtol)
     page = record(robot, trajectory, arguments.out / "hop.html", title="SPEAR-II hopping in place")
-    data = trajectory.save(arguments.out / "hop.npz")
+    files = [page, trajectory.save(arguments.out / "hop.npz")]
+    if trajectory.cycles:
+        files.append(save_figure(hop_summary(trajectory, gait), arguments.out / "hop.svg"))
     if arguments.open:
         open_page(page)
     summary = summarize(gait, trajectory)
     if trajectory.electrical is not None and trajectory.cycles:
         summary["electrical"] = {flow: trajectory.electrical[flow].mean() for flow in trajectory.electrical.flows}
         summary["peak_current"] = dict(zip(trajectory.actuated, abs(trajectory.current).max(axis=0), strict=True))
-    return summary | {"files": [str(page), str(data)], "text": _text(summary, page, data)}
+    return summary | {"files": [*map(str, files)], "text": _text(summary, files)}
 
 
 def _rig(arguments: argparse.Namespace) -> Rig | None:
@@ -111,7 +118,7 @@ def _rig(arguments: argparse.Namespace) -> Rig | None:
     return Rig(**given, sensing=sensing)
 
 
-def _text(summary: dict[str, Any], page: Path, data: Path) -> str:
+def _text(summary: dict[str, Any], files: list[Path]) -> str:
     largest = abs(summary["multipliers"][0])
     rows = [
         ("stance torque", f"{summary['stance_torque']:.4f} N·m"),
@@ -124,11 +131,20 @@ def _text(summary: dict[str, Any], page: Path, data: Path) -> str:
         ("", f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"),
         ("fixed point", f"residual {summary['residual']:.1e}"),
         ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a hop"),
+        *_motors(summary),
         *_electrical(summary),
         ("simulated", f"{summary['cycles']} hops ({summary['reason']})"),
-        ("files", f"{page}, {data}"),
+        ("files", ", ".join(map(str, files))),
     ]
     return aligned(rows)
+
+
+def _motors(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    if not summary["cycles"]:
+        return []
+    work = {flow.removeprefix("motor_"): e for flow, e in summary["energy"].items() if flow.startswith("motor_")}
+    parts = ", ".join(f"{joint} {energy:.2f} J" for joint, energy in work.items())
+    return [("motors' work, net", f"{sum(work.values()):.2f} J a hop: {parts}")]
 
 
 def _electrical(summary: dict[str, Any]) -> list[tuple[str, str]]:

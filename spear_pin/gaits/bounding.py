@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadValue, require_kinds
 from spear_pin.gaits.bounding_law import (
     NO_ADJUSTMENT,
     STATES,
@@ -61,6 +61,7 @@ def bounding(
         BadValue: the robot has not the coordinates, toes and motors of `q_spear`, or the springs are never let go.
     """
     spring, contact = spring or Spring(STIFFNESS, damping=0.0), contact or Contact()
+    require_kinds(law=(law, BoundingLaw), spring=(spring, Spring), contact=(contact, Contact))
     if spring.rest is not None:
         raise BadValue("Spring.rest", spring.rest, "None: bounding switches its springs")
     posterior, anterior = legs = legs_of(robot)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from spear_pin.errors import BadValue, require
+from spear_pin.errors import BadValue, require, require_kinds
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem, Mount, Reset, Switch
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.phases import contact_domains, fall, rate, spring_switches, touchdown
@@ -144,9 +144,11 @@ def hopping(
         contact: the ground.
 
     Raises:
-        BadValue: the robot is not a planar one with a toe "toe" and motors on "hip" and "knee" last.
+        BadValue: law, spring or contact is none; or the robot is not a planar one with a toe "toe" and motors on "hip"
+            and "knee" last.
     """
     law, spring, contact = law or HoppingLaw(), spring or Spring(), contact or Contact()
+    require_kinds(law=(law, HoppingLaw), spring=(spring, Spring), contact=(contact, Contact))
     if not robot.planar or robot.toes != ("toe",) or robot.coordinates[-2:] != ("hip", "knee"):
         raise BadValue("robot", robot, "a planar robot with the toe 'toe' whose last joints are 'hip' and 'knee'")
     if robot.actuated != ("hip", "knee"):

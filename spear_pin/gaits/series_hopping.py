@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from spear_pin.errors import BadValue, require
+from spear_pin.errors import BadValue, require, require_kinds
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem, Mount, Reset, Switch
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.phases import contact_domains, fall, rate, touchdown
@@ -98,6 +98,7 @@ def series_hopping(
         BadValue: the robot has other coordinates, or the spring pulls only or has a rest of its own.
     """
     law, spring, contact = law or SeriesHoppingLaw(), spring or SERIES, contact or Contact()
+    require_kinds(law=(law, SeriesHoppingLaw), spring=(spring, Spring), contact=(contact, Contact))
     if robot.coordinates != COORDINATES or robot.actuated != ("hip", "knee") or robot.toes != ("toe",):
         raise BadValue("robot", robot, "load('spear_ii_series', locked=['boom_x']) or a variant of it")
     if spring.unilateral or spring.rest is not None:

@@ -56,8 +56,9 @@ class TestBound:
 
     def test_files(self, bound_run):
         process, folder = bound_run
-        assert sorted(path.name for path in folder.iterdir()) == ["bound.html", "bound.npz"]
-        assert json.loads(process.stdout)["files"] == [str(folder / "bound.html"), str(folder / "bound.npz")]
+        assert sorted(path.name for path in folder.iterdir()) == ["bound.html", "bound.npz", "bound.svg"]
+        files = [str(folder / name) for name in ("bound.html", "bound.npz", "bound.svg")]
+        assert json.loads(process.stdout)["files"] == files
         trajectory = Trajectory.load(folder / "bound.npz")
         assert trajectory.complete and trajectory.cycles == 2
         assert trajectory.toes == ("posterior_toe", "anterior_toe")
@@ -127,6 +128,7 @@ class TestMistakes:
         [
             (["--gait", "gallop"], ["unknown gait 'gallop'", "least_effort", "long_stride"]),
             (["--gait", "missing.json"], ["missing.json"]),
+            (["--gait", "hop.npz"], ["hop.npz", "not a saved gait (.json)"]),
             (["--gait", "gallop", "--speed", "2.6"], ["unknown gait 'gallop'", "long_stride"]),
             (["--speed", "0"], ["--speed", "m/s"]),
             (["--speed", "-2.5"], ["--speed"]),

@@ -53,8 +53,10 @@ class TestHop:
 
     def test_files(self, hop_run):
         process, folder = hop_run
-        assert sorted(path.name for path in folder.iterdir()) == ["hop.html", "hop.npz"]
-        assert json.loads(process.stdout)["files"] == [str(folder / "hop.html"), str(folder / "hop.npz")]
+        assert sorted(path.name for path in folder.iterdir()) == ["hop.html", "hop.npz", "hop.svg"]
+        files = [str(folder / name) for name in ("hop.html", "hop.npz", "hop.svg")]
+        assert json.loads(process.stdout)["files"] == files
+        assert "Knee torque" in (folder / "hop.svg").read_text(encoding="utf-8")
         trajectory = Trajectory.load(folder / "hop.npz")
         assert trajectory.complete and trajectory.cycles == 11
         assert trajectory.coordinates == ("boom_z", "hip", "knee")
@@ -65,7 +67,7 @@ class TestHop:
         options = ["--stance-torque", 8.2, "--knee", 0.95, "--frequency", 2.6, "--stiffness", 50, "--friction", 0.9]
         status, out, err = run(capsys, "hop", *options, "--cycles", 2, "--rtol", 1e-8, "--out", tmp_path)
         assert status == 0, err
-        assert "8.2000 N·m" in out and "stable" in out and "2 hops (complete)" in out
+        assert "motors' work, net" in out and "8.2000 N·m" in out and "stable" in out and "2 hops (complete)" in out
         assert str(tmp_path / "hop.html") in out and str(tmp_path / "hop.npz") in out
         trajectory = Trajectory.load(tmp_path / "hop.npz")
         assert trajectory.cycles == 2

@@ -315,6 +315,11 @@ class TestNominalGait:
 
 
 class TestRefusals:
+    @pytest.mark.parametrize("given", [{"law": Spring()}, {"spring": 48.0}, {"contact": HoppingLaw()}])
+    def test_what_is_none(self, given):
+        with pytest.raises(BadValue, match=f"^{next(iter(given))} is "):
+            hopping(load("spear_ii", locked=["boom_x"]), **given)
+
     @pytest.mark.parametrize(
         ("field", "value"),
         [
