@@ -77,10 +77,10 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.free_x:
         target["hip_touchdown"] = 0.0
     measures = {"stance_torque": "flight_time", "hip_touchdown": "mean_speed"}  # what each parameter is solved for
-    wanted = {measures[name]: value for name, value in target.items()}
+    wanted: Any = {measures[name]: value for name, value in target.items()}
     try:
         with iterations() as tell:
-            gait = find_gait(system, list(target), {**wanted}, on_iteration=tell)
+            gait = find_gait(system, list(target), wanted, on_iteration=tell)
     except NoGait as error:
         raise SpearError(f"{error}; nearer to the defaults there is one: change less, or --knee as well") from None
     running = gait.system if rig is None else with_hardware(gait.system, rig.on(robot))

@@ -26,8 +26,14 @@ def start(*arguments):
         stderr=subprocess.PIPE,
         text=True,
         cwd=Path(__file__).parents[2],
+        preexec_fn=heeds_interrupts,
     )
     return process, process.stdout.readline()
+
+
+def heeds_interrupts():
+    """What a shell starts in the background ignores them, and so does what that starts."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 @pytest.mark.slow

@@ -18,8 +18,6 @@ from spear_pin.viz.explore_server import Explorer
 from tests.viz.chromium import Browser
 from tests.viz.exploring import move, serving, visit
 
-IN_TIME = 0.5  # s from a slider's move to the picture
-
 
 @pytest.fixture(scope="module")
 def server():
@@ -181,11 +179,12 @@ class TestPage:
         after = browser.screenshot().astype(int)
         assert (np.abs(after - before)[70:630, 350:900].max(axis=2) > 60).sum() > 500
 
-    def test_the_best_of_some_moves_is_in_time(self, browser, server):
-        """The median is, on a machine that has nothing else to do."""
+    def test_a_move_is_timed(self, browser, server):
+        """From the slider to the picture; how long that takes `benchmarks.explore` measures."""
         visit(browser, server, "#t=0.15")
-        totals = [move(browser, "stiffness", 47 + 0.6 * n)["total"] for n in range(8)]
-        assert min(totals) < 1e3 * IN_TIME, totals
+        timed = [move(browser, "stiffness", 47 + 0.6 * n) for n in range(3)]
+        assert [each["knobs"]["stiffness"] for each in timed] == [47.0, 47.6, 48.2]
+        assert all(0.0 < each["simulate"] < each["total"] for each in timed)
 
     def test_while_an_answer_is_awaited_only_the_latest_wish_is_kept(self, browser, server):
         visit(browser, server, "#t=0.15")

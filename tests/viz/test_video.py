@@ -171,7 +171,13 @@ class TestNothingIsLeft:
         root = Path(__file__).parents[2]
         command = [sys.executable, "-c", code]
         with subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, cwd=root, start_new_session=True
+            command,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            cwd=root,
+            start_new_session=True,
+            # what a shell starts in the background ignores interrupts, and so does what that starts
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         ) as process:
             assert process.stdout is not None and process.stdout.readline() == b"1\n"
             assert processes_with(str(temporary)) != []
