@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from spear_pin import __version__
 from spear_pin.cli import (
     bound,
     doctor,
@@ -32,10 +33,14 @@ COMMANDS = (
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command; 0, or 2 with one line on stderr."""
-    words = sys.argv[1:] if argv is None else argv
-    # argparse takes "-1e-3" for an option, unless something stands before the sign
-    arguments = _parser().parse_args([f" {word}" if _is_number(word) else word for word in words])
+    """Run one command; 0, or 2 with one line on stderr. Without a command the help goes there."""
+    parser = _parser()
+    arguments, unknown = parser.parse_known_args(argv)
+    if unknown:
+        arguments.refuse(f"unknown arguments: {' '.join(unknown)}")
+    if arguments.run is None:
+        parser.print_help(sys.stderr)
+        return 2
     try:
         result: dict[str, Any] = arguments.run(arguments)
     except (SpearError, OSError) as error:
@@ -49,19 +54,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     return status
 
 
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
-
-
 def _parser() -> Parser:
     parser = Parser(
         prog="spear", description="Switchable parallel elastic legs: dynamics and gaits of SPEAR-II and Q-SPEAR."
     )
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)
+    parser.add_argument("--version", action="version", version=f"spear {__version__}")
+    parser.set_defaults(run=None, refuse=parser.error)
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
     for add in COMMANDS:
         add(commands)
     return parser

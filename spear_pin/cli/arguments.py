@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
@@ -17,7 +19,12 @@ FREE = math.inf  # what an option says for "free": the search chooses
 
 
 class Parser(argparse.ArgumentParser):
-    """Errors take one line."""
+    """Errors take one line, and what looks like a negative number is one, never an option."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        # argparse's own, which some releases have without an exponent, -.5 or -inf
+        self._negative_number_matcher = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
 
     def error(self, message: str) -> NoReturn:
         """Exit with status 2."""
@@ -42,7 +49,7 @@ def add_command(
     """
     parser = commands.add_parser(name, help=summary, description=summary)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, refuse=parser.error)
     return parser
 
 
@@ -52,9 +59,24 @@ def add_out(parser: argparse.ArgumentParser, files: str) -> None:
 
 
 def check_out(arguments: argparse.Namespace) -> None:
-    """Refuse a folder that is not there."""
-    if not arguments.out.is_dir():
-        raise BadValue("--out", str(arguments.out), "an existing folder")
+    """Refuse a folder that is not there, or in which nothing can be written, before there is something to write."""
+    check_folder(arguments.out, str(arguments.out), "an existing folder")
+
+
+def check_folder(folder: Path, given: str, expected: str) -> None:
+    """Refuse a folder that is none, or in which nothing can be written; nothing is left in it.
+
+    Args:
+        folder: the folder.
+        given: what --out says.
+        expected: what it should be.
+    """
+    if not folder.is_dir():
+        raise BadValue("--out", given, expected)
+    try:
+        tempfile.TemporaryFile(dir=folder).close()  # permissions alone do not tell: /proc has them
+    except OSError:
+        raise BadValue("--out", given, f"{expected}, in which files can be written") from None
 
 
 def add_simulation(parser: argparse.ArgumentParser, cycles: int, called: str, page: str) -> None:

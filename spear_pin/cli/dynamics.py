@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command
+from spear_pin.errors import SpearError
 
 
 def add(commands: Commands) -> None:
@@ -26,6 +27,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.model.loading import load
 
     robot = load(arguments.robot, toes=arguments.toes, locked=arguments.lock)
+    for option in ("q", "v"):
+        given = getattr(arguments, option)
+        if given is not None and len(given) != robot.nv:
+            has = f"{len(given)} number{'s' if len(given) > 1 else ''}"
+            raise SpearError(f"--{option} has {has}; expected {robot.nv} ({', '.join(robot.coordinates)})")
     q = pin.neutral(robot.model) if arguments.q is None else np.array(arguments.q)
     v = np.zeros(robot.nv) if arguments.v is None else np.array(arguments.v)
     result: dict[str, Any] = {

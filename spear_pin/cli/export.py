@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from spear_pin.model.robot import Robot
 
 ROBOT = {"mjcf": "xml", "srdf": "srdf"}  # formats of a robot, and how their files end
+URDF = (".urdf", ".xml")  # how its files mostly end
 TRAJECTORY = {"csv": "csv", "mat": "mat", "png": "png", "mp4": "mp4"}
 # what each option goes with
 NEEDS = {
@@ -60,9 +61,14 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     moves = Path(arguments.what).suffix == ".npz"
     fitting, other = (TRAJECTORY, ROBOT) if moves else (ROBOT, TRAJECTORY)
     asked = [name for name in (*ROBOT, *TRAJECTORY) if getattr(arguments, name)]
-    if not asked or set(asked) & set(other):
-        kind, valid = "trajectory" if moves else "robot", ", ".join(f"--{name}" for name in fitting)
-        raise BadValue("format", ", ".join(f"--{name}" for name in asked) or "none", f"of a {kind}: {valid}")
+    kind, valid = "trajectory" if moves else "robot", ", ".join(f"--{name}" for name in fitting)
+    misfit = not asked or set(asked) & set(other)
+    if misfit and Path(arguments.what).suffix not in ("", ".npz", *URDF):
+        raise BadFile(arguments.what, "is neither a robot nor a saved trajectory (.npz)")
+    if not asked:
+        raise SpearError(f"{arguments.what} is a {kind}: say what to write: {valid}")
+    if misfit:
+        raise BadValue("format", ", ".join(f"--{name}" for name in asked), f"of a {kind}: {valid}")
     for option, formats in NEEDS.items():
         if getattr(arguments, option) is not None and not set(asked) & set(formats):
             valid = " or ".join(f"--{name}" for name in formats)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadFile, BadValue
 
 if TYPE_CHECKING:
     from spear_pin.gaits.gait import Gait
@@ -35,6 +36,8 @@ def bounding_gait(name: str, speed: float | None) -> tuple[str, Gait]:
     from spear_pin.gaits.gait import Gait
     from spear_pin.studies.bound import mean_speed
 
+    if Path(name).suffix == ".npz":
+        raise BadFile(name, "is not a saved gait (.json): trajectories are saved as .npz")
     if name in library.names() and speed is not None:
         family = {other: re.search(SPEED_SUFFIX, other) for other in library.names() if _base(other) == _base(name)}
         speeds = {

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
 from spear_pin.cli.output import aligned, open_page
-from spear_pin.errors import BadFile
+from spear_pin.errors import BadFile, SpearError, UnknownName
+
+if TYPE_CHECKING:
+    from spear_pin.viz.report import Selection
 
 PAGE, FIGURES = "report.html", "report_figures"
 FORMATS = ("svg", "pdf", "png")
@@ -27,19 +30,24 @@ def add(commands: Commands) -> None:
     parser.add_argument("--no-cache", action="store_true", help="make everything anew, and keep nothing")
     add_out(parser, "the files")
     parser.add_argument("--open", action="store_true", help="open report.html in the browser")
+    parser.add_argument("--list", action="store_true", help="list the ids, and do nothing else")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Make the report and write its page."""
+    """Make the report and write its page, or list the ids of its parts."""
+    if not arguments.list:
+        check_out(arguments)
     from tqdm import tqdm
 
     from spear_pin.files import atomic
     from spear_pin.studies.cache import user_cache
-    from spear_pin.viz.report import SVG, make, select, write_figures
+    from spear_pin.viz.report import SVG, make, write_figures
     from spear_pin.viz.report_page import MOST_BYTES, render
 
-    check_out(arguments)
-    selection = select(arguments.only)
+    selection = _selected(arguments.only)
+    if arguments.list:
+        ids = _ids(selection)
+        return {"ids": ids, "text": "\n".join(ids)}
     formats = tuple(dict.fromkeys((SVG, arguments.figures or SVG)))
     with tqdm(total=len(selection), unit="item", leave=False, disable=None) as bar:
 
@@ -78,6 +86,25 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "files": files,
         "text": aligned(rows),
     }
+
+
+def _selected(patterns: list[str]) -> Selection:
+    """Parts of the report; of an unknown id, those that are spelt most alike."""
+    from difflib import get_close_matches
+
+    from spear_pin.viz.report import select
+
+    try:
+        return select(patterns)
+    except UnknownName as error:
+        near = get_close_matches(str(error.value), error.valid, cutoff=0.0)
+        text = f"unknown {error.kind} {error.value!r}; nearest: {', '.join(near)}; spear report --list has all"
+        raise SpearError(text) from None
+
+
+def _ids(selection: Selection) -> list[str]:
+    groups = (selection.statements, selection.pictures, selection.tabulations, selection.playbacks)
+    return list(dict.fromkeys(part.id for group in groups for part in group))
 
 
 def _row(statement: Any, finding: Any) -> dict[str, Any]:

@@ -7,15 +7,17 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command
+from spear_pin.cli.arguments import Commands, add_command, check_folder
 from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.cli.output import aligned
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
 
 if TYPE_CHECKING:
     from spear_pin.hybrid.automaton import HybridSystem
 
+OUT = "NAME.zarr in an existing folder"
 Axes = dict[str, tuple[float, ...]]
+MOST = 1_000_000  # values of a parameter
 
 
 def add(commands: Commands) -> None:
@@ -48,23 +50,27 @@ def add(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Find the gaits, and draw the map."""
+    _check(arguments)
+    number, method = (arguments.latin, "latin") if arguments.latin else (arguments.sobol, "sobol")
+    axes = _axes(arguments.over, number is not None)
+
     from tqdm import tqdm
 
     from spear_pin.hybrid.record import Options
+    from spear_pin.studies import sweep_store
     from spear_pin.studies.sweep import grid, reasons, sample, sweep
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.sweep_plots import sweep_map
 
-    _check(arguments)
     Options(rtol=arguments.rtol)
-    number, method = (arguments.latin, "latin") if arguments.latin else (arguments.sobol, "sobol")
-    axes = _axes(arguments.over, number is not None)
     points = (
         grid(axes)
         if number is None
         else sample({k: (v[0], v[1]) for k, v in axes.items()}, number, method, arguments.seed)
     )
     system, vary, target = _asked(arguments, set(axes))
+    _check_names(system, axes)
+    sweep_store.require()  # its extra has the engine's too
     with tqdm(total=1, unit="gait", delay=1.0, disable=None, leave=False) as bar:
 
         def tell(done: int, total: int) -> None:
@@ -89,43 +95,56 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _check(arguments: argparse.Namespace) -> None:
     """Refuse what makes no sense, before anything is solved for."""
-    if arguments.out.suffix != ".zarr" or not arguments.out.parent.is_dir():
-        raise BadValue("--out", str(arguments.out), "NAME.zarr in an existing folder")
+    if arguments.out.suffix != ".zarr":
+        raise BadValue("--out", str(arguments.out), OUT)
+    check_folder(arguments.out.parent, str(arguments.out), OUT)
+    if arguments.out.exists() and not arguments.resume:
+        raise BadFile(arguments.out, "exists already: give another --out, delete it, or --resume")
     for option, least in (("workers", 1), ("chunk", 1), ("seed", 0), ("sobol", 1), ("latin", 1)):
         value = getattr(arguments, option)
         if value is not None and value < least:
             raise BadValue(f"--{option}", value, f"a whole number, at least {least}")
-    for option, kind in (("flight_time", "hop"), ("speed", "bound")):
+    if arguments.what == "hop" and arguments.speed is not None:
+        raise BadValue("--speed", arguments.speed, "to go with bound; a hop takes --flight-time")
+    if arguments.what == "bound" and arguments.flight_time is not None:
+        raise BadValue("--flight-time", arguments.flight_time, "to go with hop; a bound takes --speed")
+    for option in ("flight_time", "speed"):
         value = getattr(arguments, option)
-        if value is not None and (arguments.what != kind or not 0.0 < value < math.inf):
-            raise BadValue(f"--{option.replace('_', '-')}", value, f"a number > 0, of a {kind}")
+        if value is not None and not 0.0 < value < math.inf:
+            raise BadValue(f"--{option.replace('_', '-')}", value, "a number > 0")
 
 
 def _axes(words: list[str], sampled: bool) -> Axes:
     """Parameters and their values, or their ranges."""
     axes: Axes = {}
     for word in words:
-        name, _, values = word.partition("=")
-        form = "NAME=LEAST:MOST" if sampled else "NAME=FIRST:LAST:NUMBER or NAME=A,B,..."
-        try:
-            numbers = tuple(float(part) for part in values.replace(":", ",").split(","))
-            if not name or name in axes or not all(math.isfinite(number) for number in numbers):
-                raise ValueError
-            if sampled or ":" in values:
-                if values.count(":") != (1 if sampled else 2) or "," in values:
-                    raise ValueError
-                numbers = numbers if sampled else _spaced(*numbers)
-        except ValueError:
-            raise BadValue("--over", word, f"{form}, each name once") from None
+        name, numbers = _axis(word, sampled)
+        if name in axes:
+            raise BadValue("--over", word, "each name once")
         axes[name] = numbers
     return axes
 
 
-def _spaced(first: float, last: float, number: float) -> tuple[float, ...]:
-    if number % 1 or not 2 <= number <= 1e6:
-        raise ValueError
+def _axis(word: str, sampled: bool) -> tuple[str, tuple[float, ...]]:
+    name, _, values = word.partition("=")
+    colons = values.count(":")
+    try:
+        numbers = tuple(float(part) for part in values.split(":" if colons else ","))
+    except ValueError:
+        numbers = ()
+    read = name and numbers and all(math.isfinite(number) for number in numbers)
+    if not read or colons > 2 or (sampled and colons != 1):
+        form = "NAME=LEAST:MOST" if sampled else "NAME=FIRST:LAST:NUMBER or NAME=A,B,..."
+        raise BadValue("--over", word, form)
+    if sampled or not colons:
+        return name, numbers
+    if colons == 1:
+        raise BadValue("--over", word, f"--sobol or --latin with a range, or the number of its values too: {word}:5")
+    first, last, number = numbers
+    if number % 1 or not 2 <= number <= MOST:
+        raise BadValue("--over", word, f"FIRST:LAST:NUMBER with a whole NUMBER of values, 2 to {MOST}")
     steps = int(number) - 1
-    return tuple(first + (last - first) * i / steps for i in range(steps + 1))
+    return name, tuple(first + (last - first) * i / steps for i in range(steps + 1))
 
 
 def _asked(arguments: argparse.Namespace, names: set[str]) -> tuple[HybridSystem, list[str], dict[str, float]]:
@@ -147,6 +166,23 @@ def _asked(arguments: argparse.Namespace, names: set[str]) -> tuple[HybridSystem
         raise BadValue("--over", measure, f"another name, or no --{measure.replace('_', '-')}")
     asked = value is not None or measure in names
     return system, [solved] if asked else [], {} if value is None else {measure: value}
+
+
+def _check_names(system: HybridSystem, axes: Axes) -> None:
+    """Refuse a misspelt name, before anything is missed that is not installed."""
+    from spear_pin.gaits.many import MEASURES
+    from spear_pin.hybrid.parameters import with_parameters
+    from spear_pin.model.variants import PARAMETERS
+
+    robots = [name for name, known in PARAMETERS.items() if system.robot.source in known.robots]
+    measures = [name for name in system.measures if name in MEASURES]
+    for name in [name for name in axes if name not in (*robots, *system.measures)]:
+        try:
+            with_parameters(system, {name: axes[name][0]})
+        except UnknownName as error:
+            raise UnknownName("parameter", name, (*error.valid, *robots, *measures)) from None
+        except SpearError:
+            pass  # the name is known; what its values do, each point tells
 
 
 def _text(summary: dict[str, Any], vary: list[str], files: list[str], dataset: Any) -> str:

@@ -70,8 +70,8 @@ class TestMistakes:
     @pytest.mark.parametrize(
         ("arguments", "parts"),
         [
-            (["--q", "1", "2"], ["q is", "4 numbers (boom_x, boom_z, hip, knee)"]),
-            (["--v", "1"], ["v is", "4 numbers"]),
+            (["--q", "1", "2"], ["--q has 2 numbers; expected 4 (boom_x, boom_z, hip, knee)"]),
+            (["--v", "1"], ["--v has 1 number; expected 4"]),
             (["--q", "0", "nan", "0", "0"], ["q[1]", "nan"]),
             (["--q", "0", "0", "0", "inf"], ["q[3]", "inf"]),
             (["--q", "0", "0", "zero", "0"], ["--q", "zero"]),

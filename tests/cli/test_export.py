@@ -97,7 +97,10 @@ class TestMistakes:
     @pytest.mark.parametrize(
         ("arguments", "parts"),
         [
-            (["spear_ii"], ["format is 'none'", "of a robot: --mjcf, --srdf"]),
+            (["spear_ii"], ["spear_ii is a robot", "say what to write: --mjcf, --srdf"]),
+            (["hop.npz"], ["hop.npz is a trajectory", "say what to write: --csv, --mat, --png, --mp4"]),
+            (["hop.html", "--png"], ["hop.html", "neither a robot nor a saved trajectory (.npz)"]),
+            (["mine.urdf", "--png"], ["format is '--png'", "of a robot"]),
             (["spear_ii", "--csv"], ["format is '--csv'", "of a robot"]),
             (["spear_iii", "--mjcf"], ["unknown robot 'spear_iii'"]),
             (["spear_ii", "--srdf", "--lock", "boom_x"], ["robot is", "nothing locked"]),

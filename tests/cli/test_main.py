@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from spear_pin import __version__
 from tests.cli.calls import refused, run, words
 
 NAMES = (
@@ -28,11 +29,32 @@ class TestHelp:
         _, out, _ = run(capsys, "--help")
         assert [line.split()[0] for line in out.splitlines() if re.match(r" {4}\w", line)] == list(NAMES)
 
+    def test_without_a_command(self, capsys):
+        _, shown, _ = run(capsys, "--help")
+        assert run(capsys) == (2, "", shown)
+
+    def test_version(self, capsys):
+        assert run(capsys, "--version") == (0, f"spear {__version__}\n", "")
+
 
 class TestMistakes:
-    @pytest.mark.parametrize("arguments", [[], ["fly"], ["--json"], ["robots", "spear_ii"]], ids=words)
+    @pytest.mark.parametrize("arguments", [["fly"], ["--json"], ["robots", "spear_ii"]], ids=words)
     def test_commands(self, capsys, arguments):
         refused(capsys, *arguments)
+
+    @pytest.mark.parametrize(
+        ("arguments", "text"),
+        [
+            (["hop", "--stifness", "50"], "spear hop: unknown arguments: --stifness 50 (see spear hop --help)"),
+            (["hop", "--cycles", "1.5"], "invalid int value: '1.5'"),
+            (["hop", "--cycles", "-1.5e1"], "invalid int value: '-1.5e1'"),
+            (["hop", "--stance-torque", "-inf", "--out", "-1"], "--out is '-1'"),
+        ],
+        ids=words,
+    )
+    def test_say_what_was_written(self, capsys, tmp_path, monkeypatch, arguments, text):
+        monkeypatch.chdir(tmp_path)
+        assert text in refused(capsys, *arguments)
 
     def test_as_a_process(self):
         process = subprocess.run(

@@ -43,6 +43,19 @@ def test_figures(capsys, tmp_path, suffix):
     assert (tmp_path / "report_figures" / f"fig-2.9.{suffix}").is_file() and len(shown["files"]) == 2
 
 
+def test_list(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    ids = printed(capsys, "report", "--list")["ids"]
+    assert len(ids) == len(set(ids)) > 100 and {"fig-2.1", "table-3.1", "kinetic-energy"} <= set(ids)
+    assert run(capsys, "report", "--list", "--only", "kinetic-energy") == (0, "kinetic-energy\n", "")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_unknown_part(capsys):
+    text = refused(capsys, "report", "--only", "kinetic-enrgy")
+    assert "nearest: kinetic-energy" in text and "spear report --list" in text and len(text) < 200
+
+
 def test_cache(capsys, tmp_path, cache):
     options = ["report", "--only", "fig-2.1", "--out", tmp_path]
     run(capsys, *options, "--no-cache")

@@ -1,9 +1,12 @@
 """`spear sweep`: what it finds and writes, and one line for every mistake."""
 
+import sys
+
 import numpy as np
 import pytest
 
 from spear_pin.errors import BadFile
+from spear_pin.hybrid.engines import taylor
 from spear_pin.studies import sweep_store
 from tests.cli.calls import printed, refused, run, words
 
@@ -26,7 +29,6 @@ class TestSweep:
         np.testing.assert_allclose(np.unique(dataset["stiffness"]), [47.0, 49.0, 51.0])
         again = printed(capsys, "sweep", "hop", *OVER, "--flight-time", 0.2, "--out", out, "--resume")
         assert again == result
-        assert "exists already" in refused(capsys, "sweep", "hop", *OVER, "--flight-time", 0.2, "--out", out)
         assert "differs in target" in refused(
             capsys, "sweep", "hop", *OVER, "--flight-time", 0.21, "--out", out, "--resume"
         )
@@ -87,6 +89,33 @@ class TestMistakes:
         monkeypatch.chdir(tmp_path)
         refused(capsys, "sweep", *arguments)
         assert not list(tmp_path.iterdir())
+
+    @pytest.mark.parametrize(
+        ("arguments", "text"),
+        [
+            (("stiffness=1:2:0",), "a whole NUMBER of values"),
+            (("stiffness=46:52",), "--sobol or --latin with a range"),
+            (("stiffness=1,2", "--over", "stiffness=3,4"), "each name once"),
+            (("stiffness=46,52", "--speed", "2"), "to go with bound; a hop takes --flight-time"),
+        ],
+        ids=words,
+    )
+    def test_say_what_is_wrong(self, capsys, arguments, text):
+        assert text in refused(capsys, "sweep", "hop", "--over", *arguments)
+
+    def test_what_exists_already(self, capsys, tmp_path, monkeypatch):
+        monkeypatch.setattr("spear_pin.load", lambda *_, **__: pytest.fail("a robot was loaded"))
+        (tmp_path / "a.zarr").mkdir()
+        text = refused(capsys, "sweep", "hop", *OVER, "--out", tmp_path / "a.zarr")
+        assert "exists already: give another --out, delete it, or --resume" in text
+
+    def test_of_what_is_not_installed(self, capsys, tmp_path, monkeypatch):
+        """One extra has everything, and a misspelt name needs none."""
+        monkeypatch.setattr(taylor, "hy", None)
+        monkeypatch.setitem(sys.modules, "xarray", None)
+        monkeypatch.chdir(tmp_path)
+        assert "spear-pin[sweep]" in refused(capsys, "sweep", "hop", *OVER)
+        assert "unknown parameter 'stiffnes'" in refused(capsys, "sweep", "hop", "--over", "stiffnes=1,2")
 
     def test_of_a_disk(self, capsys, tmp_path, monkeypatch):
         def full(*_):

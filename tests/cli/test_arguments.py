@@ -1,0 +1,35 @@
+"""What commands refuse before they work."""
+
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from tests.cli.calls import refused, words
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        *(("hop",), ("bound",), ("push-test",), ("identify", "lab.csv"), ("search",), ("report",)),
+        *(("export", "spear_ii", "--mjcf"), ("sweep", "hop", "--over", "stiffness=47,48")),
+    ],
+    ids=words,
+)
+def test_a_folder_that_takes_no_files(capsys, tmp_path, monkeypatch, command):
+    """Whoever runs this may be allowed everything, so that it is the system that says no."""
+
+    def full(*_, dir, **__):
+        raise PermissionError(13, "Permission denied", str(dir))
+
+    monkeypatch.setattr(tempfile, "TemporaryFile", full)
+    out = tmp_path / "a.zarr" if command[0] == "sweep" else tmp_path
+    text = refused(capsys, *command, "--out", out)
+    assert f"--out is '{out}'" in text and "in which files can be written" in text
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="no /proc here")
+def test_of_the_system(capsys):
+    """Permissions alone would not tell."""
+    assert "--out is '/proc'" in refused(capsys, "report", "--out", "/proc")
