@@ -28,7 +28,7 @@ from spear_pin.hybrid.record import REASONS, Options
 from spear_pin.hybrid.run import AT_ONCE, CYCLE_EVENTS, INSTANT, run, struck_toes
 
 Array = NDArray[np.float64]
-FEW = 12  # lanes that are faster one by one; half as many where code is not unrolled
+FEW = 12  # lanes that are faster one by one; a quarter as many where code is not unrolled
 PATIENCE = 3  # cycles of a lane that its track refuses before it is left
 CROWD = 10  # events in an instant, of a lane that is then left to the reference engine, as may be a Zeno point
 FINER = 1000.0  # times the reference engine's tolerance is what the Taylor engine integrates with
@@ -66,7 +66,7 @@ class Lanes:
         self.repeated = np.zeros(n, bool)
         seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and observing}
         self.observed = {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
-        few = FEW if self.nv <= UNROLLED else FEW // 2
+        few = FEW if self.nv <= UNROLLED else FEW // 4
         self._tracks = [Track(self.numbers, lane) for lane in range(n)] if n <= few else []
         self._alone: list[tuple[Group, Came | None]] = []
         self._entering: dict[Any, tuple[str, Came | None, list[Group]]] = {}
