@@ -18,7 +18,7 @@ from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.record import Options
 
 Array = NDArray[np.float64]
-CHUNK = 4096  # lanes at a time, which bounds memory
+CHUNK = 16384  # lanes at a time, which bounds memory
 LOCK = Lock()  # a compiled integrator has one state, whichever thread asks
 
 
