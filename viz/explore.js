@@ -1,4 +1,3 @@
-"use strict";
 (function () {
   const data = JSON.parse(document.getElementById("data").textContent);
   const at = (id) => document.getElementById(id);
@@ -24,38 +23,13 @@
 
   // the scene
 
-  function handle(viewer, commands) {
-    for (const command of commands)
-      viewer.handle_command_bytearray(Uint8Array.from(atob(command), (char) => char.charCodeAt(0)));
-    viewer.animator.pause(); // this page drives the time
-  }
-
-  function openViewer() {
-    const viewer = new MeshCat.Viewer(at("pane"));
-    handle(viewer, data.scene);
-    viewer.scene.fog = new MeshCat.THREE.Fog(data.horizon, data.distance * 1.4, data.distance + 9);
-    const sun = viewer.scene_tree.find(["Lights", "FillLight", "<object>"]).object;
-    const reach = data.distance / 2.2;
-    Object.assign(sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.1, far: 12 });
-    sun.shadow.bias = -0.0005;
-    viewer.controls.maxPolarAngle = 1.54; // not below the ground
-    viewer.controls.maxDistance = 4 * data.distance;
-    const resize = viewer.set_3d_pane_size.bind(viewer);
-    viewer.set_3d_pane_size = () => { // its own fills the window
-      const { clientWidth, clientHeight } = at("pane");
-      viewer.camera.zoom = 0.94 * Math.min(1, clientWidth / clientHeight / data.aspect);
-      resize(clientWidth, clientHeight);
-    };
-    return viewer;
-  }
-
-  let viewer;
-  try {
-    viewer = openViewer();
-  } catch (problem) {
-    at("pane").innerHTML = '<p class="failed">This page needs WebGL, which this browser does not offer.</p>';
-    throw problem;
-  }
+  const viewer = openViewer(at("pane"), data.scene, data);
+  const resize = viewer.set_3d_pane_size.bind(viewer);
+  viewer.set_3d_pane_size = () => { // its own fills the window
+    const { clientWidth, clientHeight } = at("pane");
+    viewer.camera.zoom = 0.94 * Math.min(1, clientWidth / clientHeight / data.aspect);
+    resize(clientWidth, clientHeight);
+  };
 
   // the time
 

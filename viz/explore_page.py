@@ -24,7 +24,7 @@ from spear_pin.viz.motion import Motion, resample
 from spear_pin.viz.player import SPEEDS, in_words
 from spear_pin.viz.scene import Scene, moving
 from spear_pin.viz.stage import HORIZON, WORLD
-from spear_pin.viz.template import asset, css, filled, script_json, viewer_parts
+from spear_pin.viz.template import asset, css, filled, viewer_parts
 
 RATE = 60.0  # frames per second
 READOUTS = {  # label, unit and decimals of the figures
@@ -53,9 +53,7 @@ def page(engine: Engine) -> str:
     """The text of the page."""
     parts = {
         "style": asset("player.css") + asset("explore.css"),
-        "data": script_json(_opening(engine)),
-        "script": asset("explore.js"),
-        **viewer_parts(),
+        **viewer_parts(_opening(engine), "explore.js"),
     }
     return filled("explore.html", parts)
 

@@ -1,4 +1,3 @@
-"use strict";
 (function () {
   const data = JSON.parse(document.getElementById("data").textContent);
   const at = (id) => document.getElementById(id);
@@ -14,28 +13,7 @@
     return COLORS.get(name);
   }
 
-  function openViewer() {
-    const viewer = new MeshCat.Viewer(at("pane"));
-    for (const command of data.commands)
-      viewer.handle_command_bytearray(Uint8Array.from(atob(command), (char) => char.charCodeAt(0)));
-    viewer.animator.pause(); // this page drives the time
-    viewer.scene.fog = new MeshCat.THREE.Fog(data.horizon, data.distance * 1.4, data.distance + 9);
-    const sun = viewer.scene_tree.find(["Lights", "FillLight", "<object>"]).object;
-    const reach = data.distance / 2.2;
-    Object.assign(sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.1, far: 12 });
-    sun.shadow.bias = -0.0005;
-    viewer.controls.maxPolarAngle = 1.54; // not below the ground
-    viewer.controls.maxDistance = 4 * data.distance;
-    return viewer;
-  }
-
-  let viewer;
-  try {
-    viewer = openViewer();
-  } catch (problem) {
-    at("pane").innerHTML = '<p class="failed">This page needs WebGL, which this browser does not offer.</p>';
-    throw problem;
-  }
+  const viewer = openViewer(at("pane"), data.commands, data);
 
   function fit() {
     viewer.camera.zoom = Math.min(1, innerWidth / innerHeight / data.aspect);

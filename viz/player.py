@@ -20,7 +20,7 @@ from spear_pin.viz.marks import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
 from spear_pin.viz.motion import Motion, TrajectoryLike, read_times, resample
 from spear_pin.viz.scene import Scene, moving, still
 from spear_pin.viz.stage import HORIZON
-from spear_pin.viz.template import asset, css, filled, script_json, viewer_parts
+from spear_pin.viz.template import asset, css, filled, viewer_parts
 
 MOST_BYTES = 2_000_000
 # frames per second; more frames than this never fit
@@ -111,9 +111,7 @@ def _page(motion: Motion, scene: Scene, animation: str, title: str) -> str:
     parts = {
         "title": html.escape(title),
         "style": asset("player.css"),
-        "data": script_json(_data(motion, scene, animation, title)),
-        "script": asset("player.js"),
-        **viewer_parts(),
+        **viewer_parts(_data(motion, scene, animation, title), "player.js"),
     }
     return filled("player.html", parts)
 

@@ -21,17 +21,35 @@ def asset(name: str) -> str:
     return files("spear_pin.viz").joinpath(name).read_text(encoding="utf-8")
 
 
-def viewer_parts() -> dict[str, str]:
-    """Meshcat's viewer as the parts "library" and "licences"."""
+def viewer_parts(data: Mapping[str, Any], script: str) -> dict[str, str]:
+    """The parts "controls" and "viewer" of a page: buttons and time bar; meshcat's viewer with data and a script."""
+    parts = {
+        "licences": _comment(licences()),
+        "library": library(),
+        "data": script_json(data),
+        "script": asset("viewer.js") + asset(script),
+    }
+    return {"controls": asset("controls.html"), "viewer": filled("viewer.html", parts)}
+
+
+def library() -> str:
+    """The script of meshcat's viewer."""
+    return (_folder() / "dist" / "main.min.js").read_text(encoding="utf-8")
+
+
+def licences() -> str:
+    """Those of all that is in it."""
+    papers = "LICENSE", "dist/main.min.js.LICENSE.txt", "dist/main.min.js.THIRD_PARTY_LICENSES.json"
+    paths = (_folder() / paper for paper in papers)
+    return "\n\n".join(path.read_text(encoding="utf-8") for path in paths if path.is_file())
+
+
+def _folder() -> Path:
     # importing meshcat takes a second and warns; only its files are needed
     spec = find_spec("meshcat")
     if spec is None or not spec.submodule_search_locations:
         raise ImportError("playback needs the package meshcat")
-    folder = Path(spec.submodule_search_locations[0]) / "viewer"
-    built = folder / "dist"
-    papers = folder / "LICENSE", built / "main.min.js.LICENSE.txt", built / "main.min.js.THIRD_PARTY_LICENSES.json"
-    licences = "\n\n".join(path.read_text(encoding="utf-8") for path in papers if path.is_file())
-    return {"library": (built / "main.min.js").read_text(encoding="utf-8"), "licences": _comment(licences)}
+    return Path(spec.submodule_search_locations[0]) / "viewer"
 
 
 def script_json(data: Mapping[str, Any]) -> str:

@@ -21,7 +21,7 @@ from spear_pin.viz import player
 from spear_pin.viz.marks import spring_path
 from spear_pin.viz.scene import joint_paths
 from spear_pin.viz.stage import WORLD
-from spear_pin.viz.template import viewer_parts
+from spear_pin.viz.template import library as meshcat
 from tests.viz import samples
 from tests.viz.recording import Recording, read
 
@@ -57,7 +57,7 @@ USER_URDF = """<?xml version="1.0"?>
 
 def test_page_fetches_nothing(hop_page: str) -> None:
     # the library names addresses in its texts; the security policy keeps it from using them
-    library = viewer_parts()["library"]
+    library = meshcat()
     own = re.sub(r"<!--.*?-->", "", hop_page.replace(library, ""), flags=re.DOTALL)
     assert "http:" not in own and "https:" not in own and "//" not in own.replace("// ", "").split("<body>")[0]
     assert set(re.findall(r"(?:src|href)\s*=\s*[\"']?([^\"'\s>]*)", own)) <= {"data:,"}
