@@ -67,7 +67,7 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "model/robot",
-        ["model/test_dynamics", "hybrid/test_simulate"],
+        ["model/test_dynamics", "hybrid/test_equations_of_motion"],
         {
             "kinetic energy without rotors": (
                 "float(0.5 * rates @ self.mass_matrix(q) @ rates)",
@@ -80,7 +80,13 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/engines/pinocchio",
-        ["hybrid/test_simulate", "gaits/test_hopping"],
+        [
+            "hybrid/test_equations_of_motion",
+            "hybrid/test_torques",
+            "hybrid/test_ledger",
+            "hybrid/test_endings",
+            "gaits/test_hopping",
+        ],
         {
             "spring pushes the wrong way": (
                 "stiffness * (rest - angles[index]) - drag",
@@ -119,7 +125,7 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/contact",
-        ["hybrid/test_contact"],
+        ["hybrid/test_impact", "hybrid/test_contact"],
         {
             "friction speeds up what slides in an impact": ("-friction * direction", "friction * direction"),
             "a toe that stops always sticks": ("(slide == 0.0) & (np.abs(a_tn) <= friction * a_tt)", "slide == 0.0"),
@@ -129,7 +135,7 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/contact",
-        ["hybrid/test_contact", "hybrid/test_double_stance"],
+        ["hybrid/test_joint_impact", "hybrid/test_double_stance"],
         {
             "joint impact: friction speeds up": (
                 "unit[2 * i + 1] - mode * friction * unit[2 * i]",
@@ -142,7 +148,7 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/phases",
-        ["hybrid/test_events", "hybrid/test_simulate", "hybrid/test_periodic"],
+        ["hybrid/test_events", "hybrid/test_equations_of_motion", "hybrid/test_periodic"],
         {
             "friction cone of half the width": (
                 "ops: dyn.friction_coefficient * dyn.force(toe)[1] + side",
@@ -165,7 +171,7 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/run",
-        ["hybrid/test_simulate", "hybrid/test_periodic"],
+        ["hybrid/test_equations_of_motion", "hybrid/test_torques", "hybrid/test_ledger", "hybrid/test_periodic"],
         {
             "impact not applied": ("v = impact.v", "v = v.copy()"),
             "nothing is latched anew": (
@@ -214,7 +220,7 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "gaits/hopping",
-        ["gaits/test_hopping", "hybrid/test_simulate", "hybrid/test_events"],
+        ["gaits/test_hopping", "hybrid/test_torques", "hybrid/test_endings", "hybrid/test_events"],
         {
             "knee driven away from its angle": ("(p.knee_touchdown - q[knee])", "(q[knee] - p.knee_touchdown)"),
             "hip damping drives": ("- p.hip_damping * v[hip]", "+ p.hip_damping * v[hip]"),
@@ -264,7 +270,7 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "gaits/bounding_law",
-        ["gaits/test_bounding"],
+        ["gaits/test_bounding_law", "gaits/test_bounding_gaits"],
         {
             "bounding: physical spring added to the virtual one": ("total - dyn.spring_torque(leg.joint)", "total"),
             "bounding: virtual spring pulls": (

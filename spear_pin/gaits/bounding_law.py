@@ -12,8 +12,8 @@ from numbers import Real
 from typing import Any
 
 from spear_pin.errors import BadValue, require
-from spear_pin.gaits.virtual_constraints import Evolution, Outputs, Row, zeroing
-from spear_pin.hybrid.automaton import Law
+from spear_pin.gaits.virtual_constraints import Evolution, Outputs, zeroing
+from spear_pin.hybrid.automaton import Law, Row
 from spear_pin.model.robot import Robot
 
 Shape = tuple[tuple[float, ...], ...]
@@ -275,7 +275,7 @@ def stance_law(leg: Leg, phase: Phase) -> Law:
 
     def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Sequence[Any]:
         given = support(leg, q, held, p, dyn)
-        swing = zeroing(phase.outputs, evolution(held), q, v, p.epsilon, dyn.response(), given, ops)
+        swing = zeroing(phase.outputs, evolution(held), q, v, p.epsilon, given, dyn)
         return _ordered([*given, *zip(phase.outputs.motors, swing, strict=True)])
 
     return law
@@ -285,7 +285,7 @@ def flight_law(phase: Phase) -> Law:
     """Torques in flight, (5.20)."""
 
     def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Sequence[Any]:
-        return zeroing(phase.outputs, evolution(held), q, v, p.epsilon, dyn.response(), (), ops)
+        return zeroing(phase.outputs, evolution(held), q, v, p.epsilon, (), dyn)
 
     return law
 

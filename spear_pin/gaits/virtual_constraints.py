@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import comb
 from typing import Any
 
-Row = tuple[tuple[int, float], ...]
-"""A row vector over the coordinates, as (index, weight) of its entries."""
+from spear_pin.hybrid.automaton import Row
 
 
 @dataclass(frozen=True)
@@ -54,19 +54,26 @@ def dot(row: Row, vector: Sequence[Any]) -> Any:
 
 
 def bezier(alpha: Sequence[Any], s: Any) -> tuple[Any, Any, Any]:
-    """Value, slope and curvature of a Bézier polynomial, given its coefficients, at s."""
-    slopes = [(len(alpha) - 1) * (b - a) for a, b in zip(alpha, alpha[1:], strict=False)]
-    curvatures = [(len(slopes) - 1) * (b - a) for a, b in zip(slopes, slopes[1:], strict=False)]
-    return _bernstein(alpha, s), _bernstein(slopes, s), _bernstein(curvatures, s)
+    """Value, slope and curvature of a Bézier polynomial, given its coefficients (at least two), at s."""
+    n = len(alpha) - 1
+    # coefficients come last: polynomials at the same s share everything else
+    bases = _basis(n, s), _derived(_basis(n - 1, s)), _derived(_derived(_basis(n - 2, s)))
+    value, slope, curvature = (sum(a * b for a, b in zip(alpha, basis, strict=True)) for basis in bases)
+    return value, slope, curvature
 
 
-def _bernstein(coefficients: Sequence[Any], s: Any) -> Any:
-    n, rest = len(coefficients) - 1, 1.0 - s
-    ups, downs = [1.0], [1.0]
+def _basis(n: int, s: Any) -> list[Any]:
+    """The Bernstein polynomials of degree n."""
+    rest, ups, downs = 1.0 - s, [1.0], [1.0]
     for _ in range(n):
         ups.append(ups[-1] * s)
         downs.append(downs[-1] * rest)
-    return sum(comb(n, k) * c * ups[k] * downs[n - k] for k, c in enumerate(coefficients))
+    return [comb(n, k) * (ups[k] * downs[n - k]) for k in range(n + 1)]
+
+
+def _derived(basis: Sequence[Any]) -> list[Any]:
+    """Derivatives of those one degree higher."""
+    return [len(basis) * (less - more) for less, more in pairwise([0.0, *basis, 0.0])]
 
 
 def progress(outputs: Outputs, evolution: Evolution, q: Sequence[Any]) -> Any:
@@ -81,7 +88,7 @@ def desired(outputs: Outputs, evolution: Evolution, q: Sequence[Any]) -> list[tu
     evolutions = []
     for alpha in evolution.alpha:
         value, slope, curvature = bezier(alpha, inside)
-        evolutions.append((value + slope * (s - inside), slope, (1.0 - evolution.past) * curvature))
+        evolutions.append((value + slope * (s - inside), slope, curvature - evolution.past * curvature))
     return evolutions
 
 
@@ -101,9 +108,8 @@ def zeroing(
     q: Sequence[Any],
     v: Sequence[Any],
     epsilon: Any,
-    response: tuple[Sequence[Any], Sequence[Sequence[Any]]],
     others: Sequence[tuple[int, Any]],
-    ops: Any,
+    dyn: Any,
 ) -> Sequence[Any]:
     """Torques of the outputs' motors that give ÿ = -y/ε² - 2ẏ/ε, (5.15) and (5.20) with (5.16).
 
@@ -113,21 +119,18 @@ def zeroing(
         q: configuration.
         v: velocity.
         epsilon: ε, in s: the outputs decay like exp(-t/ε).
-        response: (a, A) with v̇ = a + A u, A as nv rows of nu.
         others: the other motors, as (column, torque).
-        ops: has `solve`.
+        dyn: the dynamics at (q, v), which has `imposing`.
     """
-    free, gains = response
-    free = [a + sum(gain[j] * torque for j, torque in others) for a, gain in zip(free, gains, strict=True)]
     y, dy = errors(outputs, evolution, q, v)
     rate = dot(outputs.phase, v) / evolution.span
-    matrix, wanted = [], []
+    rows: list[Row] = []
+    wanted = []
     for i, (_, slope, curvature) in enumerate(desired(outputs, evolution, q)):
         tilt = slope / evolution.span  # H - h' ds/dq is the output's gradient
-        row = (*outputs.rows[i], *((index, -tilt * weight) for index, weight in outputs.phase))
-        matrix.append([sum(weight * gains[index][j] for index, weight in row) for j in outputs.motors])
-        wanted.append(curvature * rate * rate - y[i] / (epsilon * epsilon) - 2.0 * dy[i] / epsilon - dot(row, free))
-    torques: Sequence[Any] = ops.solve(matrix, wanted)
+        rows.append((*outputs.rows[i], *((index, -tilt * weight) for index, weight in outputs.phase)))
+        wanted.append(curvature * (rate * rate) - (y[i] / epsilon + 2.0 * dy[i]) / epsilon)
+    torques: Sequence[Any] = dyn.imposing(rows, wanted, outputs.motors, others)
     return torques
 
 

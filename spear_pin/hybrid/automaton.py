@@ -9,7 +9,8 @@ Args:
     p: the law's parameters, a frozen dataclass.
     dyn: the dynamics at (q, v): `mass_matrix`, `bias`, `jacobian(toe)`, `height(frame)`,
         `toe_velocity(toe)`, `force(toe)`, `normal_force(toe, u)`, `pivot(toe)`, `spring_torque(joint)`,
-        `holding(joint)`, `response()` for v̇ as an affine function of u; in guards `u`, the motors' torques.
+        `holding(joint)`, `response()` for v̇ as an affine function of u, `imposing(rows, wanted, motors, others)`
+        for the torques that make rows · v̇ = wanted; in guards `u`, the motors' torques.
     ops: elementary functions for whatever scalars are used (`sin`, `cos`, `tanh`, `sqrt`, `maximum`,
         `solve`).
 
@@ -34,6 +35,8 @@ Held = Mapping[str, Any]
 Law = Callable[[Any, Any, Any, Mapping[str, Any], Any, Any, Any], Sequence[Any]]
 GuardValue = Callable[[Any, Any, Any, Mapping[str, Any], Any, Any, Any], Any]
 Latch = Callable[[Sequence[float], Sequence[float], Held, Any], Held]
+Row = Sequence[tuple[int, Any]]
+"""A row vector over the coordinates, as (index, weight) of its entries; those of the same index add up."""
 
 OPEN, STICK, SLIP_FORWARD, SLIP_BACKWARD = "open", "stick", "slip+", "slip-"
 

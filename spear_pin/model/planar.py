@@ -116,37 +116,36 @@ class Planar:
         for i in reversed(range(self.nv)):
             body, joint = self.bodies[i], joints[i]
             mass, moment, inertia, force, torque = carried[i]
-            com = _turned(body.com, joint.cosine, joint.sine)
-            pull = _added(joint.acceleration, _scaled(-joint.spin * joint.spin, com))
-            pull = body.mass * pull[0], body.mass * (pull[1] + self.gravity)
+            com = _scaled(body.mass, _turned(body.com, joint.cosine, joint.sine))
+            fall = joint.acceleration[0], joint.acceleration[1] + self.gravity
+            pull = _added(_scaled(body.mass, fall), _scaled(-joint.spin * joint.spin, com))
             mass = mass + body.mass
-            moment = _added(moment, _scaled(body.mass, com))
-            inertia = inertia + body.inertia + body.mass * _dot(com, com)
-            force, torque = _added(force, pull), torque + _cross(com, pull)
+            moment = _added(moment, com)
+            inertia = inertia + body.inertia + body.mass * _dot(body.com, body.com)  # as long however it turns
+            force, torque = _added(force, pull), torque + _cross(com, fall)
             bias[i] = body.turns * torque if body.turns else _dot(joint.axis, force)
-            j = i
+            j, further, lever = i, inertia, ZERO
             while j >= 0:
-                other = joints[j]
-                lever = (joint.origin[0] - other.origin[0], joint.origin[1] - other.origin[1])
-                value: Any
-                if body.turns and self.bodies[j].turns:
-                    value = body.turns * self.bodies[j].turns * (inertia + _dot(moment, lever))
+                other, turns = joints[j], self.bodies[j].turns
+                if body.turns and turns:
+                    value = body.turns * turns * further
                 elif body.turns:
                     value = body.turns * _cross(moment, other.axis)
-                elif self.bodies[j].turns:
-                    value = self.bodies[j].turns * _cross(_added(moment, _scaled(mass, lever)), joint.axis)
+                elif turns:
+                    value = turns * _cross(_added(moment, _scaled(mass, lever)), joint.axis)
                 else:
-                    value = mass * _dot(joint.axis, other.axis)
+                    along = _dot(joint.axis, other.axis)
+                    value = along if _vanishes(along) else mass * along
                 mass_matrix[i][j] = mass_matrix[j][i] = value
+                further, lever = further + _dot(moment, other.arm), _added(lever, other.arm)
                 j = self.bodies[j].parent
             mass_matrix[i][i] = mass_matrix[i][i] + body.armature
             if body.parent >= 0:
-                arm = joints[body.parent].origin
-                arm = (joint.origin[0] - arm[0], joint.origin[1] - arm[1])
-                above = carried[body.parent]
+                arm, above = joint.arm, carried[body.parent]
+                length = _dot(body.placement, body.placement) if body.turns else _dot(arm, arm)
                 above[0] = above[0] + mass
                 above[1] = _added(above[1], _added(moment, _scaled(mass, arm)))
-                above[2] = above[2] + inertia + 2.0 * _dot(moment, arm) + mass * _dot(arm, arm)
+                above[2] = above[2] + inertia + 2.0 * _dot(moment, arm) + mass * length
                 above[3] = _added(above[3], force)
                 above[4] = above[4] + torque + _cross(arm, force)
         positions, jacobians, drifts = {}, {}, {}
@@ -185,28 +184,32 @@ class Planar:
             if not body.turns:
                 axis = _turned(body.slides, cosine, sine)
                 arm = _added(arm, _scaled(q[i], axis))
-                if _moves(spin):
+                if not _vanishes(spin):
                     acceleration = _added(acceleration, _scaled(2.0 * spin * v[i], (-axis[1], axis[0])))
-            if _moves(above.spin):
+            if not _vanishes(above.spin):
                 acceleration = _added(acceleration, _scaled(-above.spin * above.spin, arm))
-            joints.append(_Joint(angle, cosine, sine, _added(above.origin, arm), spin, acceleration, axis))
+            joints.append(_Joint(angle, cosine, sine, arm, _added(above.origin, arm), spin, acceleration, axis))
         return joints
 
 
 @dataclass(frozen=True)
 class _Joint:
-    """Where a joint is: absolute angle and rate, position, acceleration at v̇ = 0, direction of sliding."""
+    """Where a joint is: absolute angle and rate, position, acceleration at v̇ = 0, direction of sliding.
+
+    `arm` is from the joint it hangs on.
+    """
 
     angle: Any
     cosine: Any
     sine: Any
+    arm: Vector
     origin: Vector
     spin: Any
     acceleration: Vector
     axis: Vector
 
 
-_WORLD = _Joint(0.0, 1.0, 0.0, ZERO, 0.0, ZERO, ZERO)
+_WORLD = _Joint(0.0, 1.0, 0.0, ZERO, ZERO, 0.0, ZERO, ZERO)
 
 
 def _bodies(model: pin.Model, at_zero: pin.Data) -> tuple[Body, ...]:
@@ -235,8 +238,8 @@ def _plane(vector: Any) -> tuple[float, float]:
     return float(vector[0]), float(vector[2])
 
 
-def _moves(spin: Any) -> bool:
-    return not (isinstance(spin, float) and spin == 0.0)
+def _vanishes(value: Any) -> bool:
+    return isinstance(value, float) and value == 0.0
 
 
 def _turned(vector: Vector, cosine: Any, sine: Any) -> Vector:

@@ -25,7 +25,8 @@ from spear_pin.gaits.virtual_constraints import (
     zeroing,
 )
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, HybridSystem
-from spear_pin.hybrid.engines.pinocchio import OPS, Flow
+from spear_pin.hybrid.engines.elimination import torques_for
+from spear_pin.hybrid.engines.pinocchio import Flow
 
 ROBOT = load("q_spear")
 POSTERIOR, ANTERIOR = (((2, 1.0), (3, 1.0), (4, -0.5)), ((4, 1.0),)), (((2, 1.0), (5, 1.0), (6, -0.5)), ((6, 1.0),))
@@ -66,7 +67,7 @@ def flow_of(phase, evolution):
 
     def law(t, q, v, held, p, dyn, ops):
         others = given_torques(phase)
-        torques = zeroing(OUTPUTS[phase], evolution, q, v, EPSILON, dyn.response(), others, ops)
+        torques = zeroing(OUTPUTS[phase], evolution, q, v, EPSILON, others, dyn)
         chosen = dict([*others, *zip(OUTPUTS[phase].motors, torques, strict=True)])
         return [chosen[column] for column in range(4)]
 
@@ -266,7 +267,10 @@ class TestOnSymbols:
     """They are pure and never branch on a value."""
 
     OUTPUTS = Outputs((((1, 1.0),), ((2, 1.0), (0, 0.5))), ((0, 1.0),), (0, 2))
-    OPS = SimpleNamespace(solve=lambda matrix, right: list(sp.Matrix(matrix).LUsolve(sp.Matrix(right))))
+
+    @staticmethod
+    def dyn(response, solve):
+        return SimpleNamespace(imposing=lambda *asked: torques_for(response, *asked, solve))
 
     def test_zeroing(self):
         q, v, free = (sp.symbols(f"{name}0:3", real=True) for name in ("q", "v", "a"))
@@ -274,7 +278,8 @@ class TestOnSymbols:
         alpha = tuple(sp.symbols(f"alpha{i}_0:4", real=True) for i in range(2))
         origin, span, past, epsilon, push = sp.symbols("origin span past epsilon push", real=True)
         evolution = Evolution(alpha, origin, span, past)
-        torques = zeroing(self.OUTPUTS, evolution, q, v, epsilon, (free, gains), [(1, push)], self.OPS)
+        dyn = self.dyn((free, gains), lambda a, b: sp.Matrix(a).LUsolve(sp.Matrix(b)))
+        torques = list(zeroing(self.OUTPUTS, evolution, q, v, epsilon, [(1, push)], dyn))
         assert not any(sp.sympify(torque).has(sp.Piecewise, sp.nan) for torque in torques)
         symbols = [*q, *v, *free, *(g for row in gains for g in row), *alpha[0], *alpha[1]]
         symbols += [origin, span, past, epsilon, push]
@@ -288,7 +293,8 @@ class TestOnSymbols:
 
             response = at(free), at(gains)
             held = Evolution(at(alpha), x[origin], x[span], x[past])
-            expected = zeroing(self.OUTPUTS, held, at(q), at(v), x[epsilon], response, [(1, x[push])], OPS)
+            dyn = self.dyn(response, np.linalg.solve)
+            expected = zeroing(self.OUTPUTS, held, at(q), at(v), x[epsilon], [(1, x[push])], dyn)
             np.testing.assert_allclose(compiled(*x.values()), expected, rtol=1e-9)
 
     def test_resume_and_errors(self):

@@ -7,9 +7,10 @@ import pytest
 
 from spear_pin import Gait, HoppingLaw, Spring, hopping, load
 from spear_pin.gaits.series_hopping import series_hopping
-from spear_pin.hybrid.engines.elimination import factorize, solve, substitute
+from spear_pin.hybrid.engines.elimination import factorize, solve, solve_sparse, substitute
+from spear_pin.hybrid.engines.layout import Numbers, with_fields
 from spear_pin.hybrid.engines.pinocchio import Flow
-from spear_pin.hybrid.engines.symbolic import Motion, Numbers, with_fields
+from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
 from spear_pin.model.planar import Planar
@@ -115,6 +116,22 @@ def test_linear_algebra():
     np.testing.assert_allclose(solve(matrix.tolist(), right.tolist()), expected, atol=1e-12)
     skewed = matrix + rng.normal(size=(5, 5))
     np.testing.assert_allclose(solve(skewed.tolist(), right.tolist()), np.linalg.solve(skewed, right), atol=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_sparse_systems(seed):
+    """As of a constrained robot: units to begin with, zeros on the diagonal, what is left dense."""
+    rng = np.random.default_rng(seed)
+    root = rng.normal(size=(5, 5))
+    mass, rows = root @ root.T + np.eye(5), rng.normal(size=(2, 5)) * (rng.random((2, 5)) < 0.6)
+    rows[0, :2], rows[1, :2] = (1.0, 0.0), (0.0, -1.0)
+    matrix, right = np.block([[mass, -rows.T], [rows, np.zeros((2, 2))]]), rng.normal(size=7)
+    np.testing.assert_allclose(solve_sparse(matrix.tolist(), right.tolist()), np.linalg.solve(matrix, right), atol=1e-9)
+
+
+def test_sparse_systems_of_units():
+    matrix = [[0.0, 1.0, 2.0], [-1.0, 0.0, 0.0], [3.0, 0.0, 1.0]]
+    np.testing.assert_allclose(solve_sparse(matrix, [1.0, 2.0, 3.0]), np.linalg.solve(matrix, [1.0, 2.0, 3.0]))
 
 
 def test_fields_need_not_be_valid():

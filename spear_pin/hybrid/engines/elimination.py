@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
+
+from spear_pin.hybrid.automaton import Row
 
 Matrix = list[list[Any]]
 
@@ -49,6 +51,84 @@ def solve(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any]:
     for i in reversed(range(n)):
         x[i] = (rows[i][n] - dot(rows[i][i + 1 : n], x[i + 1 :])) / rows[i][i]
     return x
+
+
+def solve_sparse(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any]:
+    """The solution of a linear system, entries that are the number 1 or -1 eliminated first, then `solve`.
+
+    Of those it is the one whose row and column have the fewest others, which keeps what is zero.
+    """
+    rows = [{j: value for j, value in enumerate(row) if not _zero(value)} for row in matrix]
+    right, left, pivots = list(right), list(range(len(rows))), []
+    while chosen := _unit(rows, left):
+        _, i, j = chosen
+        left.remove(i)
+        pivots.append((i, j))
+        for k in left:
+            factor = rows[k].pop(j, 0.0)
+            if _zero(factor):
+                continue
+            factor = factor * rows[i][j]  # of a unit the inverse is the unit
+            for other, value in rows[i].items():
+                if other != j:
+                    rows[k][other] = _less(rows[k].get(other, 0.0), times(factor, value))
+            right[k] = _less(right[k], times(factor, right[i]))
+    taken = {j for _, j in pivots}
+    columns = [j for j in range(len(rows)) if j not in taken]
+    dense = solve([[rows[i].get(j, 0.0) for j in columns] for i in left], [right[i] for i in left])
+    x = dict(zip(columns, dense, strict=True))
+    for i, j in reversed(pivots):
+        others = [k for k in rows[i] if k != j]
+        x[j] = times(rows[i][j], _less(right[i], dot([rows[i][k] for k in others], [x[k] for k in others])))
+    return [x[j] for j in range(len(rows))]
+
+
+def torques_for(
+    response: tuple[Sequence[Any], Matrix],
+    rows: Sequence[Row],
+    wanted: Sequence[Any],
+    motors: Sequence[int],
+    others: Sequence[tuple[int, Any]],
+    solve: Callable[[Matrix, list[Any]], Sequence[Any]],
+) -> Sequence[Any]:
+    """Torques of some motors, as many as rows, that make rows · v̇ = wanted.
+
+    Args:
+        response: (a, A) with v̇ = a + A u.
+        rows: over the coordinates.
+        wanted: what they times v̇ shall be.
+        motors: columns of those motors.
+        others: columns and torques of the other motors.
+        solve: solves the linear system, of the decoupling matrix.
+    """
+    free, gains = response
+    free = [a + sum(gain[j] * torque for j, torque in others) for a, gain in zip(free, gains, strict=True)]
+    decoupling = [[sum(weight * gains[i][j] for i, weight in row) for j in motors] for row in rows]
+    missing = [a - sum(weight * free[i] for i, weight in row) for a, row in zip(wanted, rows, strict=True)]
+    return solve(decoupling, missing)
+
+
+def _unit(rows: Sequence[dict[int, Any]], left: Sequence[int]) -> tuple[int, int, int] | None:
+    """What eliminating one of the remaining 1 or -1 costs at least, its row and column."""
+    counts: dict[int, int] = {}
+    for i in left:
+        for j in rows[i]:
+            counts[j] = counts.get(j, 0) + 1
+    units = [(i, j) for i in left for j, value in rows[i].items() if isinstance(value, float) and abs(value) == 1.0]
+    return min((((len(rows[i]) - 1) * (counts[j] - 1), i, j) for i, j in units), default=None)
+
+
+def plus(a: Any, b: Any) -> Any:
+    """The sum, leaving out what is zero."""
+    if _zero(b):
+        return a
+    return b if _zero(a) else a + b
+
+
+def _less(a: Any, b: Any) -> Any:
+    if _zero(b):
+        return a
+    return -b if _zero(a) else a - b
 
 
 def _zero(value: Any) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
 from types import FunctionType
 from typing import Any
@@ -12,11 +12,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import Domain, HybridSystem
-from spear_pin.hybrid.engines.symbolic import Numbers, with_fields
 from spear_pin.model.planar import Body, Planar
 
 Array = NDArray[np.float64]
 Values = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """What a system's numbers are, as scalars.
+
+    Attributes:
+        law: parameters of the control law.
+        stiffness: of the springs, in N·m/rad.
+        damping: of the springs, in N·m·s/rad.
+        friction: of the ground.
+        joints: viscous friction of each joint, in N·s/m or N·m·s/rad.
+    """
+
+    law: Any
+    stiffness: Any
+    damping: Any
+    friction: Any
+    joints: Sequence[Any]
+
+
+def with_fields(instance: Any, values: Mapping[str, Any]) -> Any:
+    """A dataclass with other values in some fields, which need not be valid numbers."""
+    assert is_dataclass(instance)
+    other = object.__new__(type(instance))
+    for field in fields(instance):
+        object.__setattr__(other, field.name, values.get(field.name, getattr(instance, field.name)))
+    return other
 
 
 def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tuple[Planar, Numbers, dict[str, Any]]:

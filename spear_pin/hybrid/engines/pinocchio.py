@@ -14,8 +14,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem
+from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem, Row
 from spear_pin.hybrid.contact import constrained
+from spear_pin.hybrid.engines.elimination import torques_for
 from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
 from spear_pin.hybrid.phases import SIGN
 from spear_pin.model.robot import WORLD_ALIGNED
@@ -256,6 +257,22 @@ class Flow:
         else:
             forced = np.linalg.solve(self._data.M, forces)
         return forced[:, 0].tolist(), forced[:, 1:].tolist()
+
+    def imposing(
+        self, rows: Sequence[Row], wanted: Sequence[float], motors: Sequence[int], others: Sequence[tuple[int, float]]
+    ) -> Sequence[float]:
+        """Torques of some motors, as many as rows, that make rows · v̇ = wanted with the toes on the ground at rest.
+
+        Args:
+            rows: (index, weight) of each row's entries; an index may come several times.
+            wanted: what the rows times v̇ shall be.
+            motors: columns of those motors.
+            others: columns and torques of the other motors.
+
+        Raises:
+            numpy.linalg.LinAlgError: the decoupling matrix is singular.
+        """
+        return torques_for(self.response(), rows, wanted, motors, others, OPS.solve)
 
     # accelerations, by what is in contact
 

@@ -7,42 +7,41 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from spear_pin.hybrid.automaton import OPEN, STICK, Domain, HybridSystem, Reset
-from spear_pin.hybrid.engines.elimination import Matrix, dot, factorize, negated, solve, substitute, times
+from spear_pin.hybrid.automaton import OPEN, STICK, Domain, HybridSystem, Row
+from spear_pin.hybrid.engines.elimination import (
+    Matrix,
+    dot,
+    factorize,
+    negated,
+    plus,
+    solve,
+    solve_sparse,
+    substitute,
+    times,
+    torques_for,
+)
+from spear_pin.hybrid.engines.layout import Numbers
 from spear_pin.hybrid.phases import SIGN
 from spear_pin.model.planar import Planar
 
 
 @dataclass(frozen=True)
-class Numbers:
-    """What a system's numbers are, as scalars.
+class Imposed:
+    """What motors bring about that impose accelerations.
 
     Attributes:
-        law: parameters of the control law.
-        stiffness: of the springs, in N·m/rad.
-        damping: of the springs, in N·m·s/rad.
-        friction: of the ground.
-        joints: viscous friction of each joint, in N·s/m or N·m·s/rad.
+        a: acceleration, nv.
+        forces: on each toe, F_x and F_z.
+        torques: of all motors, with their columns.
     """
 
-    law: Any
-    stiffness: Any
-    damping: Any
-    friction: Any
-    joints: Sequence[Any]
-
-
-def with_fields(instance: Any, values: Mapping[str, Any]) -> Any:
-    """A dataclass with other values in some fields, which need not be valid numbers."""
-    assert is_dataclass(instance)
-    other = object.__new__(type(instance))
-    for field in fields(instance):
-        object.__setattr__(other, field.name, values.get(field.name, getattr(instance, field.name)))
-    return other
+    a: list[Any]
+    forces: dict[str, tuple[Any, Any]]
+    torques: list[tuple[int, Any]]
 
 
 class Motion:
@@ -89,7 +88,16 @@ class Motion:
     @cached_property
     def u(self) -> list[Any]:
         """Torques of the motors."""
-        return list(self.domain.law(self.t, self.q, self.v, self.held, self.numbers.law, self, self.ops))
+        return self._controlled[0]
+
+    @cached_property
+    def _controlled(self) -> tuple[list[Any], Imposed | None]:
+        """Torques of the motors, and the motion that they impose if it was found together with them."""
+        self._imposed: Imposed | None = None
+        u = list(self.domain.law(self.t, self.q, self.v, self.held, self.numbers.law, self, self.ops))
+        imposed = self._imposed
+        ours = imposed is not None and all(torque is u[j] for j, torque in imposed.torques)
+        return u, imposed if ours else None
 
     @cached_property
     def guards(self) -> list[Any]:
@@ -105,6 +113,9 @@ class Motion:
     @cached_property
     def _solution(self) -> tuple[list[Any], dict[str, tuple[Any, Any]], dict[str, Any]]:
         """Acceleration, ground force on each closed toe, pivot of each slipping one."""
+        imposed = self._controlled[1]
+        if imposed is not None:
+            return imposed.a, imposed.forces, {}
         applied = list(self._passive)
         for index, torque in zip(self._motors, self.u, strict=True):
             applied[index] = applied[index] + torque
@@ -192,6 +203,37 @@ class Motion:
             columns.append(self._constrained(unit, rows, rows, [0.0] * len(rows), moving=False)[0])
         return free, [list(row) for row in zip(*columns, strict=True)]
 
+    def imposing(
+        self, rows: Sequence[Row], wanted: Sequence[Any], motors: Sequence[int], others: Sequence[tuple[int, Any]]
+    ) -> Sequence[Any]:
+        """Torques of some motors that make rows · v̇ = wanted with the toes on the ground at rest.
+
+        Where they are, the rows take the place of the motors' equations of motion, so that v̇ and the forces come
+        first, from half the operations, and the torques from those equations afterwards.
+        """
+        if [(toe, STICK) for toe in self._taken] != self._closed:
+            return torques_for(self.response(), rows, wanted, motors, others, self.ops.solve)
+        n, (contacts, drift) = self.planar.nv, self._at_rest()
+        applied = list(self._passive)
+        for j, torque in others:
+            applied[self._motors[j]] = applied[self._motors[j]] + torque
+        force = [f - h for f, h in zip(applied, self.bias, strict=True)]
+        system = [[*row, *map(negated, column)] for row, *column in zip(self.mass_matrix, *contacts, strict=True)]
+        system += [[*row, *[0.0] * len(contacts)] for row in contacts]
+        right = [*force, *map(negated, drift)]
+        for row, a, j in zip(rows, wanted, motors, strict=True):
+            i = self._motors[j]
+            system[i], right[i] = [0.0] * (n + len(contacts)), a
+            for k, weight in row:
+                system[i][k] = plus(system[i][k], weight)
+        solution = solve_sparse(system, right)
+        a, pushes = solution[:n], solution[n:]
+        pulls = [dot([row[i] for row in contacts], pushes) for i in range(n)]
+        torques = [dot(self.mass_matrix[i], a) - force[i] - pulls[i] for i in (self._motors[j] for j in motors)]
+        forces = {toe: (pushes[2 * k], pushes[2 * k + 1]) for k, toe in enumerate(self._taken)}
+        self._imposed = Imposed(a, forces, [*others, *zip(motors, torques, strict=True)])
+        return torques
+
     # parts
 
     @cached_property
@@ -260,88 +302,6 @@ class Motion:
             for i, value in enumerate(free)
         ]
         return a, multipliers, schur
-
-
-class Alternating:
-    """Motion on the switching surface between two domains, as `filippov.Sliding`.
-
-    Both laws act as if their phase had just begun, so that what they hold is latched anew at every instant.
-
-    Args:
-        system: the system.
-        domain: as of `filippov.chatter`.
-        planar: the robot's dynamics.
-        q: configuration.
-        v: velocity.
-        held: what is held.
-        numbers: the system's numbers.
-        ops: elementary functions, and `solve`.
-
-    Raises:
-        TypeError: a latch branches on a value, which symbols do not have.
-    """
-
-    def __init__(
-        self,
-        system: HybridSystem,
-        domain: Domain,
-        planar: Planar,
-        q: Sequence[Any],
-        v: Sequence[Any],
-        held: Mapping[str, Any],
-        numbers: Numbers,
-        ops: Any,
-    ) -> None:
-        between = domain.between
-        assert between is not None
-
-        def latched(*resets: Reset) -> Mapping[str, Any]:
-            now = held
-            for reset in resets:
-                if reset.latch is not None:
-                    now = {**now, **reset.latch(q, v, now, numbers.law)}
-            return now
-
-        unloaded = replace(between.grounded, contacts=between.airborne.contacts)
-        bearing = [toe for toe, mode in zip(system.robot.toes, between.grounded.contacts, strict=True) if mode != OPEN]
-        leaves, touches = latched(between.leave), latched(between.touch, *between.follow)
-        self._flight = Motion(system, between.airborne, planar, 0.0, q, v, leaves, numbers, ops)
-        self._stance = Motion(system, unloaded, planar, 0.0, q, v, touches, numbers, ops, bearing)
-        self._domain, self._arguments = domain, (0.0, q, v, leaves, numbers.law, self, ops)
-        fall, rise = (motion.toe_acceleration(between.toe)[1] for motion in (self._flight, self._stance))
-        self.share = fall / (fall - rise)
-        self.a = self._blend(self._stance.a, self._flight.a)
-        self.u = self._blend(self._stance.u, self._flight.u)
-
-    @cached_property
-    def guards(self) -> list[Any]:
-        """Values of the domain's guards."""
-        return [guard.value(*self._arguments) for guard in self._domain.guards]
-
-    def height(self, frame: str) -> Any:
-        """Height of a frame above the ground, in m."""
-        return self._flight.height(frame)
-
-    def toe_velocity(self, toe: str) -> tuple[Any, Any]:
-        """Velocity of a toe, x and z, in m/s."""
-        return self._flight.toe_velocity(toe)
-
-    def toe_acceleration(self, toe: str) -> tuple[Any, Any]:
-        """Acceleration of a toe, x and z, in m/s²."""
-        x, z = self._blend(self._stance.toe_acceleration(toe), self._flight.toe_acceleration(toe))
-        return x, z
-
-    def force(self, toe: str) -> tuple[Any, Any]:
-        """Ground force on a toe, F_x and F_z, in N."""
-        x, z = self._blend(self._stance.force(toe), self._flight.force(toe))
-        return x, z
-
-    def pivot(self, toe: str) -> Any:
-        """Effective inverse mass of the normal force of a slipping toe, in 1/kg."""
-        return self._flight.pivot(toe)
-
-    def _blend(self, stance: Sequence[Any], flight: Sequence[Any]) -> list[Any]:
-        return [self.share * s + (1.0 - self.share) * f for s, f in zip(stance, flight, strict=True)]
 
 
 def _complement(schur: Matrix, row: int, others: Sequence[int]) -> Any:

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import MissingExtra
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, HybridSystem
+from spear_pin.hybrid.engines.alternating import Alternating
 from spear_pin.hybrid.engines.elimination import solve
 from spear_pin.hybrid.engines.layout import Structure, symbols
-from spear_pin.hybrid.engines.symbolic import Alternating, Motion
+from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.model.planar import Planar
 
 try:

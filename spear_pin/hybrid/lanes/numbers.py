@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
 from spear_pin.hybrid.engines import layout
-from spear_pin.hybrid.engines.symbolic import with_fields
+from spear_pin.hybrid.engines.layout import with_fields
 from spear_pin.hybrid.engines.taylor import Point, Ready
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, Indices, collected, spread, take

@@ -1,0 +1,95 @@
+"""Closed-loop motion on the switching surface between two domains, for scalars of any kind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+from spear_pin.hybrid.automaton import OPEN, Domain, HybridSystem, Reset
+from spear_pin.hybrid.engines.layout import Numbers
+from spear_pin.hybrid.engines.symbolic import Motion
+from spear_pin.model.planar import Planar
+
+
+class Alternating:
+    """Motion on the switching surface between two domains, as `filippov.Sliding`.
+
+    Both laws act as if their phase had just begun, so that what they hold is latched anew at every instant.
+
+    Args:
+        system: the system.
+        domain: as of `filippov.chatter`.
+        planar: the robot's dynamics.
+        q: configuration.
+        v: velocity.
+        held: what is held.
+        numbers: the system's numbers.
+        ops: elementary functions, and `solve`.
+
+    Raises:
+        TypeError: a latch branches on a value, which symbols do not have.
+    """
+
+    def __init__(
+        self,
+        system: HybridSystem,
+        domain: Domain,
+        planar: Planar,
+        q: Sequence[Any],
+        v: Sequence[Any],
+        held: Mapping[str, Any],
+        numbers: Numbers,
+        ops: Any,
+    ) -> None:
+        between = domain.between
+        assert between is not None
+
+        def latched(*resets: Reset) -> Mapping[str, Any]:
+            now = held
+            for reset in resets:
+                if reset.latch is not None:
+                    now = {**now, **reset.latch(q, v, now, numbers.law)}
+            return now
+
+        unloaded = replace(between.grounded, contacts=between.airborne.contacts)
+        bearing = [toe for toe, mode in zip(system.robot.toes, between.grounded.contacts, strict=True) if mode != OPEN]
+        leaves, touches = latched(between.leave), latched(between.touch, *between.follow)
+        self._flight = Motion(system, between.airborne, planar, 0.0, q, v, leaves, numbers, ops)
+        self._stance = Motion(system, unloaded, planar, 0.0, q, v, touches, numbers, ops, bearing)
+        self._domain, self._arguments = domain, (0.0, q, v, leaves, numbers.law, self, ops)
+        fall, rise = (motion.toe_acceleration(between.toe)[1] for motion in (self._flight, self._stance))
+        self.share = fall / (fall - rise)
+        self.a = self._blend(self._stance.a, self._flight.a)
+        self.u = self._blend(self._stance.u, self._flight.u)
+
+    @cached_property
+    def guards(self) -> list[Any]:
+        """Values of the domain's guards."""
+        return [guard.value(*self._arguments) for guard in self._domain.guards]
+
+    def height(self, frame: str) -> Any:
+        """Height of a frame above the ground, in m."""
+        return self._flight.height(frame)
+
+    def toe_velocity(self, toe: str) -> tuple[Any, Any]:
+        """Velocity of a toe, x and z, in m/s."""
+        return self._flight.toe_velocity(toe)
+
+    def toe_acceleration(self, toe: str) -> tuple[Any, Any]:
+        """Acceleration of a toe, x and z, in m/s²."""
+        x, z = self._blend(self._stance.toe_acceleration(toe), self._flight.toe_acceleration(toe))
+        return x, z
+
+    def force(self, toe: str) -> tuple[Any, Any]:
+        """Ground force on a toe, F_x and F_z, in N."""
+        x, z = self._blend(self._stance.force(toe), self._flight.force(toe))
+        return x, z
+
+    def pivot(self, toe: str) -> Any:
+        """Effective inverse mass of the normal force of a slipping toe, in 1/kg."""
+        return self._flight.pivot(toe)
+
+    def _blend(self, stance: Sequence[Any], flight: Sequence[Any]) -> list[Any]:
+        return [self.share * s + (1.0 - self.share) * f for s, f in zip(stance, flight, strict=True)]

@@ -1,0 +1,105 @@
+"""The bounding law: what the motors give beside the springs, and the parameters and robots that it refuses."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spear_pin import Spring, bounding, load, simulate
+from spear_pin.errors import BadValue
+from tests.gaits.bounding_gaits import LEGS, NAMES, each_gait, gait, trajectory
+
+
+def springs(name, stiffness):
+    """The same gait with other springs in the knees, without damping."""
+    system = gait(name).system
+    return system.build(system.robot, system.law, Spring(stiffness=stiffness, damping=0.0), system.contact)
+
+
+@each_gait
+class TestVirtualSpring:
+    """The motor gives what the physical spring does not, so the motion does not depend on that spring."""
+
+    @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+    def test_motion_is_the_same(self, name, share):
+        here = trajectory(name)
+        there = simulate(springs(name, share * gait(name).system.law.virtual_stiffness), gait(name).state, 1, 1e-11)
+        kinds = ("touchdown", "lift_off")
+        for one, other in zip(
+            [event for event in here.events if event.name.endswith(kinds)],
+            [event for event in there.events if event.name.endswith(kinds)],
+            strict=True,
+        ):
+            assert one.name == other.name and one.time == pytest.approx(other.time, abs=1e-8)
+            np.testing.assert_allclose(one.q, other.q, rtol=0, atol=1e-7)
+            np.testing.assert_allclose(one.v, other.v, rtol=0, atol=1e-6)
+            np.testing.assert_allclose(one.impulse, other.impulse, rtol=0, atol=1e-6)
+        for leg, (i, _, _, _) in LEGS.items():
+            extremes = [(motion.tau[motion.phase == f"{leg}_stance", 2 * i + 1][[0, -1]]) for motion in (here, there)]
+            np.testing.assert_allclose(*extremes, rtol=0, atol=1e-5)
+
+    def test_motor_torque_is_flat_if_it_is_all_physical(self, name):
+        law = gait(name).system.law
+        motion = simulate(springs(name, law.virtual_stiffness), gait(name).state, 1, 1e-11)
+        rest = {"posterior": gait(name).state[0][4], "anterior": motion.named("anterior_touchdown")[0].q[6]}
+        bound = law.virtual_stiffness * abs(law.knee_touchdown - law.knee_rest)
+        for leg, (i, _, knee, side) in LEGS.items():
+            stance = motion.phase == f"{leg}_stance"
+            torque, compressed = motion.u[stance, 2 * i + 1], side * (motion.q[stance, knee] - rest[leg]) >= 0.0
+            assert compressed.sum() > 10
+            assert np.ptp(torque[compressed]) < 1e-6
+            if law.lift_off == "knee":
+                assert np.ptp(torque) <= bound + 1e-5
+            total = motion.tau[stance, 2 * i + 1]
+            assert np.ptp(total) > 1.0  # which is the spring's
+
+    def test_without_a_spring_the_motor_gives_all(self, name):
+        motion = simulate(springs(name, 0.0), gait(name).state, 1, 1e-9)
+        np.testing.assert_array_equal(motion.u, motion.tau)
+        assert (motion.spring == 0.0).all()
+
+
+class TestLaw:
+    @pytest.mark.parametrize(
+        ("field", "value"),
+        [
+            ("virtual_stiffness", -1.0),
+            ("epsilon", 0.0),
+            ("epsilon", -0.01),
+            ("knee_rest", 0.0),
+            ("knee_rest", math.pi),
+            ("knee_touchdown", -0.7),
+            ("posterior_stance_span", 0.3),
+            ("anterior_stance_span", 0.0),
+            ("flight_1_span", 0.0),
+            ("flight_2_span", -0.1),
+            ("posterior_hip_torque", math.nan),
+            ("anterior_knee_torque", math.inf),
+            ("posterior_leg_touchdown", None),
+            ("lift_off", "hand"),
+            ("lift_off", ""),
+            ("lift_off", 3),
+            ("feedback", ((0.0,) * 13,) * 5),
+            ("feedback", ((0.0,) * 12,) * 6),
+        ],
+    )
+    def test_bad_value(self, field, value):
+        with pytest.raises(BadValue) as caught:
+            replace(gait(NAMES[0]).system.law, **{field: value})
+        assert caught.value.name == f"BoundingLaw.{field}"
+
+    @pytest.mark.parametrize("source", ["spear_ii", "q_spear_full"])
+    def test_other_robots(self, source):
+        with pytest.raises(BadValue, match="^robot is "):
+            bounding(load(source), gait(NAMES[0]).system.law)
+
+    @pytest.mark.parametrize("options", [{"locked": ["pitch"]}, {"toes": ["anterior_toe", "posterior_toe"]}])
+    def test_other_models_of_the_robot(self, options):
+        with pytest.raises(BadValue, match="^robot is "):
+            bounding(load("q_spear", **options), gait(NAMES[0]).system.law)
+
+    def test_no_guess_without_a_nominal_state(self):
+        law = replace(gait(NAMES[0]).system.law, nominal=(), feedback=())
+        with pytest.raises(BadValue, match="BoundingLaw.nominal"):
+            bounding(load("q_spear"), law).guess()
