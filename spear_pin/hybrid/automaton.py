@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.errors import UnknownName
@@ -220,7 +221,7 @@ class HybridSystem:
     phase_limit: float = 5.0
     hardware: Hardware | None = None
 
-    @property
+    @cached_property
     def phases(self) -> tuple[str, ...]:
         """Names of the phases, in the order of the domains."""
         return tuple(dict.fromkeys(domain.phase for domain in self.domains))
@@ -237,14 +238,14 @@ class HybridSystem:
                     return guard.reset
         raise UnknownName("phase", phase, self.phases)
 
-    @property
+    @cached_property
     def landing(self) -> tuple[str, Reset]:
         """The flight phase that ends at the section, and the reset there."""
         for domain in self.domains:
-            for guard in domain.guards:
-                airborne = all(mode == OPEN for mode in domain.contacts)
-                if airborne and guard.name == self.section and guard.reset is not None:
-                    return domain.phase, guard.reset
+            if all(mode == OPEN for mode in domain.contacts):
+                for guard in domain.guards:
+                    if guard.name == self.section and guard.reset is not None:
+                        return domain.phase, guard.reset
         raise UnknownName("section", self.section, [g.name for d in self.domains for g in d.guards])
 
     @property

@@ -211,14 +211,27 @@ class TestLanes:
         monkeypatch.setattr(journey, "FEW", 0)
         assert_same(alone, simulate_many(gait.system, q, v, 2), 1e-8)
 
-    def test_lanes_that_are_refused_are_left(self, robot, hop, monkeypatch):
-        """With the limit on flexion active at touchdown no cycle is clear at a glance."""
-        law = replace(hop.system.law, minimum_force=12.0)
-        system = hopping(robot, law, Spring(), Contact())
+    def test_lanes_that_are_refused_are_left(self, hop, monkeypatch):
+        laps = []
+        monkeypatch.setattr(Track, "lap", lambda *given: laps.append(given))
+        found = simulate_many(hop.system, *(part[None] for part in hop.state), 6)
+        assert len(laps) == journey.PATIENCE and found.cycles[0] == 6
+
+    def test_an_event_at_once_is_no_reason_to_refuse(self, robot, hop, monkeypatch):
+        """The limit on flexion becomes active at touchdown."""
+        system = hopping(robot, replace(hop.system.law, minimum_force=12.0), Spring(), Contact())
         laps, lap = [], Track.lap
         monkeypatch.setattr(Track, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
-        found = simulate_many(system, *(part[None] for part in hop.state), 6)
-        assert laps == [None] * journey.PATIENCE and found.cycles[0] == 6
+        q, v = (part[None] for part in hop.state)
+        alone = simulate_many(system, q, v, 6)
+        assert None not in laps and laps[0].held["limited"] == 0.0
+        monkeypatch.setattr(journey, "FEW", 0)
+        assert_same(alone, simulate_many(system, q, v, 6), 1e-8)
+
+    def test_unrolled_code(self, hop):
+        """It computes the same."""
+        q, v = around(hop, 0.02, 20)
+        assert_same(simulate_many(hop.system, q, v, 2, unroll=False), simulate_many(hop.system, q, v, 2), 1e-9)
 
     @pytest.mark.parametrize("few", [0, 12])
     def test_events_at_the_same_instant(self, hop, few, monkeypatch):

@@ -6,8 +6,9 @@ import pytest
 from spear_pin import Gait
 from spear_pin.hybrid.contact import plastic_impact
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.layout import flattened
-from spear_pin.hybrid.engines.single import AHEAD, Look
+from spear_pin.hybrid.engines.layout import flattened, shape_of
+from spear_pin.hybrid.engines.single import AHEAD, NONE, UNCLEAR, Entry
+from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.entry import choose
 from spear_pin.hybrid.lanes.groups import Group, alone, spread
@@ -25,14 +26,14 @@ def systems(hop):
 def test_impact_is_rouths(hop):
     """Impacts that stick, slide on and slide back, and toes that rise."""
     rng, robot = np.random.default_rng(0), hop.system.robot
-    strike = compilation(hop.system, 1e-12, False).impact("toe")
+    strike = compilation(hop.system, Code(1e-12)).impact("toe")
     ways = set()
     for _ in range(400):
         friction = float(10.0 ** rng.uniform(-2.5, 0.5))
-        numbers = Numbers(hop.system, {"friction": np.array([friction])}, 1e-12, False)
+        numbers = Numbers(hop.system, {"friction": np.array([friction])}, Code(1e-12))
         q, v = hop.state[0] + 0.4 * rng.normal(size=3), 3.0 * rng.normal(size=3)
         expected = plastic_impact(robot.mass_matrix(q), robot.toe_jacobian(q, "toe"), v, friction)
-        after = strike(np.concatenate([q, v]), np.array(numbers.constants(0)), friction)
+        after = strike(np.concatenate([q, v]), np.array(numbers.constants(0)))
         np.testing.assert_allclose(after[3:], expected.v, rtol=1e-11, atol=1e-11)
         np.testing.assert_array_equal(after[:3], q)
         ways.add((bool(expected.impulse.any()), expected.slides))
@@ -45,7 +46,7 @@ def test_chooses_as_for_many(hop):
     chosen = {}
     for gait, phase, spread_of in systems(hop):
         system = gait.system
-        numbers, local = Numbers(system, {}, 1e-12, False), chart(system, gait.state)
+        numbers, local = Numbers(system, {}, Code(1e-12)), chart(system, gait.state)
         held = first_held(numbers, gait)
         for _ in range(60):
             q, v = local.state(spread_of * rng.normal(size=local.dimension))
@@ -56,11 +57,10 @@ def test_chooses_as_for_many(hop):
             )
             found, _ = choose(numbers, phase, group)
             parameters = np.array([*numbers.constants(0), *flat(held)])
-            friction = system.contact.friction
             fits = [
                 domain.name
                 for domain in system.of_phase(phase)
-                if numbers.compilation.single(domain, held).look(0.0, y, parameters, friction).fits
+                if single_of(numbers, domain, held).enter(0.0, y, parameters) is not None
             ]
             kept = [ready.domain.name for ready, _, point in found if (point.forces[:, 1] > 0.0).all()]
             assert fits[:1] == kept[:1] or not kept
@@ -71,26 +71,25 @@ def test_chooses_as_for_many(hop):
 
 def test_a_step_ahead_is_exact(hop):
     """To rounding as the integrator's."""
-    numbers = Numbers(hop.system, {}, 1e-15, False)
+    numbers = Numbers(hop.system, {}, Code(1e-15))
     held = first_held(numbers, hop)
-    single = numbers.compilation.single(hop.system.of_phase("stance")[0], held)
+    single = single_of(numbers, hop.system.domains[0], held)
     parameters, y = np.array([*numbers.constants(0), *flat(held)]), np.concatenate(hop.state)
-    here = single.look(0.0, y, parameters, 0.8)
-    ahead = single.ahead(here, parameters, 0.8)
-    assert isinstance(ahead, Look) and ahead.t == AHEAD
+    ahead = single.enter(0.0, y, parameters)  # the spring's guard is on zero
+    assert isinstance(ahead, Entry) and ahead.t == AHEAD and ahead.event == NONE
     t, reached, end = single.run(0.0, ahead.y, AHEAD, parameters)
     back = single.run(0.0, y, 2.0 * AHEAD, parameters)
     assert end == back[2] == taylor.TIME_LIMIT and t == AHEAD
     np.testing.assert_allclose(reached, back[1], rtol=0, atol=1e-13)
 
 
-def test_what_is_not_finite_fits_nothing(hop):
-    numbers = Numbers(hop.system, {}, 1e-12, False)
+def test_what_is_not_finite_is_unclear(hop):
+    numbers = Numbers(hop.system, {}, Code(1e-12))
     held = first_held(numbers, hop)
-    single = numbers.compilation.single(hop.system.of_phase("stance")[0], held)
+    single = single_of(numbers, hop.system.domains[0], held)
     parameters = np.array([*numbers.constants(0), *flat(held)])
-    assert single.look(0.0, np.concatenate(hop.state), parameters, 0.8).fits
-    assert not single.look(0.0, np.full(6, np.nan), parameters, 0.8).fits
+    assert single.enter(0.0, np.concatenate(hop.state), parameters).event == NONE
+    assert single.enter(0.0, np.full(6, np.nan), parameters).event == UNCLEAR
 
 
 def first_held(numbers, gait):
@@ -98,6 +97,10 @@ def first_held(numbers, gait):
     flight, lands = gait.system.landing
     group = Group(np.array([0]), np.zeros(1), np.concatenate(gait.state)[:, None], {})
     return alone(numbers.latch(numbers.latch(group, gait.system.reset_into(flight)), lands).held)
+
+
+def single_of(numbers, domain, held):
+    return numbers.compilation.single(domain, held, shape_of(held))
 
 
 def flat(held):

@@ -16,6 +16,7 @@ from spear_pin.model.planar import Body, Planar
 
 Array = NDArray[np.float64]
 Values = Mapping[str, Any]
+FLOATS = frozenset({float, np.float64})  # what most values are; asked first, for speed
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,12 @@ def flattened(values: Iterable[Any]) -> list[Any]:
     """The numbers among values and in nested tuples of them, in their order."""
     flat: list[Any] = []
     for value in values:
-        _flatten(value, flat)
+        if type(value) in FLOATS:
+            flat.append(value)
+        elif isinstance(value, tuple):
+            flat += value if FLOATS.issuperset(map(type, value)) else flattened(value)
+        elif _is_number(value):
+            flat.append(value)
     return flat
 
 
@@ -157,14 +163,6 @@ def _with_numbers(body: Body, mass: Any, x: Any, z: Any, inertia: Any, armature:
     return replace(body, mass=mass, com=(x, z), inertia=inertia, armature=armature)
 
 
-def _flatten(value: Any, flat: list[Any]) -> None:
-    if isinstance(value, tuple):
-        for item in value:
-            _flatten(item, flat)
-    elif _is_number(value):
-        flat.append(value)
-
-
 def _is_number(value: Any) -> bool:
     return not (value is None or isinstance(value, (bool, str)))
 
@@ -175,8 +173,10 @@ def shape_of(held: Values) -> Any:
 
 
 def _shape(value: Any) -> Any:
+    if type(value) in FLOATS:
+        return float
     if isinstance(value, tuple):
-        return tuple(_shape(item) for item in value)
+        return (float,) * len(value) if FLOATS.issuperset(map(type, value)) else tuple(map(_shape, value))
     return float if _is_number(value) else value
 
 

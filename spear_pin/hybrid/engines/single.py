@@ -4,47 +4,32 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import STICK
 from spear_pin.hybrid.contact import RESTING, routh
-from spear_pin.hybrid.engines.elimination import dot, factorize, substitute
+from spear_pin.hybrid.engines.elimination import dot, factorize, plus, substitute, times
 from spear_pin.hybrid.engines.layout import Structure, symbols
-from spear_pin.hybrid.engines.taylor import BENT, FAILED, MOST, STEPS, TIME_LIMIT, Ready, require
+from spear_pin.hybrid.engines.taylor import BENT, FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, require
 from spear_pin.hybrid.modes import STARTS_TO_SLIDE
 from spear_pin.hybrid.phases import AT_REST, SIGN, UNLOADED
 
 Array = NDArray[np.float64]
-AHEAD = 1e-6  # s: a step of third order, whose error is below rounding, takes guards off zero
+AHEAD = 1e-6  # s: a step that takes guards off zero
+MOVES = 1e-14  # of a guard's change within it, in its unit
+NONE, UNCLEAR = -1, -2  # events on entering a domain
+OF_TOE = 4  # numbers of each closed toe
 
 
-class Look(NamedTuple):
-    """A domain at one state.
-
-    Attributes:
-        t: time since the phase began, in s.
-        y: the state, (2 nv,).
-        slopes: dy/dt.
-        guards: their values.
-        fits: whether the domain does.
-        waiting: indices of guards on zero, or beyond, that are more than observed.
-        lost: whether one of them is beyond.
-        bent: whether something is on a kink.
-        clear: whether every guard that is more than observed is positive, and nothing at a kink.
-    """
+class Entry(NamedTuple):
+    """Where motion in a domain begins: time in s, state, and the guard that falls at once, `NONE` or `UNCLEAR`."""
 
     t: float
     y: Array
-    slopes: Array
-    guards: list[float]
-    fits: bool
-    waiting: list[int]
-    lost: bool
-    bent: bool
-    clear: bool
+    event: int
 
 
 class Single:
@@ -56,61 +41,59 @@ class Single:
 
     def __init__(self, ready: Ready) -> None:
         self.domain, code = ready.domain, ready.compiled
-        self._meaning: list[int] = code.meaning.tolist()
-        self._n, self._integrator, self._function = 2 * code.nv, code.alone, code.function
+        self._integrator, self._function = code.alone, entering(code)
         self._state, self._parameters = self._integrator.state, self._integrator.pars  # views
-        self._counts = code.guards, code.kinks
-        self._closed = [mode for _, mode in code.closed]
-        self._pars, self._timed = code.function.nparams, code.function.is_time_dependent
-        self._limit = int(require().taylor_outcome.time_limit)
-        self._happening = [(i, guard.tolerance) for i, guard in enumerate(self.domain.guards) if not guard.observes]
+        self._pars, self._timed = self._function.nparams, self._function.is_time_dependent
+        self._limit, self._meaning = int(require().taylor_outcome.time_limit), code.meaning.tolist()
+        guards = self.domain.guards
+        self._happening = [(i, guard.tolerance) for i, guard in enumerate(guards) if not guard.observes]
+        # where things are in what the function returns
+        kinks = len(guards) + OF_TOE * len(code.closed)
+        self._toes = [(mode, len(guards) + OF_TOE * i) for i, (_, mode) in enumerate(code.closed)]
+        self._here, self._later = kinks + code.kinks, kinks + code.kinks + 2 * code.nv
+        self._kinks = slice(kinks, self._here), slice(self._later + kinks, self._later + self._here)
 
-    def look(self, t: float, y: Array, parameters: Array, friction: float) -> Look:
-        """What there is to see at a state."""
-        values = self._at(t, y, parameters)
-        rest, guards = values[self._n :].tolist(), self._counts[0]
-        kinks, toes = rest[guards : guards + self._counts[1]], rest[guards + self._counts[1] :]
-        return Look(
-            t,
-            y,
-            values[: self._n],
-            rest[:guards],
-            all(map(math.isfinite, values.tolist())) and self._fits(toes, friction),
-            [i for i, tolerance in self._happening if rest[i] <= tolerance],
-            any(rest[i] < -tolerance for i, tolerance in self._happening),
-            any(abs(kink) <= BENT for kink in kinks),
-            all(rest[i] > 0.0 for i, _ in self._happening) and all(kinks),
-        )
+    def enter(self, t: float, y: Array, parameters: Array) -> Entry | None:
+        """Where motion that enters the domain at a state begins, None if the domain does not fit.
 
-    def ahead(self, here: Look, parameters: Array, friction: float) -> Look:
-        """The same a step of Kutta's third order later."""
-        n, t, y, k1 = self._n, here.t, here.y, here.slopes
-        k2 = self._at(t + 0.5 * AHEAD, y + 0.5 * AHEAD * k1, parameters)[:n]
-        k3 = self._at(t + AHEAD, y + AHEAD * (2.0 * k2 - k1), parameters)[:n]
-        return self.look(t + AHEAD, y + AHEAD / 6.0 * (k1 + 4.0 * k2 + k3), parameters, friction)
+        It begins there or, off the guards that rise from zero, a moment later.
 
-    def _at(self, t: float, y: Array, parameters: Array) -> Array:
-        values: Array
-        if not self._pars:
-            values = self._function(y, time=t) if self._timed else self._function(y)
-        elif self._timed:
-            values = self._function(y, pars=parameters[: self._pars], time=t)
-        else:
-            values = self._function(y, pars=parameters[: self._pars])
-        return values
+        Args:
+            t: time since the phase began.
+            y: the state, (2 nv,).
+            parameters: run-time parameters.
+        """
+        given = parameters[: self._pars]
+        answer = self._function(y, pars=given, time=t) if self._timed else self._function(y, pars=given)
+        values = answer.tolist()
+        if not math.isfinite(sum(values)):
+            return Entry(t, y, UNCLEAR)
+        if not self._fits(values):
+            return None
+        waiting = [i for i, tolerance in self._happening if values[i] <= tolerance]
+        bent = any(abs(kink) <= BENT for kink in values[self._kinks[0]])
+        if not (waiting or bent):
+            return Entry(t, y, NONE)
+        later, guards = self._later, self.domain.guards
+        for i in waiting:
+            change = values[later + i] - values[i]
+            if values[i] < -guards[i].tolerance or change < -MOVES:
+                return Entry(t, y, i)
+            if change <= MOVES:
+                return Entry(t, y, UNCLEAR)
+        clear = all(values[later + i] > 0.0 for i, _ in self._happening) and all(values[self._kinks[1]])
+        return Entry(t + AHEAD, answer[later + self._here :], NONE) if clear else Entry(t, y, UNCLEAR)
 
-    def _fits(self, toes: list[float], friction: float) -> bool:
+    def _fits(self, values: list[float]) -> bool:
         """Whether every closed toe moves as its mode says and is kept there by its forces."""
-        for i, mode in enumerate(self._closed):
-            sliding, tangential, normal, acceleration, pivot = toes[5 * i : 5 * i + 5]
-            at_rest = abs(sliding) <= AT_REST
+        for mode, i in self._toes:
+            speed, normal, second, third = values[i : i + OF_TOE]
+            if not (normal > 0.0 and second > 0.0):
+                return False
             if mode == STICK:
-                fits = at_rest and abs(tangential) < friction * normal - UNLOADED
-            elif at_rest:
-                fits = acceleration * SIGN[mode] > -STARTS_TO_SLIDE
-            else:
-                fits = sliding * SIGN[mode] > 0.0
-            if not (fits and normal > 0.0 and pivot > 0.0):
+                if not (third > 0.0 and abs(speed) <= AT_REST):
+                    return False
+            elif not (speed > AT_REST or (third > 0.0 and speed >= -AT_REST)):
                 return False
         return True
 
@@ -127,6 +110,39 @@ class Single:
         return float(self._integrator.time), self._state.copy(), end
 
 
+def entering(code: Compiled) -> Any:
+    """What `Single.enter` asks for at a state, and again `AHEAD` later, as one compiled function.
+
+    Of either the guards, `OF_TOE` numbers of each closed toe, the kinks and the state.
+    """
+    t, y, k1 = require().time, code.state, code.here.slopes
+    k2 = code.field(t + 0.5 * AHEAD, [x + 0.5 * AHEAD * k for x, k in zip(y, k1, strict=True)]).slopes
+    along = [2.0 * b - a for a, b in zip(k1, k2, strict=True)]
+    k3 = code.field(t + AHEAD, [x + AHEAD * k for x, k in zip(y, along, strict=True)]).slopes
+    # Kutta's third order, whose error is below rounding
+    steps = [AHEAD / 6.0 * (a + 4.0 * b + c) for a, b, c in zip(k1, k2, k3, strict=True)]
+    later = [x + step for x, step in zip(y, steps, strict=True)]
+    outputs = []
+    for field, state in ((code.here, y), (code.field(t + AHEAD, later), later)):
+        toes = [number for toe, mode in code.closed for number in _foothold(code, field.motion, toe, mode)]
+        outputs += [*field.guards, *toes, *field.kinks, *state]
+    return require().cfunc([require().expression(0.0) + output for output in outputs], y)
+
+
+def _foothold(code: Compiled, motion: Any, toe: str, mode: str) -> list[Any]:
+    """A closed toe's speed along its mode, and three numbers that are positive where forces keep it there.
+
+    Of a sliding one the last counts only while it is at rest.
+    """
+    tangential, normal = motion.force(toe)
+    speed, acceleration = motion.toe_velocity(toe)[0], motion.toe_acceleration(toe)[0]
+    if mode == STICK:
+        bound = code.numbers.friction * normal - UNLOADED
+        return [speed, normal, bound - tangential, bound + tangential]
+    sign = SIGN[mode]
+    return [sign * speed, normal, motion.pivot(toe), sign * acceleration + STARTS_TO_SLIDE]
+
+
 class Impact:
     """The plastic impact of one toe, compiled.
 
@@ -137,30 +153,30 @@ class Impact:
 
     def __init__(self, structure: Structure, toe: str) -> None:
         hy, system = require(), structure.system
-        nv = system.robot.nv
+        self._nv = nv = system.robot.nv
         state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates])
-        planar, _, _ = symbols(system, structure.planar, {}, hy.par)
+        planar, numbers, _ = symbols(system, structure.planar, {}, hy.par)
         terms = planar.terms(state[:nv], state[nv:], hy)
-        rows, factors = terms.jacobians[toe], factorize(terms.mass_matrix)
-        responses = [substitute(factors, row) for row in rows]
-        (x, z), v = rows, state[nv:]
-        outputs = [dot(x, responses[0]), dot(x, responses[1]), dot(z, responses[1]), dot(x, v), dot(z, v)]
-        outputs += [value for response in responses for value in response]
-        self._function, self._nv = hy.cfunc([hy.expression(0.0) + value for value in outputs], state), nv
+        (x, z), v = terms.jacobians[toe], state[nv:]
+        along, up = (substitute(factorize(terms.mass_matrix), row) for row in (x, z))
+        a_tt, a_tn, a_nn, slide, approach = dot(x, along), dot(x, up), dot(z, up), dot(x, v), dot(z, v)
+        determinant = a_tt * a_nn - a_tn * a_tn
+        tangential = (a_tn * approach - a_nn * slide) / determinant
+        normal = (a_tn * slide - a_tt * approach) / determinant
+        sticking = [plus(w, plus(times(tangential, a), times(normal, b))) for w, a, b in zip(v, along, up, strict=True)]
+        outputs = [a_tt, a_tn, a_nn, slide, approach, numbers.friction, *sticking, *along, *up]
+        self._function = hy.cfunc([hy.expression(0.0) + value for value in outputs], state)
 
-    def __call__(self, y: Array, parameters: Array, friction: float) -> Array:
+    def __call__(self, y: Array, parameters: Array) -> Array:
         """The state afterwards, by Routh's method as in `contact.plastic_impact`."""
-        values = self._function(y, pars=parameters[: self._function.nparams])
-        a_tt, a_tn, a_nn, slide, approach = values[:5].tolist()
-        if _sticks(a_tt, a_tn, a_nn, slide, approach, friction):
-            determinant = a_tt * a_nn - a_tn * a_tn
-            tangential = (a_tn * approach - a_nn * slide) / determinant
-            normal = (a_tn * slide - a_tt * approach) / determinant
-        else:
+        values, nv = self._function(y, pars=parameters[: self._function.nparams]), self._nv
+        a_tt, a_tn, a_nn, slide, approach, friction = values[:6].tolist()
+        after, (v, along, up) = y.copy(), values[6:].reshape(3, nv)
+        if not _sticks(a_tt, a_tn, a_nn, slide, approach, friction):
             matrix = np.array([[a_tt, a_tn], [a_tn, a_nn]])[..., None]
             tangential, normal = routh(matrix, np.array([[slide], [approach]]), friction)[0][:, 0].tolist()
-        after, nv = y.copy(), self._nv
-        after[nv:] += tangential * values[5 : 5 + nv] + normal * values[5 + nv :]
+            v = y[nv:] + tangential * along + normal * up
+        after[nv:] = v
         return after
 
 

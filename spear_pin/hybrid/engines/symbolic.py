@@ -22,7 +22,6 @@ from spear_pin.hybrid.engines.elimination import (
     solve_sparse,
     substitute,
     times,
-    torques_for,
 )
 from spear_pin.hybrid.engines.layout import Numbers
 from spear_pin.hybrid.phases import SIGN
@@ -208,11 +207,9 @@ class Motion:
     ) -> Sequence[Any]:
         """Torques of some motors that make rows · v̇ = wanted with the toes on the ground at rest.
 
-        Where they are, the rows take the place of the motors' equations of motion, so that v̇ and the forces come
-        first, from half the operations, and the torques from those equations afterwards.
+        The rows take the place of the motors' equations of motion, so that v̇ and the forces come first, from half the
+        operations, and the torques from those equations afterwards. Where the toes are at rest, that is the motion.
         """
-        if [(toe, STICK) for toe in self._taken] != self._closed:
-            return torques_for(self.response(), rows, wanted, motors, others, self.ops.solve)
         n, (contacts, drift) = self.planar.nv, self._at_rest()
         applied = list(self._passive)
         for j, torque in others:
@@ -231,7 +228,8 @@ class Motion:
         pulls = [dot([row[i] for row in contacts], pushes) for i in range(n)]
         torques = [dot(self.mass_matrix[i], a) - force[i] - pulls[i] for i in (self._motors[j] for j in motors)]
         forces = {toe: (pushes[2 * k], pushes[2 * k + 1]) for k, toe in enumerate(self._taken)}
-        self._imposed = Imposed(a, forces, [*others, *zip(motors, torques, strict=True)])
+        if [(toe, STICK) for toe in self._taken] == self._closed:
+            self._imposed = Imposed(a, forces, [*others, *zip(motors, torques, strict=True)])
         return torques
 
     # parts

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,6 @@ FAILED = -2
 KINK = -3
 BENT = 1e-9  # what changes sign at a kink is on zero within this, in its unit
 CACHE = 2**28  # bytes of compiled code that heyoka may keep on disk
-UNROLLED = 4  # coordinates: with more, code that is not unrolled is built ten times faster and runs half as fast
 MOST = 64  # compiled domains that are kept, some 10 MB each
 STEPS = 5000  # an arc takes some tens
 
@@ -77,6 +76,30 @@ class Point:
         return Point(*(getattr(self, field.name)[..., chosen] for field in fields(self)))
 
 
+@dataclass(frozen=True)
+class Code:
+    """How domains are compiled.
+
+    Attributes:
+        tol: tolerance of the integration.
+        observing: whether events that are only observed stop it, too.
+        unrolled: whether loops are, so that it runs two to three times as fast and takes ten times as long to compile.
+    """
+
+    tol: float
+    observing: bool = False
+    unrolled: bool = True
+
+
+class Field(NamedTuple):
+    """A domain at a state of symbols: dy/dt, values of guards, kinks, and the motion they are from."""
+
+    slopes: list[Any]
+    guards: list[Any]
+    kinks: list[Any]
+    motion: Any
+
+
 class Compiled:
     """Motion and guards of a domain with held values of one shape; what its events do is left to `Ready`.
 
@@ -84,42 +107,54 @@ class Compiled:
         system: the system; of its law, springs and ground the structure counts, not the numbers.
         domain: one of its domains.
         held: what is held there, for its shape.
-        tol: tolerance of the integration.
-        observing: whether events that are only observed stop it, too.
+        code: how it is compiled.
+
+    Attributes:
+        closed: toes on the ground, with their modes.
+        state: symbols of q and v.
+        numbers: the system's numbers, as symbols.
+        field: the domain at a time and a state, of symbols.
+        here: the same at `state`.
+        kinks: how many there are.
+        function: all of `Point`, compiled.
+        meaning: of each event of the integrators, the guard's index or `KINK`.
     """
 
-    def __init__(self, system: HybridSystem, domain: Domain, held: Values, tol: float, observing: bool = False) -> None:
+    def __init__(self, system: HybridSystem, domain: Domain, held: Values, code: Code) -> None:
         hy = require()
         self.nv, self.guards = system.robot.nv, len(domain.guards)
         self.closed = [
             (toe, mode) for toe, mode in zip(system.robot.toes, domain.contacts, strict=True) if mode != OPEN
         ]
-        names = [f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates]
-        state = hy.make_vars(*names)
-        q, v = state[: self.nv], state[self.nv :]
-        planar, numbers, kept = symbols(system, Planar(system.robot), held, hy.par)
-        kinks: list[Any] = []
-        ops = _operations(kinks)
-        motion = (
-            Motion(system, domain, planar, hy.time, q, v, kept, numbers, ops)
-            if domain.between is None
-            else Alternating(system, domain, planar, q, v, kept, numbers, ops)
-        )
-        slopes = [*v, *map(_expression, motion.a)]
-        guards = [_expression(value) for value in motion.guards]
+        self.state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates])
+        planar, self.numbers, kept = symbols(system, Planar(system.robot), held, hy.par)
+
+        def field(t: Any, y: list[Any]) -> Field:
+            kinks: list[Any] = []
+            q, v, ops = y[: self.nv], y[self.nv :], _operations(kinks)
+            motion = (
+                Motion(system, domain, planar, t, q, v, kept, self.numbers, ops)
+                if domain.between is None
+                else Alternating(system, domain, planar, q, v, kept, self.numbers, ops)
+            )
+            slopes = [*v, *map(_expression, motion.a)]
+            return Field(slopes, [_expression(value) for value in motion.guards], kinks, motion)
+
+        self.field = field
+        self.here = slopes, guards, kinks, motion = field(hy.time, self.state)
         self.kinks = len(kinks)
         outputs = [*slopes, *guards, *kinks]
         for toe, mode in self.closed:
             outputs += [motion.toe_velocity(toe)[0], *motion.force(toe), motion.toe_acceleration(toe)[0]]
             outputs.append(_expression(1.0 if mode == STICK else motion.pivot(toe)))
-        self.function = hy.cfunc([_expression(output) for output in outputs], state)
-        watched = [i for i, guard in enumerate(domain.guards) if observing or not guard.observes]
-        self._motion = list(zip(state, slopes, strict=True))
+        self.function = hy.cfunc([_expression(output) for output in outputs], self.state)
+        watched = [i for i, guard in enumerate(domain.guards) if code.observing or not guard.observes]
+        self._motion = list(zip(self.state, slopes, strict=True))
         falling, either = hy.event_direction.negative, hy.event_direction.any
         # a polynomial does not bend
         self._events = [*((guards[i], falling) for i in watched), *((kink, either) for kink in kinks)]
         self.meaning = np.array([*watched, *[KINK] * len(kinks)], dtype=np.int64)  # of its events
-        self._settings = {"tol": tol, "compact_mode": self.nv > UNROLLED}
+        self._settings = {"tol": code.tol, "compact_mode": not code.unrolled}
         self.width = width()
         self._somewhere = np.full((2 * self.nv, 1), 0.1)  # a finite state
 
@@ -227,9 +262,9 @@ class Ready:
 
 
 @lru_cache(MOST)
-def compiled(structure: Structure, tol: float, observing: bool) -> Compiled:
+def compiled(structure: Structure, code: Code) -> Compiled:
     """A domain compiled, once for each structure."""
-    return Compiled(structure.system, structure.domain, structure.held, tol, observing)
+    return Compiled(structure.system, structure.domain, structure.held, code)
 
 
 def _operations(kinks: list[Any]) -> SimpleNamespace:
@@ -256,8 +291,13 @@ def require() -> Any:
     """
     if hy is None:
         raise MissingExtra("heyoka", "fast", "the Taylor engine")
-    hy.llvm_state.set_diskcache_limit(CACHE)
+    _bound_cache()
     return hy
+
+
+@cache
+def _bound_cache() -> None:
+    hy.llvm_state.set_diskcache_limit(CACHE)
 
 
 _LIMIT = int(hy.taylor_outcome.time_limit) if hy is not None else 0

@@ -8,7 +8,7 @@ from typing import Any
 from spear_pin.hybrid.automaton import Domain, HybridSystem
 from spear_pin.hybrid.engines import layout, taylor
 from spear_pin.hybrid.engines.single import Impact, Single, impact
-from spear_pin.hybrid.engines.taylor import Ready
+from spear_pin.hybrid.engines.taylor import Code, Ready
 from spear_pin.hybrid.lanes.groups import Held
 from spear_pin.model.planar import Planar
 
@@ -20,14 +20,13 @@ class Compilation:
 
     Args:
         system: the system.
-        tol: tolerance of the Taylor engine.
-        observing: whether events that are only observed stop its integrators, too.
+        code: how its domains are compiled.
     """
 
-    def __init__(self, system: HybridSystem, tol: float, observing: bool) -> None:
+    def __init__(self, system: HybridSystem, code: Code) -> None:
         self.system, self.planar = system, Planar(system.robot)
         self.robot = layout.robot_numbers(system, self.planar)
-        self._tol, self._observing = tol, observing
+        self._code = code
         # with what was made of them domains are kept, so that their identities stay their own
         self._domains: dict[Any, Ready] = {}
         self._singles: dict[Any, Single] = {}
@@ -42,12 +41,12 @@ class Compilation:
         key = id(domain), layout.shape_of(held)
         if key not in self._domains:
             structure = layout.Structure(self.system, domain, held, self.planar)
-            self._domains[key] = Ready(domain, taylor.compiled(structure, self._tol, self._observing))
+            self._domains[key] = Ready(domain, taylor.compiled(structure, self._code))
         return self._domains[key]
 
-    def single(self, domain: Domain, held: Held) -> Single:
-        """The same for one lane."""
-        key = id(domain), layout.shape_of(held)
+    def single(self, domain: Domain, held: Held, shape: Any) -> Single:
+        """The same for one lane, with the shape of what is held."""
+        key = id(domain), shape
         if key not in self._singles:
             self._singles[key] = Single(self.domain(domain, held))
         return self._singles[key]
@@ -63,10 +62,10 @@ class Compilation:
 _kept: OrderedDict[Any, Compilation] = OrderedDict()
 
 
-def compilation(system: HybridSystem, tol: float, observing: bool) -> Compilation:
+def compilation(system: HybridSystem, code: Code) -> Compilation:
     """A system's, made once as long as that system is among the last that were asked for."""
-    key = id(system), tol, observing
-    found = _kept.pop(key, None) or Compilation(system, tol, observing)
+    key = id(system), code
+    found = _kept.pop(key, None) or Compilation(system, code)
     _kept[key] = found  # the system is kept with it, so that its identity stays its own
     if len(_kept) > KEPT:
         _kept.popitem(last=False)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem
 from spear_pin.hybrid.contact import joint_impact, routh
 from spear_pin.hybrid.engines.layout import shape_of
-from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, UNROLLED, Point, Ready
+from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Point, Ready
 from spear_pin.hybrid.lanes.entry import at_once, away, choose
 from spear_pin.hybrid.lanes.groups import Group, Indices, alone, along, finite, merged, spread, stacked
 from spear_pin.hybrid.lanes.numbers import Numbers
@@ -28,10 +28,9 @@ from spear_pin.hybrid.record import REASONS, Options
 from spear_pin.hybrid.run import AT_ONCE, CYCLE_EVENTS, INSTANT, run, struck_toes
 
 Array = NDArray[np.float64]
-FEW = 12  # lanes that are faster one by one; a quarter as many where code is not unrolled
+FEW = 16  # lanes that are faster one by one
 PATIENCE = 3  # cycles of a lane that its track refuses before it is left
 CROWD = 10  # events in an instant, of a lane that is then left to the reference engine, as may be a Zeno point
-FINER = 1000.0  # times the reference engine's tolerance is what the Taylor engine integrates with
 
 
 class Lanes:
@@ -49,11 +48,11 @@ class Lanes:
         cycles: int,
         options: Options,
         given: Mapping[str, Array],
-        observing: bool,
+        code: Code,
     ) -> None:
         n, self.nv = len(q), system.robot.nv
         self.system, self.options, self.wanted = system, options, cycles
-        self.numbers = Numbers(system, given, options.rtol / FINER, observing)
+        self.numbers = Numbers(system, given, code)
         self.start = np.concatenate([q.T, v.T])  # of the present cycle
         self.end = self.start.copy()
         self.began, self.switches = np.zeros(n), np.zeros(n, np.int64)
@@ -64,10 +63,9 @@ class Lanes:
         self.durations = {phase: np.full(n, np.nan) for phase in system.phases}
         self.reason, self.message = np.full(n, "", dtype=object), np.full(n, "", dtype=object)
         self.repeated = np.zeros(n, bool)
-        seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and observing}
+        seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and code.observing}
         self.observed = {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
-        few = FEW if self.nv <= UNROLLED else FEW // 4
-        self._tracks = [Track(self.numbers, lane) for lane in range(n)] if n <= few else []
+        self._tracks = [Track(self.numbers, lane) for lane in range(n)] if n <= FEW else []
         self._alone: list[tuple[Group, Came | None]] = []
         self._entering: dict[Any, tuple[str, Came | None, list[Group]]] = {}
         self._flying: dict[int, tuple[Ready, list[Group]]] = {}

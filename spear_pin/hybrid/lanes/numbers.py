@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
 from spear_pin.hybrid.engines import layout
 from spear_pin.hybrid.engines.layout import with_fields
-from spear_pin.hybrid.engines.taylor import Point, Ready
+from spear_pin.hybrid.engines.taylor import Code, Point, Ready
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, Indices, collected, spread, take
 
@@ -26,13 +26,12 @@ class Numbers:
     Args:
         system: the system.
         given: numbers that differ from lane to lane, (n,) each, named as fields of law, spring or contact.
-        tol: tolerance of the Taylor engine.
-        observing: whether events that are only observed stop its integrators, too.
+        code: how the system's domains are compiled.
     """
 
-    def __init__(self, system: HybridSystem, given: Mapping[str, Array], tol: float, observing: bool) -> None:
+    def __init__(self, system: HybridSystem, given: Mapping[str, Array], code: Code) -> None:
         self.system, self.nv, self._given = system, system.robot.nv, given
-        self.compilation = compilation(system, tol, observing)
+        self.compilation = compilation(system, code)
         self.planar = self.compilation.planar
         parts = system.spring, system.spring, system.contact
         self._others = [given.get(name, getattr(part, name)) for part, name in zip(parts, OTHERS, strict=True)]

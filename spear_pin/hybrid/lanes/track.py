@@ -8,23 +8,24 @@ again by `journey`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import Domain, Guard, Reset, Switch
-from spear_pin.hybrid.engines.layout import flattened
-from spear_pin.hybrid.engines.single import Single
+from spear_pin.hybrid.engines.layout import flattened, shape_of
+from spear_pin.hybrid.engines.single import NONE, UNCLEAR
 from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT
 from spear_pin.hybrid.lanes.groups import Held
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.run import AT_ONCE, INSTANT, struck_toes
 
 Array = NDArray[np.float64]
-MOVES = 1e-14  # of a guard's change within `single.AHEAD`, in its unit
 EVENTS = 50  # of a cycle
+FEW_AT_ONCE = 4  # events in an instant
 
 
 @dataclass(frozen=True)
@@ -57,89 +58,66 @@ class Track:
     def __init__(self, numbers: Numbers, lane: int) -> None:
         self._compiled, self._system, self._nv = numbers.compilation, numbers.system, numbers.nv
         self._law, self._constants = numbers.law_of(lane), numbers.constants(lane)
-        self._friction = float(numbers.friction(np.array(lane)))
+        self._phases = {phase: self._system.of_phase(phase) for phase in self._system.phases}
 
     def lap(self, y: Array, held: Held) -> Lap | None:
         """The cycle from a state just behind the section, or None."""
         system = self._system
-        phase, t, switches = system.section_phase, 0.0, 0
+        phase, t, switches, past, last, crowd = system.section_phase, 0.0, 0, 0.0, -math.inf, 0
         spent, observed = dict.fromkeys(system.phases, 0.0), {}
-        ready: Single | None = None
+        domains, (shape, parameters) = self._phases[phase], self._given(held)
         for _ in range(EVENTS):
-            parameters = np.array(self._constants + flattened(held.values()))
-            domains = system.of_phase(phase) if ready is None else (ready.domain,)
-            entered = self._enter(domains, t, y, held, parameters)
-            if entered is None:
+            for domain in domains:
+                ready = self._compiled.single(domain, held, shape)
+                entry = ready.enter(t, y, parameters)
+                if entry is not None:
+                    break
+            else:
                 return None
-            ready, t, y, end = entered
-            switch = ready.domain.switch
+            t, y, end = entry
+            switch = domain.switch
+            if end == UNCLEAR or (end >= 0 and t <= AT_ONCE and domain.guards[end].leaves):
+                return None
             at = math.inf if switch is None else switch.time(switches + 1, self._law)
             until = min(at, system.phase_limit)
             if t >= until:
                 return None
-            if end is None:
+            if end == NONE:
                 t, y, end = ready.run(t, y, until, parameters)
             if end == KINK:
+                domains = (domain,)
                 continue
-            if end >= 0 and ready.domain.guards[end].observes:
-                observed[ready.domain.guards[end].name] = y
-                continue
+            event: Guard | Switch | None = switch if end == TIME_LIMIT and until == at else None
             if end >= 0:
-                event: Guard | Switch | None = ready.domain.guards[end]
-            else:
-                event, switches = switch if end == TIME_LIMIT and until == at else None, switches + 1
-            if event is None or event.reset is None:
+                event = domain.guards[end]
+                if event.observes:
+                    observed[event.name], domains = y, (domain,)
+                    continue
+            crowd = crowd + 1 if past + t - last < INSTANT else 0
+            if event is None or event.reset is None or crowd == FEW_AT_ONCE:
                 return None
-            after = self._reset(ready.domain, event.reset, y, held, parameters)
-            if after is None:
-                return None
-            (y, held), left, ready = after, ready.domain, None
-            if event.reset.phase is not None:
+            last, reset = past + t, event.reset
+            switches += end == TIME_LIMIT
+            if reset.impact:
+                toes = struck_toes(system, domain, reset)
+                if len(toes) > 1:
+                    return None
+                y = self._compiled.impact(toes[0])(y, parameters)
+            if reset.latch is not None:
+                now = y.tolist()
+                try:
+                    held = {**held, **reset.latch(now[: self._nv], now[self._nv :], held, self._law)}
+                except ArithmeticError:
+                    return None
+                shape, parameters = self._given(held)
+            if reset.phase is not None:
                 spent[phase] += t
-                phase, t, switches = event.reset.phase, 0.0, 0
+                phase, past, t, switches = reset.phase, past + t, 0.0, 0
+            domains = self._phases[phase]
             if event.name == system.section:
-                return Lap(y, held, spent, observed, (left, event.reset)) if sum(spent.values()) > INSTANT else None
+                return Lap(y, held, spent, observed, (domain, reset)) if past > INSTANT else None
         return None
 
-    def _enter(
-        self, domains: Iterable[Domain], t: float, y: Array, held: Held, parameters: Array
-    ) -> tuple[Single, float, Array, int | None] | None:
-        """The first domain that fits, with a state there, now or soon, at which its guards are positive.
-
-        If one falls at once instead, its index comes last.
-        """
-        for domain in domains:
-            ready = self._compiled.single(domain, held)
-            here = ready.look(t, y, parameters, self._friction)
-            if here.fits:
-                break
-        else:
-            return None
-        if not (here.waiting or here.bent):
-            return ready, t, y, None
-        there = ready.ahead(here, parameters, self._friction)
-        change = [(there.guards[i] - here.guards[i], i) for i in here.waiting]
-        falls = [i for by, i in change if by < 0.0]
-        if here.lost or not all(abs(by) > MOVES for by, _ in change) or (falls and t <= AT_ONCE):
-            return None
-        if falls:
-            return ready, t, y, falls[0]
-        return (ready, there.t, there.y, None) if there.clear else None
-
-    def _reset(
-        self, domain: Domain, reset: Reset, y: Array, held: Held, parameters: Array
-    ) -> tuple[Array, Held] | None:
-        """What an event does, unless several toes strike."""
-        nv = self._nv
-        if reset.impact:
-            toes = struck_toes(self._system, domain, reset)
-            if len(toes) > 1:
-                return None
-            y = self._compiled.impact(toes[0])(y, parameters, self._friction)
-        if reset.latch is not None:
-            now = y.tolist()
-            try:
-                held = {**held, **reset.latch(now[:nv], now[nv:], held, self._law)}
-            except ArithmeticError:
-                return None
-        return y, held
+    def _given(self, held: Held) -> tuple[Any, Array]:
+        """The shape of what is held, and the run-time parameters."""
+        return shape_of(held), np.array(self._constants + flattened(held.values()))
