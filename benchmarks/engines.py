@@ -43,6 +43,7 @@ from benchmarks.peers.task import (
 from spear_pin.hybrid.engines.taylor import available, width
 
 SIZES = {"hop": (1, STATES, 64, 512, 4096), "bound": (1, STATES, 64, 512)}  # lanes; few are run one by one
+LONG = 20  # cycles of lanes that go on, so that a call's own cost is shared
 FIRST = (STATES, 64)  # lanes of a first use: one by one, and a batch
 PEERS = ("lean_loop", "pinocchio_cpp", "mujoco_exact", "mujoco_native", "drake_hop")
 ENOUGH = 0.2  # s: that a lane is run for in a round, or once
@@ -60,9 +61,9 @@ def hop_lanes(task: Task) -> tuple[list[Lane], list[str]]:
             missing.append(f"{peer}: {reason}")
     lanes += [reference(task, 1e-8), reference(task, 1e-9), reference(task, 1e-9, sampled=True)]
     if available():
-        lanes += [taylor(task, size, 1e-9) for size in SIZES["hop"]]
-        # still far more accurate than the yardstick
-        lanes += [taylor(task, size, 1e-7) for size in (SIZES["hop"][1], SIZES["hop"][-1])]
+        lanes += [taylor(task, size, 1e-9) for size in SIZES["hop"][:-1]]
+        for rtol in (1e-9, 1e-7, 1e-4):  # all are at least as accurate as the yardstick
+            lanes += [taylor(task, STATES, rtol, cycles=LONG), taylor(task, SIZES["hop"][-1], rtol)]
     else:
         missing.append("simulate_many: heyoka is not installed")
     return lanes, missing
@@ -76,6 +77,9 @@ def stride_lanes() -> list[tuple[Lane, Task]]:
     for task in (off, bound_on(SIZES["bound"][-1])) if available() else ():
         where = "" if task is off else "outputs at zero"
         lanes += [(taylor(task, size, 1e-9, where), task) for size in SIZES["bound"]]
+        lanes += [(taylor(task, STATES, 1e-9, where, cycles=LONG), task)]
+        lanes += [(taylor(task, STATES, 1e-9, where, cycles=LONG, unroll=True), task)]
+        lanes += [(taylor(task, SIZES["bound"][-1], 1e-9, where, unroll=True), task)]
         lanes += [(taylor(task, SIZES["bound"][-1], 1e-11, where), task)]
     return lanes
 
@@ -84,7 +88,7 @@ def measure(lanes: list[tuple[Lane, Task]], rounds: int) -> list[Row]:
     """Agreement, then time; the first lane is what the others are compared with."""
     rows, calls = [], []
     for lane, task in lanes:
-        error = task.error(lane.call())
+        error = task.error((lane.first or lane.call)())
         calls.append(max(1, round(ENOUGH / max(lane.seconds(1), 1e-6))))
         rows.append({"name": lane.name, "settings": lane.settings, "note": lane.note(), "error": error})
     samples: list[list[float]] = [[] for _ in lanes]
@@ -123,7 +127,7 @@ def worker(*given: str) -> list[str]:
 def first_use(rounds: int) -> list[Row]:
     """Seconds until the integrators are ready: compiled anew, and read from heyoka's cache."""
     rows = []
-    for name, lanes in product(SIZES, FIRST):
+    for name, lanes in (*product(SIZES, FIRST), ("bound unrolled", STATES)):
         seconds: dict[str, list[float]] = {"compiled": [], "cached": []}
         for _ in range(rounds):
             with tempfile.TemporaryDirectory() as folder:
@@ -136,11 +140,11 @@ def first_use(rounds: int) -> list[Row]:
 
 
 def two_processes(rounds: int) -> list[Row]:
-    """Cycles a second of one process, and of two at the same time."""
+    """Cycles a second of one process, and of two at the same time; of plain Python, too: what the machine allows."""
     rows = []
-    for name, sizes in SIZES.items():
+    for name, size in [("plain Python", 1), *((name, sizes[-1]) for name, sizes in SIZES.items())]:
         pipes: Any = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
-        workers = [subprocess.Popen(worker("serve", name, str(sizes[-1])), **pipes) for _ in range(2)]
+        workers = [subprocess.Popen(worker("serve", name, str(size)), **pipes) for _ in range(2)]
         rates: dict[int, list[float]] = {1: [], 2: []}
         for process in workers:
             process.stdout.readline()
@@ -149,12 +153,12 @@ def two_processes(rounds: int) -> list[Row]:
                 for process in workers[:count]:
                     print(file=process.stdin, flush=True)
                 slowest = max(float(process.stdout.readline()) for process in workers[:count])
-                rates[count].append(count * sizes[-1] / slowest)
+                rates[count].append(count * size / slowest)
         for process in workers:
             process.stdin.close()
             process.wait()
         gains = [two / one for one, two in zip(rates[1], rates[2], strict=True)]
-        row = {"name": name, "lanes": sizes[-1], "gain": statistics.median(gains)}
+        row = {"name": name, "lanes": size, "gain": statistics.median(gains)}
         rows.append(row | {"one": statistics.median(rates[1]), "two": statistics.median(rates[2])})
     return rows
 
@@ -240,7 +244,7 @@ def main() -> None:
         ]
         table(("first use", "lanes", "compiled [s]", "from the cache [s]"), uses)
         pairs = [
-            (row["name"], str(row["lanes"]), f"{row['one']:.0f}", f"{row['two']:.0f}", f"{row['gain']:.2f}")
+            (row["name"], str(row["lanes"]), f"{row['one']:.3g}", f"{row['two']:.3g}", f"{row['gain']:.2f}")
             for row in results["two_processes"]
         ]
         table(("cycles a second", "lanes", "one process", "two", "gain"), pairs)

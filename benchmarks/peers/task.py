@@ -34,10 +34,11 @@ class Lane:
     Attributes:
         name: what computes.
         settings: at which tolerances, and how.
-        call: computes some cycles and returns where the first of them end, (n, 2 nv).
+        call: computes some cycles and returns where they end, (n, 2 nv).
         cycles: number of cycles a call computes.
         clock: CPU seconds of so many calls, where the lane takes its own time.
         note: what is to be said of the last call.
+        first: where the first cycles end, if that is not what `call` returns.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Lane:
     cycles: int = STATES
     clock: Callable[[int], float] | None = None
     note: Callable[[], str] = lambda: ""
+    first: Callable[[], Array] | None = None
 
     def seconds(self, calls: int) -> float:
         """CPU time of so many calls."""
@@ -133,20 +135,30 @@ def reference(task: Task, rtol: float, sampled: bool = False) -> Lane:
     return Lane("`simulate`" if sampled else "`simulate`, unsampled", f"rtol {rtol:.0e}", call)
 
 
-def taylor(task: Task, lanes: int, rtol: float, where: str = "") -> Lane:
+def taylor(task: Task, lanes: int, rtol: float, where: str = "", cycles: int = 1, unroll: bool | None = None) -> Lane:
     """Our Taylor engine: `simulate_many`; with one lane, call by call."""
     system, calls = task.gait.system, STATES if lanes == 1 else 1
     repeated = 0
 
-    def call() -> Array:
+    def run_all(cycles: int) -> Array:
         nonlocal repeated
         groups = [slice(i, i + lanes) for i in range(calls)]
-        batches = [simulate_many(system, task.q[group], task.v[group], 1, rtol) for group in groups]
+        batches = [simulate_many(system, task.q[part], task.v[part], cycles, rtol, unroll=unroll) for part in groups]
         repeated = sum(int(batch.repeated.sum()) for batch in batches)
         ends = np.concatenate([np.concatenate([batch.q, batch.v], axis=1) for batch in batches])
         return ends[:CHECKED]
 
     def note() -> str:
-        return ", ".join(filter(None, [where, f"{repeated} repeated" if repeated else ""]))
+        return ", ".join(
+            filter(None, [where, "unrolled" if unroll else "", f"{repeated} repeated" if repeated else ""])
+        )
 
-    return Lane(f"`simulate_many`, {lanes} lane{'s'[: lanes > 1]}", f"rtol {rtol:.0e}", call, lanes * calls, note=note)
+    name = f"`simulate_many`, {lanes} lane{'s'[: lanes > 1]}" + (f", {cycles} cycles" if cycles > 1 else "")
+    return Lane(
+        name,
+        f"rtol {rtol:.0e}",
+        lambda: run_all(cycles),
+        lanes * calls * cycles,
+        note=note,
+        first=lambda: run_all(1),
+    )

@@ -8,17 +8,26 @@ from __future__ import annotations
 
 import sys
 import time
+from functools import partial
 
 from benchmarks.peers.task import Task, bound, hop
 from spear_pin.hybrid.batch import simulate_many
 
-TASKS = {"hop": hop, "bound": bound}
+TASKS = {"hop": hop, "bound": bound, "bound unrolled": bound}
 
 
-def call(task: Task) -> float:
+def call(task: Task, unroll: bool | None = None) -> float:
     """Wall seconds of one call with all lanes."""
     begin = time.perf_counter()
-    simulate_many(task.gait.system, task.q, task.v)
+    simulate_many(task.gait.system, task.q, task.v, unroll=unroll)
+    return time.perf_counter() - begin
+
+
+def loop() -> float:
+    """Wall seconds of a loop of plain Python."""
+    begin = time.perf_counter()
+    for i in range(10**7):
+        i * i
     return time.perf_counter() - begin
 
 
@@ -27,15 +36,16 @@ def first(name: str, lanes: str, folder: str) -> None:
 
     hy.llvm_state.set_diskcache_path(folder)
     task = TASKS[name](int(lanes))
-    print(call(task), call(task))
+    unroll = True if name.endswith("unrolled") else None
+    print(call(task, unroll), call(task, unroll))
 
 
 def serve(name: str, lanes: str) -> None:
-    task = TASKS[name](int(lanes))
-    call(task)
+    again = partial(call, TASKS[name](int(lanes))) if name in TASKS else loop
+    again()
     print("ready", flush=True)
     for _ in sys.stdin:
-        print(call(task), flush=True)
+        print(again(), flush=True)
 
 
 if __name__ == "__main__":

@@ -131,7 +131,7 @@ class Watch:
         return y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
 
     def _locate(self, i: int, nodes: list[tuple[float, float]], solution: Interpolant) -> float | None:
-        """When guard i first falls through zero, given (time, value) at both ends and halfway."""
+        """When guard i first falls through zero, given (time, value) at both ends and halfway, there an estimate."""
 
         def value(t: float) -> float:
             y = solution(t)
@@ -146,6 +146,8 @@ class Watch:
             nodes = [nodes[0], *((t, value(t)) for t in begin + (end - begin) * np.geomspace(1e-4, 1.0, 25))]
             if all(g <= 0.0 for _, g in nodes):
                 return begin
+        else:
+            nodes = [nodes[0], (nodes[1][0], value(nodes[1][0])), nodes[2]]
         rising = next(k for k, (_, g) in enumerate(nodes) if g > 0.0)
         for (left, _), (right, g) in pairwise(nodes[rising:]):
             if g <= 0.0:

@@ -8,6 +8,7 @@ import pytest
 from spear_pin import Contact, HoppingLaw, Spring, hopping, simulate
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem, Reset
+from spear_pin.hybrid.events import Watch
 from spear_pin.model.loading import load
 
 GRAVITY = 9.81
@@ -65,6 +66,41 @@ def once(value, name="once", flag="passed"):
     """An event when a function of time falls through zero for the first time."""
     passed = Reset(latch=lambda *_: {flag: 9.0})
     return Guard(name, lambda t, q, v, held, *_: value(t) + held[flag], passed)
+
+
+class TestBetweenSteps:
+    """A guard is looked at halfway through a step, there only by an estimate of the state."""
+
+    STATE = at_height(1.0)[0], np.array([1.0, 25.0, -40.0])  # legs that whirl
+
+    @pytest.fixture
+    def steps(self, monkeypatch):
+        """Of each step the toe's height halfway: estimated, and on the integrator's own interpolant."""
+        found, step = [], Watch.step
+
+        def spied(watch, ends, states, slopes, interpolate):
+            (t0, t1), (y0, y1), (f0, f1) = ends, states, slopes
+            estimate = 0.5 * (y0 + y1) + (t1 - t0) / 8.0 * (f0 - f1)
+            middle = interpolate()(0.5 * (t0 + t1))
+            found.append([ROBOT.toe_position(y[:3], "toe")[1] for y in (estimate, middle)])
+            return step(watch, ends, states, slopes, interpolate)
+
+        monkeypatch.setattr(Watch, "step", spied)
+        fall(falling(), self.STATE, rtol=1e-6)
+        monkeypatch.undo()
+        return found
+
+    def test_where_the_estimate_is_on_the_wrong_side(self, steps):
+        seen = 0
+        assert min(abs(estimate - middle) for estimate, middle in steps) > 1e-6
+        for estimate, middle in steps:
+            level = 0.5 * (estimate + middle)
+            guard = Guard("passes", lambda t, q, v, held, p, dyn, ops, level=level: dyn.height("toe") - level)
+            events = fall(falling(guard), self.STATE, rtol=1e-6).named("passes")
+            seen += len(events)
+            for event in events:
+                assert ROBOT.toe_position(event.q, "toe")[1] == pytest.approx(level, rel=0, abs=1e-13)
+        assert seen >= 10
 
 
 class TestFreeFall:

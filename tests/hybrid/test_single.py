@@ -7,7 +7,7 @@ from spear_pin import Gait
 from spear_pin.hybrid.contact import plastic_impact
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.layout import flattened, shape_of
-from spear_pin.hybrid.engines.single import AHEAD, NONE, UNCLEAR, Entry
+from spear_pin.hybrid.engines.single import AHEAD, KEEPS, LEAVES, NONE, UNCLEAR, Entry
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.entry import choose
@@ -57,16 +57,20 @@ def test_chooses_as_for_many(hop):
             )
             found, _ = choose(numbers, phase, group)
             parameters = np.array([*numbers.constants(0), *flat(held)])
-            fits = [
-                domain.name
+            entries = {
+                domain.name: single_of(numbers, domain, held).enter(0.0, y, parameters)
                 for domain in system.of_phase(phase)
-                if single_of(numbers, domain, held).enter(0.0, y, parameters) is not None
-            ]
-            kept = [ready.domain.name for ready, _, point in found if (point.forces[:, 1] > 0.0).all()]
-            assert fits[:1] == kept[:1] or not kept
-            for name in fits[:1]:
-                chosen[name] = chosen.get(name, 0) + 1
-    assert len(chosen) >= 4, chosen
+            }
+            fits = [
+                (name, entry.contacts)
+                for contacts in (KEEPS, LEAVES)
+                for name, entry in entries.items()
+                if entry is not None and entry.contacts == contacts
+            ][:1]
+            assert [name for name, _ in fits] == [ready.domain.name for ready, _, _ in found]
+            for each in fits:
+                chosen[each] = chosen.get(each, 0) + 1
+    assert len(chosen) >= 6, chosen
 
 
 def test_a_step_ahead_is_exact(hop):

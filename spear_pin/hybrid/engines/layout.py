@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
 from types import FunctionType
@@ -16,7 +16,7 @@ from spear_pin.model.planar import Body, Planar
 
 Array = NDArray[np.float64]
 Values = Mapping[str, Any]
-FLOATS = frozenset({float, np.float64})  # what most values are; asked first, for speed
+FLOATS = frozenset({float, np.float64})  # what most values are: asked first, as it is asked often
 
 
 @dataclass(frozen=True)
@@ -85,14 +85,14 @@ def parameters(law: Any, others: Sequence[Any], robot: Sequence[float], held: Va
     return rows
 
 
-def flattened(values: Iterable[Any]) -> list[Any]:
+def flattened(values: Collection[Any]) -> list[Any]:
     """The numbers among values and in nested tuples of them, in their order."""
+    if FLOATS.issuperset(map(type, values)):
+        return list(values)
     flat: list[Any] = []
     for value in values:
-        if type(value) in FLOATS:
-            flat.append(value)
-        elif isinstance(value, tuple):
-            flat += value if FLOATS.issuperset(map(type, value)) else flattened(value)
+        if isinstance(value, tuple):
+            flat += flattened(value)
         elif _is_number(value):
             flat.append(value)
     return flat
@@ -169,14 +169,12 @@ def _is_number(value: Any) -> bool:
 
 def shape_of(held: Values) -> Any:
     """What what is held has in common with what else is compiled alike."""
-    return tuple((name, _shape(value)) for name, value in held.items())
+    return (*held, _shape(tuple(held.values())))
 
 
 def _shape(value: Any) -> Any:
-    if type(value) in FLOATS:
-        return float
     if isinstance(value, tuple):
-        return (float,) * len(value) if FLOATS.issuperset(map(type, value)) else tuple(map(_shape, value))
+        return len(value) if FLOATS.issuperset(map(type, value)) else tuple(map(_shape, value))
     return float if _is_number(value) else value
 
 

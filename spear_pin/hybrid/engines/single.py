@@ -21,12 +21,21 @@ Array = NDArray[np.float64]
 AHEAD = 1e-6  # s: a step that takes guards off zero
 MOVES = 1e-14  # of a guard's change within it, in its unit
 NONE, UNCLEAR = -1, -2  # events on entering a domain
+KEEPS, LEAVES, UNFIT = 0, 1, 2  # what a domain's contacts do
 OF_TOE = 4  # numbers of each closed toe
 
 
 class Entry(NamedTuple):
-    """Where motion in a domain begins: time in s, state, and the guard that falls at once, `NONE` or `UNCLEAR`."""
+    """A domain that a state may enter.
 
+    Attributes:
+        contacts: `KEEPS` if its modes of contact hold, `LEAVES` if those that do not would have to pull at the toe.
+        t: time at which motion begins, in s.
+        y: state there.
+        event: the guard that falls at once, `NONE` or `UNCLEAR`.
+    """
+
+    contacts: int
     t: float
     y: Array
     event: int
@@ -54,7 +63,7 @@ class Single:
         self._kinks = slice(kinks, self._here), slice(self._later + kinks, self._later + self._here)
 
     def enter(self, t: float, y: Array, parameters: Array) -> Entry | None:
-        """Where motion that enters the domain at a state begins, None if the domain does not fit.
+        """Where motion that enters the domain at a state begins, None if its contacts do not fit.
 
         It begins there or, off the guards that rise from zero, a moment later.
 
@@ -67,47 +76,53 @@ class Single:
         answer = self._function(y, pars=given, time=t) if self._timed else self._function(y, pars=given)
         values = answer.tolist()
         if not math.isfinite(sum(values)):
-            return Entry(t, y, UNCLEAR)
-        if not self._fits(values):
+            return Entry(KEEPS, t, y, UNCLEAR)
+        contacts = self._contacts(values)
+        if contacts == UNFIT:
             return None
         waiting = [i for i, tolerance in self._happening if values[i] <= tolerance]
-        bent = any(abs(kink) <= BENT for kink in values[self._kinks[0]])
-        if not (waiting or bent):
-            return Entry(t, y, NONE)
+        if not (waiting or any(abs(kink) <= BENT for kink in values[self._kinks[0]])):
+            return Entry(contacts, t, y, NONE)
         later, guards = self._later, self.domain.guards
         for i in waiting:
             change = values[later + i] - values[i]
             if values[i] < -guards[i].tolerance or change < -MOVES:
-                return Entry(t, y, i)
+                return Entry(contacts, t, y, i)
             if change <= MOVES:
-                return Entry(t, y, UNCLEAR)
+                return Entry(contacts, t, y, UNCLEAR)
         clear = all(values[later + i] > 0.0 for i, _ in self._happening) and all(values[self._kinks[1]])
-        return Entry(t + AHEAD, answer[later + self._here :], NONE) if clear else Entry(t, y, UNCLEAR)
+        if not clear:
+            return Entry(contacts, t, y, UNCLEAR)
+        return Entry(contacts, t + AHEAD, answer[later + self._here :], NONE)
 
-    def _fits(self, values: list[float]) -> bool:
-        """Whether every closed toe moves as its mode says and is kept there by its forces."""
+    def _contacts(self, values: list[float]) -> int:
+        """Whether every closed toe moves as its mode says, and whether its forces keep it there."""
+        contacts, well_posed = KEEPS, True
         for mode, i in self._toes:
             speed, normal, second, third = values[i : i + OF_TOE]
-            if not (normal > 0.0 and second > 0.0):
-                return False
             if mode == STICK:
-                if not (third > 0.0 and abs(speed) <= AT_REST):
-                    return False
-            elif not (speed > AT_REST or (third > 0.0 and speed >= -AT_REST)):
-                return False
-        return True
+                moves, stays = abs(speed) <= AT_REST, second > 0.0 and third > 0.0
+            else:
+                moves, stays = speed >= -AT_REST, second > 0.0 and (third > 0.0 or speed > AT_REST)
+                well_posed = well_posed and second > 0.0
+            if not moves or not (stays or normal <= 0.0):
+                return UNFIT
+            if not (stays and normal > 0.0):
+                contacts = LEAVES
+        return contacts if well_posed else UNFIT
 
     def run(self, t: float, y: Array, until: float, parameters: Array) -> tuple[float, Array, int]:
         """Integrate up to the first event, or a time, as `Compiled.run`."""
-        self._integrator.time = t
+        integrator = self._integrator
+        integrator.time = t
         self._state[:] = y
         self._parameters[:] = parameters[: len(self._parameters)]
-        self._integrator.reset_cooldowns()
-        outcome = int(self._integrator.propagate_until(until, max_steps=STEPS)[0])
+        integrator.reset_cooldowns()
+        outcome = int(integrator.propagate_until(until, max_steps=STEPS)[0])
         end = TIME_LIMIT if outcome == self._limit else FAILED
         if -len(self._meaning) <= outcome < 0:
             end = self._meaning[-outcome - 1]
-        return float(self._integrator.time), self._state.copy(), end
+        return integrator.time, self._state.copy(), end
 
 
 def entering(code: Compiled) -> Any:
@@ -171,12 +186,13 @@ class Impact:
         """The state afterwards, by Routh's method as in `contact.plastic_impact`."""
         values, nv = self._function(y, pars=parameters[: self._function.nparams]), self._nv
         a_tt, a_tn, a_nn, slide, approach, friction = values[:6].tolist()
-        after, (v, along, up) = y.copy(), values[6:].reshape(3, nv)
-        if not _sticks(a_tt, a_tn, a_nn, slide, approach, friction):
+        after = y.copy()
+        if _sticks(a_tt, a_tn, a_nn, slide, approach, friction):
+            after[nv:] = values[6 : 6 + nv]
+        else:
             matrix = np.array([[a_tt, a_tn], [a_tn, a_nn]])[..., None]
-            tangential, normal = routh(matrix, np.array([[slide], [approach]]), friction)[0][:, 0].tolist()
-            v = y[nv:] + tangential * along + normal * up
-        after[nv:] = v
+            impulse, _ = routh(matrix, np.array([[slide], [approach]]), friction)
+            after[nv:] += impulse[:, 0] @ values[6 + nv :].reshape(2, nv)
         return after
 
 

@@ -215,9 +215,7 @@ class Motion:
         for j, torque in others:
             applied[self._motors[j]] = applied[self._motors[j]] + torque
         force = [f - h for f, h in zip(applied, self.bias, strict=True)]
-        system = [[*row, *map(negated, column)] for row, *column in zip(self.mass_matrix, *contacts, strict=True)]
-        system += [[*row, *[0.0] * len(contacts)] for row in contacts]
-        right = [*force, *map(negated, drift)]
+        system, right = self._bordered(force, contacts, drift)
         for row, a, j in zip(rows, wanted, motors, strict=True):
             i = self._motors[j]
             system[i], right[i] = [0.0] * (n + len(contacts)), a
@@ -281,13 +279,22 @@ class Motion:
                 rows.append(z)
                 directions.append([down - slope * along for along, down in zip(x, z, strict=True)])
                 drift.append(own[1])
-        return rows, directions, drift
+        return rows, rows if len(rows) == 2 * len(self._closed) else directions, drift
+
+    def _bordered(self, force: Sequence[Any], rows: Matrix, drift: Sequence[Any]) -> tuple[Matrix, list[Any]]:
+        """Matrix and right-hand side of D a = force + Aᵀ λ, A a + drift = 0, for (a, λ)."""
+        system = [[*row, *map(negated, column)] for row, *column in zip(self.mass_matrix, *rows, strict=True)]
+        system += [[*row, *[0.0] * len(rows)] for row in rows]
+        return system, [*force, *map(negated, drift)]
 
     def _constrained(
         self, applied: Sequence[Any], rows: Matrix, directions: Matrix, drift: Sequence[Any], moving: bool = True
     ) -> tuple[list[Any], list[Any], Matrix]:
         """Solve D a = applied - bias + G λ under A a + drift = 0, as `contact.constrained`; `moving` has bias."""
         force = [f - h for f, h in zip(applied, self.bias, strict=True)] if moving else list(applied)
+        if directions is rows and rows:
+            solution = solve_sparse(*self._bordered(force, rows, drift))
+            return solution[: len(force)], solution[len(force) :], []
         free = substitute(self._factors, force)
         if not rows:
             return free, [], []

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem
+from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem, Reset
 from spear_pin.hybrid.contact import joint_impact, routh
 from spear_pin.hybrid.engines.layout import shape_of
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Point, Ready
@@ -53,7 +53,8 @@ class Lanes:
         n, self.nv = len(q), system.robot.nv
         self.system, self.options, self.wanted = system, options, cycles
         self.numbers = Numbers(system, given, code)
-        self.start = np.concatenate([q.T, v.T])  # of the present cycle
+        # what the reference engine can begin at: the last state on the section that says everything, the cycles before
+        self.start, self.before = np.concatenate([q.T, v.T]), np.zeros(n, np.int64)
         self.end = self.start.copy()
         self.began, self.switches = np.zeros(n), np.zeros(n, np.int64)
         self.events, self.crowd, self.last = np.zeros(n, np.int64), np.zeros(n, np.int64), np.full(n, -np.inf)
@@ -66,7 +67,7 @@ class Lanes:
         seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and code.observing}
         self.observed = {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
         self._tracks = [Track(self.numbers, lane) for lane in range(n)] if n <= FEW else []
-        self._alone: list[tuple[Group, Came | None]] = []
+        self._alone: list[tuple[str, Group, Came | None]] = []
         self._entering: dict[Any, tuple[str, Came | None, list[Group]]] = {}
         self._flying: dict[int, tuple[Ready, list[Group]]] = {}
 
@@ -116,30 +117,33 @@ class Lanes:
     def go_on(self, phase: str, group: Group, came: Came | None) -> None:
         """Have lanes begin a cycle, one by one if they are few and that has not failed too often."""
         single = bool(self._tracks) & self.on_section[group.lanes] & (self.refused[group.lanes] < PATIENCE)
-        self._alone += [(group.take([i]), came) for i in np.flatnonzero(single)]
+        self._alone += [(phase, group.take([i]), came) for i in np.flatnonzero(single)]
         if not single.all():
             self.put(phase, group.take(~single), came)
 
-    def go_round(self, group: Group, came: Came | None) -> None:
+    def go_round(self, phase: str, group: Group, came: Came | None) -> None:
         """Run the cycles of one lane that need no second look."""
         lane, n, y, held = int(group.lanes[0]), 0, group.y[:, 0], alone(group.held)
         spent: Mapping[str, float] = {}
-        while self.cycles[lane] + n < self.wanted and (lap := self._tracks[lane].lap(y, held)) is not None:
-            n, y, held, spent, came = n + 1, lap.y, lap.held, lap.spent, lap.came
+        lands = self.system.landing[1]
+        while self.cycles[lane] + n < self.wanted and (lap := self._tracks[lane].lap(phase, y, held)) is not None:
+            n, y, held, spent, phase, came = n + 1, lap.y, lap.held, lap.spent, lap.phase, lap.came
+            if came[1] is lands:
+                self.start[:, lane], self.before[lane] = y, self.cycles[lane] + n
             self.began[lane] += sum(spent.values())
             for name, state in lap.observed.items():
                 self.observed[name][:, lane] = state
         if n:
-            self.start[:, lane], self.end[:, lane] = y, y
+            self.end[:, lane] = y
             self.cycles[lane] += n
-            for phase, seconds in spent.items():
-                self.durations[phase][lane] = seconds
+            for name, seconds in spent.items():
+                self.durations[name][lane] = seconds
         if self.cycles[lane] == self.wanted:
             self.finish(group.lanes, "complete", "")
         else:
             self.refused[lane] += 1
             held = {name: spread(value, 1) for name, value in held.items()}
-            self.put(self.system.section_phase, Group(group.lanes, np.zeros(1), y[:, None].copy(), held), came)
+            self.put(phase, Group(group.lanes, np.zeros(1), y[:, None].copy(), held), came)
 
     def put(self, phase: str, group: Group, came: Came | None) -> None:
         """Have lanes enter a phase, or go on with it after an event within it."""
@@ -246,7 +250,7 @@ class Lanes:
             self.leave(domain.phase, group)
             group = replace(group, t=np.zeros(len(group)))
         if guard.name == self.system.section:
-            group = self.close_cycle(group)
+            group = self.close_cycle(group, reset)
             self.go_on(reset.phase or domain.phase, group, (domain, reset))
         elif len(group):
             self.put(reset.phase or domain.phase, group, None if reset.phase is None else (domain, reset))
@@ -278,7 +282,7 @@ class Lanes:
             after = v + (response @ impulse.T[:, :, None])[:, :, 0].T
         return replace(group, y=np.concatenate([q, after]), held=held)
 
-    def close_cycle(self, group: Group) -> Group:
+    def close_cycle(self, group: Group, reset: Reset) -> Group:
         """The section is crossed; returns the lanes that go on."""
         lanes, counts = group.lanes, self.on_section[group.lanes]
         instant = counts & (sum(spent[lanes] for spent in self.spent.values()) < INSTANT)
@@ -288,21 +292,22 @@ class Lanes:
             self.durations[phase][lanes[counts]] = spent[lanes[counts]]
             spent[lanes] = 0.0
         self.on_section[lanes], self.events[lanes] = True, 0
-        self.start[:, lanes] = group.y
+        if reset is self.system.landing[1]:  # from flight: nothing but the state matters for what follows
+            self.start[:, lanes], self.before[lanes] = group.y, self.cycles[lanes]
         done = self.cycles[lanes] == self.wanted
         self.end[:, lanes] = group.y
         self.finish(lanes[done & ~instant], "complete", "")
         return group.take(~done & ~instant)
 
     def repeat(self, lane: int) -> None:
-        """Run a lane again by the reference engine from where its cycle began."""
-        nq = self.system.robot.nq
-        done = int(self.cycles[lane])
+        """Run a lane again by the reference engine from where its cycle began, or an earlier one."""
+        nq, before = self.system.robot.nq, int(self.before[lane])
         system = with_parameters(self.system, self.numbers.of_lane(lane))
         state = self.start[:nq, lane].copy(), self.start[nq:, lane].copy()
-        result = run(system, state, self.wanted - done, self.options)
-        self.cycles[lane] = done + result.cycles
-        self.end[:, lane] = np.concatenate(result.state if result.reason == "complete" else state)
+        result = run(system, state, self.wanted - before, self.options)
+        self.cycles[lane] = before + result.cycles
+        crossings = [(event.q, event.v) for event in result.events if event.name == system.section]
+        self.end[:, lane] = np.concatenate([state, *crossings][-1])
         self.reason[lane], self.message[lane] = result.reason, result.message
         for name, states in self.observed.items():
             last = [event for event in result.events if event.name == name][-1:]

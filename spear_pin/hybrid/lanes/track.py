@@ -8,16 +8,15 @@ again by `journey`.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.layout import flattened, shape_of
-from spear_pin.hybrid.engines.single import NONE, UNCLEAR
+from spear_pin.hybrid.engines.single import KEEPS, NONE, UNCLEAR, Entry, Single
 from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT
 from spear_pin.hybrid.lanes.groups import Held
 from spear_pin.hybrid.lanes.numbers import Numbers
@@ -28,8 +27,7 @@ EVENTS = 50  # of a cycle
 FEW_AT_ONCE = 4  # events in an instant
 
 
-@dataclass(frozen=True)
-class Lap:
+class Lap(NamedTuple):
     """A cycle.
 
     Attributes:
@@ -37,6 +35,7 @@ class Lap:
         held: what is held there.
         spent: seconds in each phase.
         observed: states at the last of the events that change nothing, by name.
+        phase: the phase that begins there.
         came: the last domain, and the reset by which it was left.
     """
 
@@ -44,6 +43,7 @@ class Lap:
     held: Held
     spent: Mapping[str, float]
     observed: Mapping[str, Array]
+    phase: str
     came: tuple[Domain, Reset]
 
 
@@ -58,23 +58,21 @@ class Track:
     def __init__(self, numbers: Numbers, lane: int) -> None:
         self._compiled, self._system, self._nv = numbers.compilation, numbers.system, numbers.nv
         self._law, self._constants = numbers.law_of(lane), numbers.constants(lane)
+        self._struck: dict[tuple[int, int], list[str]] = {}
         self._phases = {phase: self._system.of_phase(phase) for phase in self._system.phases}
 
-    def lap(self, y: Array, held: Held) -> Lap | None:
-        """The cycle from a state just behind the section, or None."""
+    def lap(self, phase: str, y: Array, held: Held) -> Lap | None:
+        """The cycle from a state just behind the section, where a phase begins, or None."""
         system = self._system
-        phase, t, switches, past, last, crowd = system.section_phase, 0.0, 0, 0.0, -math.inf, 0
+        t, switches, past, last, crowd = 0.0, 0, 0.0, -math.inf, 0
         spent, observed = dict.fromkeys(system.phases, 0.0), {}
         domains, (shape, parameters) = self._phases[phase], self._given(held)
         for _ in range(EVENTS):
-            for domain in domains:
-                ready = self._compiled.single(domain, held, shape)
-                entry = ready.enter(t, y, parameters)
-                if entry is not None:
-                    break
-            else:
+            entered = self._enter(domains, t, y, held, shape, parameters)
+            if entered is None:
                 return None
-            t, y, end = entry
+            ready, (_, t, y, end) = entered
+            domain = ready.domain
             switch = domain.switch
             if end == UNCLEAR or (end >= 0 and t <= AT_ONCE and domain.guards[end].leaves):
                 return None
@@ -99,7 +97,10 @@ class Track:
             last, reset = past + t, event.reset
             switches += end == TIME_LIMIT
             if reset.impact:
-                toes = struck_toes(system, domain, reset)
+                key = id(domain), id(reset)
+                if key not in self._struck:
+                    self._struck[key] = struck_toes(system, domain, reset)
+                toes = self._struck[key]
                 if len(toes) > 1:
                     return None
                 y = self._compiled.impact(toes[0])(y, parameters)
@@ -115,8 +116,22 @@ class Track:
                 phase, past, t, switches = reset.phase, past + t, 0.0, 0
             domains = self._phases[phase]
             if event.name == system.section:
-                return Lap(y, held, spent, observed, (domain, reset)) if past > INSTANT else None
+                return Lap(y, held, spent, observed, phase, (domain, reset)) if past > INSTANT else None
         return None
+
+    def _enter(
+        self, domains: Iterable[Domain], t: float, y: Array, held: Held, shape: Any, parameters: Array
+    ) -> tuple[Single, Entry] | None:
+        """The first domain whose contacts keep, or else the first in which they leave."""
+        leaving = None
+        for domain in domains:
+            ready = self._compiled.single(domain, held, shape)
+            entry = ready.enter(t, y, parameters)
+            if entry is not None and entry.contacts == KEEPS:
+                return ready, entry
+            if entry is not None and leaving is None:
+                leaving = ready, entry
+        return leaving
 
     def _given(self, held: Held) -> tuple[Any, Array]:
         """The shape of what is held, and the run-time parameters."""
