@@ -96,6 +96,17 @@ def test_what_is_not_finite_is_unclear(hop):
     assert single.enter(0.0, np.full(6, np.nan), parameters).event == UNCLEAR
 
 
+def test_systems_of_equal_structure_share_what_is_compiled(hop):
+    """So that a new number costs no new compilation."""
+    held, functions = None, set()
+    for torque in (8.0, 9.0):
+        system = hop.with_law(stance_torque=torque).system
+        numbers = Numbers(system, {}, Code(1e-12))
+        held = held or first_held(numbers, hop)
+        functions.add(id(single_of(numbers, system.domains[0], held)._function))
+    assert len(functions) == 1
+
+
 def first_held(numbers, gait):
     """What is held just behind the section."""
     flight, lands = gait.system.landing

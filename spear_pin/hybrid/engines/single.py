@@ -56,11 +56,13 @@ class Single:
         self._limit, self._meaning = int(require().taylor_outcome.time_limit), code.meaning.tolist()
         guards = self.domain.guards
         self._happening = [(i, guard.tolerance) for i, guard in enumerate(guards) if not guard.observes]
-        # where things are in what the function returns
-        kinks = len(guards) + OF_TOE * len(code.closed)
+        # where things are in what the function returns, see `entering`
         self._toes = [(mode, len(guards) + OF_TOE * i) for i, (_, mode) in enumerate(code.closed)]
-        self._here, self._later = kinks + code.kinks, kinks + code.kinks + 2 * code.nv
-        self._kinks = slice(kinks, self._here), slice(self._later + kinks, self._later + self._here)
+        kinks = len(guards) + OF_TOE * len(code.closed)
+        self._later = kinks + code.kinks
+        kinks_later = self._later + len(guards)
+        self._state_later = kinks_later + code.kinks
+        self._kinks = slice(kinks, self._later), slice(kinks_later, self._state_later)
 
     def enter(self, t: float, y: Array, parameters: Array) -> Entry | None:
         """Where motion that enters the domain at a state begins, None if its contacts do not fit.
@@ -93,7 +95,7 @@ class Single:
         clear = all(values[later + i] > 0.0 for i, _ in self._happening) and all(values[self._kinks[1]])
         if not clear:
             return Entry(contacts, t, y, UNCLEAR)
-        return Entry(contacts, t + AHEAD, answer[later + self._here :], NONE)
+        return Entry(contacts, t + AHEAD, answer[self._state_later :], NONE)
 
     def _contacts(self, values: list[float]) -> int:
         """Whether every closed toe moves as its mode says, and whether its forces keep it there."""
@@ -125,30 +127,27 @@ class Single:
         return integrator.time, self._state.copy(), end
 
 
+@lru_cache(MOST)
 def entering(code: Compiled) -> Any:
-    """What `Single.enter` asks for at a state, and again `AHEAD` later, as one compiled function.
+    """What `Single.enter` asks for as one compiled function, made once for each domain that is compiled.
 
-    Of either the guards, `OF_TOE` numbers of each closed toe, the kinks and the state.
+    Guards, `OF_TOE` numbers of each closed toe, and kinks; then guards, kinks and the state `AHEAD` later.
     """
     t, y, k1 = require().time, code.state, code.here.slopes
     k2 = code.field(t + 0.5 * AHEAD, [x + 0.5 * AHEAD * k for x, k in zip(y, k1, strict=True)]).slopes
-    along = [2.0 * b - a for a, b in zip(k1, k2, strict=True)]
-    k3 = code.field(t + AHEAD, [x + AHEAD * k for x, k in zip(y, along, strict=True)]).slopes
-    # Kutta's third order, whose error is below rounding
-    steps = [AHEAD / 6.0 * (a + 4.0 * b + c) for a, b, c in zip(k1, k2, k3, strict=True)]
-    later = [x + step for x, step in zip(y, steps, strict=True)]
-    outputs = []
-    for field, state in ((code.here, y), (code.field(t + AHEAD, later), later)):
-        toes = [number for toe, mode in code.closed for number in _foothold(code, field.motion, toe, mode)]
-        outputs += [*field.guards, *toes, *field.kinks, *state]
+    state = [x + AHEAD * k for x, k in zip(y, k2, strict=True)]  # what that leaves out is no more than rounding
+    later = code.field(t + AHEAD, state)
+    toes = [number for toe, mode in code.closed for number in _foothold(code, toe, mode)]
+    outputs = [*code.here.guards, *toes, *code.here.kinks, *later.guards, *later.kinks, *state]
     return require().cfunc([require().expression(0.0) + output for output in outputs], y)
 
 
-def _foothold(code: Compiled, motion: Any, toe: str, mode: str) -> list[Any]:
+def _foothold(code: Compiled, toe: str, mode: str) -> list[Any]:
     """A closed toe's speed along its mode, and three numbers that are positive where forces keep it there.
 
     Of a sliding one the last counts only while it is at rest.
     """
+    motion = code.here.motion
     tangential, normal = motion.force(toe)
     speed, acceleration = motion.toe_velocity(toe)[0], motion.toe_acceleration(toe)[0]
     if mode == STICK:

@@ -116,7 +116,6 @@ class Compiled:
         field: the domain at a time and a state, of symbols.
         here: the same at `state`.
         kinks: how many there are.
-        function: all of `Point`, compiled.
         meaning: of each event of the integrators, the guard's index or `KINK`.
     """
 
@@ -141,13 +140,8 @@ class Compiled:
             return Field(slopes, [_expression(value) for value in motion.guards], kinks, motion)
 
         self.field = field
-        self.here = slopes, guards, kinks, motion = field(hy.time, self.state)
+        self.here = slopes, guards, kinks, _ = field(hy.time, self.state)
         self.kinks = len(kinks)
-        outputs = [*slopes, *guards, *kinks]
-        for toe, mode in self.closed:
-            outputs += [motion.toe_velocity(toe)[0], *motion.force(toe), motion.toe_acceleration(toe)[0]]
-            outputs.append(_expression(1.0 if mode == STICK else motion.pivot(toe)))
-        self.function = hy.cfunc([_expression(output) for output in outputs], self.state)
         watched = [i for i, guard in enumerate(domain.guards) if code.observing or not guard.observes]
         self._motion = list(zip(self.state, slopes, strict=True))
         falling, either = hy.event_direction.negative, hy.event_direction.any
@@ -157,6 +151,16 @@ class Compiled:
         self._settings = {"tol": code.tol, "compact_mode": not code.unrolled}
         self.width = width()
         self._somewhere = np.full((2 * self.nv, 1), 0.1)  # a finite state
+
+    @cached_property
+    def _function(self) -> Any:
+        """All of `Point`."""
+        slopes, guards, kinks, motion = self.here
+        outputs = [*slopes, *guards, *kinks]
+        for toe, mode in self.closed:
+            outputs += [motion.toe_velocity(toe)[0], *motion.force(toe), motion.toe_acceleration(toe)[0]]
+            outputs.append(1.0 if mode == STICK else motion.pivot(toe))
+        return require().cfunc([_expression(output) for output in outputs], self.state)
 
     @cached_property
     def _integrator(self) -> Any:
@@ -172,7 +176,7 @@ class Compiled:
 
     def at(self, t: Array, y: Array, parameters: Array) -> Point:
         """Evaluate at states y, (2 nv, n), and times t, (n,), with parameters (p, n)."""
-        function, n = self.function, y.shape[1]
+        function, n = self._function, y.shape[1]
         given: dict[str, Array] = {}
         if function.nparams:
             given["pars"] = np.ascontiguousarray(parameters[: function.nparams])
