@@ -88,6 +88,7 @@ def desired(outputs: Outputs, evolution: Evolution, q: Sequence[Any]) -> list[tu
     evolutions = []
     for alpha in evolution.alpha:
         value, slope, curvature = bezier(alpha, inside)
+        # not (1 - past) * curvature: to what is compiled, a parameter times a symbol costs next to nothing
         evolutions.append((value + slope * (s - inside), slope, curvature - evolution.past * curvature))
     return evolutions
 

@@ -10,7 +10,7 @@ Args:
     dyn: the dynamics at (q, v): `mass_matrix`, `bias`, `jacobian(toe)`, `height(frame)`,
         `toe_velocity(toe)`, `force(toe)`, `normal_force(toe, u)`, `pivot(toe)`, `spring_torque(joint)`,
         `holding(joint)`, `response()` for v̇ as an affine function of u, `imposing(rows, wanted, motors, others)`
-        for the torques that make rows · v̇ = wanted; in guards `u`, the motors' torques.
+        for the torques that make rows · v̇ = wanted, `others` being all other motors; in guards `u`, the torques.
     ops: elementary functions for whatever scalars are used (`sin`, `cos`, `tanh`, `sqrt`, `maximum`,
         `solve`).
 

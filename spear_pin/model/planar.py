@@ -216,7 +216,7 @@ def _bodies(model: pin.Model, at_zero: pin.Data) -> tuple[Body, ...]:
     bodies = []
     for joint in range(1, model.njoints):
         row, parent = int(model.joints[joint].idx_v), int(model.parents[joint])
-        axis = pin.getJointJacobian(model, at_zero, joint, WORLD_ALIGNED)[:, row]
+        axis = np.reshape(pin.getJointJacobian(model, at_zero, joint, WORLD_ALIGNED), (6, -1))[:, row]
         place, inertia = at_zero.oMi[joint], model.inertias[joint]
         turns = -float(np.round(axis[4]))  # about -y angles turn x towards z
         bodies.append(

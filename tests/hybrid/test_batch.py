@@ -1,5 +1,6 @@
 """Many lanes at once by the Taylor engine, each against the reference engine."""
 
+import math
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
@@ -9,7 +10,7 @@ import pytest
 from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping, vary
 from spear_pin.errors import BadValue, MissingExtra, UnknownName
 from spear_pin.hybrid import batch
-from spear_pin.hybrid.automaton import Guard
+from spear_pin.hybrid.automaton import Guard, Reset
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.engines import taylor
@@ -276,6 +277,63 @@ class TestLanes:
         system = replace(hop.system, domains=tuple(map(divides, hop.system.domains)))
         found = simulate_many(system, *(part[None] for part in hop.state))
         assert found.reason[0] == run(system, hop.state, 1, Options()).reason == "not_finite"
+
+    @pytest.mark.parametrize("few", [0, 12])
+    def test_a_latch_without_a_value_for_some(self, hop, few, monkeypatch):
+        """One that is no arithmetic for arrays, and so is asked lane by lane."""
+        monkeypatch.setattr(journey, "FEW", few)
+        torques = [hop.system.law.stance_torque, 0.9 * hop.system.law.stance_torque]
+        runs = [
+            run(with_parameters(hop.system, {"stance_torque": torque}), hop.state, 1, Options()) for torque in torques
+        ]
+        limit = sum(each.event("lift_off").v[0] for each in runs) / 2.0
+
+        def overflows(domain):
+            def latch(q, v, held, p):
+                return {"speed": 0.0, "nothing": math.exp(1e6 * (v[0] - limit))}
+
+            guards = [
+                replace(each, reset=replace(each.reset, latch=latch)) if each.name == "lift_off" else each
+                for each in domain.guards
+            ]
+            return replace(domain, guards=tuple(guards))
+
+        system = replace(hop.system, domains=tuple(map(overflows, hop.system.domains)))
+        q, v = (np.repeat(part[None], 2, axis=0) for part in hop.state)
+        monkeypatch.setattr(
+            journey, "with_parameters", lambda system, given: replace(system, law=replace(system.law, **given))
+        )
+        found = simulate_many(system, q, v, parameters={"stance_torque": torques})
+        assert found.reason.tolist() == ["not_finite", "complete"]
+
+    @pytest.mark.parametrize("few", [0, 12])
+    def test_a_section_within_a_phase(self, hop, few, monkeypatch):
+        """The phase goes on behind it, its clock running, which the law reads."""
+        monkeypatch.setattr(journey, "FEW", few)
+
+        def at_apex(domain):
+            guards = []
+            for each in domain.guards:
+                if each.name == "apex":
+                    reset = Reset(latch=lambda q, v, held, p: {"up": -1.0})
+                    each = Guard("apex", lambda t, q, v, held, p, dyn, ops: held["up"] * v[0], reset)
+                elif each.reset is not None and each.reset.phase == "flight":
+                    rises = each.reset.latch
+                    latch = lambda q, v, held, p, rises=rises: {**rises(q, v, held, p), "up": 1.0}  # noqa: E731
+                    each = replace(each, reset=replace(each.reset, latch=latch))
+                guards.append(each)
+            law = domain.law
+            if domain.phase == "flight":
+                law = lambda t, *given: [u + 20.0 * t for u in domain.law(t, *given)]  # noqa: E731
+            return replace(domain, guards=tuple(guards), law=law)
+
+        system = replace(hop.system, section="apex", domains=tuple(map(at_apex, hop.system.domains)))
+        apex = run(hop.system, hop.state, 1, Options()).event("apex")
+        q, v = (apex.q + [0.01, 0.0, 0.0])[None], (apex.v * [0.0, 1.0, 1.0] - [0.01, 0.0, 0.0])[None]
+        found, expected = simulate_many(system, q, v, 4), run(system, (q[0], v[0]), 4, Options(FINE))
+        assert found.reason[0] == expected.reason == "complete"
+        np.testing.assert_allclose(found.q[0], expected.state[0], rtol=0, atol=1e-8)
+        assert found.durations["flight"][0] == pytest.approx(expected.durations["flight"], abs=1e-9)
 
     @pytest.mark.parametrize("few", [0, 12])
     def test_schedules_and_latches_are_each_systems_own(self, hop, few, monkeypatch):

@@ -37,7 +37,7 @@ def test_impact_is_rouths(hop):
         np.testing.assert_allclose(after[3:], expected.v, rtol=1e-11, atol=1e-11)
         np.testing.assert_array_equal(after[:3], q)
         ways.add((bool(expected.impulse.any()), expected.slides))
-    assert ways == {(False, True), (True, True), (True, False)} or len(ways) == 3
+    assert len(ways) == 3
 
 
 def test_chooses_as_for_many(hop):

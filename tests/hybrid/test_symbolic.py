@@ -1,5 +1,6 @@
 """Closed-loop motion for scalars of any kind, against the reference engine's."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -54,6 +55,8 @@ def compare(system, domain, held, q, v, t=0.01):
     scale = 1.0 + np.abs(flow.a).max()
     np.testing.assert_allclose(np.array(motion.a, float) / scale, flow.a / scale, rtol=0, atol=1e-11)
     np.testing.assert_allclose(np.array(motion.u, float), flow.u, rtol=1e-9, atol=1e-9)
+    for mine, theirs in zip(motion.response(), flow.response(), strict=True):
+        np.testing.assert_allclose(np.array(mine, float) / scale, np.array(theirs) / scale, rtol=0, atol=1e-10)
     for toe in system.robot.toes:
         np.testing.assert_allclose(motion.force(toe), flow.force(toe), rtol=1e-9, atol=1e-8)
         np.testing.assert_allclose(motion.toe_acceleration(toe), flow.toe_acceleration(toe), rtol=0, atol=1e-9 * scale)
@@ -87,6 +90,39 @@ def test_bound():
                 q[6] = -q[6]
                 compare(gait.system, domain, held[domain.phase], q, v)
     assert seen == 8
+
+
+@pytest.mark.parametrize(("unnamed", "slow_down"), [((), 1.0), ((0,), 1.0), ((0, 1), 1.0), ((), 0.5)])
+def test_torques_beside_those_that_impose(unnamed, slow_down):
+    """The motion is what all torques make of it, whether or not the law names them as it imposes the others'."""
+    gait = Gait.load("long_stride")
+    first = run(gait.system, gait.state, 1, Options(keep=True)).segments[0]
+
+    def law(t, q, v, held, p, dyn, ops):
+        given = [(0, -60.0), (1, -35.0)]
+        named = [pair for pair in given if pair[0] not in unnamed]
+        swing = dyn.imposing([((5, 1.0), (2, 1.0)), ((6, 2.0),)], [3.0 - q[5], -4.0 * v[6]], (2, 3), named)
+        swing = swing if slow_down == 1.0 else [slow_down * torque for torque in swing]
+        return [*(torque for _, torque in given), *swing]
+
+    rng = np.random.default_rng(6)
+    for _ in range(3):
+        q, v = rng.uniform(0.2, 1.0, 7) * [1, 1, 1, 1, 1, 1, -1], rng.uniform(-1, 1, 7)
+        compare(gait.system, replace(first.domain, law=law), first.held, q, v)
+
+
+def test_imposing_in_any_order():
+    """Rows need not have the order of their motors, nor unit weights."""
+    gait = Gait.load("long_stride")
+    segments = run(gait.system, gait.state, 1, Options(keep=True)).segments
+    flight = next(segment for segment in segments if segment.domain.name == "flight_1")
+
+    def law(t, q, v, held, p, dyn, ops):
+        rows = [((i, 2.0),) for i in (4, 3, 6, 5)]
+        return dyn.imposing(rows, [-4.0 * v[i] for i in (4, 3, 6, 5)], (0, 1, 2, 3), ())
+
+    q, v = np.array([0.1, 0.7, 0.1, 0.5, 0.6, 0.3, -0.8]), np.linspace(-1.0, 1.0, 7)
+    compare(gait.system, replace(flight.domain, law=law), flight.held, q, v)
 
 
 def test_many_states_at_once():

@@ -38,10 +38,13 @@ def substitute(factors: tuple[Matrix, list[Any]], right: Sequence[Any]) -> list[
 
 
 def solve(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any]:
-    """The solution of a small linear system, by elimination in the given order."""
+    """The solution of a small linear system, by elimination in the given order as far as that has pivots."""
     rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
     n = len(rows)
     for j in range(n):
+        # the diagonal, unless it is the number zero
+        pivot = next((i for i in range(j, n) if not _zero(rows[i][j])), j)
+        rows[j], rows[pivot] = rows[pivot], rows[j]
         for i in range(j + 1, n):
             if _zero(rows[i][j]):
                 continue

@@ -81,6 +81,7 @@ class Motion:
         self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
         self._taken = [toe for toe, _ in self._closed] if at_rest is None else list(at_rest)
         self._motors = [self._index[joint] for joint in robot.actuated]
+        self._imposed: Imposed | None = None  # by the law, if it asks for that
 
     # what the domain asks for
 
@@ -92,11 +93,11 @@ class Motion:
     @cached_property
     def _controlled(self) -> tuple[list[Any], Imposed | None]:
         """Torques of the motors, and the motion that they impose if it was found together with them."""
-        self._imposed: Imposed | None = None
         u = list(self.domain.law(self.t, self.q, self.v, self.held, self.numbers.law, self, self.ops))
         imposed = self._imposed
-        ours = imposed is not None and all(torque is u[j] for j, torque in imposed.torques)
-        return u, imposed if ours else None
+        if imposed is None or {j for j, _ in imposed.torques} != set(range(len(u))):
+            return u, None
+        return u, imposed if all(torque is u[j] for j, torque in imposed.torques) else None
 
     @cached_property
     def guards(self) -> list[Any]:
@@ -208,7 +209,8 @@ class Motion:
         """Torques of some motors that make rows · v̇ = wanted with the toes on the ground at rest.
 
         The rows take the place of the motors' equations of motion, so that v̇ and the forces come first, from half the
-        operations, and the torques from those equations afterwards. Where the toes are at rest, that is the motion.
+        operations, and the torques from those equations afterwards. That is the motion where the toes are at rest and
+        the law returns these very torques, `others` being all other motors.
         """
         n, (contacts, drift) = self.planar.nv, self._at_rest()
         applied = list(self._passive)

@@ -56,6 +56,9 @@ class Lanes:
         # what the reference engine can begin at: the last state on the section that says everything, the cycles before
         self.start, self.before = np.concatenate([q.T, v.T]), np.zeros(n, np.int64)
         self.end = self.start.copy()
+        lands = system.landing[1]
+        # the reset after which nothing but the state matters for what follows: a phase begins with all it holds
+        self._fresh = lands if lands.phase is not None else None
         self.began, self.switches = np.zeros(n), np.zeros(n, np.int64)
         self.events, self.crowd, self.last = np.zeros(n, np.int64), np.zeros(n, np.int64), np.full(n, -np.inf)
         self.refused = np.zeros(n, np.int64)
@@ -115,8 +118,9 @@ class Lanes:
             self.go_on(phase, group, None)
 
     def go_on(self, phase: str, group: Group, came: Came | None) -> None:
-        """Have lanes begin a cycle, one by one if they are few and that has not failed too often."""
-        single = bool(self._tracks) & self.on_section[group.lanes] & (self.refused[group.lanes] < PATIENCE)
+        """Have lanes begin a cycle, one by one if they are few, that has not failed too often, and a phase begins."""
+        lanes = group.lanes
+        single = bool(self._tracks) & self.on_section[lanes] & (self.refused[lanes] < PATIENCE) & (group.t == 0.0)
         self._alone += [(phase, group.take([i]), came) for i in np.flatnonzero(single)]
         if not single.all():
             self.put(phase, group.take(~single), came)
@@ -125,10 +129,9 @@ class Lanes:
         """Run the cycles of one lane that need no second look."""
         lane, n, y, held = int(group.lanes[0]), 0, group.y[:, 0], alone(group.held)
         spent: Mapping[str, float] = {}
-        lands = self.system.landing[1]
         while self.cycles[lane] + n < self.wanted and (lap := self._tracks[lane].lap(phase, y, held)) is not None:
             n, y, held, spent, phase, came = n + 1, lap.y, lap.held, lap.spent, lap.phase, lap.came
-            if came[1] is lands:
+            if came[1] is self._fresh:
                 self.start[:, lane], self.before[lane] = y, self.cycles[lane] + n
             self.began[lane] += sum(spent.values())
             for name, state in lap.observed.items():
@@ -292,7 +295,7 @@ class Lanes:
             self.durations[phase][lanes[counts]] = spent[lanes[counts]]
             spent[lanes] = 0.0
         self.on_section[lanes], self.events[lanes] = True, 0
-        if reset is self.system.landing[1]:  # from flight: nothing but the state matters for what follows
+        if reset is self._fresh:
             self.start[:, lanes], self.before[lanes] = group.y, self.cycles[lanes]
         done = self.cycles[lanes] == self.wanted
         self.end[:, lanes] = group.y
@@ -311,7 +314,8 @@ class Lanes:
         self.reason[lane], self.message[lane] = result.reason, result.message
         for name, states in self.observed.items():
             last = [event for event in result.events if event.name == name][-1:]
-            states[:, lane] = np.concatenate([last[0].q, last[0].v]) if last else np.nan
+            if last or not before:
+                states[:, lane] = np.concatenate([last[0].q, last[0].v]) if last else np.nan
         if result.cycles:
             for phase in self.durations:
                 self.durations[phase][lane] = result.durations.get(phase, 0.0)

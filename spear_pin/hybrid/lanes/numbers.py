@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any
@@ -97,12 +98,26 @@ class Numbers:
         try:
             new = reset.latch(list(q), list(v), group.held, self.law(group.lanes))
             return replace(group, held={**group.held, **{name: spread(value, n) for name, value in new.items()}})
-        except (TypeError, ValueError):
-            each = []
-            for i in range(n):
-                own = {name: take(value, i) for name, value in group.held.items()}
-                law = self.law_of(int(group.lanes[i]))
-                each.append(reset.latch(q[:, i].tolist(), v[:, i].tolist(), own, law))
-            return replace(
-                group, held={**group.held, **{name: collected([one[name] for one in each]) for name in each[0]}}
-            )
+        except (TypeError, ValueError, ArithmeticError):
+            found = [self._latch_alone(group, reset, i) for i in range(n)]
+            pattern = next((one for one in found if one is not None), {"undefined": 0.0})
+            each = [_undefined(pattern) if one is None else one for one in found]
+            new = {name: collected([one[name] for one in each]) for name in pattern}
+            return replace(group, held={**group.held, **new})
+
+    def _latch_alone(self, group: Group, reset: Reset, i: int) -> Mapping[str, Any] | None:
+        """What an event latches in the i-th lane of a group, None where that has no value."""
+        assert reset.latch is not None
+        own = {name: take(value, i) for name, value in group.held.items()}
+        q, v = group.y[: self.nv, i].tolist(), group.y[self.nv :, i].tolist()
+        try:
+            return reset.latch(q, v, own, self.law_of(int(group.lanes[i])))
+        except ArithmeticError:
+            return None
+
+
+def _undefined(value: Any) -> Any:
+    """The same, not numbers."""
+    if isinstance(value, Mapping):
+        return {name: _undefined(item) for name, item in value.items()}
+    return tuple(map(_undefined, value)) if isinstance(value, tuple) else math.nan

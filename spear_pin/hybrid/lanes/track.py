@@ -116,7 +116,8 @@ class Track:
                 phase, past, t, switches = reset.phase, past + t, 0.0, 0
             domains = self._phases[phase]
             if event.name == system.section:
-                return Lap(y, held, spent, observed, phase, (domain, reset)) if past > INSTANT else None
+                whole = reset.phase is not None and past > INSTANT
+                return Lap(y, held, spent, observed, phase, (domain, reset)) if whole else None
         return None
 
     def _enter(
