@@ -184,7 +184,7 @@ class Robot:
         """J(q) of (3.16), (2, nv) for planar robots, else (3, nv): the toe's velocity is J v."""
         index = self.toe_id(toe)
         jacobian = pin.computeFrameJacobian(self.model, self._data, self._q(q), index, WORLD_ALIGNED)
-        return np.array(jacobian[self._rows])
+        return np.array(jacobian.reshape(6, self.nv)[self._rows])  # of one joint it is a vector
 
     def toe_drift(self, q: ArrayLike, v: ArrayLike, toe: str) -> Array:
         """J̇ v of (3.17)-(3.18), in m/s²: the toe's acceleration at v̇ = 0."""

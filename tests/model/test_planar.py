@@ -72,6 +72,7 @@ def rail(tmp_path_factory):
 ROBOTS = {
     "spear_ii": lambda: load("spear_ii"),
     "spear_ii locked": lambda: load("spear_ii", locked=["boom_x"]),
+    "spear_ii's knee alone": lambda: load("spear_ii", locked=["boom_x", "boom_z", "hip"]),
     "q_spear": lambda: load("q_spear"),
     "q_spear with long hips": lambda: vary(load("q_spear"), hip_distance=0.93),
     "q_spear with slow knees": lambda: vary(load("q_spear"), knee_ratio=40.0, torso_mass=28.0),
