@@ -6,9 +6,11 @@ The public names are imported when first used, so that `import spear_pin` costs 
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
+TYPE_CHECKING = False  # typing takes longer to import than all else here
 if TYPE_CHECKING:
+    from typing import Any
+
     from spear_pin.errors import SpearError
     from spear_pin.gaits.bounding import bounding
     from spear_pin.gaits.bounding_law import BoundingLaw

@@ -11,13 +11,14 @@ from typing import Any
 
 _BRIEF = Repr()
 _BRIEF.maxother, _BRIEF.maxstring, _BRIEF.maxlist, _BRIEF.maxtuple = 80, 120, 8, 8
+LONGEST = 2000  # characters of an error's text; what it names may be of any length
 
 
 class SpearError(Exception):
     """Base class of every error this package raises on purpose; its text is one line."""
 
     def __init__(self, text: str) -> None:
-        super().__init__(" ".join(text.split()))
+        super().__init__(shortened(" ".join(text.split())))
 
     def __reduce__(self) -> tuple[object, ...]:
         return _remake, (type(self), self.args, self.__dict__)
@@ -29,7 +30,7 @@ class UnknownName(SpearError):
     def __init__(self, kind: str, value: object, valid: Iterable[str]) -> None:
         self.kind, self.value, self.valid = kind, value, tuple(valid)
         choices = ", ".join(self.valid) if self.valid else "none"
-        super().__init__(f"unknown {kind} {value!r}; valid: {choices}")
+        super().__init__(f"unknown {kind} {brief(value)}; valid: {choices}")
 
 
 class BadValue(SpearError):
@@ -37,7 +38,7 @@ class BadValue(SpearError):
 
     def __init__(self, name: str, value: object, expected: str) -> None:
         self.name, self.value, self.expected = name, value, expected
-        super().__init__(f"{name} is {_BRIEF.repr(value)}; expected {expected}")
+        super().__init__(f"{name} is {brief(value)}; expected {expected}")
 
 
 class BadFile(SpearError):
@@ -69,11 +70,13 @@ class Infeasible(SpearError):
 
 
 class MissingExtra(SpearError):
-    """An optional dependency is not installed."""
+    """An optional dependency is not installed; nobody holds this package's name on the index, so it says the folder."""
 
     def __init__(self, package: str, extra: str, purpose: str) -> None:
         self.package, self.extra = package, extra
-        super().__init__(f"{purpose} needs {package}, which is not installed: pip install 'spear-pin[{extra}]'")
+        super().__init__(
+            f"{purpose} needs {package}, which is not installed: pip install '.[{extra}]' in the folder of this package"
+        )
 
 
 class MissingProgram(SpearError):
@@ -87,11 +90,15 @@ class MissingProgram(SpearError):
         )
 
 
-def require_kinds(**values: tuple[Any, type]) -> None:
-    """Raise `BadValue` unless each value, given with a class by its name, is of that class."""
-    for name, (value, kind) in values.items():
-        if not isinstance(value, kind):
-            raise BadValue(name, value, f"a {kind.__name__}")
+def brief(value: object) -> str:
+    """A value as errors show it, in some hundred characters at most."""
+    return _BRIEF.repr(value)
+
+
+def shortened(text: str) -> str:
+    """A text without its middle where it is too long for an error."""
+    half = LONGEST // 2
+    return text if len(text) <= LONGEST else f"{text[:half]} ... {text[-half:]}"
 
 
 def require(name: str, value: Any, valid: Callable[[Any], Any], expected: str) -> None:
@@ -103,6 +110,8 @@ def require(name: str, value: Any, valid: Callable[[Any], Any], expected: str) -
         valid: tells whether it is valid.
         expected: what is valid, in words.
     """
+    if isinstance(value, bool) or getattr(value, "shape", None):
+        raise BadValue(name, value, expected)
     try:
         answer = valid(value)
     except TypeError:

@@ -1,11 +1,15 @@
-"""Write files whole or not at all."""
+"""Write files whole or not at all; read what is a file alone, and JSON that is what it seems."""
 
 from __future__ import annotations
 
+import json
+import math
 import os
-from collections.abc import Iterator
+import stat
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from spear_pin.errors import BadFile
 
@@ -27,3 +31,59 @@ def atomic(path: str | Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):  # it may be gone, or its folder may be none
             temporary.unlink()
+
+
+def parse_json(text: str) -> Any:
+    """What a JSON text says: its numbers finite, no key twice in an object.
+
+    Raises:
+        ValueError: it is no such text, or nested too deep to be read.
+    """
+    try:
+        return json.loads(
+            text, parse_float=_number, parse_int=_number, parse_constant=_number, object_pairs_hook=_object
+        )
+    except RecursionError:
+        raise ValueError("the JSON is nested too deep") from None
+
+
+def check_keys(kind: str, found: Iterable[str], wanted: Iterable[str], optional: Iterable[str] = ()) -> None:
+    """Raise `ValueError` unless just the wanted keys are there, and of others only optional ones; names the first."""
+    found, wanted = set(found), set(wanted)
+    if missing := sorted(wanted - found):
+        raise ValueError(f"there is no {kind} {missing[0][:60]!r}")
+    if unknown := sorted(found - wanted - set(optional)):
+        raise ValueError(f"there is an unknown {kind} {unknown[0][:60]!r}")
+
+
+def _number(text: str) -> float | int:
+    if not math.isfinite(number := float(text)):
+        raise ValueError(f"{text[:20]} is no finite number")
+    return int(text) if text.removeprefix("-").isdigit() else number
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    if len(found := dict(pairs)) < len(pairs):
+        keys = [key for key, _ in pairs]
+        raise ValueError(f"the key {next(key for key in keys if keys.count(key) > 1)[:60]!r} is there twice")
+    return found
+
+
+def regular(path: str | Path) -> Path:
+    """The path, if it leads to a regular file: a pipe would be waited for, and a device may never end.
+
+    Raises:
+        BadFile: it leads nowhere, or to something else.
+    """
+    try:
+        target = Path(path)
+        mode = target.stat().st_mode
+    except (OSError, ValueError) as error:  # of a null in it, ValueError
+        raise BadFile(repr(path) if isinstance(error, ValueError) else path, _unreadable(error)) from None
+    if not stat.S_ISREG(mode):
+        raise BadFile(path, "cannot be read: Is a directory" if stat.S_ISDIR(mode) else "is not a regular file")
+    return target
+
+
+def _unreadable(error: Exception) -> str:
+    return f"cannot be read: {getattr(error, 'strerror', None) or error}"

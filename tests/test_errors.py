@@ -40,6 +40,13 @@ def test_say_what_was_wrong_and_what_would_be_right():
     assert "0.123" in str(gait) and gait.residual == 0.123 and gait.reason in str(gait)
 
 
+def test_what_is_of_any_length_is_shown_in_part():
+    for error in (UnknownName("toe", "x" * 60_000, ["toe"]), BadValue("x", "x" * 60_000, "less")):
+        assert "xxx..." in str(error) and len(str(error)) < 300
+    file = BadFile("a/" + "x" * 60_000 + "/b", "cannot be read")
+    assert str(file).startswith("a/x") and str(file).endswith("/b: cannot be read") and len(str(file)) < 2500
+
+
 @each_error
 def test_survive_pickling(error):
     """So that they can be raised in another process."""
@@ -64,7 +71,7 @@ class TestRequire:
         with pytest.raises(BadValue):
             require("x", value, lambda x: True, "anything")
 
-    @pytest.mark.parametrize("value", ["1", None, [1.0]])
+    @pytest.mark.parametrize("value", ["1", None, [1.0], True, np.ones(2)], ids=repr)
     def test_refuses_what_is_no_number(self, value):
         with pytest.raises(BadValue):
             require("x", value, lambda x: x > 0, "a number > 0")

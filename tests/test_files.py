@@ -1,11 +1,15 @@
-"""Files are written whole or not at all."""
+"""Files are written whole or not at all; JSON is read as what it is."""
 
+import json
 import os
 
 import pytest
 
+from spear_pin import Gait, Trajectory
 from spear_pin.errors import BadFile
-from spear_pin.files import atomic
+from spear_pin.files import atomic, parse_json, regular
+from spear_pin.model.loading import load
+from spear_pin.studies.identification.columns import read_columns
 
 
 def write(path, text):
@@ -61,3 +65,59 @@ def test_where_nothing_can_be_written(tmp_path, place):
     assert place.split("/")[-1] in str(error.value) and "\n" not in str(error.value)
     assert sorted(os.listdir(tmp_path)) == ["file", "folder"]
     assert os.listdir(tmp_path / "folder") == ["inside"]
+
+
+class TestJson:
+    def test_reads_what_is_written(self):
+        value = {"a": [1, -2, 0.5, 1e-300, -1e300, True, None, "NaN"], "b": {"c": {}}, "é": ""}
+        again = parse_json(json.dumps(value))
+        assert again == value and [type(item) for item in again["a"]] == [type(item) for item in value["a"]]
+
+    @pytest.mark.parametrize(
+        ("text", "part"),
+        [
+            ("", "Expecting value"),
+            ("{", "Expecting"),
+            ("[NaN]", "NaN is no finite number"),
+            ("[-Infinity]", "-Infinity is no finite number"),
+            ("[1e400]", "1e400 is no finite number"),
+            ("-" + "9" * 5000, "is no finite number"),
+            ('{"a": {"b": 1, "c": 2, "b": 1}}', "the key 'b' is there twice"),
+            ("[" * 100_000, "nested too deep"),
+            ('{"a":' * 100_000, "nested too deep"),
+        ],
+        ids=lambda value: value[:10],
+    )
+    def test_refuses(self, text, part):
+        with pytest.raises(ValueError, match=part) as error:
+            parse_json(text)
+        assert len(str(error.value)) < 100
+
+
+READERS = [regular, load, Gait.load, Trajectory.load, lambda path: read_columns(path, lambda names: names)]
+
+
+@pytest.mark.parametrize("reader", READERS)
+class TestOnlyFilesAreRead:
+    """Nobody writes to the pipe: to open it would wait for ever."""
+
+    @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+    @pytest.mark.parametrize("suffix", [".json", ".urdf", ".npz", ".csv", ".mat"])
+    def test_no_pipe(self, tmp_path, reader, suffix):
+        path = tmp_path / f"pipe{suffix}"
+        os.mkfifo(path)
+        with pytest.raises(BadFile, match=f"pipe{suffix}: is not a regular file"):
+            reader(path)
+
+    def test_no_directory(self, tmp_path, reader):
+        with pytest.raises(BadFile, match="cannot be read: Is a directory"):
+            reader(tmp_path / ".." / tmp_path.name)
+
+    def test_no_device(self, reader):
+        with pytest.raises(BadFile, match="/dev/zero: is not a regular file"):
+            reader("/dev/zero")
+
+    def test_nothing(self, tmp_path, reader):
+        for path in (tmp_path / "none.csv", "a\0b.csv"):
+            with pytest.raises(BadFile, match="cannot be read"):
+                reader(path)

@@ -82,7 +82,8 @@ def test_the_modules_that_documents_name_exist():
         for command in re.findall(r"python -m ([\w.]+)|python ([\w/]+\.py)", page.read_text(encoding="utf-8")):
             name = shlex.split(command[0] or command[1])[0]
             path = ROOT / (name if command[1] else name.replace(".", "/") + ".py")
-            assert name == "pytest" or path.is_file(), f"{page.name}: {name}"
+            package = path.with_suffix("") / "__main__.py"
+            assert name == "pytest" or path.is_file() or package.is_file(), f"{page.name}: {name}"
 
 
 def test_every_example_is_in_the_readme():

@@ -22,7 +22,7 @@ from spear_pin.cli import (
     sweep,
 )
 from spear_pin.cli.arguments import Parser
-from spear_pin.cli.output import print_result
+from spear_pin.cli.output import complain, draw, open_page, print_result
 from spear_pin.errors import SpearError
 
 # as the help lists them
@@ -34,6 +34,14 @@ COMMANDS = (
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; 0, or 2 with one line on stderr. Without a command the help goes there."""
+    try:
+        return _run(argv)
+    except (SpearError, OSError) as error:
+        complain(f"spear: {' '.join(str(error).split())}")
+        return 2
+
+
+def _run(argv: Sequence[str] | None) -> int:
     parser = _parser()
     arguments, unknown = parser.parse_known_args(argv)
     if unknown:
@@ -41,17 +49,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     if arguments.run is None:
         parser.print_help(sys.stderr)
         return 2
+    result: dict[str, Any] = arguments.run(arguments)
+    failed, pictures, opened = (result.pop(name, None) for name in ("failed", "pictures", "opened"))
     try:
-        result: dict[str, Any] = arguments.run(arguments)
-    except (SpearError, OSError) as error:
-        print(f"spear: {' '.join(str(error).split())}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("spear: interrupted", file=sys.stderr)
-        return 2
-    status = 2 if result.pop("failed", False) else 0
-    print_result(result, arguments.json)
-    return status
+        print_result(result, arguments.json)
+    finally:  # also where nobody reads what is printed
+        draw(pictures or {})
+    if opened is not None:
+        open_page(opened)
+    return 2 if failed else 0
 
 
 def _parser() -> Parser:

@@ -11,10 +11,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
-from spear_pin.errors import BadValue
+from spear_pin.cli.output import complain, emit
+from spear_pin.errors import BadValue, shortened
+from spear_pin.words import number, whole
 
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
 
+MOST_CYCLES = 10_000  # of a command; some thousand exhaust the evaluations that a run may take
 FREE = math.inf  # what an option says for "free": the search chooses
 
 
@@ -23,13 +26,19 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
+        self.register("type", float, number)
+        self.register("type", int, whole)
         # argparse's own, which some releases have without an exponent, -.5 or -inf
         self._negative_number_matcher = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
 
     def error(self, message: str) -> NoReturn:
         """Exit with status 2."""
-        print(f"{self.prog}: {message} (see {self.prog} --help)", file=sys.stderr)
+        complain(f"{self.prog}: {shortened(message)} (see {self.prog} --help)")
         raise SystemExit(2)
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """What help and version come from; argparse's own does not tell when that cannot be written."""
+        complain(message.removesuffix("\n")) if file is sys.stderr else emit(message)
 
 
 def add_command(
@@ -41,7 +50,8 @@ def add_command(
         commands: those of `spear`.
         name: the word that calls it.
         run: does it, and returns what is printed: the figures by name, and how they read under "text". With a
-            true "failed" among them `spear` ends with status 2.
+            true "failed" among them `spear` ends with status 2. What takes long to draw goes under "pictures", files
+            and how each is written, for after that; under "opened" the page that a browser then opens.
         summary: its line in the help.
 
     Returns:
@@ -55,7 +65,14 @@ def add_command(
 
 def add_out(parser: argparse.ArgumentParser, files: str) -> None:
     """Declare --out, the folder for these files; `check_out` goes with it."""
-    parser.add_argument("--out", type=Path, default=Path(), metavar="DIR", help=f"folder for {files} (default: here)")
+    parser.add_argument("--out", type=folder, default=Path(), metavar="DIR", help=f"folder for {files} (default: here)")
+
+
+def folder(word: str) -> Path:
+    """Read the path of a folder; of nothing it would be that of the current one."""
+    if not word:
+        raise argparse.ArgumentTypeError("'' is no folder; the current one is '.'")
+    return Path(word)
 
 
 def check_out(arguments: argparse.Namespace) -> None:
@@ -102,8 +119,8 @@ def check_simulation(arguments: argparse.Namespace) -> None:
 
     check_out(arguments)
     Options(rtol=arguments.rtol)
-    if arguments.cycles < 1:
-        raise BadValue("--cycles", arguments.cycles, "a whole number, at least 1")
+    if not 1 <= arguments.cycles <= MOST_CYCLES:
+        raise BadValue("--cycles", arguments.cycles, f"a whole number from 1 to {MOST_CYCLES}")
 
 
 def number_or_free(word: str) -> float:
@@ -111,9 +128,9 @@ def number_or_free(word: str) -> float:
     if word.strip() == "free":
         return FREE
     try:
-        number = float(word)
+        value = number(word)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{word!r} is neither a number nor 'free'") from None
-    if not math.isfinite(number):
+    if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f"{word!r} is not a finite number")
-    return number
+    return value

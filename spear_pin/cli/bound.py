@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import math
-from pathlib import Path
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
 from spear_pin.cli.gaits import BOUND, bounding_gait
-from spear_pin.cli.output import aligned, iterations, open_page
+from spear_pin.cli.output import aligned, iterations, shows
 from spear_pin.errors import BadValue
 
 
@@ -23,7 +22,8 @@ def add(commands: Commands) -> None:
         "--speed",
         type=float,
         metavar="M/S",
-        help="continue the gait to this mean speed, 1.5 to 3.5 m/s or little more; takes half a minute to minutes",
+        help="continue the gait to this mean speed, 1.5 to 3.5 m/s or little more (at most 1 m/s from a gait's own);"
+        " takes half a minute to minutes",
     )
     add_simulation(parser, 5, "strides", "bound.html")
     parser.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
@@ -31,14 +31,15 @@ def add(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Simulate the gait and write its files, or list the gaits."""
+    if arguments.list:
+        return _shipped()
     from spear_pin import simulate
     from spear_pin.studies.bound import at_speed, summarize
     from spear_pin.viz.bound_plots import bound_summary
-    from spear_pin.viz.player import record
+    from spear_pin.viz.motion import read_times
+    from spear_pin.viz.player import record, shortened
     from spear_pin.viz.plots import save_figure
 
-    if arguments.list:
-        return _shipped()
     if arguments.speed is not None and not 0 < arguments.speed < math.inf:
         raise BadValue("--speed", arguments.speed, "a number > 0, in m/s")
     check_simulation(arguments)
@@ -47,35 +48,40 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         with iterations() as tell:
             gait = at_speed(gait, arguments.speed, on_iteration=tell)
     trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol)
+    samples = trajectory.save(arguments.out / "bound.npz")  # before all that could fail or be interrupted
     summary = {"gait": name, **summarize(gait, trajectory)}
     title = f"Q-SPEAR bounding at {summary['speed']:.2f} m/s"
-    page = record(gait.system.robot, trajectory, arguments.out / "bound.html", title=title)
-    files = [page, trajectory.save(arguments.out / "bound.npz")]
-    files.append(save_figure(bound_summary(trajectory, gait), arguments.out / "bound.svg"))
-    if arguments.open:
-        open_page(page)
-    return summary | {"files": [*map(str, files)], "text": _text(summary, files)}
+    shown = shortened(gait.system.robot, trajectory)
+    page, plots = arguments.out / "bound.html", arguments.out / "bound.svg"
+    pictures = {
+        page: lambda path: record(gait.system.robot, shown, path, title=title),
+        plots: lambda path: save_figure(bound_summary(trajectory, gait), path),
+    }
+    files = [page, samples, plots]
+    return summary | {
+        "shown": read_times(shown)[[0, -1]],
+        "files": [*map(str, files)],
+        "pictures": pictures,
+        "opened": page if arguments.open else None,
+        "text": _text(summary, [*shows(shown), ("files", ", ".join(map(str, files)))]),
+    }
 
 
 def _shipped() -> dict[str, Any]:
-    """The bounding gaits that ship."""
+    """The bounding gaits that ship, by what is written of them: nothing is loaded that computes."""
     from spear_pin.gaits import library
-    from spear_pin.gaits.gait import Gait
-    from spear_pin.studies.bound import mean_speed
 
-    rows = []
-    for name in library.names():
-        gait = Gait.load(library.path(name))
-        if gait.system.kind == "bounding":
-            rows.append(
-                {
-                    "name": name,
-                    "speed": mean_speed(gait),
-                    "lift_off": gait.system.law.lift_off,
-                    "largest_multiplier": abs(gait.multipliers[0]),
-                    "residual": gait.residual,
-                }
-            )
+    rows: list[dict[str, Any]] = [
+        {
+            "name": name,
+            "speed": library.REQUESTS[name].speed,
+            "lift_off": written["law"]["lift_off"],
+            "largest_multiplier": abs(complex(*written["multipliers"][0])),
+            "residual": written["residual"],
+        }
+        for name, written in library.written().items()
+        if written["kind"] == "bounding"
+    ]
     width = max(len("gait"), *(len(row["name"]) for row in rows)) + 2
     lines = [f"{'gait':<{width}}{'speed':>10}  {'lift-off by':<13}{'largest multiplier':<20}residual"]
     for row in rows:
@@ -84,7 +90,7 @@ def _shipped() -> dict[str, Any]:
     return {"gaits": rows, "text": "\n".join(lines)}
 
 
-def _text(summary: dict[str, Any], files: list[Path]) -> str:
+def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
     largest = abs(summary["multipliers"][0])
 
     def legs(key: str, form: str, unit: str) -> str:
@@ -118,6 +124,6 @@ def _text(summary: dict[str, Any], files: list[Path]) -> str:
         ("fixed point", f"residual {summary['residual']:.1e}"),
         ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a stride"),
         ("simulated", f"{summary['cycles']} strides ({summary['reason']})"),
-        ("files", ", ".join(map(str, files))),
+        *files,
     ]
     return aligned(rows)

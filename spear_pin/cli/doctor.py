@@ -11,6 +11,10 @@ from spear_pin.cli.arguments import Commands, add_command
 from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.errors import BadValue
 
+# as the project's metadata have them
+REQUIRED = ("pin", "yourdfpy", "numpy", "scipy", "meshcat", "lxml", "matplotlib", "pandas", "tqdm", "u-msgpack-python")
+OPTIONAL = ("casadi", "heyoka", "joblib", "xarray", "zarr", "dask", "drake", "mujoco")
+
 
 def add(commands: Commands) -> None:
     """Declare the command."""
@@ -23,23 +27,20 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     import platform
     import shutil
 
-    required = ("pin", "numpy", "scipy", "lxml", "yourdfpy", "meshcat", "matplotlib", "tqdm")
-    optional = ("casadi", "heyoka", "mujoco", "drake")
-
     def version(name: str) -> str | None:
         try:
             return metadata.version(name)
         except metadata.PackageNotFoundError:
             return None
 
-    installed = {name: version(name) for name in (*required, *optional)}
+    installed = {name: version(name) for name in (*REQUIRED, *OPTIONAL)}
     programs = {name: shutil.which(name) for name in ("chromium", "google-chrome", "ffmpeg")}
     checks = {name: _works(check) for name, check in CHECKS.items()}
-    failed = any(installed[name] is None for name in required) or any(value != "ok" for value in checks.values())
+    failed = any(installed[name] is None for name in REQUIRED) or any(value != "ok" for value in checks.values())
     lines = [f"python {platform.python_version()} on {platform.system()} {platform.machine()}"]
-    lines += [f"  {name:<12}{installed[name] or 'MISSING'}" for name in required]
-    lines += [f"  {name:<12}{installed[name] or 'not installed (optional)'}" for name in optional]
-    lines += [f"  {name:<14}{'found' if path else 'not found (optional)'}" for name, path in programs.items()]
+    lines += [f"  {name:<18}{installed[name] or 'MISSING'}" for name in REQUIRED]
+    lines += [f"  {name:<18}{installed[name] or 'not installed (optional)'}" for name in OPTIONAL]
+    lines += [f"  {name:<18}{'found' if path else 'not found (optional)'}" for name, path in programs.items()]
     lines += [f"  {name}: {result}" for name, result in checks.items()]
     return {
         "python": platform.python_version(),

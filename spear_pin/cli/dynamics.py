@@ -27,11 +27,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.model.loading import load
 
     robot = load(arguments.robot, toes=arguments.toes, locked=arguments.lock)
-    for option in ("q", "v"):
+    for option, names in (("q", robot.configuration), ("v", robot.coordinates)):
         given = getattr(arguments, option)
-        if given is not None and len(given) != robot.nv:
+        if given is not None and len(given) != len(names):
             has = f"{len(given)} number{'s' if len(given) > 1 else ''}"
-            raise SpearError(f"--{option} has {has}; expected {robot.nv} ({', '.join(robot.coordinates)})")
+            raise SpearError(f"--{option} has {has}; expected {len(names)} ({', '.join(names)})")
     q = pin.neutral(robot.model) if arguments.q is None else np.array(arguments.q)
     v = np.zeros(robot.nv) if arguments.v is None else np.array(arguments.v)
     result: dict[str, Any] = {

@@ -31,13 +31,14 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     def end(number: int, frame: object) -> None:
         raise KeyboardInterrupt
 
-    signal.signal(signal.SIGTERM, end)
+    engine = best_engine()
+    with progress() as show:
+        show("solving the default hop")
+        explorer = Explorer(engine)
     try:
-        engine = best_engine()
-        with progress() as show:
-            show("solving the default hop")
-            explorer = Explorer(engine)
         with Server(explorer, arguments.port) as server:
+            for number in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(number, end)
             text = f"{server.url}  ({engine.name} engine; Ctrl-C ends it)"
             print_result({"url": server.url, "port": server.port, "engine": engine.name, "text": text}, arguments.json)
             if arguments.open:

@@ -126,7 +126,7 @@ def _trajectory(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dic
     from spear_pin.viz import video
 
     trajectory = Trajectory.load(arguments.what)
-    size = _size(arguments.size) if arguments.size else video.SIZE
+    size = video.SIZE if arguments.size is None else _size(arguments.size)
     for form in ("csv", "mat"):
         if form in paths:
             trajectory.export(paths[form])
@@ -149,7 +149,7 @@ def _trajectory(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dic
 
 
 def _size(text: str) -> tuple[int, int]:
-    found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text.strip())
+    found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text.strip(), re.ASCII)
     if found is None:
         raise BadValue("--size", text, "WIDTHxHEIGHT, in pixels, such as 1280x720")
     return int(found[1]), int(found[2])
@@ -160,9 +160,9 @@ def _moving(arguments: argparse.Namespace, trajectory: Trajectory) -> Robot:
     from spear_pin.model.loading import load
 
     try:
-        whole = load(arguments.robot or trajectory.robot)
+        whole = load(trajectory.robot if arguments.robot is None else arguments.robot)
     except SpearError as error:
-        if arguments.robot:
+        if arguments.robot is not None:
             raise
         raise BadFile(arguments.what, f"its robot is not found: {error}; give it by --robot") from None
     if not set(trajectory.coordinates) <= set(whole.coordinates):

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
-from spear_pin.cli.output import aligned, iterations, open_page
+from spear_pin.cli.output import aligned, iterations, shows
 from spear_pin.errors import BadValue, NoGait, SpearError
 
 if TYPE_CHECKING:
@@ -51,11 +52,10 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin import Contact, HoppingLaw, Spring, find_gait, hopping, load, simulate
     from spear_pin.hybrid.hardware import with_hardware
     from spear_pin.studies.hop import summarize
-    from spear_pin.viz.player import record
+    from spear_pin.viz.motion import read_times
+    from spear_pin.viz.player import record, shortened
     from spear_pin.viz.plots import hop_summary, save_figure
 
-    if arguments.flight_time is not None and not arguments.flight_time > 0:
-        raise BadValue("--flight-time", arguments.flight_time, "a number > 0, in s")
     check_simulation(arguments)
     robot = load("spear_ii", locked=[] if arguments.free_x else ["boom_x"])
     law = HoppingLaw(
@@ -67,8 +67,14 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     )
     spring = Spring() if arguments.stiffness is None else Spring(stiffness=arguments.stiffness)
     contact = Contact() if arguments.friction is None else Contact(friction=arguments.friction)
-    system = hopping(robot, law, spring, contact)
     rig = _rig(arguments)
+    driven = None if rig is None else rig.on(robot)
+    if rig is not None and arguments.stance_torque is None:  # what the gears lose is asked for as well
+        law = replace(law, stance_torque=law.stance_torque / rig.knee_efficiency)
+    system = hopping(robot, law, spring, contact)
+    shortest, longest = system.shortest_flight, system.phase_limit
+    if arguments.flight_time is not None and not shortest <= arguments.flight_time <= longest:
+        raise BadValue("--flight-time", arguments.flight_time, f"a number from {shortest:g} to {longest:g}, in s")
     if rig is not None:  # solved with what has no memory, and without noise
         system = with_hardware(system, replace(rig, bandwidth=None, sensing=None).on(robot))
     target: dict[str, float] = {}
@@ -83,19 +89,27 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             gait = find_gait(system, list(target), wanted, on_iteration=tell)
     except NoGait as error:
         raise SpearError(f"{error}; nearer to the defaults there is one: change less, or --knee as well") from None
-    running = gait.system if rig is None else with_hardware(gait.system, rig.on(robot))
-    trajectory = simulate(running, gait.state, arguments.cycles, arguments.rtol)
-    page = record(robot, trajectory, arguments.out / "hop.html", title="SPEAR-II hopping in place")
-    files = [page, trajectory.save(arguments.out / "hop.npz")]
-    if trajectory.cycles:
-        files.append(save_figure(hop_summary(trajectory, gait), arguments.out / "hop.svg"))
-    if arguments.open:
-        open_page(page)
+    trajectory = simulate(with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol)
+    samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
     summary = summarize(gait, trajectory)
     if trajectory.electrical is not None and trajectory.cycles:
         summary["electrical"] = {flow: trajectory.electrical[flow].mean() for flow in trajectory.electrical.flows}
         summary["peak_current"] = dict(zip(trajectory.actuated, abs(trajectory.current).max(axis=0), strict=True))
-    return summary | {"files": [*map(str, files)], "text": _text(summary, files)}
+    shown = shortened(robot, trajectory)
+    page, plots = arguments.out / "hop.html", arguments.out / "hop.svg"
+    pictures: dict[Path, Callable[[Path], object]] = {
+        page: lambda path: record(robot, shown, path, title="SPEAR-II hopping in place")
+    }
+    if trajectory.cycles:
+        pictures[plots] = lambda path: save_figure(hop_summary(trajectory, gait), path)
+    files = [page, samples, *([plots] if plots in pictures else [])]
+    return summary | {
+        "shown": read_times(shown)[[0, -1]],
+        "files": [*map(str, files)],
+        "pictures": pictures,
+        "opened": page if arguments.open else None,
+        "text": _text(summary, [*shows(shown), ("files", ", ".join(map(str, files)))]),
+    }
 
 
 def _rig(arguments: argparse.Namespace) -> Rig | None:
@@ -118,25 +132,30 @@ def _rig(arguments: argparse.Namespace) -> Rig | None:
     return Rig(**given, sensing=sensing)
 
 
-def _text(summary: dict[str, Any], files: list[Path]) -> str:
+def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
     largest = abs(summary["multipliers"][0])
     rows = [
         ("stance torque", f"{summary['stance_torque']:.4f} N·m"),
         ("commanded hip, knee", f"{summary['hip_touchdown']:.4f}, {summary['knee_touchdown']:.4f} rad"),
         ("flight, stance", f"{summary['flight_time']:.4f} s, {summary['stance_time']:.4f} s"),
-        ("apex of the hip", f"{summary['apex_height']:.4f} m"),
+        *([("apex of the hip", f"{summary['apex_height']:.4f} m")] if summary["apex_height"] is not None else []),
         ("peak ground force", f"{summary['peak_force']:.1f} N"),
         ("spring's share", f"{100 * summary['spring_share']:.1f} % of the push"),
         ("multipliers", ", ".join(f"{value:.4f}" for value in summary["multipliers"])),
         ("", f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"),
         ("fixed point", f"residual {summary['residual']:.1e}"),
-        ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a hop"),
         *_motors(summary),
         *_electrical(summary),
-        ("simulated", f"{summary['cycles']} hops ({summary['reason']})"),
-        ("files", ", ".join(map(str, files))),
+        ("simulated", f"{summary['cycles']} hops ({summary['reason']}){_touches(summary)}"),
+        *files,
     ]
     return aligned(rows)
+
+
+def _touches(summary: dict[str, Any]) -> str:
+    """What else there was than hops, in words."""
+    again = summary["retouches"]
+    return f", beside them {again} re-touch{'es' if again > 1 else ''}" if again else ""
 
 
 def _motors(summary: dict[str, Any]) -> list[tuple[str, str]]:
@@ -144,7 +163,10 @@ def _motors(summary: dict[str, Any]) -> list[tuple[str, str]]:
         return []
     work = {flow.removeprefix("motor_"): e for flow, e in summary["energy"].items() if flow.startswith("motor_")}
     parts = ", ".join(f"{joint} {energy:.2f} J" for joint, energy in work.items())
-    return [("motors' work, net", f"{sum(work.values()):.2f} J a hop: {parts}")]
+    return [
+        ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a hop"),
+        ("motors' work, net", f"{sum(work.values()):.2f} J a hop: {parts}"),
+    ]
 
 
 def _electrical(summary: dict[str, Any]) -> list[tuple[str, str]]:

@@ -69,7 +69,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         raise BadValue("--window", None, "the number of samples that the records were smoothed over")
     if arguments.window is None and arguments.filter is not None:
         raise BadValue("--filter", arguments.filter, "to go with --window")
-    smoothing = None if arguments.window is None else MovingAverage(arguments.window, arguments.filter or "centred")
+    kind: Any = "centred" if arguments.filter is None else arguments.filter
+    smoothing = None if arguments.window is None else MovingAverage(arguments.window, kind)
     pinned = leg(arguments)
     guessed = [name for name in GUESSED if name not in arguments.vary and getattr(arguments, name) is None]
     for path in arguments.files:
@@ -152,6 +153,7 @@ def _figures(estimate: Estimate) -> dict[str, Any]:
                 "release": None if parameter.trial is None else parameter.trial + 1,
                 "value": parameter.value,
                 "deviation": _finite(parameter.deviation),
+                "inflation": parameter.inflation,
                 "unit": parameter.unit,
             }
             for parameter in estimate.parameters
@@ -162,6 +164,7 @@ def _figures(estimate: Estimate) -> dict[str, Any]:
         "fit": estimate.fit,
         "fits": estimate.fits,
         "noise": _finite(estimate.noise),
+        "steps": [rounding.step for rounding in estimate.roundings],
         "whiteness": estimate.whiteness,
         "converged": estimate.converged,
         "integrations": estimate.integrations,

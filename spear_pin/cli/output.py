@@ -3,29 +3,67 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TextIO
+
+from spear_pin.errors import SpearError
+
+if TYPE_CHECKING:
+    from spear_pin.viz.motion import TrajectoryLike
+
+UNREAD = 128 + 13  # status where nobody reads what is printed: that of the signal SIGPIPE
 
 
 def print_result(result: dict[str, Any], as_json: bool) -> None:
-    """Print what a command returns, for as long as somebody reads.
+    """Print what a command returns.
 
     Args:
         result: the figures by name, and how they read under "text".
         as_json: print the figures as one JSON object, not the text.
+
+    Raises:
+        SpearError: it cannot be printed.
+        SystemExit: nobody reads it.
+    """
+    if as_json:
+        result.pop("text", None)
+        emit(json.dumps(_plain(result), allow_nan=False) + "\n")
+    else:
+        emit(result["text"] + "\n")
+
+
+def emit(text: str) -> None:
+    """Write to stdout.
+
+    Raises:
+        SpearError: it cannot be written.
+        SystemExit: nobody reads it.
     """
     try:
-        if as_json:
-            result.pop("text", None)
-            print(json.dumps(_plain(result), allow_nan=False))
-        else:
-            print(result["text"])
-        sys.stdout.flush()
+        _write(sys.stdout, text)
     except BrokenPipeError:  # the reader has seen enough
-        sys.stderr.close()
+        raise SystemExit(UNREAD) from None
+    except OSError as error:
+        raise SpearError(f"what there is to print cannot be written to stdout: {error.strerror}") from None
+
+
+def complain(text: str) -> None:
+    """Write a line to stderr, if that can be written."""
+    with suppress(OSError):
+        _write(sys.stderr, f"{text}\n")
+
+
+def _write(stream: TextIO, text: str) -> None:
+    try:
+        stream.write(text)
+        stream.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())  # Python would try once more at the end
+        raise
 
 
 def _plain(value: Any) -> Any:
@@ -60,6 +98,21 @@ def progress() -> Iterator[Callable[[str], None]]:
     finally:
         if seen:
             print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+
+def draw(pictures: Mapping[Path, Callable[[Path], object]]) -> None:
+    """Draw pictures into their files, one after the other."""
+    with progress() as show:
+        for path, write in pictures.items():
+            show(f"drawing {path.name}")
+            write(path)
+
+
+def shows(played: TrajectoryLike) -> list[tuple[str, str]]:
+    """What a page shows, where that is a part only, as a row of a command's text."""
+    from spear_pin.viz.motion import Part
+
+    return [("page", f"shows {played.said}")] if isinstance(played, Part) else []
 
 
 @contextmanager

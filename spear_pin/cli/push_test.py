@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
-from spear_pin.cli.output import aligned, open_page
+from spear_pin.cli.output import aligned, open_page, shows
 from spear_pin.errors import BadValue
+from spear_pin.words import number
 
 if TYPE_CHECKING:
     from spear_pin.model.pinned import PinnedLeg
@@ -47,7 +48,10 @@ def add(commands: Commands) -> None:
     )
     records = parser.add_argument_group("synthetic records")
     records.add_argument(
-        "--write-csv", metavar="NAME", help="write a synthetic record of several releases instead, to identify from"
+        "--write-csv",
+        type=_csv,
+        metavar="NAME",
+        help="write a synthetic record of several releases instead, to identify from",
     )
     records.add_argument("--repeats", type=int, metavar="N", help="releases in it (default: 5)")
     records.add_argument("--noise", type=float, metavar="V", help="standard deviation (default: 0.005)")
@@ -78,11 +82,19 @@ def leg(arguments: argparse.Namespace) -> PinnedLeg:
     return spear_ii(15.0 if arguments.ratio is None else arguments.ratio)
 
 
+def _csv(word: str) -> str:
+    """The name of a file in --out, whose suffix may be left out."""
+    name = word if Path(word).suffix == ".csv" else f"{word}.csv"
+    if word.strip() in ("", ".", "..") or len(Path(name).parts) != 1:
+        raise argparse.ArgumentTypeError(f"{word!r} is no name of a file; its folder is given by --out")
+    return name
+
+
 def _ratio(word: str) -> float | None:
     if word.strip() == NONE:
         return None
     try:
-        return float(word)
+        return number(word)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{word!r} is neither a number nor {NONE!r}") from None
 
@@ -130,15 +142,18 @@ def _check_mode(arguments: argparse.Namespace) -> None:
 
 def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee) -> dict[str, Any]:
     from spear_pin.studies.push_test import release, swing
+    from spear_pin.viz.motion import read_times
+    from spear_pin.viz.player import record
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.push_plots import release_summary
-    from spear_pin.viz.release_page import record_release
+    from spear_pin.viz.release_page import playback
 
     duration = DURATION if arguments.duration is None else arguments.duration
     result = release(pinned, knee, arguments.depth, duration)
     small = swing(pinned, knee)
     title = f"SPEAR-II released from {100 * arguments.depth:g} cm" + (", no motor" if arguments.no_motor else "")
-    page = record_release(pinned, knee, result, arguments.out / "push_test.html", title=title)
+    shown = playback(pinned, knee, result)
+    page = record(pinned.robot, shown, arguments.out / "push_test.html", title=title)
     picture = save_figure(release_summary({title: result}), arguments.out / "push_test.svg")
     if arguments.open:
         open_page(page)
@@ -154,6 +169,7 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
         "damped_frequency": small.damped_frequency,
         "damping_ratio": small.damping_ratio,
         **_motion(result),
+        "shown": read_times(shown)[[0, -1]],
         "files": [str(page), str(picture)],
     }
     pulls = "never" if result.lift_off is None else f"from {result.lift_off:.4f} s on: the toe would lift off"
@@ -166,6 +182,7 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
         ("first extremum", turn),
         ("least ground force", f"{figures['least_force']:.1f} N; the pin pulls {pulls}"),
         ("simulated", f"{duration:g} s ({result.reason})"),
+        *shows(shown),
         ("files", f"{page}, {picture}"),
     ]
     return figures | {"text": aligned(rows)}
@@ -244,8 +261,7 @@ def _recorded(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
         raise BadValue("--seed", seed, "a whole number >= 0")
     instrument = replace(default, calibration=calibration, **given)
     made = synthesize(pinned, knee, arguments.depth, repeats=repeats, instrument=instrument, seed=seed)
-    name = arguments.write_csv if Path(arguments.write_csv).suffix == ".csv" else f"{arguments.write_csv}.csv"
-    path = write_csv(made, arguments.out / name)
+    path = write_csv(made, arguments.out / arguments.write_csv)
     options = f"--volts-per-rad {calibration.volts_per_rad:g} --offset {calibration.offset:g}"
     options += " --no-motor" if arguments.no_motor else ""
     options += "" if arguments.ratio is None else f" --ratio {arguments.ratio:g}"

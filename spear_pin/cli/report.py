@@ -118,5 +118,7 @@ def _row(statement: Any, finding: Any) -> dict[str, Any]:
         "verdict": finding.verdict,
         "criterion": statement.criterion.text if statement.criterion else None,
         "reason": finding.reason,
+        "others": [{"assumed": case.label, "found": case.value, "holds": case.holds} for case in finding.cases],
+        "assumes": statement.assumes,
         "command": statement.command,
     }

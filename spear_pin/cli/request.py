@@ -79,8 +79,8 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
     changes: dict[str, Any] = {name: getattr(arguments, name) for name in names}
     for name in ("minimum_knee_torque", "hip_torque", "stiffness"):
         value = getattr(arguments, name)
-        if value is not None and not value >= 0:
-            raise BadValue(f"--{name.replace('_', '-')}", value, "a number >= 0")
+        if value is not None and not (0 <= value < math.inf or (value == FREE and name == "stiffness")):
+            raise BadValue(f"--{name.replace('_', '-')}", value, "a finite number >= 0")
         changes[name] = None if value is None else MOTORS * value
     if arguments.knee_touchdown is not None:
         if arguments.knee_touchdown != FREE and not 0 < arguments.knee_touchdown <= math.degrees(FLEXED):

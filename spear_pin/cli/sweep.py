@@ -11,6 +11,7 @@ from spear_pin.cli.arguments import Commands, add_command, check_folder
 from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.cli.output import aligned
 from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
+from spear_pin.words import number
 
 if TYPE_CHECKING:
     from spear_pin.hybrid.automaton import HybridSystem
@@ -129,10 +130,10 @@ def _axis(word: str, sampled: bool) -> tuple[str, tuple[float, ...]]:
     name, _, values = word.partition("=")
     colons = values.count(":")
     try:
-        numbers = tuple(float(part) for part in values.split(":" if colons else ","))
+        numbers = tuple(number(part) for part in values.split(":" if colons else ","))
     except ValueError:
         numbers = ()
-    read = name and numbers and all(math.isfinite(number) for number in numbers)
+    read = name and numbers and all(map(math.isfinite, numbers))
     if not read or colons > 2 or (sampled and colons != 1):
         form = "NAME=LEAST:MOST" if sampled else "NAME=FIRST:LAST:NUMBER or NAME=A,B,..."
         raise BadValue("--over", word, form)
@@ -140,10 +141,10 @@ def _axis(word: str, sampled: bool) -> tuple[str, tuple[float, ...]]:
         return name, numbers
     if colons == 1:
         raise BadValue("--over", word, f"--sobol or --latin with a range, or the number of its values too: {word}:5")
-    first, last, number = numbers
-    if number % 1 or not 2 <= number <= MOST:
+    first, last, count = numbers
+    if count % 1 or not 2 <= count <= MOST:
         raise BadValue("--over", word, f"FIRST:LAST:NUMBER with a whole NUMBER of values, 2 to {MOST}")
-    steps = int(number) - 1
+    steps = int(count) - 1
     return name, tuple(first + (last - first) * i / steps for i in range(steps + 1))
 
 

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 from spear_pin.errors import BadValue, require
 from spear_pin.model.bridge import Battery
-from spear_pin.model.motor import Gearbox, Motor, geared_constant, passed_on
+from spear_pin.model.motor import Gearbox, Motor, geared_constant, passed_on_creeping
 
 CREEP = 0.05  # rad/s at the joint
 FOLD = 0.1  # of the continuous current's square, over which the limit falls from peak to continuous
@@ -36,8 +38,7 @@ class Thermal:
         require("Thermal.time_constant", self.time_constant, lambda tau: tau > 0, "a number > 0, in s")
 
 
-@dataclass(frozen=True)
-class Power:
+class Power(NamedTuple):
     """Where the power of an actuator goes at an instant, in W.
 
     Attributes:
@@ -46,6 +47,7 @@ class Power:
         gearbox: lost in the gears.
         joint: what the joint gets.
         stored: what the inductance takes up.
+        torque: at the joint, in N·m.
     """
 
     battery: float
@@ -53,6 +55,7 @@ class Power:
     gearbox: float
     joint: float
     stored: float
+    torque: float
 
 
 @dataclass(frozen=True)
@@ -91,15 +94,24 @@ class Actuator:
             require("Actuator.bandwidth", self.bandwidth, lambda f: f > 0, "a number > 0, in Hz, or None")
             self.motor.known("inductance")
 
-    @property
+    @cached_property
     def states(self) -> tuple[str, ...]:
         """Names of what has a memory: current, in A, and the mean square of the current, in A²."""
         return ("current",) * (self.bandwidth is not None) + ("square",) * (self.thermal is not None)
 
-    @property
+    @cached_property
     def constant(self) -> float:
         """N kt, in N·m/A or V·s/rad at the joint."""
         return geared_constant(self.motor, self.gearbox)
+
+    @cached_property
+    def _resistance(self) -> float:
+        return self.motor.known("resistance")
+
+    @cached_property
+    def _circuit(self) -> float:
+        """Resistance of winding and battery, in Ω."""
+        return self._resistance + self.battery.resistance
 
     def reference(self, torque: float) -> float:
         """i* = τ*/(N kt), in A."""
@@ -125,18 +137,19 @@ class Actuator:
 
         It changes from one to the other within about `CREEP`, where gears would stick: the joint creeps instead.
         """
-        return float(self.constant * current * passed_on(self.gearbox.efficiency, current, speed, CREEP))
+        return self.constant * current * passed_on_creeping(self.gearbox.efficiency, current, speed, CREEP)
 
     def power(self, current: float, speed: float, current_slope: float = 0.0) -> Power:
         """Where the power goes; battery = joule + gearbox + joint + stored."""
-        resistance = self.motor.known("resistance")
         stored = (self.motor.inductance or 0.0) * current * current_slope
         shaft = self.constant * current * speed
-        terminals = resistance * current**2 + shaft + stored
+        heat = self._resistance * current**2
+        terminals = heat + shaft + stored
         battery = self._drawn(terminals)
         inside = self.battery.resistance * (battery / self.battery.voltage) ** 2
-        joint = self.torque(current, speed) * speed
-        return Power(battery, resistance * current**2 + inside, shaft - joint, joint, stored)
+        torque = self.torque(current, speed)
+        joint = torque * speed
+        return Power(battery, heat + inside, shaft - joint, joint, stored, torque)
 
     def stored(self, x: dict[str, float]) -> float:
         """Energy of the inductance, in J."""
@@ -153,13 +166,12 @@ class Actuator:
     def _held(self, current: float, speed: float) -> float:
         """The current that the battery's voltage leaves of one that is wanted."""
         emf = self.constant * speed
-        total = self.motor.known("resistance") + self.battery.resistance
-        return min(max(current, (-self.battery.voltage - emf) / total), (self.battery.voltage - emf) / total)
+        voltage, total = self.battery.voltage, self._circuit
+        return min(max(current, (-voltage - emf) / total), (voltage - emf) / total)
 
     def _fastest(self, side: float, speed: float, x: dict[str, float]) -> float:
         """Slope of the current at full voltage to one side, in A/s."""
-        total = self.motor.known("resistance") + self.battery.resistance
-        drop = total * x["current"] + self.constant * speed
+        drop = self._circuit * x["current"] + self.constant * speed
         return (side * self.battery.voltage - drop) / self.motor.known("inductance")
 
     def _drawn(self, terminals: float) -> float:

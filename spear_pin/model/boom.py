@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, require
+from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
@@ -22,6 +23,7 @@ HEIGHT = "boom_z"
 REACH = 0.9  # of the radius, above and below the pivot: the height is no coordinate where the arm stands upright
 
 
+@typed
 @dataclass(frozen=True)
 class RotaryBoom:
     """The arm.
@@ -82,6 +84,7 @@ class Arm:
         return self.row, (self.mass * sine * sine + arm) / square, slope
 
 
+@typed
 def on_rotary_boom(robot: Robot, boom: RotaryBoom | None = None) -> Robot:
     """The same robot on a rotary boom in place of its slider, the given one being left alone.
 

@@ -8,6 +8,7 @@ from math import pi
 from typing import Literal, NamedTuple, get_args
 
 from spear_pin.errors import UnknownName, require
+from spear_pin.kinds import typed
 from spear_pin.model.motor import UNITS, Gearbox, Motor
 
 Verification = Literal[
@@ -55,6 +56,7 @@ class Row(NamedTuple):
 Entry = Mapping[str, Quantity]
 
 
+@typed
 def scaled(motor: Motor, power: float) -> Motor:
     """A motor of the same kind for another power: an assumption, for want of its numbers.
 
@@ -75,6 +77,7 @@ def scaled(motor: Motor, power: float) -> Motor:
     return replace(motor, name=f"{motor.name} scaled to {power:g} W (assumption)", **changes)
 
 
+@typed
 def motor(name: str) -> Motor:
     """A motor of the catalogue; what is not known of it is None, for `dataclasses.replace` to fill in.
 
@@ -86,6 +89,7 @@ def motor(name: str) -> Motor:
     return Motor(name, **{field: quantity.value for field, quantity in MOTORS[name].items()})
 
 
+@typed
 def gearbox(name: str) -> Gearbox:
     """A gearbox of the catalogue; an efficiency or inertia that is not known is left at no loss or none.
 

@@ -11,6 +11,8 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.kinds import typed
+from spear_pin.model.memory import check_memory
 from spear_pin.model.robot import Robot
 from spear_pin.model.urdf import Urdf, read_urdf
 
@@ -71,6 +73,7 @@ ROBOTS = {
 }
 
 
+@typed
 def load(source: str | Path, toes: Iterable[str] | None = None, locked: Iterable[str] = ()) -> Robot:
     """Load a shipped robot or any URDF.
 
@@ -127,6 +130,7 @@ def _model(urdf: Urdf) -> pin.Model:
         model = pin.buildModelFromXML(urdf.text)
     except (ValueError, RuntimeError) as error:
         raise BadFile(urdf.path, f"Pinocchio cannot build it: {str(error).strip().splitlines()[0]}") from None
+    check_memory(urdf.path, model.njoints - 1, model.nv)
     # numbered to keep the order of the document, in which Pinocchio would sort by name
     for i, name in enumerate(model.names):
         model.names[i] = name.partition(":")[2] or name
@@ -150,7 +154,7 @@ def _model(urdf: Urdf) -> pin.Model:
 
 def _check_inertia(urdf: Urdf, model: pin.Model) -> None:
     """A joint that moves no inertia makes D singular: say which one."""
-    data = model.createData()
+    data = pin.Data(model)
     rng = np.random.default_rng(0)
     for _ in range(3):
         mass_matrix = pin.crba(model, data, pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv)))

@@ -16,6 +16,7 @@ from lxml import etree
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue
+from spear_pin.kinds import typed
 from spear_pin.model.document import document
 from spear_pin.model.postures import checked, home
 from spear_pin.model.robot import Robot
@@ -39,6 +40,7 @@ NOTE = """
 """
 
 
+@typed
 def to_mjcf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> str:
     """The text of an MJCF file with the robot: mass matrix and bias in MuJoCo are the robot's own.
 

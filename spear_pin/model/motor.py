@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, require
+from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
 
@@ -30,6 +32,7 @@ UNITS = {
 }
 
 
+@typed
 @dataclass(frozen=True)
 class Motor:
     """A motor as its equivalent DC motor: torque kt i, back-EMF kt ω; a brushless one line to line.
@@ -91,6 +94,7 @@ class Motor:
         return self.known("nominal_torque")
 
 
+@typed
 @dataclass(frozen=True)
 class Gearbox:
     """A reduction that loses the same share of power in either direction.
@@ -121,21 +125,33 @@ def geared_constant(motor: Motor, gearbox: Gearbox) -> float:
     return gearbox.ratio * motor.known("torque_constant")
 
 
-def passed_on(efficiency: float, effort: ArrayLike, speed: ArrayLike, creep: float = 0.0) -> Array:
+def passed_on(efficiency: float, effort: ArrayLike, speed: ArrayLike) -> Array:
     """Of a motor's torque, the share that reaches the joint: η where it drives, 1/η where it brakes.
 
-    At rest gears pass on anything between: they stick. Without creep a joint at rest counts as driven, η, for that
-    is what is left to set it in motion. With creep the share is η^tanh(along / creep), 1 at rest; a smooth one has
-    to be 1 there, or gears would give power on one side. From 20 times the creep on the two are the same.
+    At rest gears pass on anything between: they stick. A joint at rest counts as driven, η, for that is what is left
+    to set it in motion; `passed_on_creeping` is smooth there.
 
     Args:
         efficiency: η.
         effort: torque or current of the motor; its sign counts.
         speed: of the joint, in rad/s, broadcast against the effort.
-        creep: width of the transition, in rad/s; 0 is a jump.
     """
-    along = np.copysign(1.0, effort) * speed
-    return efficiency ** (np.tanh(along / creep) if creep else np.where(along < 0.0, -1.0, 1.0))
+    return efficiency ** np.where(np.copysign(1.0, effort) * speed < 0.0, -1.0, 1.0)
+
+
+def passed_on_creeping(efficiency: float, effort: float, speed: float, creep: float) -> float:
+    """The same at an instant, smooth at rest: η^tanh(along / creep), 1 at rest, or gears would give power on one side.
+
+    From 20 times the creep on the two are the same.
+
+    Args:
+        efficiency: η.
+        effort: torque or current of the motor; its sign counts.
+        speed: of the joint, in rad/s.
+        creep: width of the transition, in rad/s.
+    """
+    share: float = efficiency ** math.tanh(math.copysign(1.0, effort) * speed / creep)
+    return share
 
 
 @dataclass(frozen=True)
@@ -155,6 +171,7 @@ class Worst:
     margin: float
 
 
+@typed
 @dataclass(frozen=True)
 class Drive:
     """A motor behind a gearbox on a supply, seen from the joint.

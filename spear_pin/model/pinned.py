@@ -20,6 +20,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, require
+from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
@@ -126,6 +127,7 @@ class PinnedLeg:
         return np.asarray(moving + resting + dragging * np.asarray(rate))
 
 
+@typed
 def pin_toe(robot: Robot, joint: str = "knee") -> PinnedLeg:
     """Pin the toe of a leg at the origin, below its hip, and leave one joint free.
 

@@ -82,7 +82,7 @@ class Planar:
         if not robot.planar or robot.nq != robot.nv or robot.nv != robot.model.njoints - 1:
             raise BadValue("robot", robot, "a planar robot whose joints have one coordinate each")
         self.coordinates, self.nv = robot.coordinates, robot.nv
-        at_zero = robot.model.createData()
+        at_zero = pin.Data(robot.model)
         pin.computeJointJacobians(robot.model, at_zero, pin.neutral(robot.model))
         self.bodies = _bodies(robot.model, at_zero)
         self.gravity = float(-robot.model.gravity.linear[2])

@@ -10,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.model.urdf import MAX_NUMBER
 
 Array = NDArray[np.float64]
 WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -35,6 +36,7 @@ class Robot:
         model: the `pinocchio.Model`, its armature set.
         coordinates: nv names, in the order of v. Those of a floating joint are the velocity and the
             angular velocity of its link in the link's own frame.
+        configuration: nq names, in the order of q: of a floating joint its place and its quaternion.
         toes: frame names of the points that touch the ground.
         actuated: names of the joints that have a motor, in the order of u.
         locked: names of the joints that are held at zero.
@@ -61,8 +63,8 @@ class Robot:
         self.varied: Mapping[str, float] = MappingProxyType(dict(varied))
         self.toes, self.actuated, self.locked = tuple(toes), tuple(actuated), tuple(locked)
         self.nq, self.nv, self.nu = int(model.nq), int(model.nv), len(self.actuated)
-        self.coordinates, self._configuration = _coordinates(model), _configuration(model)
-        self._data = model.createData()
+        self.coordinates, self.configuration = _coordinates(model), _configuration(model)
+        self._data = pin.Data(model)
         self._toe_ids = {toe: _frame_id(model, toe) for toe in self.toes}
         self.planar = _is_planar(model, self._data)
         self._rows = np.array([0, 2]) if self.planar else np.array([0, 1, 2])
@@ -115,7 +117,7 @@ class Robot:
         Raises:
             UnknownName: there is no such toe.
         """
-        if toe not in self._toe_ids:
+        if toe not in self.toes:
             raise UnknownName("toe", toe, self.toes)
         return self._toe_ids[toe]
 
@@ -123,7 +125,8 @@ class Robot:
         """D(q), (nv, nv), symmetric positive definite, by CRBA; reflected rotors included.
 
         Raises:
-            BadValue: q has the wrong length or is not finite (as in every query).
+            BadValue: q has the wrong length, or numbers that are not finite or out of all proportion (as in every
+                query).
         """
         configuration = self._q(q)
         matrix = np.array(pin.crba(self.model, self._data, configuration))
@@ -194,7 +197,7 @@ class Robot:
         return np.array(acceleration.linear[self._rows])
 
     def _q(self, q: ArrayLike) -> Array:
-        vector = _vector("q", q, self.nq, self._configuration)
+        vector = _vector("q", q, self.nq, self.configuration)
         if self.nq != self.nv and not pin.isNormalized(self.model, vector, UNIT):
             raise BadValue("q", q, "a quaternion, or a cosine and a sine, of length 1")
         return vector
@@ -229,9 +232,11 @@ def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]
     if given.shape != (length,):
         raise BadValue(name, value, f"{expected}, not the shape {given.shape}")
     vector = given.astype(np.float64)
-    if not np.isfinite(vector).all():
-        index = int(np.flatnonzero(~np.isfinite(vector))[0])
-        raise BadValue(f"{name}[{index}]", float(vector[index]), "a finite number")
+    valid = np.abs(vector) <= MAX_NUMBER  # what follows from it is finite, too
+    if not valid.all():
+        index = int(np.flatnonzero(~valid)[0])
+        limited = "a finite number" + (f" within ±{MAX_NUMBER:g}" if np.isfinite(vector[index]) else "")
+        raise BadValue(f"{name}[{index}]", float(vector[index]), limited)
     return vector
 
 

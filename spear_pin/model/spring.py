@@ -6,8 +6,12 @@ import math
 from dataclasses import dataclass
 
 from spear_pin.errors import require
+from spear_pin.kinds import typed
+
+STIFFEST = 1e6  # N·m/rad: at a knee as good as rigid
 
 
+@typed
 @dataclass(frozen=True)
 class Spring:
     """A rotational spring and damper in parallel with a joint, in action while its switch is engaged.
@@ -31,12 +35,23 @@ class Spring:
 
     def __post_init__(self) -> None:
         """Check the fields."""
-        require("Spring.stiffness", self.stiffness, lambda k: k >= 0, "a number >= 0, in N·m/rad")
-        require("Spring.damping", self.damping, lambda b: b >= 0, "a number >= 0, in N·m·s/rad")
+        require(
+            "Spring.stiffness",
+            self.stiffness,
+            lambda k: (k >= 0) & (k <= STIFFEST),
+            f"a number from 0 to {STIFFEST:g}, in N·m/rad",
+        )
+        require(
+            "Spring.damping",
+            self.damping,
+            lambda b: (b >= 0) & (b <= STIFFEST),
+            f"a number from 0 to {STIFFEST:g}, in N·m·s/rad",
+        )
         if self.rest is not None:
             require("Spring.rest", self.rest, lambda angle: abs(angle) < math.pi, "within ±π rad, or None")
 
 
+@typed
 def rotational_stiffness(spring: float, spacer_radius: float, belt: float = 0.0, pulley_radius: float = 0.0) -> float:
     """k_rot = 2 k_belt r_pulley² + k_S1 r_spacer², (3.5)-(3.6), in N·m/rad.
 
@@ -49,6 +64,7 @@ def rotational_stiffness(spring: float, spacer_radius: float, belt: float = 0.0,
     return 2.0 * belt * pulley_radius**2 + spring * spacer_radius**2
 
 
+@typed
 def belt_stiffness(modulus: float, area: float, length: float, radius: float) -> float:
     """k_rotBelt = 2 E A r² / L₀, (4.5)-(4.7), in N·m/rad: both strands of a timing belt about its pulley.
 

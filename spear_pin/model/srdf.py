@@ -9,6 +9,7 @@ from lxml import etree
 from numpy.typing import ArrayLike
 
 from spear_pin.errors import BadValue
+from spear_pin.kinds import typed
 from spear_pin.model.document import document
 from spear_pin.model.postures import checked, home
 from spear_pin.model.robot import Robot
@@ -20,6 +21,7 @@ NOTE = """
 """
 
 
+@typed
 def to_srdf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> str:
     """The text of an SRDF file that goes with the robot's URDF.
 

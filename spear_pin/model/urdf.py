@@ -17,6 +17,7 @@ from typing import Any
 from lxml import etree
 
 from spear_pin.errors import BadFile
+from spear_pin.files import regular
 
 MAX_BYTES, MAX_LINKS, MAX_NUMBER = 20_000_000, 500, 1e30
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
@@ -70,15 +71,12 @@ def read_urdf(path: str | Path) -> Urdf:
             names the place.
     """
     try:
-        path = Path(path)
-        if path.exists() and not path.is_file():
-            raise BadFile(path, "is a directory" if path.is_dir() else "is not a regular file")
+        path = regular(path)
         if path.stat().st_size > MAX_BYTES:
             raise BadFile(path, f"has more than {MAX_BYTES} bytes")
         text = path.read_bytes()
-    except (OSError, ValueError) as error:
-        problem = getattr(error, "strerror", None) or str(error)
-        raise BadFile(repr(path) if isinstance(error, ValueError) else path, f"cannot be read: {problem}") from None
+    except OSError as error:
+        raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
     parser = etree.XMLParser(
         resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False, remove_comments=True, remove_pis=True
     )

@@ -11,6 +11,7 @@ from types import MappingProxyType
 import pinocchio as pin
 
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.kinds import typed
 from spear_pin.model.loading import hold, load
 from spear_pin.model.robot import Robot
 from spear_pin.model.urdf import MAX_NUMBER
@@ -58,6 +59,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
 )
 
 
+@typed
 def vary(robot: Robot, **values: float) -> Robot:
     """The same robot with other numbers, the given one being left alone.
 

@@ -36,9 +36,12 @@ class Cache:
     state: str
 
     def get(self, name: str) -> bytes | None:
-        """What was kept under a name; None where nothing was."""
+        """What was kept under a name; None where nothing was, or where something else is now."""
+        path = self._path(name)
         with suppress(OSError):
-            return self._path(name).read_bytes()
+            if path.is_file() and path.stat().st_size <= MOST_BYTES:
+                digest, _, content = path.read_bytes().partition(b"\n")
+                return content if digest == _digest(content) else None
         return None
 
     def put(self, name: str, content: bytes) -> None:
@@ -46,7 +49,7 @@ class Cache:
         with suppress(OSError, BadFile):
             self.folder.mkdir(parents=True, exist_ok=True)
             with atomic(self._path(name)) as temporary:
-                temporary.write_bytes(content)
+                temporary.write_bytes(_digest(content) + b"\n" + content)
             self._prune()
 
     def _path(self, name: str) -> Path:
@@ -61,6 +64,10 @@ class Cache:
             with suppress(OSError):
                 Path(path).unlink()
             total -= size
+
+
+def _digest(content: bytes) -> bytes:
+    return hashlib.sha256(content).hexdigest().encode()
 
 
 def user_cache() -> Cache:

@@ -1,8 +1,13 @@
 """Calls of the command line, and what each prints."""
 
 import json
+import subprocess
+import sys
+from pathlib import Path
 
 from spear_pin.cli import main
+
+ROOT = Path(__file__).parents[2]
 
 
 def words(value):
@@ -35,3 +40,11 @@ def refused(capsys, *arguments):
     assert err.count("\n") == 1 and err.endswith("\n") and len(err) > 20
     assert "Traceback" not in err
     return err
+
+
+def loads(*arguments):
+    """The modules that are loaded once a command is done, in a process of its own."""
+    words = [str(argument) for argument in arguments]
+    code = f"import sys; from spear_pin.cli import main; main({words}); print(*sys.modules, file=sys.stderr)"
+    process = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    return set(process.stderr.split())

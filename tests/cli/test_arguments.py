@@ -33,3 +33,16 @@ def test_a_folder_that_takes_no_files(capsys, tmp_path, monkeypatch, command):
 def test_of_the_system(capsys):
     """Permissions alone would not tell."""
     assert "--out is '/proc'" in refused(capsys, "report", "--out", "/proc")
+
+
+@pytest.mark.parametrize("number", ["5_0", "٥٠", "0x20", "1e", "5O", "- 5", "²"])
+@pytest.mark.parametrize(
+    "option", [("hop", "--stiffness"), ("hop", "--cycles"), ("search", "--stiffness"), ("push-test", "--ratio")]
+)
+def test_numbers_are_written_in_plain_digits(capsys, option, number):
+    assert repr(number) in refused(capsys, *option[:1], f"{option[1]}={number}")
+
+
+def test_a_mistake_repeats_little_of_what_was_typed(capsys):
+    for arguments in (["hop", "x" * 60_000], ["hop", "--cycles", "9" * 60_000], ["bound", "--gait", "x" * 60_000]):
+        assert len(refused(capsys, *arguments)) < 2500

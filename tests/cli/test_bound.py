@@ -10,7 +10,8 @@ import pytest
 from spear_pin import Gait, Trajectory
 from spear_pin.errors import NoGait
 from spear_pin.gaits import library
-from tests.cli.calls import printed, refused, run, words
+from spear_pin.studies.bound import mean_speed
+from tests.cli.calls import loads, printed, refused, run, words
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +77,22 @@ class TestBound:
         assert ("in the last ms" in out) == (name == "force_lift_off")
         assert str(tmp_path / "bound.html") in out and str(tmp_path / "bound.npz") in out
 
+    def test_a_page_shows_a_part_and_says_which(self, capsys, tmp_path, monkeypatch):
+        monkeypatch.setattr("spear_pin.viz.player.MOST_FRAMES", 9)
+        status, out, err = run(capsys, "bound", "--cycles", 3, "--rtol", 1e-7, "--out", tmp_path)
+        assert status == 0, err
+        said = out.partition("page                 shows ")[2].partition("\n")[0]
+        assert said.startswith("the last ") and said in (tmp_path / "bound.html").read_text(encoding="utf-8")
+
+    def test_interrupted_while_pictures_are_drawn(self, capsys, tmp_path, monkeypatch):
+        def interrupt(*_, **__):
+            raise SystemExit(130)
+
+        monkeypatch.setattr("spear_pin.viz.player.record", interrupt)
+        status, out, err = run(capsys, "bound", "--cycles", 1, "--rtol", 1e-7, "--out", tmp_path)
+        assert status == 130 and err == "" and "1 strides (complete)" in out
+        assert [path.name for path in tmp_path.iterdir()] == ["bound.npz"]
+
     def test_a_saved_gait(self, capsys, tmp_path):
         path = Gait.load("least_effort").save(tmp_path / "mine.json")
         result = printed(capsys, "bound", "--gait", path, "--cycles", 1, "--out", tmp_path)
@@ -90,6 +107,16 @@ class TestBound:
         status, out, err = run(capsys, "bound", "--list", "--out", tmp_path)
         assert status == 0 and err == "" and not list(tmp_path.iterdir())
         assert all(name in out for name in rows) and "2.50 m/s" in out
+
+    def test_list_loads_nothing_that_computes(self):
+        assert not {"scipy.integrate", "scipy.optimize", "matplotlib", "spear_pin.hybrid.run"} & loads(
+            "bound", "--list"
+        )
+
+    @pytest.mark.parametrize("name", ["force_lift_off", "long_stride_1.50", "long_stride_3.50"])
+    def test_list_has_the_speed_that_gaits_run_at(self, capsys, name):
+        rows = {row["name"]: row for row in printed(capsys, "bound", "--list")["gaits"]}
+        assert rows[name]["speed"] == pytest.approx(mean_speed(Gait.load(name)), abs=1e-7)
 
     @pytest.mark.parametrize(
         ("speed", "start"), [(2.6, "long_stride"), (2.9, "long_stride_3.00"), (4, "long_stride_3.5")]
@@ -134,6 +161,7 @@ class TestMistakes:
             (["--speed", "-2.5"], ["--speed"]),
             (["--speed", "nan"], ["--speed"]),
             (["--speed", "inf"], ["--speed"]),
+            (["--speed", "99"], ["speed is 99", "within 1 m/s", "3.50"]),
             (["--speed", "fast"], ["fast"]),
             (["--cycles", "0"], ["cycles"]),
             (["--cycles", "1.5"], ["1.5"]),

@@ -52,8 +52,31 @@ class TestDynamics:
         np.testing.assert_allclose(result["D"], load("spear_ii").mass_matrix(STATE[0]), rtol=1e-15)
         assert list(result["J"]) == ["toe"]
 
+    def test_a_floating_torso(self, capsys):
+        """Its configuration has a quaternion, one number more than its velocity."""
+        robot = load("q_spear_full")
+        q, v = np.linspace(0.1, 0.5, robot.nq), np.linspace(-1.0, 1.0, robot.nv)
+        q[3:7] = 0.5
+        result = printed(capsys, "dynamics", "q_spear_full", "--q", *q, "--v", *v)
+        np.testing.assert_allclose(result["bias"], robot.bias(q, v), rtol=1e-15)
+        assert (result["q"], result["v"]) == (q.tolist(), v.tolist())
+
 
 class TestMistakes:
+    @pytest.mark.parametrize(
+        ("option", "number", "expected"), [("--q", 18, "19 (base_x, base_y, "), ("--v", 19, "18 (base_vx, ")]
+    )
+    def test_the_lengths_of_a_floating_torso(self, capsys, option, number, expected):
+        text = refused(capsys, "dynamics", "q_spear_full", option, *["0.1"] * number)
+        assert f"{option} has {number} numbers; expected {expected}" in text
+
+    @pytest.mark.parametrize("form", [(), ("--json",)], ids=words)
+    @pytest.mark.parametrize("option", ["--q", "--v"])
+    def test_a_number_out_of_all_proportion(self, capsys, option, form):
+        """Its square is no number any more."""
+        text = refused(capsys, "dynamics", "spear_ii", option, "0", "0", "0", "1e200", *form)
+        assert f"{option[2:]}[3] is 1e+200; expected a finite number within ±1e+30" in text
+
     def test_an_unknown_robot(self, capsys):
         assert "unknown robot 'spear_iii'; valid: spear_ii, spear_ii_series, q_spear" in refused(
             capsys, "dynamics", "spear_iii"

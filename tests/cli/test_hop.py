@@ -1,6 +1,7 @@
 """`spear hop`: its figures and files, and one line for every mistake."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from spear_pin import Trajectory
+from spear_pin.errors import NoGait, SpearError
 from tests.cli.calls import printed, refused, run, words
 
 
@@ -99,8 +101,70 @@ class TestHop:
         assert placed["stable"] is True
 
 
+class TestLongRuns:
+    SHORT = ("hop", "--cycles", 4, "--rtol", 1e-7)
+
+    @pytest.fixture
+    def narrow(self, monkeypatch):
+        """Pages that hold a hop or so."""
+        monkeypatch.setattr("spear_pin.viz.player.MOST_FRAMES", 20)
+
+    def test_a_page_shows_a_part_and_says_which(self, capsys, tmp_path, narrow):
+        status, out, err = run(capsys, *self.SHORT, "--out", tmp_path)
+        assert status == 0, err
+        said = re.search(r"page +shows (the last [\d.]+ s of 2.3 s, from [\d.]+ to 2.3 s)", out)
+        assert said is not None
+        page = (tmp_path / "hop.html").read_text(encoding="utf-8")
+        assert f"shown: {said[1]}" in page
+        assert Trajectory.load(tmp_path / "hop.npz").cycles == 4
+
+    def test_as_json(self, capsys, tmp_path, narrow):
+        begin, end = printed(capsys, *self.SHORT, "--out", tmp_path)["shown"]
+        assert end == pytest.approx(2.257, abs=1e-2) and 0.5 < end - begin < 20 / 30
+
+    def test_a_short_one_is_shown_whole(self, capsys, tmp_path):
+        result = printed(capsys, "hop", "--cycles", 1, "--rtol", 1e-7, "--out", tmp_path)
+        assert result["shown"] == [0.0, pytest.approx(result["period"])]
+
+    @pytest.mark.parametrize(
+        ("picture", "left"),
+        [("player.record", ["hop.npz"]), ("plots.save_figure", ["hop.html", "hop.npz"])],
+    )
+    def test_interrupted_while_pictures_are_drawn(self, capsys, tmp_path, monkeypatch, picture, left):
+        """Figures and samples are there."""
+
+        def interrupt(*_, **__):
+            raise SystemExit(130)
+
+        monkeypatch.setattr(f"spear_pin.viz.{picture}", interrupt)
+        status, out, err = run(capsys, *self.SHORT, "--json", "--out", tmp_path)
+        assert status == 130 and err == "" and json.loads(out)["cycles"] == 4
+        assert sorted(path.name for path in tmp_path.iterdir()) == left
+        assert Trajectory.load(tmp_path / "hop.npz").complete
+
+    def test_pictures_that_fail_leave_the_samples(self, capsys, tmp_path, monkeypatch):
+        def fail(*_, **__):
+            raise SpearError("there is no more ink")
+
+        monkeypatch.setattr("spear_pin.viz.player.record", fail)
+        status, out, err = run(capsys, *self.SHORT, "--out", tmp_path)
+        assert status == 2 and err == "spear: there is no more ink\n" and "4 hops (complete)" in out
+        assert [path.name for path in tmp_path.iterdir()] == ["hop.npz"]
+
+
 class TestMistakes:
-    @pytest.mark.parametrize(("arguments", "part"), [(["--cycles", "0"], "cycles"), (["--rtol", "1"], "rtol")])
+    @pytest.mark.parametrize(
+        ("arguments", "part"),
+        [
+            (["--cycles", "0"], "cycles"),
+            (["--cycles", "9" * 20], "a whole number from 1 to 10000"),
+            (["--rtol", "1"], "rtol"),
+            (["--stiffness", "1e300"], "from 0 to 1e+06"),
+            (["--hardware", "--bandwidth", "-1"], "bandwidth is -1"),
+            (["--hardware", "--current-limit", "0"], "current_limit is 0"),
+        ],
+        ids=words,
+    )
     def test_what_is_simulated_before_anything_is_solved(self, capsys, tmp_path, monkeypatch, arguments, part):
         monkeypatch.setattr("spear_pin.find_gait", lambda *_, **__: pytest.fail("the gait was solved for"))
         assert part in refused(capsys, "hop", "--out", tmp_path, *arguments)
@@ -120,7 +184,8 @@ class TestMistakes:
             (["--flight-time", "-1"], "--flight-time"),
             (["--flight-time", "0"], "--flight-time"),
             (["--flight-time", "nan"], "--flight-time"),
-            (["--flight-time", "inf"], "flight_time"),
+            (["--flight-time", "inf"], "--flight-time"),
+            (["--flight-time", "0.04"], "expected a number from 0.05 to 5, in s"),
             (["--flight-time", "soon"], "soon"),
             (["--flight-time", "0.2", "--stance-torque", "8"], "not allowed with"),
             (["--stance-torque", "-1"], "stance_torque"),
@@ -150,6 +215,18 @@ class TestHardware:
         assert energy["battery_knee"] > -energy["motor_knee"] > 5.0 > -energy["gearbox_knee"] > 0.0
         assert abs(sum(energy.values())) < 1e-8
         assert 5.0 < shown["peak_current"]["knee"] < 10.0 and shown["energy_residual"] < 1e-7
+
+    def test_begins_with_what_the_gears_lose(self, capsys, tmp_path, monkeypatch):
+        """From the torque of a hop without losses the search takes six times as long."""
+
+        def find(system, *_, **__):
+            raise NoGait(f"begun at {system.law.stance_torque:.2f} N·m", 0.0)
+
+        monkeypatch.setattr("spear_pin.find_gait", find)
+        assert "begun at 9.64 N·m" in refused(capsys, "hop", "--hardware", "--out", tmp_path)
+        assert "begun at 8.00 N·m" in refused(capsys, "hop", "--out", tmp_path)
+        given = refused(capsys, "hop", "--hardware", "--stance-torque", "7", "--out", tmp_path)
+        assert "begun at 7.00 N·m" in given
 
     def test_noise_and_losses_reach_the_run(self, capsys, tmp_path):
         common = ["hop", "--hardware", "--stance-torque", "9.43", "--cycles", "2", "--rtol", "1e-7", "--out", tmp_path]

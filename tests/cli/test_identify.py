@@ -57,6 +57,18 @@ def test_model_without_the_filter_is_biased_and_says_so(capsys, tmp_path, lab):
     assert any("biased" in warning for warning in estimate["warnings"])
 
 
+def test_counts_of_a_converter_widen_the_error_bars_and_are_said(capsys, tmp_path):
+    made = synthesize(spear_ii(), WITH_MOTOR, 0.075, repeats=1, instrument=Instrument(noise=0.0))
+    coarse = write_csv(made, tmp_path / "coarse.csv")
+    (estimate,) = printed(capsys, "identify", coarse, *CALIBRATION, "--out", tmp_path)["estimates"]
+    assert estimate["steps"] == [pytest.approx(5.0 / 4096 / 1.06, rel=1e-3)]
+    assert max(row["inflation"] for row in estimate["parameters"] if row["release"] is None) > 2
+    assert any("rounded to steps of 1.15 mrad, more than its noise" in warning for warning in estimate["warnings"])
+    for name, truth in (("stiffness", 48.25), ("damping", 1.03), ("rest_angle", 1.0)):
+        value, deviation = values(estimate)[name]
+        assert abs(value - truth) < 3 * deviation < 0.02 * truth
+
+
 def test_what_was_dropped_is_said(capsys, tmp_path, lab):
     holed = tmp_path / "holed.csv"
     lines = lab.read_text(encoding="utf-8").splitlines()

@@ -79,6 +79,10 @@ def test_record_names_the_command_that_reads_it(capsys, tmp_path):
         (["--depth", "nan"], "depth"),
         (["--stiffness", "-1"], "stiffness"),
         (["--stiffness", "3"], "knee"),
+        (["--stiffness", "1e300"], "stiffness"),
+        (["--damping", "1e300"], "damping"),
+        (["--coulomb", "1e300"], "coulomb"),
+        (["--write-csv", "x", "--repeats", "99999999"], "repeats"),
         (["--coulomb", "-1"], "coulomb"),
         (["--ratio", "0"], "--ratio"),
         (["--ratio", "15", "--no-motor"], "--no-motor"),
@@ -89,7 +93,8 @@ def test_record_names_the_command_that_reads_it(capsys, tmp_path):
         (["--write-csv", "x", "--seed", "-1"], "--seed"),
         (["--write-csv", "x", "--repeats", "0"], "repeats"),
         (["--write-csv", "x", "--volts-per-rad", "0"], "volts_per_rad"),
-        (["--write-csv", "no/where"], "no/where"),
+        *((["--write-csv", name], f"{name!r} is no name of a file") for name in ("no/where", "", " ", ".", "..", "/")),
+        *((["--write-csv", name], f"{name!r} is no name of a file") for name in ("/tmp/x.csv", "../x", "x/")),
         (["--write-csv", "x", "--ratios", "15"], "--write-csv"),
         (["--write-csv", "x", "--duration", "2"], "--duration"),
         (["--ratios", "15", "--no-motor"], "--no-motor"),
@@ -102,3 +107,12 @@ def test_mistakes(capsys, tmp_path, monkeypatch, options, named):
     monkeypatch.chdir(tmp_path)
     assert named in refused(capsys, "push-test", *options)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_page_shows_the_beginning_of_a_long_release(capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr("spear_pin.viz.player.MOST_FRAMES", 100)
+    result = printed(capsys, "push-test", "--duration", "20", "--out", tmp_path)
+    begin, end = result["shown"]
+    assert begin == -0.5 and 1.0 < end < 20.0
+    status, out, _ = run(capsys, "push-test", "--duration", "20", "--out", tmp_path)
+    assert status == 0 and f"shows the first {end + 0.5:.1f} s of 20.5 s" in out

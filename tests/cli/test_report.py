@@ -6,7 +6,7 @@ import pytest
 
 from spear_pin.studies.statements import STATEMENTS
 from spear_pin.viz import report
-from tests.cli.calls import printed, refused, run, words
+from tests.cli.calls import loads, printed, refused, run, words
 
 
 @pytest.fixture(autouse=True)
@@ -20,11 +20,20 @@ def test_page_and_rows(capsys, tmp_path):
     shown = printed(capsys, "report", "--only", "fig-2.1", "kinetic-energy", "--out", tmp_path)
     page = tmp_path / "report.html"
     assert shown["files"] == [str(page)] and shown["bytes"] == page.stat().st_size
-    assert shown["counts"] == {"agrees": 2, "differs": 1, "cannot be known": 0, "failed": 0}
+    assert shown["counts"] == {
+        "agrees": 0, "differs": 1, "by construction": 2, "cannot be known": 0, "failed": 0
+    }  # fmt: skip
     row = next(row for row in shown["rows"] if row["id"] == "kinetic-energy")
     assert row["verdict"] == "differs" and row["place"] == "(3.14)" and row["unit"] == "kg·m²"
     assert row["found"] == pytest.approx([0.1636, 0.1932], abs=1e-4)
     assert "print(effective_inertia())" in row["command"]
+
+
+def test_alternatives(capsys, tmp_path):
+    (row,) = printed(capsys, "report", "--only", "damping-in-flight", "--out", tmp_path)["rows"]
+    assert row["assumes"] == ["touchdown"] and row["verdict"] == "differs"
+    assert [(other["holds"], other["found"] > 3) for other in row["others"]] == [(False, True)] * 2
+    assert "0.9 rad" in row["others"][0]["assumed"]
 
 
 def test_text(capsys, tmp_path):
@@ -51,6 +60,11 @@ def test_list(capsys, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_list_loads_nothing_that_computes():
+    heavy = {"scipy.integrate", "scipy.optimize", "scipy.signal", "scipy.stats", "heyoka", "zarr"}
+    assert not heavy & loads("report", "--list")
+
+
 def test_an_unknown_part(capsys):
     text = refused(capsys, "report", "--only", "kinetic-enrgy")
     assert "nearest: kinetic-energy" in text and "spear report --list" in text and len(text) < 200
@@ -75,7 +89,7 @@ def test_a_failure_is_a_row_and_ends_with_status_2(capsys, tmp_path, monkeypatch
     monkeypatch.setattr(report, "STATEMENTS", (replace(first, study=broken), *others))
     status, out, _ = run(capsys, "report", "--only", first.id, "spring-engaged", "--out", tmp_path)
     assert status == 2
-    assert "1 agrees, 1 failed" in out and "nothing to divide by" in out
+    assert "1 by construction, 1 failed" in out and "nothing to divide by" in out
     assert "nothing to divide by" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 

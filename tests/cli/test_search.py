@@ -131,7 +131,7 @@ class TestMistakes:
     def test_without_casadi(self, capsys, tmp_path, monkeypatch):
         monkeypatch.setitem(sys.modules, "casadi", None)
         text = refused(capsys, "search", "--out", tmp_path)
-        assert "needs casadi" in text and "pip install 'spear-pin[optimize]'" in text
+        assert "needs casadi" in text and "pip install '.[optimize]' in the folder" in text
 
     @pytest.mark.parametrize("place", ["missing", "file"])
     def test_where_nothing_can_be_written(self, capsys, tmp_path, place):

@@ -114,7 +114,7 @@ class TestMistakes:
         monkeypatch.setattr(taylor, "hy", None)
         monkeypatch.setitem(sys.modules, "xarray", None)
         monkeypatch.chdir(tmp_path)
-        assert "spear-pin[sweep]" in refused(capsys, "sweep", "hop", *OVER)
+        assert "'.[sweep]'" in refused(capsys, "sweep", "hop", *OVER)
         assert "unknown parameter 'stiffnes'" in refused(capsys, "sweep", "hop", "--over", "stiffnes=1,2")
 
     def test_of_a_disk(self, capsys, tmp_path, monkeypatch):

@@ -1,9 +1,10 @@
 """The stiffness of the belt, by hand and by the range that the source's numbers give."""
 
 import pytest
+import sympy as sp
 
 from spear_pin.errors import BadValue
-from spear_pin.model.spring import belt_stiffness, rotational_stiffness
+from spear_pin.model.spring import Spring, belt_stiffness, rotational_stiffness
 from spear_pin.studies.source_tables import BELT, BELT_MODULUS
 
 GOOD = {"modulus": 2.0e6, "area": 3.0e-5, "length": 0.4, "radius": 0.02}
@@ -32,3 +33,14 @@ def test_scales(name, power):
 def test_bad_values(name, value):
     with pytest.raises(BadValue, match=f"^{name} is "):
         belt_stiffness(**GOOD | {name: value})
+
+
+@pytest.mark.parametrize("value", [-1.0, 1.1e6, 1e300, float("nan"), float("inf"), "1"])
+@pytest.mark.parametrize("name", ["stiffness", "damping"])
+def test_a_spring_that_is_none(name, value):
+    with pytest.raises(BadValue, match=f"^Spring.{name} is .*from 0 to 1e[+]06, in N"):
+        Spring(**{name: value})
+
+
+def test_a_spring_may_have_a_symbol():
+    assert Spring(stiffness=sp.Symbol("k")).stiffness == sp.Symbol("k")

@@ -1,0 +1,18 @@
+"""A part of the calls that are wrong; `python -m tests.wrong_calls` makes all."""
+
+from tests.wrong_calls.run import answered_badly, everything
+
+PART = 24  # of as many
+
+
+def test_they_are_many_and_all_different():
+    cases = everything()
+    assert len(cases) >= 400 and len({case.name for _, case in cases}) == len(cases)
+
+
+def test_a_part_of_them():
+    """Of each kind; processes are slower than the rest."""
+    found = everything()
+    chosen = [i for i, (kind, _) in enumerate(found) if i % (PART if kind != "processes" else 2 * PART) == 0]
+    problems = answered_badly(chosen)
+    assert not problems, "\n".join(f"{found[i][1].name}: {problem}" for i, problem in problems.items())

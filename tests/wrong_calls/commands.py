@@ -1,0 +1,237 @@
+"""Command lines that are wrong: each option with each kind of word that it does not take."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from tests.wrong_calls.case import Command
+from tests.wrong_calls.files import record, trajectory
+
+TEXT = ("", "x", "1,5")
+NUMBER = (*TEXT, "nan", "inf", "-inf", "1e999")  # what is no finite number
+NOT_NEGATIVE = (*NUMBER, "-1")
+POSITIVE = (*NOT_NEGATIVE, "0")
+COUNT = (*NUMBER, "1.5", "0", "-1", "1e3")
+SEED = (*NUMBER, "1.5", "-1")
+RTOL = (*POSITIVE, "1", "1e-20")
+FREE = (*NUMBER, "-1", "Free")
+FOLDER = ("", "none", "none/at/all", "a_file", "/proc", "/dev/null")
+NAME = ("", "nope", "../nope", "None", "\u2603", "x" * 300)
+UNKNOWN = ("--nope", "--json=1", "--nope=1", "-x", "one_too_many")
+
+
+def cases() -> Iterator[Command]:
+    """Every wrong command line."""
+    yield from (Command(words) for words in (("fly",), ("--json",), ("",), ("--version=1",), ("hop bound",), ("HOP",)))
+    for base, options in OPTIONS.items():
+        words = tuple(base.split())
+        prepare = prepared(words)
+        yield from (Command((*words, word), prepare) for word in UNKNOWN)
+        for option, wrong in options.items():
+            name, *with_it = option.split()
+            yield Command((*words, *with_it, name), prepare)  # without its value
+            for word in wrong:
+                given = (f"{name}={word}",) if word.startswith("-") else (name, word)
+                yield Command((*words, *with_it, *given), prepare)
+    for line in LINES:
+        words = tuple(line.split())
+        yield Command(words, prepared(words))
+
+
+def prepared(words):
+    """Makes the files that a command line names."""
+
+    def prepare(folder):
+        (folder / "a_file").touch()
+        if "lab.csv" in words:
+            record(folder / "lab.csv")
+        if "hop.npz" in words:
+            trajectory(folder / "hop.npz")
+
+    return prepare
+
+
+# the words of a command, and its options, with what each needs beside it and the words that it does not take
+OPTIONS = {
+    "robots": {},
+    "doctor": {},
+    "dynamics spear_ii": {
+        "--q": ("1", *NUMBER),
+        "--v": ("1", *NUMBER),
+        "--lock": ("", "ankle", "Knee"),
+        "--toes": ("", "hoof", "TOE"),
+    },
+    "hop": {
+        "--flight-time": (*POSITIVE, "1e9"),
+        "--stance-torque": NOT_NEGATIVE,
+        "--knee": (*NUMBER, "4", "-4"),
+        "--frequency": POSITIVE,
+        "--stiffness": (*NOT_NEGATIVE, "1e300"),
+        "--friction": POSITIVE,
+        "--foot-placement --free-x": NUMBER,
+        "--foot-placement": ("0.1",),
+        "--current-limit --hardware": (*TEXT, "nan", "-inf", "-1", "0"),  # an infinite one is none
+        "--bandwidth --hardware": POSITIVE,
+        "--noise --hardware": NOT_NEGATIVE,
+        "--losses --hardware": NOT_NEGATIVE,
+        "--seed --hardware": SEED,
+        "--cycles": (*COUNT, "9" * 20),
+        "--rtol": RTOL,
+        "--out": FOLDER,
+    },
+    "bound": {
+        "--gait": (*NAME, "a_file", "hop.npz", ".", "/"),
+        "--speed": (*POSITIVE, "99", "1e300"),
+        "--cycles": (*COUNT, "9" * 20),
+        "--rtol": RTOL,
+        "--out": FOLDER,
+    },
+    "search": {
+        "--speed": POSITIVE,
+        "--objective": NAME,
+        "--lift-off": NAME,
+        "--friction": POSITIVE,
+        "--clearance": NUMBER,
+        "--minimum-stride": NUMBER,
+        "--minimum-knee-torque": NOT_NEGATIVE,
+        "--hip-torque": NOT_NEGATIVE,
+        "--stiffness": FREE,
+        "--knee-touchdown": (*FREE, "0", "170"),
+        "--knee-motor": NAME,
+        "--ratio --knee-motor=ec_60_flat_100w_48v": POSITIVE,
+        "--bus --knee-motor=ec_60_flat_100w_48v": POSITIVE,
+        "--ratio": ("15",),
+        "--hip-distance": POSITIVE,
+        "--seed": SEED,
+        "--feedback": NAME,
+        "--out": FOLDER,
+    },
+    "sweep hop --over stiffness=40:50:3": {
+        "--flight-time": POSITIVE,
+        "--speed": ("1.5",),
+        "--sobol": COUNT,
+        "--latin": COUNT,
+        "--seed": SEED,
+        "--workers": COUNT,
+        "--chunk": COUNT,
+        "--rtol": RTOL,
+        "--out": ("", "x", "x.nc", "none/x.zarr", "/proc/x.zarr", ".zarr/x"),
+        "--over": ("", "x", "stiffness", "stiffness=", "=1", "stiffness=x", "stiffness=1:2", "stiffness=1:2:x"),
+        "--over --over=friction=0.5,nan": ("stiffness=1:2:3",),
+    },
+    "sweep bound --over stiffness=110:115:2": {
+        "--gait": (*NAME, "a_file"),
+        "--speed": POSITIVE,
+        "--flight-time": ("1",),
+    },
+    "push-test": {
+        "--depth": (*NOT_NEGATIVE, "1"),
+        "--ratio": (*POSITIVE, "1e300"),
+        "--stiffness": (*NOT_NEGATIVE, "3", "1e300"),
+        "--damping": (*NOT_NEGATIVE, "1e300"),
+        "--coulomb": (*NOT_NEGATIVE, "1e300"),
+        "--rest-angle": (*NUMBER, "9"),
+        "--duration": (*POSITIVE, "1e9"),
+        "--ratios": ("", "x", "nan", "0", "-1"),
+        "--write-csv": ("", " ", ".", "..", "/", "no/where", "/tmp/x.csv", "../x", "x/", "x" * 300),
+        "--repeats --write-csv=x": (*COUNT, "99999999"),
+        "--noise --write-csv=x": NOT_NEGATIVE,
+        "--quantum --write-csv=x": NOT_NEGATIVE,
+        "--drift --write-csv=x": NUMBER,
+        "--volts-per-rad --write-csv=x": (*NUMBER, "0"),
+        "--offset --write-csv=x": NUMBER,
+        "--seed --write-csv=x": SEED,
+        "--seed": ("1",),
+        "--noise": ("0.1",),
+        "--out": FOLDER,
+    },
+    "identify lab.csv": {
+        "--volts-per-rad": (*NUMBER, "0"),
+        "--offset": ("0.4", *NUMBER),
+        "--unit --volts-per-rad=1": NAME,
+        "--time-unit --volts-per-rad=1": NAME,
+        "--column --volts-per-rad=1": NAME,
+        "--time-column --volts-per-rad=1": NAME,
+        "--before --volts-per-rad=1.06": NOT_NEGATIVE,
+        "--after --volts-per-rad=1.06": POSITIVE,
+        "--window --volts-per-rad=1.06": COUNT,
+        "--filter --volts-per-rad=1.06": ("causal",),
+        "--filter --volts-per-rad=1.06 --window=3": NAME,
+        "--ratio": POSITIVE,
+        "--vary --volts-per-rad=1.06": ("", "mass"),
+        "--per-release --volts-per-rad=1.06": ("", "mass"),
+        "--stiffness --volts-per-rad=1.06": (*NOT_NEGATIVE, "1e300"),
+        "--damping --volts-per-rad=1.06": NOT_NEGATIVE,
+        "--coulomb --volts-per-rad=1.06": NOT_NEGATIVE,
+        "--rest-angle --volts-per-rad=1.06": NUMBER,
+        "--rotor-inertia --volts-per-rad=1.06": NOT_NEGATIVE,
+        "--loss --volts-per-rad=1.06": NAME,
+        "--out": FOLDER,
+    },
+    "export spear_ii --mjcf": {
+        "--lock": ("", "ankle"),
+        "--toes": ("", "hoof"),
+        "--out": FOLDER,
+        "--size": ("10x10",),
+        "--fps": ("30",),
+        "--robot": ("q_spear",),
+    },
+    "export hop.npz --png": {
+        "--time": NUMBER,
+        "--size": ("", "x", "10", "0x0", "10x", "-1x5", "1e3x1e3", "99999x99999"),
+        "--robot": (*NAME, "q_spear"),
+        "--out": FOLDER,
+    },
+    "export hop.npz --mp4": {"--fps": POSITIVE, "--speed": POSITIVE, "--time": ("1",)},
+    "report": {"--only": ("", "nope", "["), "--figures": NAME, "--out": FOLDER},
+    "explore": {"--port": (*NUMBER, "-1", "65536", "1.5")},
+}
+# and what does not go together
+LINES = (
+    "dynamics",
+    "dynamics nope",
+    "dynamics none.urdf",
+    "dynamics a_file",
+    "dynamics .",
+    "dynamics /",
+    "dynamics spear_ii --q 0 0 0 1e200",
+    "dynamics spear_ii --v 0 0 0 1e200 --json",
+    "dynamics q_spear_full --q" + 18 * " 0",
+    "dynamics q_spear_full --q" + 19 * " 0",
+    "dynamics q_spear_full --v" + 19 * " 0",
+    "hop --flight-time 0.2 --stance-torque 8",
+    "hop --bandwidth 5",
+    "hop --seed 5",
+    "hop --hardware --noise nan --json",
+    "push-test --ratio 15 --no-motor",
+    "push-test --ratios 15 --duration nan",
+    "push-test --ratios 15 --write-csv x",
+    "push-test --write-csv x --duration 2",
+    "identify",
+    "identify none.csv",
+    "identify lab.csv lab.csv --volts-per-rad 1",
+    "identify lab.csv --smoothed-already",
+    "identify a_file",
+    "identify .",
+    "search nope",
+    "search --objective electrical",
+    "search --minimum-knee-torque 1 --clearance 9e99",
+    "sweep",
+    "sweep fly --over stiffness=1,2",
+    "sweep hop",
+    "sweep hop --over nope=1,2",
+    "sweep hop --over stiffness=1:2:9999999999",
+    "sweep hop --over stiffness=1,2 --over stiffness=3,4",
+    "sweep hop --over stiffness=1,2 --sobol 4",
+    "sweep hop --over stiffness=1:2 --sobol 4 --latin 4",
+    "sweep hop --over flight_time=0.1,0.2 --flight-time 0.2",
+    "export",
+    "export nope --mjcf",
+    "export none.npz --csv",
+    "export a_file --csv",
+    "export spear_ii",
+    "export spear_ii --png",
+    "export hop.npz --mjcf",
+    "export hop.npz",
+    "export hop.npz --mat --size 10x10",
+)

@@ -1,0 +1,90 @@
+"""Make every wrong call, or those whose names contain the words that are given, and list what is answered badly."""
+
+from __future__ import annotations
+
+import multiprocessing as mp
+import resource
+from collections import Counter
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from itertools import chain
+from multiprocessing.connection import Connection
+from time import monotonic
+
+from tests.wrong_calls import commands, files, functions, processes
+from tests.wrong_calls.case import LONGEST, Case, judged
+
+WORKERS = 2
+MEMORY = 2 * 2**30  # bytes
+KINDS = {"command lines": commands, "files": files, "Python": functions, "processes": processes}
+PATIENCE = 1.5 * LONGEST  # s until a call that nothing interrupts is ended with its worker
+
+
+def everything() -> list[tuple[str, Case]]:
+    """All cases with what they are about; no two have the same name."""
+    found = [(kind, case) for kind, module in KINDS.items() for case in module.cases()]
+    names = Counter(case.name for _, case in found)
+    assert names.most_common(1)[0][1] == 1, names.most_common(5)
+    return found
+
+
+def main(words: Sequence[str] = ()) -> int:
+    """Make the calls; 1 if one of them is answered badly."""
+    begun = monotonic()
+    cases = everything()
+    chosen = [
+        i for i, (kind, case) in enumerate(cases) if not words or any(word in f"{kind} {case.name}" for word in words)
+    ]
+    shares = [chosen[n::WORKERS] for n in range(WORKERS)]
+    with ThreadPoolExecutor(WORKERS) as pool:
+        bad = dict(chain.from_iterable(found.items() for found in pool.map(answered_badly, shares)))
+    for i, problem in sorted(bad.items()):
+        print(f"{cases[i][0]:<14} {cases[i][1].name[:110]}\n{'':<14} {problem}")
+    counts = Counter(cases[i][0] for i in chosen)
+    told = ", ".join(f"{count} {kind}" for kind, count in counts.items())
+    print(f"{len(chosen)} wrong calls ({told}), {len(bad)} answered badly, {monotonic() - begun:.0f} s")
+    return 1 if bad else 0
+
+
+def answered_badly(share: Sequence[int]) -> dict[int, str]:
+    """What is wrong with these cases, in a process that is started anew where one of them ends or stops it."""
+    bad: dict[int, str] = {}
+    left = list(share)
+    context = mp.get_context("spawn")
+    while left:
+        ours, theirs = context.Pipe()
+        worker = context.Process(target=_work, args=(theirs, left))
+        worker.start()
+        theirs.close()
+        while left:
+            try:
+                if not ours.poll(PATIENCE):
+                    bad[left.pop(0)] = f"nothing after {PATIENCE:.0f} s"
+                    break
+                problem = ours.recv()
+            except EOFError:
+                bad[left.pop(0)] = "it ends the process"
+                break
+            if problem:
+                bad[left[0]] = problem
+            left.pop(0)
+        worker.join(0.0 if left else 5.0)
+        worker.kill()
+        worker.join()
+    return bad
+
+
+def _work(results: Connection, share: Sequence[int]) -> None:
+    cases = everything()
+    resource.setrlimit(resource.RLIMIT_DATA, (2 * MEMORY, 2 * MEMORY))
+    for i in share:
+        case = cases[i][1]
+        used = _peak()
+        problem, _ = judged(case)
+        if not problem and _peak() > max(used, MEMORY):
+            problem = f"it takes {_peak() / 2**30:.1f} GB"
+        results.send(problem)
+
+
+def _peak() -> int:
+    return max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) * 1024
