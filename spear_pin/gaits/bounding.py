@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from spear_pin.errors import BadValue, require_kinds
+from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import (
     NO_ADJUSTMENT,
     STATES,
@@ -32,6 +32,7 @@ from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridS
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.phases import contact_domains, fall, spring_switches, touchdown
 from spear_pin.hybrid.record import Run
+from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
@@ -42,6 +43,7 @@ OVERLOAD = 1e4  # N·m: a hundred times what the gaits that ship take
 BEYOND = 1e-3  # rad: a knee that flexed so far beyond θ̄ has something to come back from
 
 
+@typed
 def bounding(
     robot: Robot, law: BoundingLaw, spring: Spring | None = None, contact: Contact | None = None
 ) -> HybridSystem:
@@ -61,7 +63,6 @@ def bounding(
         BadValue: the robot has not the coordinates, toes and motors of `q_spear`, or the springs are never let go.
     """
     spring, contact = spring or Spring(STIFFNESS, damping=0.0), contact or Contact()
-    require_kinds(law=(law, BoundingLaw), spring=(spring, Spring), contact=(contact, Contact))
     if spring.rest is not None:
         raise BadValue("Spring.rest", spring.rest, "None: bounding switches its springs")
     posterior, anterior = legs = legs_of(robot)

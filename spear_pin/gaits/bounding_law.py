@@ -14,6 +14,7 @@ from typing import Any
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.virtual_constraints import Evolution, Outputs, zeroing
 from spear_pin.hybrid.automaton import Law, Row
+from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
 Shape = tuple[tuple[float, ...], ...]
@@ -44,6 +45,7 @@ SHAPES = {
 NO_ADJUSTMENT = (0.0,) * len(INPUTS)
 
 
+@typed
 @dataclass(frozen=True)
 class BoundingLaw:
     """Parameters of the bounding controller.

@@ -6,21 +6,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import solve_discrete_are
-from scipy.optimize import minimize_scalar
 
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.bounding_law import INPUTS
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import STEP, chart, differentiate, multipliers, return_map
+from spear_pin.hybrid.periodic import STEP, chart, differentiate, eigenvalues, multipliers, return_map
+from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
 SCALES = {name: 0.05 if name.endswith("touchdown") else 50.0 for name in INPUTS}  # rad and N·m: what counts as one
 GAINS, GAIN_STEP = (-150.0, 150.0), 20.0  # N·s: among which the best is sought, and between those simulated
 
 
+@typed
 def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[Array, Array]:
     """A and B of ξ⁺ = A ξ + B w: the return map's derivatives by section coordinates and by parameters.
 
@@ -50,6 +51,7 @@ def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[
     return jacobian[:, :n], jacobian[:, n:] / scales
 
 
+@typed
 def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 0.2, rtol: float = 1e-10) -> Gait:
     """The gait with discrete linear-quadratic feedback of its section state to parameters of the law.
 
@@ -77,7 +79,7 @@ def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 0.2, r
     system = gait.system
     A, B = linearized(gait, inputs, rtol)
     R = weight * np.diag([SCALES[name] ** -2 for name in inputs])
-    P = solve_discrete_are(A, B, np.eye(len(A)), R)
+    P = scipy.linalg.solve_discrete_are(A, B, np.eye(len(A)), R)
     K = np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A)
     local = chart(system, gait.state)
     q, v = gait.state
@@ -88,9 +90,11 @@ def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 0.2, r
     rows = dict(zip(inputs, (-K @ to_chart).tolist(), strict=True))
     zero = [0.0] * to_chart.shape[1]
     feedback = tuple(tuple(rows.get(name, zero)) for name in INPUTS)
-    return _multiplied(gait.with_law(feedback=feedback, nominal=(*q[1:].tolist(), *v.tolist())), rtol)
+    closed = gait.with_law(feedback=feedback, nominal=(*q[1:].tolist(), *v.tolist()))
+    return replace(closed, multipliers=eigenvalues(A - B @ K))
 
 
+@typed
 def speed_regulated(gait: Gait, gain: float | tuple[float, float] | None = None, rtol: float = 1e-9) -> Gait:
     """The gait with β += K (ẋ - ẋ*) at each touchdown, one gain for both stances.
 
@@ -125,7 +129,7 @@ def _best_gain(trial: Callable[[float], Gait], rtol: float) -> float:
     def radius(k: float) -> float:
         return float(np.abs(np.linalg.eigvals(none + k * (slope + k * curvature))).max())
 
-    return float(minimize_scalar(radius, bounds=GAINS, method="bounded", options={"xatol": 1.0}).x)
+    return float(scipy.optimize.minimize_scalar(radius, bounds=GAINS, method="bounded", options={"xatol": 1.0}).x)
 
 
 def _without_feedback(gait: Gait) -> None:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadFile, SpearError, UnknownName
-from spear_pin.files import atomic
+from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
+from spear_pin.files import atomic, check_keys, parse_json, regular
 from spear_pin.gaits import library
 from spear_pin.gaits.bounding import bounding
 from spear_pin.gaits.bounding_law import BoundingLaw
@@ -20,8 +20,9 @@ from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.series_hopping import SeriesHoppingLaw, series_hopping
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
-from spear_pin.hybrid.parameters import PARTS
+from spear_pin.hybrid.parameters import PARTS, parameter, rebuilt
 from spear_pin.hybrid.record import State
+from spear_pin.kinds import typed
 from spear_pin.model.loading import load
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import vary
@@ -67,9 +68,13 @@ class Gait:
     def with_law(self, **values: object) -> Gait:
         """The gait with other values in its law, such as feedback, that leave its orbit alone; multipliers are kept."""
         system = self.system
+        for name in values:
+            if name not in vars(system.law):
+                raise UnknownName("parameter of the law", name, vars(system.law))
         law = replace(system.law, **values)
-        return replace(self, system=system.build(system.robot, law, system.spring, system.contact))
+        return replace(self, system=rebuilt(system, law=law))
 
+    @typed
     def save(self, path: str | Path) -> Path:
         """Write as JSON."""
         robot = self.system.robot
@@ -89,6 +94,7 @@ class Gait:
         return Path(path)
 
     @classmethod
+    @typed
     def load(cls, path: str | Path, like: HybridSystem | None = None) -> Gait:
         """Read a shipped gait by its name, or what `save` wrote by its path, and rebuild the system.
 
@@ -98,35 +104,86 @@ class Gait:
 
         Raises:
             UnknownName: no gait of that name ships, and it is not a path (it has no suffix or separator).
-            BadFile: it cannot be read, or is not a gait.
+            BadFile: it cannot be read, or is not a gait: a field is missing, unknown, or not of its kind, a number
+                is not finite or not valid.
         """
         if str(path) in library.names() or not ({"/", "\\", "."} & set(str(path))):
             path = library.path(str(path))
+        path = regular(path)
         try:
-            data = json.loads(Path(path).read_text(encoding="utf-8"))
-            if data["format"] != FORMAT:
-                raise KeyError("format")
+            data = parse_json(path.read_text(encoding="utf-8"))
+            _check(data)
             kinds = KINDS if like is None else {like.kind: (like.build, type(like.law))}
             if data["kind"] not in kinds:
                 raise UnknownName("kind of gait", data["kind"], kinds)
             build, law = kinds[data["kind"]]
             robot = load(data["robot"]["source"], toes=data["robot"]["toes"], locked=data["robot"]["locked"])
             robot = vary(robot, **data["robot"].get("varied", {}))
-            values = {name: _tuples(value) for name, value in data["law"].items()}
-            system = build(robot, law(**values), Spring(**data["spring"]), Contact(**data["contact"]))
-            state = np.array(data["state"]["q"], dtype=float), np.array(data["state"]["v"], dtype=float)
-            if [part.shape for part in state] != [(robot.nq,), (robot.nv,)]:
-                raise ValueError(f"the state has the shapes {[part.shape for part in state]}")
-            if not all(np.isfinite(part).all() for part in state):
-                raise ValueError("the state is not finite")
-            multipliers = np.array([complex(*pair) for pair in data["multipliers"]])
+            kinds_of_parts = zip((law, Spring, Contact), PARTS, strict=True)
+            system = build(robot, *(_part(kind, data[part]) for kind, part in kinds_of_parts))
+            state = _numbers("state.q", data["state"]["q"], robot.nq), _numbers("state.v", data["state"]["v"], robot.nv)
+            for name in data["parameters"]:
+                parameter(system, name)
+            check_keys("phase", data["durations"], (), system.phases)
+            multipliers = np.array([complex(*_numbers("a multiplier", pair, 2)) for pair in data["multipliers"]])
             return cls(system, state, data["parameters"], float(data["residual"]), multipliers, data["durations"])
         except OSError as error:
             raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
-        except (AttributeError, KeyError, TypeError, ValueError, SpearError) as error:
-            raise BadFile(path, f"is not a saved gait ({type(error).__name__}: {error})") from None
+        except (TypeError, ValueError, SpearError) as error:
+            raise BadFile(path, f"is not a saved gait ({error})") from None
+
+
+def _check(data: Any) -> None:
+    """Refuse what has not all that a gait has, each of its kind; the system is checked as it is built."""
+    if not isinstance(data, dict):
+        raise ValueError("it is no JSON object")
+    objects = ("robot", *PARTS, "state", "parameters", "durations")
+    check_keys("field", data, ("format", "kind", *objects, "residual", "multipliers"))
+    if data["format"] != FORMAT:
+        raise BadValue("format", data["format"], repr(FORMAT))
+    for name in objects:
+        if not isinstance(data[name], dict):
+            raise BadValue(name, data[name], "a JSON object")
+    robot = data["robot"]
+    check_keys("field of robot", robot, ("source", "toes", "locked"), ("varied",))
+    check_keys("field of state", data["state"], ("q", "v"))
+    texts = {"kind": data["kind"], "robot.source": robot["source"]}
+    for name in ("toes", "locked"):
+        if not isinstance(robot[name], list):
+            raise BadValue(f"robot.{name}", robot[name], "a list of names")
+        texts |= {f"robot.{name}[{i}]": item for i, item in enumerate(robot[name])}
+    for name, text in texts.items():
+        if not isinstance(text, str):
+            raise BadValue(name, text, "a name")
+    _numbers("parameters", [*data["parameters"].values()])
+    for name, values in (("residual", [data["residual"]]), ("durations", [*data["durations"].values()])):
+        if (_numbers(name, values) < 0).any():
+            raise BadValue(name, data[name], ">= 0")
+    if not isinstance(data["multipliers"], list) or not data["multipliers"]:
+        raise BadValue("multipliers", data["multipliers"], "a list of pairs of numbers")
+
+
+def _numbers(name: str, values: Any, count: int | None = None) -> NDArray[np.float64]:
+    """Numbers of a JSON list, so many of them."""
+    right = isinstance(values, list) and all(type(value) in (int, float) for value in values)
+    if not right or count not in (None, len(values)):
+        raise BadValue(name, values, "numbers" if count is None else f"{count} numbers")
+    return np.array(values, dtype=float)
+
+
+def _part(kind: type, values: Mapping[str, Any]) -> Any:
+    """A system's part, from its fields; those that a file from before them lacks have their defaults."""
+    truths = {field.name for field in fields(kind) if field.type in ("bool", bool)}
+    for name, value in values.items():
+        if isinstance(value, bool) != (name in truths):
+            raise BadValue(name, value, "true or false" if name in truths else "no truth value")
+    return kind(**{name: _tuples(value) for name, value in values.items()})
 
 
 def _tuples(value: Any) -> Any:
-    """JSON's lists as the tuples that they were."""
-    return tuple(_tuples(item) for item in value) if isinstance(value, list) else value
+    """JSON's lists as the tuples that they were, which hold no truth values."""
+    if not isinstance(value, list):
+        return value
+    if any(isinstance(item, bool) for item in value):
+        raise BadValue("a list", value, "no truth value in it")
+    return tuple(_tuples(item) for item in value)

@@ -9,17 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from spear_pin.errors import BadValue, require, require_kinds
+from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem, Mount, Reset, Switch
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.phases import contact_domains, fall, rate, spring_switches, touchdown
 from spear_pin.hybrid.record import Run
+from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
 FLAT = 1e-9  # 1/m: a normal force that falls less than this with the torque is not changed by it
 
 
+@typed
 @dataclass(frozen=True)
 class HoppingLaw:
     """Parameters of the hopping controller.
@@ -129,6 +131,7 @@ def _normal_force(p: HoppingLaw, dyn: Any) -> tuple[Any, Any]:
     return unloaded, dyn.normal_force("toe", (p.hip_stance_torque, 1.0)) - unloaded
 
 
+@typed
 def hopping(
     robot: Robot, law: HoppingLaw | None = None, spring: Spring | None = None, contact: Contact | None = None
 ) -> HybridSystem:
@@ -148,7 +151,6 @@ def hopping(
             and "knee" last.
     """
     law, spring, contact = law or HoppingLaw(), spring or Spring(), contact or Contact()
-    require_kinds(law=(law, HoppingLaw), spring=(spring, Spring), contact=(contact, Contact))
     if not robot.planar or robot.toes != ("toe",) or robot.coordinates[-2:] != ("hip", "knee"):
         raise BadValue("robot", robot, "a planar robot with the toe 'toe' whose last joints are 'hip' and 'knee'")
     if robot.actuated != ("hip", "knee"):

@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.charts import Section
@@ -24,6 +24,7 @@ from spear_pin.hybrid.batch import Batch, simulate_many
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.record import State
+from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
 Measure = Callable[[HybridSystem, Array, Batch], Array]
@@ -104,6 +105,7 @@ class GaitTable:
         return self.converged & (self.largest < 1.0)
 
 
+@typed
 def find_many(
     system: HybridSystem,
     parameters: Mapping[str, ArrayLike],
@@ -235,7 +237,7 @@ class _Lanes:
             if not len(found) or not len(todo):
                 return
             found = found[np.lexsort(scaled[found].T)]  # so that a tie does not depend on the order of the lanes
-            nearest = found[cKDTree(scaled[found]).query(scaled[todo])[1]]
+            nearest = found[scipy.spatial.cKDTree(scaled[found]).query(scaled[todo])[1]]
             fresh = nearest != used[todo]
             todo, nearest = todo[fresh], nearest[fresh]
             if not len(todo):

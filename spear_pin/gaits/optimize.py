@@ -21,6 +21,7 @@ from spear_pin.gaits.request import Request
 from spear_pin.gaits.search import find_gait
 from spear_pin.gaits.transcription import Transcription, transcribe
 from spear_pin.hybrid.contact import Contact
+from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
@@ -31,6 +32,7 @@ PATIENCE = 300  # iterations of each; one that succeeds takes 40 to 250
 MET = 1e-5  # of a wish's scale: missed by less, it is met
 
 
+@typed
 def search(
     robot: Robot,
     request: Request,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.gaits.bounding_law import STIFFNESS, BoundingLaw
+from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive
 
 OBJECTIVES: dict[str, tuple[str, str]] = {
@@ -26,6 +27,7 @@ FLEXED = 2.4  # rad: of a knee
 STEEPEST = 1.2  # rad: of a leg
 
 
+@typed
 @dataclass(frozen=True)
 class Request:
     """What is asked of a bounding gait. Torques and forces are those of a pair of legs.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +15,14 @@ from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import EVALUATIONS, STEP, chart, displacement, multipliers, newton, return_map
 from spear_pin.hybrid.record import Moment, Options, Run, State
 from spear_pin.hybrid.run import run
+from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
 Measure = Callable[[Run], float]
 
 SETTLE = 12  # cycles of simulation before Newton's method
+SETTLING = Options(rtol=1e-7, max_evaluations=EVALUATIONS)  # of each of these
+STRAINED = 5  # cycles with more evaluations than any gait's, after which a search is given up
 TOLERANCE = 1e-10  # of Newton's method, or the integrator's where that is finer
 ROUGH_RTOL, ROUGH_TOLERANCE = 1e-8, 1e-6  # of the integrator and of Newton's method until a solution is near
 RESIDUAL = 1e-9
@@ -28,6 +31,7 @@ SHORTEST_CYCLE = 1e-3  # s: a toe that leaves and returns within it makes no gai
 SHORTEST_STEP = 1.0 / 16.0  # of the way to the targets: the first one, and the last where steps have to shrink
 
 
+@typed
 def find_gait(
     system: HybridSystem,
     vary: Sequence[str] = (),
@@ -71,14 +75,18 @@ def find_gait(
     begun = [with_parameters(system, dict(zip(vary, (k * start).tolist(), strict=True))) for k in factors]
     settled: list[State] = []
     failures: list[NoGait] = []
-    for approach, starts in ((search.directly, begun), (search.by_continuation, begun[:2])):
-        for i, trial in enumerate(starts if vary or approach == search.directly else ()):
-            if len(settled) == i:
-                settled.append(guess if guess is not None else _settle(trial))
-            try:
-                return search.gait(*approach(trial, settled[i]))
-            except NoGait as failure:
-                failures.append(failure)
+    try:
+        for approach, starts in ((search.directly, begun), (search.by_continuation, begun[:2])):
+            for i, trial in enumerate(starts if vary or approach == search.directly else ()):
+                if len(settled) == i:
+                    settled.append(guess if guess is not None else _settle(trial))
+                try:
+                    return search.gait(*approach(trial, settled[i]))
+                except NoGait as failure:
+                    failures.append(failure)
+    except _Hopeless:
+        residual = min((failure.residual for failure in failures), default=np.inf)
+        raise NoGait(f"cycles take more than {EVALUATIONS} evaluations each, which no gait's does", residual) from None
     raise min(failures, key=lambda failure: failure.residual)
 
 
@@ -91,6 +99,7 @@ class _Search:
     wanted: Array
     rtol: float
     on_iteration: Callable[[int, float], object]
+    strained: list[Run] = field(default_factory=list)  # cycles that ran into the cap on evaluations
 
     def directly(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
         """The system and state that meet the targets, by Newton's method."""
@@ -98,7 +107,7 @@ class _Search:
 
     def by_continuation(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
         """The same from the fixed point of the system as it is, the targets moved step by step."""
-        unasked = _Search((), (), self.wanted[:0], self.rtol, self.on_iteration)
+        unasked = _Search((), (), self.wanted[:0], self.rtol, self.on_iteration, self.strained)
         system, state = unasked.roughly(system, state, self.wanted[:0])
         begin = self.measure(return_map(system, state, self.rtol))
         done, step, growth = 0.0, SHORTEST_STEP, 2.0
@@ -134,6 +143,7 @@ class _Search:
             try:
                 trial, at = unknowns(z)
                 result = return_map(trial, at, rtol)
+                self._look_after(result)
                 if not result.cycles or sum(result.durations.values()) < SHORTEST_CYCLE:
                     return None
                 moved = local.coordinates(result.state) - local.coordinates(at)
@@ -145,6 +155,13 @@ class _Search:
         z = np.concatenate([np.zeros(d), start / scale])
         z, _ = newton(function, z, np.full(len(z), STEP), tolerance, on_iteration=self.on_iteration)
         return unknowns(z)
+
+    def _look_after(self, result: Run) -> None:
+        """Give the search up when too many cycles took more evaluations than any gait's."""
+        if result.reason == "evaluation_cap":
+            self.strained.append(result)
+            if len(self.strained) == STRAINED:
+                raise _Hopeless
 
     def measure(self, result: Run) -> Array:
         """The measures of a one-cycle run."""
@@ -183,11 +200,25 @@ def _check_memory(system: HybridSystem, cycle: Run, allowed: float, rtol: float)
 
 
 def _settle(system: HybridSystem) -> State:
-    """The system's guess, followed for a few cycles towards a stable gait; where that breaks off, the guess."""
+    """The system's guess, followed for a few cycles towards a stable gait; where that breaks off, the guess.
+
+    Raises:
+        _Hopeless: one cycle takes more evaluations than any gait's.
+    """
     guess = system.guess()
-    result = run(system, guess, SETTLE, Options(rtol=1e-7))
-    if result.cycles < SETTLE:
+    result = run(system, guess, 1, SETTLING)
+    for _ in range(SETTLE - 1):
+        if not result.cycles:
+            break
+        result = run(system, Moment(*result.state, system.section_phase, result.held), 1, SETTLING)
+    if result.reason == "evaluation_cap":
+        raise _Hopeless
+    if not result.cycles:
         return guess
     rows = [system.robot.index(name) for name in system.cyclic]
     result.state[0][rows] = guess[0][rows]  # back to where it began
     return result.state
+
+
+class _Hopeless(Exception):
+    """Cycles take more evaluations than any gait's."""

@@ -14,11 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from spear_pin.errors import BadValue, require, require_kinds
+from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem, Mount, Reset, Switch
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.phases import contact_domains, fall, rate, touchdown
 from spear_pin.hybrid.record import Run
+from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
@@ -26,6 +27,7 @@ COORDINATES = ("boom_z", "hip", "knee", "knee_spring")
 SERIES = Spring(unilateral=False)
 
 
+@typed
 @dataclass(frozen=True)
 class SeriesHoppingLaw:
     """Parameters of the hopping controller of a leg with a series spring; gains of the hip are `HoppingLaw`'s.
@@ -83,6 +85,7 @@ def _holding(q: Any, v: Any, p: SeriesHoppingLaw, dyn: Any) -> Any:
     return dyn.spring_torque("knee_spring") + p.knee_gain * (p.knee_touchdown - q[2]) - p.knee_damping * v[2]
 
 
+@typed
 def series_hopping(
     robot: Robot, law: SeriesHoppingLaw | None = None, spring: Spring | None = None, contact: Contact | None = None
 ) -> HybridSystem:
@@ -98,7 +101,6 @@ def series_hopping(
         BadValue: the robot has other coordinates, or the spring pulls only or has a rest of its own.
     """
     law, spring, contact = law or SeriesHoppingLaw(), spring or SERIES, contact or Contact()
-    require_kinds(law=(law, SeriesHoppingLaw), spring=(spring, Spring), contact=(contact, Contact))
     if robot.coordinates != COORDINATES or robot.actuated != ("hip", "knee") or robot.toes != ("toe",):
         raise BadValue("robot", robot, "load('spear_ii_series', locked=['boom_x']) or a variant of it")
     if spring.unilateral or spring.rest is not None:

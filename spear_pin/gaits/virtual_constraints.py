@@ -95,9 +95,14 @@ def desired(outputs: Outputs, evolution: Evolution, q: Sequence[Any]) -> list[tu
 
 def errors(outputs: Outputs, evolution: Evolution, q: Sequence[Any], v: Sequence[Any]) -> tuple[list[Any], list[Any]]:
     """The outputs y of (5.9) and their rates."""
-    rate = dot(outputs.phase, v) / evolution.span
+    return _missed(outputs, desired(outputs, evolution, q), dot(outputs.phase, v) / evolution.span, q, v)
+
+
+def _missed(
+    outputs: Outputs, wanted: Sequence[tuple[Any, Any, Any]], rate: Any, q: Sequence[Any], v: Sequence[Any]
+) -> tuple[list[Any], list[Any]]:
     y, dy = [], []
-    for row, (value, slope, _) in zip(outputs.rows, desired(outputs, evolution, q), strict=True):
+    for row, (value, slope, _) in zip(outputs.rows, wanted, strict=True):
         y.append(dot(row, q) - value)
         dy.append(dot(row, v) - slope * rate)
     return y, dy
@@ -123,11 +128,12 @@ def zeroing(
         others: the other motors, as (column, torque).
         dyn: the dynamics at (q, v), which has `imposing`.
     """
-    y, dy = errors(outputs, evolution, q, v)
+    evolutions = desired(outputs, evolution, q)
     rate = dot(outputs.phase, v) / evolution.span
+    y, dy = _missed(outputs, evolutions, rate, q, v)
     rows: list[Row] = []
     wanted = []
-    for i, (_, slope, curvature) in enumerate(desired(outputs, evolution, q)):
+    for i, (_, slope, curvature) in enumerate(evolutions):
         tilt = slope / evolution.span  # H - h' ds/dq is the output's gradient
         rows.append((*outputs.rows[i], *((index, -tilt * weight) for index, weight in outputs.phase)))
         wanted.append(curvature * (rate * rate) - (y[i] / epsilon + 2.0 * dy[i]) / epsilon)

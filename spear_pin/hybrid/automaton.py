@@ -40,6 +40,7 @@ Row = Sequence[tuple[int, Any]]
 """A row vector over the coordinates, as (index, weight) of its entries; those of the same index add up."""
 
 OPEN, STICK, SLIP_FORWARD, SLIP_BACKWARD = "open", "stick", "slip+", "slip-"
+SHORTEST_FLIGHT = 0.05  # s: in free fall a rise of 3 mm, a two-hundredth of a leg of 0.6 m
 
 
 @dataclass(frozen=True)
@@ -153,6 +154,7 @@ class Domain:
         guards: the events that can happen, the first winning a tie.
         switch: the scheduled event, if there is one.
         between: for motion on the switching surface between two domains, those two.
+        crossing: for motion on two switching surfaces at once, those two.
     """
 
     name: str
@@ -164,6 +166,33 @@ class Domain:
     guards: tuple[Guard, ...] = ()
     switch: Switch | None = None
     between: Alternation | None = None
+    crossing: Crossing | None = None
+
+    @property
+    def alternating(self) -> tuple[str, ...]:
+        """The toes that stay on the ground while their domains alternate."""
+        if self.crossing is not None:
+            return self.crossing.toes
+        return () if self.between is None else (self.between.toe,)
+
+    @cached_property
+    def on_ground(self) -> list[int]:
+        """Indices of the toes on the ground, with or without force on them."""
+        also = (self._touching or self).contacts
+        modes = enumerate(zip(self.contacts, also, strict=True))
+        return [i for i, pair in modes if pair != (OPEN, OPEN)]
+
+    @property
+    def spent_in(self) -> str:
+        """The phase to which its time counts: while two phases alternate the toe is on the ground, it does not fly."""
+        return (self._touching or self).phase
+
+    @property
+    def _touching(self) -> Domain | None:
+        """Of domains that alternate the one with all toes on the ground."""
+        if self.crossing is not None:
+            return self.crossing.surfaces[0][1].grounded
+        return None if self.between is None else self.between.grounded
 
 
 @dataclass(frozen=True)
@@ -186,6 +215,24 @@ class Alternation:
     toe: str
     follow: tuple[Reset, ...] = ()
 
+    @property
+    def touching(self) -> tuple[Reset, ...]:
+        """All that happens at a touch."""
+        return self.touch, *self.follow
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Two toes that alternate infinitely fast, each by itself.
+
+    Attributes:
+        toes: the two.
+        surfaces: of each, its alternation while the other is in the air, and while the other is on the ground.
+    """
+
+    toes: tuple[str, str]
+    surfaces: tuple[tuple[Alternation, Alternation], tuple[Alternation, Alternation]]
+
 
 @dataclass(frozen=True)
 class HybridSystem:
@@ -198,12 +245,14 @@ class HybridSystem:
         spring: parameters of the springs.
         contact: parameters of the ground.
         domains: those of one phase together, sticking before slipping.
-        section: name of the event that closes a cycle.
+        section: name of the event that closes a cycle, see `shortest_flight`.
         cyclic: coordinates on which nothing depends: translation along the ground.
         build: makes the same system from other (robot, law, spring, contact).
         guess: a state (q, v) on the section to search from.
         measures: quantities of one cycle that a gait can be asked for.
         phase_limit: longest a phase may last, in s.
+        shortest_flight: in s; a toe that comes down sooner after it left the ground re-touches and closes no cycle, see
+            `spear_pin.hybrid.cycles`.
         hardware: between law and joints, see `spear_pin.hybrid.hardware`; None: ideal motors.
     """
 
@@ -219,6 +268,7 @@ class HybridSystem:
     guess: Callable[[], tuple[Any, Any]] = field(repr=False)
     measures: Mapping[str, Callable[[Any], float]] = field(default_factory=dict, repr=False)
     phase_limit: float = 5.0
+    shortest_flight: float = SHORTEST_FLIGHT
     hardware: Hardware | None = None
 
     @cached_property

@@ -16,6 +16,7 @@ from spear_pin.hybrid.lanes.journey import Lanes
 from spear_pin.hybrid.lanes.numbers import OTHERS
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.record import Options
+from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
 FINER = 1000.0  # times the reference engine's tolerance is what the Taylor engine integrates with
@@ -50,6 +51,7 @@ class Batch:
     repeated: NDArray[np.bool_]
 
 
+@typed
 def simulate_many(
     system: HybridSystem,
     q: ArrayLike,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
@@ -11,12 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import require
+from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
 RESTING = 1e-9  # m/s: a toe that approaches more slowly does not strike, whatever friction might make of it
 AGREES, ROUNDING = 1e-9, 1e-12  # of the toes' speed, and in m/s: by so much a joint impact may violate its law
 
 
+@typed
 @dataclass(frozen=True)
 class Contact:
     """The ground.
@@ -198,6 +201,29 @@ def joint_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact:
         tuple(mode in _SIDES for mode in modes),
         tuple(mode == _OPEN for mode in modes),
     )
+
+
+def landed(D: Array, J: Array, v: Array, lands: Sequence[bool]) -> tuple[Array, Array]:
+    """What precedes the impact of toes that rise, but are back on the ground within an instant: they rise no more.
+
+    So end the bounces, ever shorter, of toes that lift each other off.
+
+    Args:
+        D: mass matrix, (nv, nv).
+        J: Jacobians of the toes on the ground, rows x and z of each, (2 m, nv).
+        v: velocity before, (nv,).
+        lands: which of them touch down.
+
+    Returns:
+        the velocity, (nv,), and the vertical impulses that took the toes' speed, (m,).
+    """
+    normal = J[1::2]
+    rising = np.where(lands, normal @ v, 0.0)
+    if not (rising > RESTING).any():
+        return v, np.zeros(len(normal))
+    response = np.linalg.solve(D, normal.T)
+    impulse = np.linalg.solve(normal @ response, -np.maximum(rising, 0.0))
+    return v + response @ impulse, impulse
 
 
 _STICK, _OPEN = 0, 2

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import brentq, minimize_scalar
 
 from spear_pin.hybrid.engines.pinocchio import Flow
 
@@ -69,8 +69,8 @@ class Watch:
             interpolate: makes the step's interpolant; called only if there is something to locate.
         """
         (t0, t1), (y0, y1), (f0, f1) = ends, states, slopes
+        after = self._at(t1, y1)  # first: the integrator has just been there
         at_middle = self._at(0.5 * (t0 + t1), 0.5 * (y0 + y1) + (t1 - t0) / 8.0 * (f0 - f1))
-        after = self._at(t1, y1)
         crossings: list[tuple[float, int]] = []
         solution: Interpolant | None = None
         for i, (before, middle, end) in enumerate(zip(self._values, at_middle, after, strict=True)):
@@ -99,7 +99,7 @@ class Watch:
         return sorted(crossings)
 
     def _at(self, t: float, y: Array) -> list[float]:
-        self._flow(t, y)
+        self._flow.visit(t, y)
         return [self._flow.value(guard, t, y) for guard in self._guards]
 
     def _falls(self, i: int, change: float) -> bool:
@@ -152,7 +152,7 @@ class Watch:
         for (left, _), (right, g) in pairwise(nodes[rising:]):
             if g <= 0.0:
                 return _root(value, left, right)
-        dip = minimize_scalar(value, bounds=(begin, end), method="bounded")
+        dip = scipy.optimize.minimize_scalar(value, bounds=(begin, end), method="bounded")
         return _root(value, begin, float(dip.x)) if dip.fun <= 0.0 else None
 
 
@@ -163,7 +163,7 @@ def _root(value: Callable[[float], float], left: float, right: float) -> float:
     if value(right) > 0.0:
         return right
     # as close as doubles allow, and where the guard is too flat for that, as close as it gets
-    root, _ = brentq(value, left, right, xtol=1e-15, rtol=8.9e-16, full_output=True, disp=False)
+    root, _ = scipy.optimize.brentq(value, left, right, xtol=1e-15, rtol=8.9e-16, full_output=True, disp=False)
     return float(root)
 
 

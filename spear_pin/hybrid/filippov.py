@@ -13,14 +13,25 @@ in turns that grow from nothing; the motion is carried on beyond its end until t
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import OPEN, Alternation, Domain, Guard, Held, HybridSystem, Reset
+from spear_pin.hybrid import shares
+from spear_pin.hybrid.automaton import (
+    OPEN,
+    Alternation,
+    Crossing,
+    Domain,
+    Guard,
+    GuardValue,
+    Held,
+    HybridSystem,
+    Reset,
+)
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.hardware import blended
@@ -31,7 +42,6 @@ Array = NDArray[np.float64]
 CHATTER = "chatter"
 MOST_AT_ONCE = 8  # events within a phase before it is left
 ON_EDGE = 1e-6  # of a share: where a force fades to zero, the motion begins with one law's share all but whole
-ENDS = (0, 1)  # which guards of `chatter` are its ends
 BEYOND = (0.0, 1e-4, 1e-3, 1e-2)  # of a share: tried in turn
 
 
@@ -39,85 +49,119 @@ class Unloaded(Flow):
     """A stance's law while its toe bears nothing: the controller reckons with the toe at rest all the same."""
 
     def __init__(self, system: HybridSystem, grounded: Domain, airborne: Domain, held: Held) -> None:
-        super().__init__(system, replace(grounded, contacts=airborne.contacts), held)
+        super().__init__(system, replace(grounded, contacts=airborne.contacts, rubs=airborne.rubs), held)
         self._at_rest = [toe for toe, mode in zip(system.robot.toes, grounded.contacts, strict=True) if mode != OPEN]
 
 
 class Sliding(Flow):
-    """ẏ = α f_stance + (1 - α) f_flight, α being such that the toe does not accelerate vertically.
+    """ẏ = Σ w f over the laws that alternate, their shares w being such that no toe of theirs accelerates vertically.
 
     Each law acts as if its phase had just begun: what it holds is latched anew at every instant.
 
     Attributes:
-        share: α of the last call.
+        shares: of time that each toe's switch is closed, in the last call.
     """
 
     def __init__(self, system: HybridSystem, domain: Domain, held: Held) -> None:
         super().__init__(system, domain, held)
-        assert domain.between is not None
-        self._between = domain.between
-        self._stance = Unloaded(system, domain.between.grounded, domain, held)
+        *others, (_, self._latches) = _turns(domain)
+        self._turns = [(Unloaded(system, other, domain, held), resets) for other, resets in others]
         self._kept = held
-        self.share = math.nan
+        self.shares: tuple[float, ...] = ()
 
     def _derivative(self, t: float, y: Array) -> Array:
-        self.share = math.nan
-        nv, between, stance = self._nv, self._between, self._stance
-        self.hold(latched(self.system, self._kept, y, between.leave))
-        stance.hold(latched(self.system, self._kept, y, between.touch, *between.follow))
-        flight_slope, stance_slope = super()._derivative(0.0, y), stance(0.0, y)
-        fall, rise = self.toe_acceleration(between.toe)[1], stance.toe_acceleration(between.toe)[1]
-        self.share = share = fall / (fall - rise)
-        self.u = [share * s + (1.0 - share) * f for s, f in zip(stance.u, self.u, strict=True)]
-        self._applied = share * np.array(stance._applied) + (1.0 - share) * np.array(self._applied)
-        if self.driven is not None and stance.driven is not None:
-            self.driven = blended(share, stance.driven, self.driven)
+        nv = self._nv
+        before, self.shares = self.shares, (math.nan,) * len(self.domain.alternating)
+        self.hold(latched(self.system, self._kept, y, *self._latches))
+        for flow, resets in self._turns:
+            flow.hold(latched(self.system, self._kept, y, *resets))
+        slopes = [*(flow(0.0, y) for flow, _ in self._turns), super()._derivative(0.0, y)]
+        flows = [*(flow for flow, _ in self._turns), self]
+        accelerations = [[flow.toe_acceleration(toe)[1] for toe in self.domain.alternating] for flow in flows]
+        if len(self.domain.alternating) == 1:
+            share = shares.of_one(*(vertical for (vertical,) in accelerations))
+            self.shares, weights = (share,), [share, 1.0 - share]
+        else:
+            self.shares = shares.of_two(np.array(accelerations), before if np.isfinite(before).all() else ())
+            weights = shares.weights(*self.shares).tolist()
+
+        def mixed(values: Iterable[Any]) -> Any:
+            return sum(weight * value for weight, value in zip(weights, values, strict=True))
+
+        self.u = [mixed(torques) for torques in zip(*(flow.u for flow in flows), strict=True)]
+        self._applied = mixed(flow._applied for flow in flows)
+        driven = [flow.driven for flow in flows if flow.driven is not None]
+        if driven:
+            self.driven = blended(weights, driven)
         for toe, _ in self._closed:
-            pairs = zip(stance.force(toe), self.force(toe), strict=True)
-            tangential, normal = (share * s + (1.0 - share) * f for s, f in pairs)
+            tangential, normal = map(mixed, zip(*(flow.force(toe) for flow in flows), strict=True))
             self._forces[toe] = tangential, normal
         if self._has_friction:
-            self._holding = share * stance._holding + (1.0 - share) * self._holding
-            self.friction = share * stance.friction + (1.0 - share) * self.friction
-        derivative: Array = share * stance_slope + (1.0 - share) * flight_slope
+            self._holding = mixed(flow._holding for flow in flows)
+            self.friction = mixed(flow.friction for flow in flows)
+        derivative: Array = mixed(slopes)
         self.a = derivative[nv : 2 * nv]
         return derivative
 
 
+def _turns(domain: Domain) -> list[tuple[Domain, tuple[Reset, ...]]]:
+    """The domains that alternate, the one that `domain` is made of last, and the resets by which each is entered."""
+    if domain.between is not None:
+        return [(domain.between.grounded, domain.between.touching), (domain.between.airborne, (domain.between.leave,))]
+    assert domain.crossing is not None
+    surfaces, turns = domain.crossing.surfaces, []
+    for toe, bears, other in shares.TURNS:
+        before, after = surfaces[1 - toe][not bears], surfaces[toe][other]
+        resets = *(before.touching if other else (before.leave,)), *(after.touching if bears else (after.leave,))
+        turns.append((after.grounded if bears else after.airborne, resets))
+    return turns
+
+
 def flow_of(system: HybridSystem, domain: Domain, held: Held) -> Flow:
     """The flow of a domain."""
-    return Flow(system, domain, held) if domain.between is None else Sliding(system, domain, held)
+    return Sliding(system, domain, held) if domain.alternating else Flow(system, domain, held)
 
 
-def chatter(between: Alternation, beyond: float = 0.0) -> Domain:
-    """The domain of motion between two others; it ends when one of them alone can go on.
+def chatter(between: Alternation | Crossing, beyond: float = 0.0) -> Domain:
+    """The domain of motion between others; it ends when a toe's switch can stay as it is.
 
-    It belongs to the airborne phase, whose other events may happen in it: the toe bears nothing and
-    its spring is not engaged.
+    It belongs to the phase in which the toes are in the air, whose other events may happen in it: they bear nothing
+    and their springs are not engaged.
 
     Args:
-        between: the two domains.
-        beyond: how far beyond 0 and 1 the share may go.
+        between: the domains.
+        beyond: how far beyond 0 and 1 a share may go.
     """
-    airborne = between.airborne
+    surfaces = ((between, between),) if isinstance(between, Alternation) else between.surfaces
+    airborne, toes, guards = surfaces[0][0].airborne, set[str](), list[Guard]()
+    for i, (alone, beside) in enumerate(surfaces):
+        lands, leaves = _name(beside.airborne, beside.touch), _name(alone.grounded, alone.leave)
+        others = surfaces[1 - i][0].touching if len(surfaces) == 2 else ()  # it alternates on: it has just touched
+        guards += [
+            Guard(lands, _to_spare(i, 1.0, beyond), _after(others, beside.touch), tolerance=ON_EDGE),
+            Guard(leaves, _to_spare(i, 0.0, beyond), alone.leave, tolerance=ON_EDGE),
+        ]
+        toes.add(alone.toe)
+    lasting = [guard for guard in airborne.guards if guard.reset is None or not toes & {*guard.reset.impact}]
+    made = replace(airborne, name=CHATTER, guards=(*guards, *lasting))
+    return replace(made, between=between) if isinstance(between, Alternation) else replace(made, crossing=between)
 
-    def grounded_alone(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
-        return 1.0 - dyn.share + beyond
 
-    def airborne_alone(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
-        return dyn.share + beyond
+def _after(others: Sequence[Reset], reset: Reset) -> Reset:
+    """A reset that latches what others do first."""
+    latches = [each.latch for each in (*others, reset) if each.latch is not None]
 
-    kept = tuple(guard for guard in airborne.guards if guard.reset is not between.touch)
-    return replace(
-        airborne,
-        name=CHATTER,
-        guards=(
-            Guard(_name(airborne, between.touch), grounded_alone, between.touch, tolerance=ON_EDGE),
-            Guard(_name(between.grounded, between.leave), airborne_alone, between.leave, tolerance=ON_EDGE),
-            *kept,
-        ),
-        between=between,
-    )
+    def latch(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
+        for each in latches:
+            held = {**held, **each(q, v, held, p)}
+        return held
+
+    return replace(reset, latch=latch) if others else reset
+
+
+def _to_spare(i: int, end: float, beyond: float) -> GuardValue:
+    """What a toe's share is away from 0 or 1."""
+    return lambda t, q, v, held, p, dyn, ops: end + (1.0 - 2.0 * end) * dyn.shares[i] + beyond
 
 
 def sliding(system: HybridSystem, flow: Flow, guard: Guard, came: tuple[Domain, Reset], y: Array) -> Sliding | None:
@@ -136,33 +180,50 @@ def sliding(system: HybridSystem, flow: Flow, guard: Guard, came: tuple[Domain, 
     q, v = y[:nq], y[nq : nq + nv]
     if between is None or abs(system.robot.toe_jacobian(q, between.toe)[1] @ v) > AT_REST:
         return None
-    follow, left, held = _entered(system, flow.held, y, between.touch)
-    if left is not between.leave or _entered(system, held, y, left)[1] is not between.touch:
+    follow, left, held = entered(system, flow.held, y, between.touch)
+    if left is not between.leave or entered(system, held, y, left)[1] is not between.touch:
         return None
-    return _alternating(system, replace(between, follow=follow), flow.held, y)
+    return alternating(system, replace(between, follow=follow), flow.held, y)
 
 
 def going_on(system: HybridSystem, flow: Flow, held: Held, y: Array) -> Sliding | None:
-    """Motion on the same switching surface after a joint with dry friction has come to rest, or has been let go."""
-    between = flow.domain.between
-    return None if between is None or not flow.domain.rubs else _alternating(system, between, held, y)
+    """Motion on the same switching surfaces after an event within the phase: another toe slips, a joint is held."""
+    between = flow.domain.crossing or flow.domain.between
+    return None if between is None else alternating(system, between, held, y)
 
 
-def _alternating(system: HybridSystem, between: Alternation, held: Held, y: Array) -> Sliding | None:
-    modes = [
-        replace(between, airborne=airborne, grounded=replace(between.grounded, rubs=airborne.rubs))
-        for airborne in system.of_phase(between.airborne.phase)
-    ]
-    for beyond in BEYOND:
-        result = fitting(system, (Sliding(system, chatter(mode, beyond), held) for mode in modes), 0.0, y)
-        ends = Watch(result, 0.0, y).at_once in ENDS
+def alternating(
+    system: HybridSystem, between: Alternation | Crossing, held: Held, y: Array, far: Sequence[float] = BEYOND
+) -> Sliding | None:
+    """Motion between these domains, if the shares of their laws allow it or, tried in turn, are not `far` beyond."""
+    for beyond in far:
+        flows = (Sliding(system, chatter(mode, beyond), held) for mode in _modes(system, between))
+        result = fitting(system, flows, 0.0, y)
+        ends = Watch(result, 0.0, y).at_once
         result(0.0, y)
-        if not ends and -beyond - ON_EDGE < result.share < 1.0 + beyond + ON_EDGE:
+        if (ends is None or ends >= 2 * len(result.shares)) and all(within(share, beyond) for share in result.shares):
             return result
     return None
 
 
-def _entered(system: HybridSystem, held: Held, y: Array, reset: Reset) -> tuple[tuple[Reset, ...], Reset | None, Held]:
+def within(share: Any, beyond: float) -> Any:
+    """Whether motion with a share can begin; where the share may go beyond its ends, it has to be well inside."""
+    margin = ON_EDGE if beyond == 0.0 else -0.1 * beyond
+    return (share > -beyond - margin) & (share < 1.0 + beyond + margin)
+
+
+def _modes(system: HybridSystem, between: Alternation | Crossing) -> Iterator[Alternation | Crossing]:
+    """The same with every mode of contact and dry friction of what else there is."""
+    if isinstance(between, Alternation):
+        for airborne in system.of_phase(between.airborne.phase):
+            yield replace(between, airborne=airborne)
+        return
+    (alone, beside), others = between.surfaces
+    for airborne in system.of_phase(alone.airborne.phase):
+        yield replace(between, surfaces=((replace(alone, airborne=airborne), beside), others))
+
+
+def entered(system: HybridSystem, held: Held, y: Array, reset: Reset) -> tuple[tuple[Reset, ...], Reset | None, Held]:
     """What happens at once after a reset: events within the phase, the reset that leaves it, what is held then."""
     assert reset.phase is not None
     held = latched(system, held, y, reset)

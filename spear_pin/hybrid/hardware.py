@@ -11,13 +11,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.kinds import typed
 from spear_pin.model.actuator import Actuator
 
 Array = NDArray[np.float64]
@@ -26,10 +27,12 @@ TONES = 24  # of which noise is made
 EDGE = 2e-4  # s, over which a command drops out and comes back
 HORIZON = 120.0  # s, within which commands may drop out
 STEP, FINE_STEP = 0.01, 2e-3  # s: longest steps of the integration, without and with noise or current loops
+FINER = 0.1  # of the tolerance asked for: where gears turn from driving to braking, error estimates are too small
 CLOCK = "clock"
 ELECTRICAL = ("battery", "joule", "gearbox")  # flows of energy of an actuator
 
 
+@typed
 @dataclass(frozen=True)
 class Sensing:
     """Noise on what the law reads, and commands that get lost; seeded, the same for the same seed.
@@ -145,8 +148,7 @@ class Hardware:
         return sum(a.stored(own) for a, own in zip(self.actuators, self.states(x)[1], strict=True))
 
 
-@dataclass(frozen=True)
-class Driven:
+class Driven(NamedTuple):
     """What the actuators make of commanded torques at an instant.
 
     Attributes:
@@ -173,7 +175,7 @@ def drive(hardware: Hardware, x: Sequence[float], commands: Sequence[float], rat
         command = arriving * wanted
         current, slopes = actuator.current(command, rate, own), actuator.slopes(command, rate, own)
         power = actuator.power(current, rate, slopes.get("current", 0.0))
-        driven.torques.append(actuator.torque(current, rate))
+        driven.torques.append(power.torque)
         driven.currents.append(current)
         driven.references.append(actuator.reference(wanted))
         driven.slopes.extend(slopes[name] for name in actuator.states)
@@ -181,15 +183,16 @@ def drive(hardware: Hardware, x: Sequence[float], commands: Sequence[float], rat
     return driven
 
 
-def blended(share: float, one: Driven, other: Driven) -> Driven:
-    """What two sets of commands make, each in action for its share of the time."""
+def blended(shares: Sequence[float], each: Sequence[Driven]) -> Driven:
+    """What several sets of commands make, each in action for its share of the time."""
     parts = [
-        [share * a + (1.0 - share) * b for a, b in zip(getattr(one, name), getattr(other, name), strict=True)]
-        for name in ("torques", "currents", "references", "slopes", "powers")
+        [sum(share * x for share, x in zip(shares, values, strict=True)) for values in zip(*columns, strict=True)]
+        for columns in zip(*each, strict=True)
     ]
     return Driven(*parts)
 
 
+@typed
 def with_hardware(system: HybridSystem, hardware: Hardware | None) -> HybridSystem:
     """The same system with hardware, or without; rebuilt systems keep it.
 

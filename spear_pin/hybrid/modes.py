@@ -18,6 +18,7 @@ from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
 F = TypeVar("F", bound=Flow)
+BORE = 1e-3  # N: well above what is left of a force that fades to nothing
 STARTS_TO_SLIDE = 1e-3  # m/s²: on the cone's edge a sliding toe begins with no acceleration
 
 
@@ -66,6 +67,29 @@ def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
     pulled = [flow for flow, failing in moving if any(_pulled(flow, toe) for toe in failing)]
     ill_posed = [flow for flow, _ in moving if flow.ill_posed]
     return (only + pulled[:1] + ill_posed + [flow for flow, _ in moving] + turning)[0]
+
+
+def torn_off(before: Flow, after: Flow, t: float, y: Array) -> list[str]:
+    """Toes that stuck and bore, and have to leave because the slip that would begin is a Painlevé paradox.
+
+    On the cone's edge, the force that lets the toe stick is the one of slip to that side as well. Where that has no
+    positive pivot, the force only grows with the toe's acceleration into the ground: beyond the edge such slip would
+    turn back at once. Slip to the other side would pull at the toe. Lifting off is all that is consistent: without
+    force the toe accelerates upward.
+
+    Args:
+        before: motion in which they stick.
+        after: motion that was chosen.
+        t: time since the phase began.
+        y: the state.
+    """
+    before(t, y), after(t, y)
+    modes = zip(before.system.robot.toes, before.domain.contacts, after.domain.contacts, strict=True)
+    return [
+        toe
+        for toe, one, other in modes
+        if one == STICK and other in SIGN and before.force(toe)[1] > BORE and after.force(toe)[1] <= 0.0
+    ]
 
 
 def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:

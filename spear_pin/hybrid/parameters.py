@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
+from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import HybridSystem
@@ -24,7 +25,13 @@ def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> Hybrid
     for name, value in values.items():
         owner = _owner(system, name)
         parts[owner] = replace(parts[owner], **{name: value})
-    return system.build(system.robot, **parts)
+    return rebuilt(system, **parts)
+
+
+def rebuilt(system: HybridSystem, **parts: Any) -> HybridSystem:
+    """The same system with another law, spring or contact, and the limits that were set in it."""
+    built = system.build(system.robot, **{part: getattr(system, part) for part in PARTS} | parts)
+    return replace(built, phase_limit=system.phase_limit, shortest_flight=system.shortest_flight)
 
 
 def parameter(system: HybridSystem, name: str) -> float:

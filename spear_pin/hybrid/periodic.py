@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import null_space
 
 from spear_pin.errors import NoGait
 from spear_pin.hybrid.automaton import OPEN, HybridSystem
@@ -71,8 +71,8 @@ def chart(system: HybridSystem, state: State) -> Chart:
     q, v = state
     fixed = np.eye(system.robot.nq)[[system.robot.index(name) for name in system.cyclic]]
     _, height_rows = _section_rows(system, q)
-    q_basis = null_space(np.vstack([height_rows, fixed]))
-    return Chart(system, (q.copy(), v.copy()), q_basis, null_space(_velocity_rows(system, q, state)))
+    q_basis = scipy.linalg.null_space(np.vstack([height_rows, fixed]))
+    return Chart(system, (q.copy(), v.copy()), q_basis, scipy.linalg.null_space(_velocity_rows(system, q, state)))
 
 
 def _closed_toes(system: HybridSystem) -> list[str]:
@@ -198,6 +198,10 @@ def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10, step: f
     jacobian = differentiate(mapped, np.zeros(local.dimension), np.full(local.dimension, step))
     if jacobian is None:
         raise NoGait("a perturbed cycle does not close", residual(system, state, rtol))
-    values = np.linalg.eigvals(jacobian).astype(np.complex128)
-    # by modulus; of a pair, the one above the real axis first, however rounding falls
+    return eigenvalues(jacobian)
+
+
+def eigenvalues(matrix: Array) -> NDArray[np.complex128]:
+    """Eigenvalues by decreasing modulus; of a pair, the one above the real axis first, however rounding falls."""
+    values = np.linalg.eigvals(matrix).astype(np.complex128)
     return np.array(sorted(values.tolist(), key=lambda value: (-round(abs(value), 9), -value.imag)))

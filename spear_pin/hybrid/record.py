@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import Domain, Held
 from spear_pin.hybrid.trajectory import Event
+from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
 State = tuple[Array, Array]
@@ -40,15 +41,17 @@ REASONS = {
     "complete": "all cycles were run",
     "below_ground": "a toe was below the ground at the beginning",
     "fall": "a part other than a toe reached the ground",
-    "zeno": "events accumulate: the control laws of two phases undo each other without time passing",
+    "zeno": "events accumulate: the control laws of phases that alternate undo each other without time passing",
+    "no_cycle": "a thousand events passed and no cycle closed",
     "painleve": "the slip equation has no unique solution (Painlevé's paradox)",
-    "overload": "the control law asked for more torque than any motor has: it is near a singularity",
+    "overload": "the control law asked for more torque than any motor has: near a singularity or far from its gait",
     "no_event": "a phase went on beyond its time limit",
     "stuck": "dry friction holds a joint, and nothing frees it within the time limit of the phase",
     "step_size": "the integrator's step size fell to nothing",
     "evaluation_cap": "the run used up its right-hand side evaluations",
     "not_finite": "the state is no longer finite",
 }
+FINEST = 1e-13  # relative tolerance that doubles allow
 BOOKED = ("impact", "released")  # flows of energy that happen at events; the others are integrated
 NUMERICAL = ("step_size", "evaluation_cap", "not_finite")
 
@@ -82,7 +85,7 @@ class Run:
         state: (q, v) reached.
         held: what is held there.
         domain: the last domain.
-        segments: the motion, if it was kept.
+        segments: the motion, if it was kept and nobody took it.
         events: what happened.
         work: energy by flow of each whole cycle.
         change: change of stored energy of each whole cycle.
@@ -126,6 +129,7 @@ class Run:
         raise UnknownName("event of this run", name, sorted({event.name for event in self.events}))
 
 
+@typed
 @dataclass(frozen=True)
 class Options:
     """How a run is computed.
@@ -134,7 +138,7 @@ class Options:
         rtol: relative tolerance of the integrator.
         atol: absolute tolerance; None means 0.01 rtol.
         max_evaluations: cap on right-hand sides.
-        keep: whether to keep the motion for sampling.
+        keep: whether to keep the motion, as dense output, for sampling.
     """
 
     rtol: float = 1e-9
@@ -144,7 +148,7 @@ class Options:
 
     def __post_init__(self) -> None:
         """Check the fields."""
-        if not 1e-13 <= self.rtol <= 1e-2:
+        if not FINEST <= self.rtol <= 1e-2:
             raise BadValue("rtol", self.rtol, "a number from 1e-13 to 1e-2")
         if not self.max_evaluations >= 1:
             raise BadValue("max_evaluations", self.max_evaluations, "at least 1")

@@ -11,18 +11,21 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.integrate import DOP853
 
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem, Reset
-from spear_pin.hybrid.contact import Impact, JointImpact, joint_impact, plastic_impact
+from spear_pin.hybrid.contact import Impact, JointImpact, joint_impact, landed, plastic_impact
+from spear_pin.hybrid.cycles import RETOUCH, counts_to, retouches
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import going_on, sliding
-from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase
+from spear_pin.hybrid.hardware import FINER
+from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn_off
 from spear_pin.hybrid.phases import rise
-from spear_pin.hybrid.record import BOOKED, Moment, Options, Piece, Run, Segment, State
+from spear_pin.hybrid.record import BOOKED, FINEST, Moment, Options, Piece, Run, Segment, State
+from spear_pin.hybrid.resting import resting
 from spear_pin.hybrid.trajectory import Event
 
 Array = NDArray[np.float64]
@@ -31,6 +34,8 @@ INSTANT = 1e-7  # s: events closer together than this count as one instant
 AT_ONCE = 1e-9  # s: a phase shorter than this was left as soon as it was entered
 INSTANT_EVENTS = 20  # so many in one instant are a Zeno point
 CYCLE_EVENTS = 1000
+CREEP = 50  # steps of two toes' motion within an instant: where their shares cease to exist they have infinite rates
+NOTHING = 1e-12  # J: a spring that was latched in this instant
 MAX_STEP = 0.05  # s
 
 
@@ -40,29 +45,42 @@ def run(
     cycles: int,
     options: Options,
     on_cycle: Callable[[int], object] = lambda n: None,
+    on_segment: Callable[[Segment], object] | None = None,
 ) -> Run:
     """Run whole cycles from a state (q, v), on the section or in the air, or from a moment of another run.
 
     Numerical and physical failure end the run with a reason; nothing is raised for them.
 
+    Args:
+        system: robot, law and ground.
+        state: (q, v), or a moment of another run.
+        cycles: number of whole cycles.
+        options: how it is computed.
+        on_cycle: told the number of cycles after each of them.
+        on_segment: takes each segment when it is over; without it a motion that is kept is in the result.
+
     Raises:
         BadValue: the state has the wrong shape, is not finite, or has a toe below the ground.
     """
     runner = _Runner(system, state, cycles, options, on_cycle)
+    kept = runner.run.segments.append if options.keep else lambda segment: None
     with np.errstate(all="ignore"):
-        runner.go()
+        runner.go(on_segment or kept)
     return runner.run
 
 
 def struck_toes(system: HybridSystem, domain: Domain, reset: Reset) -> list[str]:
-    """The toes that take part in an impact: those that strike, and those on the ground before and after it."""
+    """The toes that take part in an impact: those that strike, and those on the ground before and after it.
+
+    One that alternates is on the ground.
+    """
     if not reset.impact:
         return []
     entered = system.of_phase(reset.phase or domain.phase)[0]
     stay = {
         toe
         for toe, before, after in zip(system.robot.toes, domain.contacts, entered.contacts, strict=True)
-        if before != OPEN and after != OPEN
+        if (before != OPEN and after != OPEN) or toe in domain.alternating
     }
     return [toe for toe in system.robot.toes if toe in stay or toe in reset.impact]
 
@@ -94,17 +112,24 @@ class _Runner:
         self.booked: dict[str, float] = defaultdict(float)
         self.spent: dict[str, float] = defaultdict(float)
         self.came: tuple[Domain, Reset] | None = None  # from where the present phase was entered
+        self.grounded = np.full(len(self.robot.toes), -np.inf)  # when each toe was last on the ground
         self.instant_events, self.cycle_events, self.last_event = 0, 0, -math.inf
+        self.instant: list[Reset] = []  # into other phases, of the present instant
+        self.tried: list[Domain] = []  # motion of toes at rest that began in it
         self.on_section = phase == system.section_phase and begun == 0.0
         self.flow = choose(system, phase, held, self.t, self.y)
         self.run = Run((q, v), (q, v), held, self.flow.domain)
         self.energy, self.inductive = self._energy(), self._inductive()
-        self.atol = options.atol or 0.01 * options.rtol
+        finer = 1.0 if system.hardware is None else FINER
+        self.rtol = max(finer * options.rtol, FINEST)
+        self.atol = finer * (options.atol or 0.01 * options.rtol)
 
-    def go(self) -> None:
+    def go(self, on_segment: Callable[[Segment], object]) -> None:
         """Run to the end."""
         while not self.run.reason:
-            self._segment()
+            segment = Segment(self.flow.domain, self.flow.held, self.run.cycles + self.on_section, self.began)
+            self._segment(segment)
+            on_segment(segment)
         nq = self.robot.nq
         self.run.state = self.y[:nq].copy(), self.y[nq : nq + self.robot.nv].copy()
         self.run.held, self.run.domain = self.flow.held, self.flow.domain
@@ -112,10 +137,7 @@ class _Runner:
 
     # one domain, from entering it to the event that ends it
 
-    def _segment(self) -> None:
-        segment = Segment(self.flow.domain, self.flow.held, self.run.cycles + self.on_section, self.began)
-        if self.options.keep:
-            self.run.segments.append(segment)
+    def _segment(self, segment: Segment) -> None:
         watch = Watch(self.flow, self.t, self.y)
         if watch.at_once is not None:
             y = self.y
@@ -125,7 +147,7 @@ class _Runner:
             if chatter is None:
                 self._happen(guard)
             else:
-                self._enter(chatter.domain.phase)
+                self._enter(chatter.domain.phase, self.flow.domain.spent_in)
                 self._move_to(chatter)
             return
         limit = self.system.phase_limit
@@ -136,20 +158,28 @@ class _Runner:
             self._overdue()
             return
         if watch.undefined or not np.isfinite(self.flow(self.t, self.y)).all():
-            self._end("not_finite", self._where())
+            self._break_off("not_finite")
             return
         hardware = self.system.hardware
         longest = MAX_STEP if hardware is None else min(MAX_STEP, hardware.max_step)
-        solver = DOP853(self.flow, self.t, self.y, bound, max_step=longest, rtol=self.options.rtol, atol=self.atol)
-        slope = solver.f
+        solver = scipy.integrate.DOP853(
+            self.flow, self.t, self.y, bound, max_step=longest, rtol=self.rtol, atol=self.atol
+        )
+        slope, taken, passed = solver.f, 0, self.t
         while solver.status == "running":
             t0, y0 = solver.t, solver.y
             solver.step()
             if solver.status == "failed":
                 finite = np.isfinite(solver.y).all() and np.isfinite(self.flow(t0, y0)).all()
-                self._end("step_size" if finite else "not_finite", self._where())
+                self._break_off("step_size" if finite else "not_finite")
                 return
-            self.t, self.y = solver.t, solver.y
+            self.t, self.y, taken = solver.t, solver.y, taken + 1
+            if self.flow.domain.crossing is not None and taken % CREEP == 0:
+                if self.t - passed < INSTANT:
+                    segment.pieces.append(Piece(t0, self.t, solver.dense_output()))
+                    self._break_off("step_size")
+                    return
+                passed = self.t
             if self.run.evaluations + self.flow.evaluations > self.options.max_evaluations:
                 self._end("evaluation_cap", f"{self.options.max_evaluations} in {self.flow.domain.name}")
                 return
@@ -170,7 +200,7 @@ class _Runner:
             if solution is not None:
                 segment.pieces.append(Piece(t0, self.t, solution))
             if watch.undefined:
-                self._end("not_finite", self._where())
+                self._break_off("not_finite")
                 return
         if switch is not None and self.t >= due:
             self.switches += 1
@@ -182,7 +212,7 @@ class _Runner:
         """One step of the method that ends on the event: more accurate than the interpolant of a longer one."""
         if time == t0:
             return y0
-        shorter = DOP853(self.flow, t0, y0, time, first_step=time - t0, rtol=1.0, atol=np.inf)
+        shorter = scipy.integrate.DOP853(self.flow, t0, y0, time, first_step=time - t0, rtol=1.0, atol=np.inf)
         shorter.step()
         return np.asarray(shorter.y)
 
@@ -195,6 +225,9 @@ class _Runner:
             return
         assert guard.reset is not None
         reset, domain, nq, nv = guard.reset, self.flow.domain, self.robot.nq, self.robot.nv
+        now = self._now()
+        self.grounded[domain.on_ground] = now
+        again = bool(retouches(self.system, reset, now - self.grounded))
         q, v = self.y[:nq], self.y[nq : nq + nv]
         before = v.copy()
         work: dict[str, float] = {}
@@ -206,53 +239,97 @@ class _Runner:
         if struck:
             mass_matrix = self.robot.mass_matrix(q)
             jacobian = np.concatenate([self.robot.toe_jacobian(q, toe) for toe in struck])
+            toes = [self.robot.toes.index(toe) for toe in struck]
+            v, impulse[toes, 1] = landed(mass_matrix, jacobian, v, [toe in reset.impact for toe in struck])
             strike = plastic_impact if len(struck) == 1 else joint_impact
             impact: Impact | JointImpact = strike(mass_matrix, jacobian, v, self.system.contact.friction)
+            work["impact"] = 0.5 * float(impulse[toes, 1] @ (jacobian @ (before + v))[1::2]) - impact.loss
+            impulse[toes] += impact.impulse
             v = impact.v
-            impulse[[self.robot.toes.index(toe) for toe in struck]] = impact.impulse
-            work["impact"] = work.get("impact", 0.0) - impact.loss
             if isinstance(impact, JointImpact):
                 rises = np.where(impact.leaves, (jacobian @ v)[1::2], 0.0).tolist()
                 held = {**held, **dict(zip(map(rise, struck), rises, strict=True))}
         self.y = np.concatenate([q, v, self.y[nq + nv :]])
-        now = self._now()
         if reset.latch is not None:
             try:
                 held = {**held, **reset.latch(q.tolist(), v.tolist(), held, self.system.law)}
             except ArithmeticError:
                 self._end("not_finite", f"what {guard.name} latches at t = {now:.6g} s")
                 return
-        event = Event(guard.name, now, domain.name, q.copy(), before, v.copy(), impulse, work)
+        event = Event(RETOUCH if again else guard.name, now, domain.name, q.copy(), before, v.copy(), impulse, work)
         self.run.events.append(event)
         for name, energy in work.items():
             self.booked[name] += energy
-        if self._accumulate(now):
+        reason = self._too_many(now)
+        if reason:
             among = dict.fromkeys(event.domain for event in self.run.events[-INSTANT_EVENTS:])
-            self._end("zeno", f"{guard.name} in {domain.name} at t = {now:.6g} s, among {', '.join(among)}")
+            self._end(reason, f"{guard.name} in {domain.name} at t = {now:.6g} s, among {', '.join(among)}")
             return
         phase = reset.phase or domain.phase
         if reset.phase is not None:
-            self._enter(phase)
+            self._enter(phase, counts_to(domain, reset, again))
             self.came = domain, reset
+            self.instant.append(reset)
         stays = None if reset.phase is not None else going_on(self.system, self.flow, held, self.y)
-        self._move_to(stays or choose(self.system, phase, held, self.t, self.y))
-        if guard.name == self.system.section:
+        flow = stays or choose(self.system, phase, held, self.t, self.y)
+        if reset == Reset():
+            for toe in torn_off(self.flow, flow, self.t, self.y):
+                self._record(f"painleve:{toe}", self.t, self.y)
+        self._move_to(flow)
+        if guard.name == self.system.section and not again:
             self._close_cycle()
 
-    def _enter(self, phase: str) -> None:
-        """Begin a phase: its clock and its switches start anew."""
-        self.spent[self.flow.domain.phase] += self.t
+    def _enter(self, phase: str, spent_in: str) -> None:
+        """Begin a phase: its clock and its switches start anew; the time since the last began counts to `spent_in`."""
+        self.spent[spent_in] += self.t
         self.began, self.t, self.switches = self._now(), 0.0, 0
 
     def _move_to(self, flow: Flow) -> None:
         self.run.evaluations += self.flow.evaluations
+        self.grounded[self.flow.domain.on_ground] = self._now()
         self.flow = flow
 
     def _chatter(self, guard: Guard) -> Flow | None:
-        """Motion on the switching surface, where this phase is left as soon as entered for one that would be too."""
-        if self.came is None or self.t > AT_ONCE or guard.reset is None or guard.reset.phase != self.came[0].phase:
+        """Motion on a switching surface, where this phase is left as soon as entered for one that would be too.
+
+        Where phases follow each other round and round in an instant, on all surfaces that there are.
+        """
+        if self.came is None or self.t > AT_ONCE or guard.reset is None or guard.reset.phase is None:
             return None
-        return sliding(self.system, self.flow, guard, self.came, self.y)
+        found: Flow | None = None
+        if guard.reset.phase == self.came[0].phase:
+            found = sliding(self.system, self.flow, guard, self.came, self.y)
+        again = any(reset is guard.reset for reset in self.instant) or self.came[0].crossing is not None
+        return self._resting() if found is None and again else found
+
+    def _resting(self) -> Flow | None:
+        """Motion in which toes at rest alternate that has not ended in this instant already."""
+        found = resting(self.system, self.flow, self.y, self.tried)
+        if found is None or self._loses(found.domain):
+            return None
+        self.tried.append(found.domain)
+        return found
+
+    def _break_off(self, reason: str) -> None:
+        """End the run, unless what cannot go on is motion of two toes, whose shares may cease to exist."""
+        if self.flow.domain.crossing is None:
+            self._end(reason, self._where())
+            return
+        ended = self.flow.domain
+        self.tried = [ended]
+        found = self._resting()
+        if found is None:
+            self._happen(ended.guards[0])  # both toes bear, if they can
+            self.tried.append(ended)
+        else:
+            self._enter(found.domain.phase, self.flow.domain.spent_in)
+            self._move_to(found)
+
+    def _loses(self, domain: Domain) -> bool:
+        """Whether springs that are not engaged in a domain still store something."""
+        engaged = {mount.joint for mount in domain.mounts}
+        let_go = tuple(mount.joint for mount in self.flow.domain.mounts if mount.joint not in engaged)
+        return self._spring_energy(Reset(release=let_go)) > NOTHING
 
     def _close_cycle(self) -> None:
         if self.on_section and sum(self.spent.values()) < INSTANT:
@@ -296,12 +373,17 @@ class _Runner:
         none = np.zeros((len(self.robot.toes), 2))
         self.run.events.append(Event(name, self.began + time, self.flow.domain.name, y[:nq].copy(), v, v, none))
 
-    def _accumulate(self, now: float) -> bool:
-        """Whether this event is one too many in an instant or in a cycle."""
-        self.instant_events = self.instant_events + 1 if now - self.last_event < INSTANT else 0
+    def _too_many(self, now: float) -> str:
+        """Why the run ends, if this event is one too many in an instant or in a cycle."""
+        if now - self.last_event < INSTANT:
+            self.instant_events += 1
+        else:
+            self.instant_events, self.instant, self.tried = 0, [], []
         self.cycle_events += 1
         self.last_event = now
-        return self.instant_events >= INSTANT_EVENTS or self.cycle_events >= CYCLE_EVENTS
+        if self.instant_events >= INSTANT_EVENTS:
+            return "zeno"
+        return "no_cycle" if self.cycle_events >= CYCLE_EVENTS else ""
 
     def _energy(self) -> float:
         """Stored energy: kinetic, gravity, engaged springs."""

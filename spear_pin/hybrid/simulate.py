@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.errors import require
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines.pinocchio import electrical_flows, flow_names
-from spear_pin.hybrid.filippov import flow_of
-from spear_pin.hybrid.record import BOOKED, Moment, Options, Run, Segment, State
+from spear_pin.hybrid.record import BOOKED, Moment, Options, Run, State
 from spear_pin.hybrid.run import run
+from spear_pin.hybrid.sampling import Sampler
 from spear_pin.hybrid.trajectory import Ledger, Trajectory
+from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
 SAMPLES = 100  # a phase, at least
 
 
+@typed
 def simulate(
     system: HybridSystem,
     state: State | Moment,
@@ -26,6 +27,7 @@ def simulate(
     *,
     atol: float | None = None,
     max_evaluations: int = 2_000_000,
+    samples: int = SAMPLES,
     progress: bool = True,
 ) -> Trajectory:
     """Simulate whole cycles from a state on the section, or in the air before the first touchdown.
@@ -39,63 +41,42 @@ def simulate(
         rtol: relative tolerance of the integrator.
         atol: absolute tolerance; None means 0.01 rtol.
         max_evaluations: cap on right-hand side evaluations.
+        samples: of each phase, at least; they share its time evenly. They are what a long run's memory goes to.
         progress: show a progress bar on long runs, if stderr is a terminal.
 
     Raises:
-        BadValue: a tolerance, the number of cycles, or the state is not valid.
+        BadValue: a tolerance, the number of cycles or samples, or the state is not valid.
     """
-    options = Options(rtol, atol, max_evaluations, keep=True)
-    if not progress:
-        return sample(system, run(system, state, cycles, options))
+    require("samples", samples, lambda n: n >= 1 and n % 1 == 0, "a whole number, at least 1")
     from tqdm import tqdm
 
-    with tqdm(total=cycles, unit="cycle", delay=1.0, disable=None, leave=False) as bar:
-        return sample(system, run(system, state, cycles, options, lambda n: bar.update(1)))
+    sampler = Sampler(system, int(samples))
+    options = Options(rtol, atol, max_evaluations, keep=True)
+    with tqdm(total=cycles, unit="cycle", delay=1.0, disable=None if progress else True, leave=False) as bar:
+        result = run(system, state, cycles, options, lambda n: bar.update(1), sampler.add)
+    return _trajectory(system, result, sampler)
 
 
 def sample(system: HybridSystem, result: Run) -> Trajectory:
-    """Sample a kept run: at least 100 samples a phase, both sides of every event."""
-    robot = system.robot
-    nq, nv = robot.nq, robot.nv
-    springs = list(dict.fromkeys(mount.joint for domain in system.domains for mount in domain.mounts))
-    rows: dict[str, list[object]] = {name: [] for name in (*_NUMERIC, "domain", "phase", "cycle")}
-    remembered = len(system.hardware.names) if system.hardware is not None else 0
-    for segment, times, states in _samples(result, remembered + len(flow_names(system))):
-        flow = flow_of(system, segment.domain, segment.held)
-        mounts = {mount.joint: mount for mount in segment.domain.mounts}
-        engaged = [joint in mounts for joint in springs]
-        for t, y in zip(times, states, strict=True):
-            flow(t, y)
-            rows["a"].append(np.array(flow.a))
-            rows["u"].append(tuple(flow.u))
-            rows["tau"].append(flow.tau)
-            rows["friction"].append(flow.friction)
-            rows["force"].append([flow.force(toe) for toe in robot.toes])
-            rows["spring"].append([flow.spring_torque(joint) for joint in springs])
-            rows["current"].append(flow.driven.currents if flow.driven else ())
-            rows["reference"].append(flow.driven.references if flow.driven else ())
-        n = len(times)
-        rows["t"].extend(segment.began + times)
-        rows["q"].extend(states[:, :nq])
-        rows["v"].extend(states[:, nq : nq + nv])
-        rows["engaged"].extend([engaged] * n)
-        rows["domain"].extend([segment.domain.name] * n)
-        rows["phase"].extend([segment.domain.phase] * n)
-        rows["cycle"].extend([segment.cycle] * n)
-    n = len(rows["t"])
-    shapes = {"force": (n, len(robot.toes), 2), "spring": (n, len(springs)), "engaged": (n, len(springs))}
-    arrays = {name: np.array(rows[name], dtype=float).reshape(shapes.get(name, (n, -1))) for name in _NUMERIC}
+    """Sample a run that was kept, as `simulate` does."""
+    sampler = Sampler(system, SAMPLES)
+    for segment in result.segments:
+        sampler.add(segment)
+    return _trajectory(system, result, sampler)
+
+
+def _trajectory(system: HybridSystem, result: Run, sampler: Sampler) -> Trajectory:
     ledger, electrical = _ledgers(system, result)
+    robot = system.robot
+    remembered = len(system.hardware.names) if system.hardware is not None else 0
+    reached = np.concatenate([*result.state, np.zeros(remembered + len(flow_names(system)))])
     return Trajectory(
         robot=robot.source,
         coordinates=robot.coordinates,
         actuated=robot.actuated,
         toes=robot.toes,
-        spring_joints=tuple(springs),
-        domain=np.array(rows["domain"]),
-        phase=np.array(rows["phase"]),
-        cycle=np.array(rows["cycle"], dtype=np.int64),
-        **arrays | {"t": arrays["t"].ravel(), "engaged": arrays["engaged"].astype(bool)},
+        spring_joints=sampler.springs,
+        **sampler.arrays(reached),
         events=tuple(result.events),
         ledger=ledger,
         cycles=result.cycles,
@@ -104,9 +85,6 @@ def sample(system: HybridSystem, result: Run) -> Trajectory:
         evaluations=result.evaluations,
         electrical=electrical,
     )
-
-
-_NUMERIC = ("t", "q", "v", "a", "u", "tau", "friction", "force", "spring", "engaged", "current", "reference")
 
 
 def _ledgers(system: HybridSystem, result: Run) -> tuple[Ledger, Ledger | None]:
@@ -125,29 +103,3 @@ def _ledgers(system: HybridSystem, result: Run) -> tuple[Ledger, Ledger | None]:
 
 def _columns(ledger: Ledger, flows: tuple[str, ...]) -> Array:
     return ledger.work[:, [ledger.flows.index(flow) for flow in flows]]
-
-
-def _samples(result: Run, beyond: int) -> Iterator[tuple[Segment, Array, Array]]:
-    """Sample times and states of every segment, with so many numbers beyond q and v.
-
-    The segments of a phase share its samples by length.
-    """
-    if all(segment.began + piece.end == 0.0 for segment in result.segments for piece in segment.pieces):
-        yield result.segments[-1], np.zeros(1), np.concatenate([*result.state, np.zeros(beyond)])[None]
-        return
-    lengths: dict[float, float] = {}
-    for segment in result.segments:
-        if segment.pieces:
-            lengths[segment.began] = segment.pieces[-1].end
-    for segment in result.segments:
-        if not segment.pieces:
-            continue
-        begin, end, whole = segment.pieces[0].begin, segment.pieces[-1].end, lengths[segment.began]
-        if end == begin:
-            continue  # left as soon as entered
-        # of a whole phase exactly so many, however its end is rounded
-        count = 2 + int(np.ceil(SAMPLES * (end - begin) / whole - 1e-6))
-        times = np.linspace(begin, end, count)
-        pieces = np.searchsorted([piece.end for piece in segment.pieces[:-1]], times)
-        states = [np.atleast_2d(segment.pieces[i].state(times[pieces == i]).T) for i in np.unique(pieces)]
-        yield segment, times, np.vstack(states)

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import json
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from tokenize import TokenError
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.errors import BadValue, UnknownName
 from spear_pin.files import atomic
+from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
-FORMAT = "spear_pin trajectory 1"
 
 
 @dataclass(frozen=True)
@@ -143,6 +139,10 @@ class Trajectory:
     evaluations: int
     electrical: Ledger | None = None
 
+    def __len__(self) -> int:
+        """Number of samples."""
+        return len(self.t)
+
     @property
     def complete(self) -> bool:
         """Whether all the cycles asked for were run."""
@@ -152,65 +152,27 @@ class Trajectory:
         """The events of one name, in order of time."""
         return tuple(e for e in self.events if e.name == event)
 
+    @typed
     def save(self, path: str | Path) -> Path:
         """Write an npz file: arrays, and one JSON string for the rest; nothing is pickled."""
-        arrays: dict[str, Any] = {name: getattr(self, name) for name in _arrays()}
-        arrays |= {f"event_{name}": np.array([getattr(e, name) for e in self.events]) for name in _EVENT_ARRAYS}
-        arrays |= {"ledger_work": self.ledger.work, "ledger_change": self.ledger.change}
-        if self.electrical is not None:
-            arrays |= {"electrical_work": self.electrical.work, "electrical_change": self.electrical.change}
-        meta = {name: getattr(self, name) for name in _TEXT} | {
-            "format": FORMAT,
-            "units": "SI, radians",
-            "flows": self.ledger.flows,
-            "drives": () if self.electrical is None else self.electrical.flows,
-            "events": [{"name": e.name, "domain": e.domain, "work": dict(e.work)} for e in self.events],
-        }
-        with atomic(path) as temporary, temporary.open("wb") as file:
-            np.savez_compressed(file, meta=np.array(json.dumps(meta)), **arrays)
-        return Path(path)
+        from spear_pin.hybrid.trajectory_file import write
+
+        return write(self, path)
 
     @classmethod
+    @typed
     def load(cls, path: str | Path) -> Trajectory:
         """Read what `save` wrote.
 
         Raises:
-            BadFile: it cannot be read, or is not a trajectory.
+            BadFile: it cannot be read, or is not a trajectory: an array is missing, unknown, of another kind or
+                shape than its axes' names say, not finite, or out of order.
         """
-        try:
-            with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as data:
-                meta = json.loads(str(data["meta"]))
-                if meta.pop("format") != FORMAT:
-                    raise KeyError("format")
-                rows = zip(meta.pop("events"), *(data[f"event_{name}"] for name in _EVENT_ARRAYS), strict=True)
-                events = tuple(
-                    Event(**info | dict(zip(_EVENT_ARRAYS, (float(time), *rest), strict=True)))
-                    for info, time, *rest in rows
-                )
-                ledger = Ledger(tuple(meta.pop("flows")), data["ledger_work"], data["ledger_change"])
-                drives, electrical = tuple(meta.pop("drives", ())), None
-                if drives:
-                    electrical = Ledger(drives, data["electrical_work"], data["electrical_change"])
-                meta.pop("units")
-                plain: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in meta.items()}
-                older = {name: np.empty((len(data["t"]), 0)) for name in _CURRENTS if name not in data}
-                arrays: dict[str, Any] = {name: data[name] for name in _arrays() if name not in older} | older
-                return cls(**plain, **arrays, events=events, ledger=ledger, electrical=electrical)
-        except OSError as error:
-            raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
-        except (
-            BadZipFile,
-            TokenError,
-            zlib.error,
-            KeyError,
-            ValueError,
-            TypeError,
-            AttributeError,
-            EOFError,
-            NotImplementedError,
-        ) as error:
-            raise BadFile(path, f"is not a saved trajectory ({type(error).__name__}: {error})") from None
+        from spear_pin.hybrid.trajectory_file import read
 
+        return read(path)
+
+    @typed
     def export(self, path: str | Path) -> Path:
         """Write the samples as CSV or MATLAB file, by the path's suffix.
 
@@ -227,7 +189,7 @@ class Trajectory:
         elif suffix == ".mat":
             from scipy.io import savemat
 
-            arrays = {name: getattr(self, name) for name in _arrays()}
+            arrays = {name: getattr(self, name) for name in SAMPLED}
             arrays["domain"], arrays["phase"] = self.domain.astype(object), self.phase.astype(object)
             ledger = {flow: self.ledger[flow] for flow in self.ledger.flows}
             events = {"name": [e.name for e in self.events], "time": [e.time for e in self.events]}
@@ -261,10 +223,6 @@ class Trajectory:
         return names, np.hstack(parts)
 
 
-_CURRENTS = ("current", "reference")  # files from before there was hardware have none
-_EVENT_ARRAYS = ("time", "q", "v_before", "v", "impulse")
-_TEXT = ("robot", "coordinates", "actuated", "toes", "spring_joints", "cycles", "reason", "message", "evaluations")
-
-
-def _arrays() -> list[str]:
-    return [f.name for f in fields(Trajectory) if f.name not in (*_TEXT, "events", "ledger", "electrical")]
+_REST = ("robot", "coordinates", "actuated", "toes", "spring_joints", "cycles", "reason", "message", "evaluations")
+SAMPLED = tuple(f.name for f in fields(Trajectory) if f.name not in (*_REST, "events", "ledger", "electrical"))
+"""The arrays over samples."""

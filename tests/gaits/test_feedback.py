@@ -11,7 +11,7 @@ from spear_pin.gaits import feedback
 from spear_pin.gaits.bounding_law import INPUTS
 from spear_pin.gaits.feedback import SCALES, linearized, regulated, speed_regulated
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import chart, displacement, return_map
+from spear_pin.hybrid.periodic import chart, displacement, multipliers, return_map
 
 RADIUS = {"least_effort": 0.9, "force_lift_off": 0.9}  # beside long_stride
 
@@ -134,3 +134,10 @@ def test_a_hop_has_no_such_feedback(hop: Gait) -> None:
     for build in (regulated, speed_regulated):
         with pytest.raises(BadValue, match="bounding"):
             build(hop)
+
+
+@pytest.mark.slow
+def test_the_multipliers_are_those_of_the_simulated_cycles(stabilised: Gait) -> None:
+    """They come from the derivatives of the gait without feedback, by the chain rule."""
+    simulated = multipliers(stabilised.system, stabilised.state, 1e-10)
+    assert np.abs(stabilised.multipliers) == pytest.approx(np.abs(simulated), abs=2e-4)

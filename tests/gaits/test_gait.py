@@ -93,6 +93,37 @@ DAMAGE = {
     "no residual": without("residual"),
     "a list for the robot": with_value([1, 2], "robot"),
     "a number for the law": with_value(3, "law"),
+    "an unknown part": with_value(1.0, "colour"),
+    "an unknown field of the robot": with_value("red", "robot", "colour"),
+    "an unknown coordinate": with_value([0.0], "state", "x"),
+    "a name for the toes": with_value("toe", "robot", "toes"),
+    "a number for a toe": with_value([1], "robot", "toes"),
+    "a number for the robot's name": with_value(1, "robot", "source"),
+    "numbers for what varies": with_value([1.0], "robot", "varied"),
+    "a truth value for a number": with_value(True, "law", "stance_torque"),
+    "a truth value for stiffness": with_value(True, "spring", "stiffness"),
+    "a number for a truth value": with_value(1, "spring", "unilateral"),
+    "text for a truth value": with_value("no", "law", "hold_extension"),
+    "a state of quoted numbers": with_value(["0.5", "0.5", "0.5"], "state", "q"),
+    "a state of truth values": with_value([True, True, True], "state", "q"),
+    "a state in a list": with_value([[0.5, 0.5, 0.5]], "state", "q"),
+    "a state of infinite numbers": with_value([math.inf, 0.0, 0.0], "state", "v"),
+    "a state far too large": with_value([10**400, 0.0, 0.0], "state", "v"),
+    "parameters in a list": with_value([7.8], "parameters"),
+    "an unknown parameter": with_value(1.0, "parameters", "colour"),
+    "a parameter that is text": with_value("7.8", "parameters", "stance_torque"),
+    "a residual that is text": with_value("0.0", "residual"),
+    "a residual below 0": with_value(-1.0, "residual"),
+    "a residual that is not finite": with_value(math.nan, "residual"),
+    "no multipliers": with_value([], "multipliers"),
+    "multipliers by name": with_value({"0": [0.5, 0.0]}, "multipliers"),
+    "multipliers as text": with_value(["12"], "multipliers"),
+    "multipliers that are not finite": with_value([[math.nan, 0.0]], "multipliers"),
+    "multipliers of three parts": with_value([[0.5, 0.0, 0.0]], "multipliers"),
+    "durations in a list": with_value([0.3, 0.2], "durations"),
+    "a duration below 0": with_value(-0.1, "durations", "stance"),
+    "a duration that is text": with_value("0.3", "durations", "stance"),
+    "a duration of no phase": with_value(0.1, "durations", "swing"),
 }
 
 
@@ -107,12 +138,56 @@ class TestDamagedFiles:
             Gait.load(path)
         assert "\n" not in str(error.value)
 
-    @pytest.mark.parametrize("content", [b"", b"{", b"[]", b"3", b'"hop"', b"null", b"\xff\xfe\x00", b"PK\x03\x04"])
+    @pytest.mark.parametrize(
+        "content",
+        [b"", b"{", b"[]", b"3", b'"hop"', b"null", b"[" * 99999, b'{"a":' * 99999, b"\xff\xfe\x00", b"PK\x03\x04"],
+    )
     def test_other_content(self, tmp_path, content):
         path = tmp_path / "hop.json"
         path.write_bytes(content)
         with pytest.raises(BadFile, match=r"hop\.json"):
             Gait.load(path)
+
+    def test_a_field_twice(self, tmp_path, hop):
+        path = hop.save(tmp_path / "hop.json")
+        path.write_text(path.read_text().replace('"residual"', '"kind": "hopping",\n "residual"'))
+        with pytest.raises(BadFile, match="the key 'kind' is there twice"):
+            Gait.load(path)
+
+    @pytest.mark.parametrize(
+        ("damage", "part"),
+        [
+            ("a state that is not finite", "NaN is no finite number"),
+            ("a state of quoted numbers", r"state\.q is \['0.5', '0.5', '0.5'\]; expected 3 numbers"),
+            ("a short state", r"state\.q is \[0.5, 0.5\]; expected 3 numbers"),
+            ("no residual", "there is no field 'residual'"),
+            ("an unknown part", "there is an unknown field 'colour'"),
+            ("a duration of no phase", "there is an unknown phase 'swing'"),
+            ("an unknown parameter", "unknown parameter 'colour'"),
+        ],
+    )
+    def test_says_what_is_wrong(self, tmp_path, hop, damage, part):
+        path = hop.save(tmp_path / "hop.json")
+        data = json.loads(path.read_text())
+        DAMAGE[damage](data)
+        path.write_text(json.dumps(data))
+        with pytest.raises(BadFile, match=part):
+            Gait.load(path)
+
+    def test_what_is_too_long_is_cut_short(self, tmp_path, hop):
+        path = hop.save(tmp_path / "hop.json")
+        path.write_text(json.dumps(json.loads(path.read_text()) | {"parameters": {"a": "b" * 10**6}}))
+        with pytest.raises(BadFile) as error:
+            Gait.load(path)
+        assert len(str(error.value)) < 500
+
+    def test_from_before_a_field(self, tmp_path, hop):
+        """What a field that the file lacks was before there was such a field is its default."""
+        path = hop.save(tmp_path / "hop.json")
+        data = json.loads(path.read_text())
+        del data["law"]["virtual_stiffness"], data["spring"]["rest"], data["robot"]["varied"]
+        path.write_text(json.dumps(data))
+        assert Gait.load(path).system.law == hop.system.law
 
     def test_cut_anywhere(self, tmp_path, hop):
         path = hop.save(tmp_path / "hop.json")

@@ -247,5 +247,5 @@ class TestRequest:
 
 def test_without_casadi(monkeypatch):
     monkeypatch.setitem(sys.modules, "casadi", None)
-    with pytest.raises(MissingExtra, match=r"pip install 'spear-pin\[optimize\]'"):
+    with pytest.raises(MissingExtra, match=r"pip install '\.\[optimize\]'"):
         search(load("q_spear"), Request())

@@ -9,6 +9,7 @@ import pytest
 from spear_pin import HoppingLaw, find_gait, hopping, simulate
 from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName
 from spear_pin.hybrid.periodic import residual, return_map
+from spear_pin.hybrid.run import run
 
 
 def apex_height(run):
@@ -147,6 +148,26 @@ class TestNoGait:
         with pytest.raises(NoGait):
             find_gait(hopping(robot), ["stance_torque"], {"flight_time": 5.0})
         assert sum(evaluations) < 250_000
+
+    def test_cycles_that_take_for_ever(self, robot, monkeypatch):
+        """The integrator creeps, from the system's own guess and from one that is given; some cycles tell."""
+        evaluations = []
+
+        def counted(*arguments):
+            result = run(*arguments)
+            evaluations.append(result.evaluations)
+            return result
+
+        monkeypatch.setattr("spear_pin.gaits.search.run", counted)
+        monkeypatch.setattr("spear_pin.hybrid.periodic.run", counted)
+        monkeypatch.setattr("spear_pin.hybrid.periodic.EVALUATIONS", 3000)
+        system = hopping(robot, HoppingLaw(virtual_stiffness=1e300))
+        for guess, most in ((None, 61_000), (system.guess(), 20_000)):
+            evaluations.clear()
+            with pytest.raises(NoGait) as error:
+                find_gait(system, ["stance_torque"], {"flight_time": 0.2}, guess=guess)
+            self.assert_one_line(error, "take more than")
+            assert sum(evaluations) < most
 
     def test_a_law_that_remembers_what_was_before_the_section(self, hop):
         """Begun afresh the cycle closes, but the next one is another: (q, v) on the section is not its whole state."""

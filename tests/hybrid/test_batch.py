@@ -157,5 +157,5 @@ class TestBadInput:
 
     def test_without_the_extra(self, hop, monkeypatch):
         monkeypatch.setattr(taylor, "hy", None)
-        with pytest.raises(MissingExtra, match=r"spear-pin\[fast\]"):
+        with pytest.raises(MissingExtra, match=r"\.\[fast\]"):
             simulate_many(hop.system, np.array([hop.state[0]]), np.array([hop.state[1]]))

@@ -11,8 +11,10 @@ import pytest
 
 from spear_pin import Trajectory, find_gait, hopping, simulate
 from spear_pin.errors import BadValue
+from spear_pin.hybrid.filippov import CHATTER
 from spear_pin.hybrid.hardware import EDGE, HORIZON, Hardware, Sensing, with_hardware
 from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.periodic import return_map
 from spear_pin.model.actuator import CREEP, Actuator, Thermal
 from spear_pin.model.bridge import Battery
 from spear_pin.model.catalogue import motor
@@ -139,6 +141,14 @@ class TestEnergy:
         stored = trajectory.electrical.change
         assert (stored != 0).any() if one.bandwidth else not stored.any()
 
+    def test_a_cycle_is_as_accurate_as_asked_for(self, hop):
+        """Where gears turn from driving to braking, the integrator's own estimates are too small."""
+        gears = replace(REAL, gearbox=Gearbox(15.0, 0.83))
+        system = with_parameters(with_hardware(hop.system, Hardware((gears, gears))), {"stance_torque": 9.4})
+        ends = [np.concatenate(return_map(system, hop.state, rtol).state) for rtol in (1e-13, 1e-10, 1e-8)]
+        assert np.abs(ends[1] - ends[0]).max() < 2e-10
+        assert np.abs(ends[2] - ends[0]).max() < 2e-8
+
     def test_its_flows_are_integrals_of_the_samples(self, run):
         trajectory = run(LOSSY)
         part = trajectory.cycle == 1
@@ -208,7 +218,8 @@ class TestEachEffectAlone:
         hot = run(replace(IDEAL, current_limit=peak, thermal=Thermal(continuous, tau)))
         bound = np.abs(hot.current) < np.abs(hot.reference) - 1e-6
         assert bound[:, 1].any() and not bound.all()
-        assert np.abs(hot.current)[bound].min() >= continuous
+        alone = hot.domain != CHATTER  # in it two laws' currents are blended, of which one may be bound
+        assert np.abs(hot.current)[bound & alone[:, None]].min() >= continuous
         assert np.abs(hot.current).max() < np.abs(clean.u).max() / CONSTANT - 0.3
         square, knee = 0.0, hot.current[:, 1]
         for i, dt in enumerate(np.diff(hot.t)):  # the mean square by the trapezoidal rule

@@ -1,5 +1,7 @@
 """Cycles that begin with more than a state: the section is crossed from a stance, whose leg goes on bearing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ from spear_pin.hybrid.run import run
 
 pytestmark = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
 
-# in the air; the posterior leg then comes down three times before the anterior one is lifted
+# in the air; the posterior leg then comes down twice before the anterior one is lifted
 Q = [0.0, 0.6628, 0.0833, 0.4354, 0.6931, -0.3957, -0.4264]
 V = [2.363, -0.101, 3.739, 0.959, 16.735, -3.302, 3.731]
 NUMBERS = {"stiffness": 112.365, "friction": 0.616}
@@ -20,7 +22,9 @@ NUMBERS = {"stiffness": 112.365, "friction": 0.616}
 
 @pytest.fixture(scope="module")
 def gait():
-    return Gait.load("long_stride")
+    """In which every touch closes a cycle, or there would be none that is crossed so."""
+    gait = Gait.load("long_stride")
+    return replace(gait, system=replace(gait.system, shortest_flight=0.0))
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +32,7 @@ def expected(gait):
     """The same lane by the reference engine without a break."""
     result = run(with_parameters(gait.system, NUMBERS), (np.array(Q), np.array(V)), 3, Options(1e-11))
     crossed = [event.domain for event in result.events if event.name == gait.system.section]
-    assert result.reason == "complete" and crossed == ["flight_2", *3 * ["anterior_stance"]]
+    assert result.reason == "complete" and crossed == ["flight_2", *2 * ["anterior_stance"], "flight_2"]
     return result
 
 
@@ -51,8 +55,8 @@ def test_what_they_remember(gait, expected, few, cycles, monkeypatch):
 def test_a_lane_that_ends_later_is_left_at_its_last_section(gait):
     """Although the reference engine repeated it from an earlier one."""
     lanes = {name: [number] for name, number in NUMBERS.items()}
-    five, six = (simulate_many(gait.system, [Q], [V], cycles, parameters=lanes) for cycles in (5, 6))
-    assert (five.reason[0], six.reason[0]) == ("complete", "zeno")
-    assert five.cycles[0] == six.cycles[0] == 5
-    np.testing.assert_allclose(five.q, six.q, rtol=1e-12)
-    np.testing.assert_allclose(five.v, six.v, rtol=1e-12)
+    seven, eight = (simulate_many(gait.system, [Q], [V], cycles, parameters=lanes) for cycles in (7, 8))
+    assert (seven.reason[0], eight.reason[0]) == ("complete", "fall")
+    assert seven.cycles[0] == eight.cycles[0] == 7
+    np.testing.assert_allclose(seven.q, eight.q, rtol=1e-9)
+    np.testing.assert_allclose(seven.v, eight.v, rtol=1e-9)

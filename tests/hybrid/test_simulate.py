@@ -1,12 +1,18 @@
 """Simulation: how events and cycles appear in the samples, that the hop is stable, and arguments that are refused."""
 
 import math
+import weakref
+from dataclasses import fields
 
 import numpy as np
 import pytest
 
 from spear_pin import simulate
 from spear_pin.errors import BadValue
+from spear_pin.hybrid.record import Options, Piece
+from spear_pin.hybrid.run import run
+from spear_pin.hybrid.simulate import sample
+from spear_pin.hybrid.trajectory import SAMPLED
 from tests.hybrid.motions import stretches
 
 
@@ -74,6 +80,56 @@ class TestSamples:
         np.testing.assert_array_equal(v, hop.state[1])
 
 
+class TestLongRuns:
+    def test_what_it_interpolates_with_is_let_go(self, hop, monkeypatch):
+        """The steps of no more than a phase or two are held at once, however many hops there are."""
+        live, most = weakref.WeakSet(), 0
+
+        class Counted(Piece):
+            def __init__(self, *fields):
+                nonlocal most
+                super().__init__(*fields)
+                live.add(self)
+                most = max(most, len(live))
+
+        monkeypatch.setattr("spear_pin.hybrid.run.Piece", Counted)
+        simulate(hop.system, hop.state)
+        of_one, most = most, 0
+        simulate(hop.system, hop.state, cycles=6)
+        assert 5 < most <= of_one
+
+    def test_samples_of_a_hop_take_60_kilobytes(self, hops):
+        """At most, so that with events and ledger 2,000 hops stay below 150 MB."""
+        arrays = [value for field in fields(hops) if isinstance(value := getattr(hops, field.name), np.ndarray)]
+        assert len(arrays) == 15 and sum(array.nbytes for array in arrays) < 60_000 * hops.cycles
+        assert len(hops) == len(hops.t)
+
+    def test_nothing_is_left_out(self, hop, hops):
+        """What is asked of all hops at once is what the hops give one after the other."""
+        state, samples = hop.state, 0
+        for number in range(3):
+            one = simulate(hop.system, state)
+            np.testing.assert_allclose(one.ledger.work[0], hops.ledger.work[number], rtol=0, atol=1e-8)
+            state, samples = (one.events[-1].q, one.events[-1].v), samples + len(one)
+        assert samples == (hops.cycle <= 3).sum()
+
+
+class TestMoreSamples:
+    def test_of_each_phase_as_many_as_asked_for(self, hop, hops):
+        fine = simulate(hop.system, hop.state, cycles=2, samples=1000)
+        assert min(part.stop - part.start for part in stretches(fine)) >= 1000
+        few = simulate(hop.system, hop.state, cycles=2, samples=1)
+        assert len(few) < len(fine) / 50
+        for trajectory in (few, fine):  # the motion is the same
+            assert [event.time for event in trajectory.events] == [event.time for event in hops.events[:10]]
+            np.testing.assert_array_equal(trajectory.ledger.work, hops.ledger.work[:2])
+
+    @pytest.mark.parametrize("samples", [0, -1, 1.5, math.nan, math.inf, "many", None])
+    def test_refused(self, hop, samples):
+        with pytest.raises(BadValue, match="^samples is .*; expected a whole number, at least 1"):
+            simulate(hop.system, hop.state, samples=samples)
+
+
 class TestStability:
     def test_an_error_in_the_knee_rate_is_forgotten_by_the_fifth_hop(self, hop, hops):
         apex = hops.named("apex")[0]
@@ -133,3 +189,11 @@ class TestRefusals:
         with pytest.raises(BadValue) as error:
             simulate(hop.system, self.GOOD, **{"max_evaluations": 20000} | options)
         assert error.value.name == name
+
+
+def test_a_kept_run_is_sampled_as_one_that_is_simulated(hop):
+    kept = run(hop.system, hop.state, 2, Options(keep=True))
+    trajectory, again = simulate(hop.system, hop.state, cycles=2), sample(hop.system, kept)
+    for name in SAMPLED:
+        np.testing.assert_array_equal(getattr(again, name), getattr(trajectory, name))
+    np.testing.assert_array_equal(again.ledger.work, trajectory.ledger.work)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 from spear_pin.errors import UnknownName
 from spear_pin.gaits.request import Request
@@ -41,3 +43,8 @@ def path(name: str) -> Path:
     if name not in names():
         raise UnknownName("gait", name, [*names(), "the path of a saved gait"])
     return Path(str(files(__name__).joinpath(f"{name}.json")))
+
+
+def written() -> dict[str, dict[str, Any]]:
+    """What `Gait.save` wrote of each gait that ships, by name."""
+    return {name: json.loads(path(name).read_text(encoding="utf-8")) for name in names()}

@@ -60,7 +60,8 @@ class Alternating:
         self._stance = Motion(system, unloaded, planar, 0.0, q, v, touches, numbers, ops, bearing)
         self._domain, self._arguments = domain, (0.0, q, v, leaves, numbers.law, self, ops)
         fall, rise = (motion.toe_acceleration(between.toe)[1] for motion in (self._flight, self._stance))
-        self.share = fall / (fall - rise)
+        self._share = share = fall / (fall - rise)
+        self.shares = (share,)
         self.a = self._blend(self._stance.a, self._flight.a)
         self.u = self._blend(self._stance.u, self._flight.u)
 
@@ -92,4 +93,4 @@ class Alternating:
         return self._flight.pivot(toe)
 
     def _blend(self, stance: Sequence[Any], flight: Sequence[Any]) -> list[Any]:
-        return [self.share * s + (1.0 - self.share) * f for s, f in zip(stance, flight, strict=True)]
+        return [self._share * s + (1.0 - self._share) * f for s, f in zip(stance, flight, strict=True)]

@@ -57,7 +57,7 @@ class Flow:
         robot = system.robot
         self.system, self.domain = system, domain
         self.evaluations = 0
-        self._model, self._data, self._nv = robot.model, robot.model.createData(), robot.nv
+        self._model, self._data, self._nv = robot.model, pin.Data(robot.model), robot.nv
         self._law, self._p = domain.law, system.law
         self._actuated = [robot.index(joint) for joint in robot.actuated]
         self.hold(held)
@@ -93,6 +93,7 @@ class Flow:
     def hold(self, held: Held) -> None:
         """Replace what is held."""
         self.held = held
+        self._at: tuple[float, Array] | None = None
         self._springs = [
             (self.system.robot.index(m.joint), m.spring.stiffness * held[m.taut], held[m.rest], m.spring.damping)
             for m in self.domain.mounts
@@ -101,10 +102,16 @@ class Flow:
     def __call__(self, t: float, y: Array) -> Array:
         """dy/dt; not a number where a law or the dynamics has no value."""
         self.evaluations += 1
+        self._at = t, y
         try:
             return self._derivative(t, y)
         except (ArithmeticError, ValueError, np.linalg.LinAlgError):
             return np.full_like(y, np.nan)
+
+    def visit(self, t: float, y: Array) -> None:
+        """Have `u`, `a` and the others at a state, which is not evaluated again if it was in the last call."""
+        if self._at is None or self._at[0] != t or self._at[1] is not y:
+            self(t, y)
 
     def _derivative(self, t: float, y: Array) -> Array:
         nv = self._nv

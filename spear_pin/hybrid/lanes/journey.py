@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem, Reset
-from spear_pin.hybrid.contact import joint_impact, routh
+from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem, Reset, Switch
+from spear_pin.hybrid.contact import RESTING, joint_impact, routh
+from spear_pin.hybrid.cycles import counts_to, retouches
 from spear_pin.hybrid.engines.layout import shape_of
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Point, Ready
 from spear_pin.hybrid.lanes.entry import at_once, away, choose
@@ -61,6 +62,8 @@ class Lanes:
         self._fresh = lands if lands.phase is not None else None
         self.began, self.switches = np.zeros(n), np.zeros(n, np.int64)
         self.events, self.crowd, self.last = np.zeros(n, np.int64), np.zeros(n, np.int64), np.full(n, -np.inf)
+        self.grounded = np.full((len(system.robot.toes), n), -np.inf)  # when each toe was last on the ground
+        self.resets, self._bits = np.zeros(n, np.int64), dict[int, int]()  # into other phases, of the present instant
         self.refused = np.zeros(n, np.int64)
         self.cycles, self.on_section = np.zeros(n, np.int64), np.zeros(n, bool)
         self.spent = {phase: np.zeros(n) for phase in system.phases}
@@ -129,7 +132,9 @@ class Lanes:
         """Run the cycles of one lane that need no second look."""
         lane, n, y, held = int(group.lanes[0]), 0, group.y[:, 0], alone(group.held)
         spent: Mapping[str, float] = {}
-        while self.cycles[lane] + n < self.wanted and (lap := self._tracks[lane].lap(phase, y, held)) is not None:
+        ago = (self.began[lane] - self.grounded[:, lane]).tolist()
+        while self.cycles[lane] + n < self.wanted and (lap := self._tracks[lane].lap(phase, y, held, ago)) is not None:
+            ago = lap.ago
             n, y, held, spent, phase, came = n + 1, lap.y, lap.held, lap.spent, lap.phase, lap.came
             if came[1] is self._fresh:
                 self.start[:, lane], self.before[lane] = y, self.cycles[lane] + n
@@ -137,6 +142,7 @@ class Lanes:
             for name, state in lap.observed.items():
                 self.observed[name][:, lane] = state
         if n:
+            self.grounded[:, lane] = self.began[lane] - np.array(ago)
             self.end[:, lane] = y
             self.cycles[lane] += n
             for name, seconds in spent.items():
@@ -195,7 +201,7 @@ class Lanes:
             self.give_up(group)
             return group.take(np.zeros(len(group), bool))
         for surface, part, point in sliding:
-            self.leave(ready.domain.phase, group.take(np.isin(group.lanes, part.lanes)))
+            self.leave(ready.domain.spent_in, group.take(np.isin(group.lanes, part.lanes)))
             self.watch(surface, part, point, None)
         return rest
 
@@ -241,18 +247,31 @@ class Lanes:
                 self.finish(np.array([lane]), ends, f"{guard.name} at t = {self.began[lane] + t:.6g} s")
             return
         assert reset is not None
+        if domain.alternating and reset.phase is None and {*domain.contacts} != {OPEN}:
+            self.give_up(group)  # another toe may slip, or its spring slacken, while one alternates on
+            return
+        now = self.began[group.lanes] + group.t
+        self.grounded[np.array(domain.on_ground, int)[:, None], group.lanes] = now
+        touching = retouches(self.system, reset, now - self.grounded[:, group.lanes])
+        for again in np.unique(touching):
+            self.carry_out(domain, guard, reset, group.take(touching == again), bool(again))
+
+    def carry_out(self, domain: Domain, guard: Guard | Switch, reset: Reset, group: Group, again: bool) -> None:
+        """What an event does; `again` says whether toes only touch again."""
         group = self.count(group)
+        if reset.phase is not None:
+            group = self.new(reset, group)
         struck = struck_toes(self.system, domain, reset)
         if struck and len(group):
-            group = self.strike(struck, group)
+            group = self.strike(struck, reset.impact, group)
         group = self.numbers.latch(group, reset)
         latched = finite(group.held, len(group))
         self.give_up(group.take(~latched))
         group = group.take(latched)
         if reset.phase is not None:
-            self.leave(domain.phase, group)
+            self.leave(counts_to(domain, reset, again), group)
             group = replace(group, t=np.zeros(len(group)))
-        if guard.name == self.system.section:
+        if guard.name == self.system.section and not again:
             group = self.close_cycle(group, reset)
             self.go_on(reset.phase or domain.phase, group, (domain, reset))
         elif len(group):
@@ -264,12 +283,16 @@ class Lanes:
         self.began[group.lanes] += group.t
         self.switches[group.lanes] = 0
 
-    def strike(self, toes: list[str], group: Group) -> Group:
-        """An impact on some toes."""
+    def strike(self, toes: list[str], lands: tuple[str, ...], group: Group) -> Group:
+        """An impact on some toes, of which some land; those that rise are left to the reference engine."""
         q, v = group.y[: self.nv], group.y[self.nv :]
         n, terms = len(group), self.numbers.planar.terms(list(q), list(v), np)
         D = stacked(terms.mass_matrix, n)
         J = np.concatenate([stacked(terms.jacobians[toe], n) for toe in toes], axis=1)
+        rises = np.any([along(terms.jacobians[toe][1], v) > RESTING for toe in lands], axis=0) & np.ones(n, bool)
+        if rises.any():
+            self.give_up(group.take(rises))
+            return self.strike(toes, lands, group.take(~rises))
         friction = self.numbers.friction(group.lanes)
         held = group.held
         if len(toes) > 1:
@@ -332,6 +355,15 @@ class Lanes:
         many = (self.crowd[lanes] >= CROWD) | (self.events[lanes] >= CYCLE_EVENTS)
         self.give_up(group.take(many))
         return group.take(~many)
+
+    def new(self, reset: Reset, group: Group) -> Group:
+        """Those lanes to which a reset into another phase has not happened in this instant already."""
+        lanes, bit = group.lanes, 1 << self._bits.setdefault(id(reset), len(self._bits))
+        self.resets[lanes] = np.where(self.crowd[lanes] > 0, self.resets[lanes], 0)
+        again = self.resets[lanes] & bit != 0
+        self.resets[lanes] |= bit
+        self.give_up(group.take(again))
+        return group.take(~again)
 
     def give_up(self, group: Group) -> None:
         """Leave lanes to the reference engine."""

@@ -9,12 +9,13 @@ import numpy as np
 
 from spear_pin.hybrid.automaton import Alternation, Domain, Reset
 from spear_pin.hybrid.engines.taylor import Point, Ready
-from spear_pin.hybrid.filippov import BEYOND, ENDS, MOST_AT_ONCE, ON_EDGE, alternation, chatter
+from spear_pin.hybrid.filippov import BEYOND, MOST_AT_ONCE, alternation, chatter, within
 from spear_pin.hybrid.lanes.entry import at_once, choose
 from spear_pin.hybrid.lanes.groups import Group, along
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.phases import AT_REST
 
+ENDS = (0, 1)  # which guards of `chatter` are its ends
 Came = tuple[Domain, Reset]  # from where a phase was entered, and by which reset
 
 
@@ -84,7 +85,7 @@ def _begin(numbers: Numbers, between: Alternation, group: Group) -> Iterator[tup
         point = numbers.at(ready, group)
         first, _ = at_once(numbers, ready, group, point)
         share = 1.0 + beyond - point.guards[0]
-        slides = ~np.isin(first, ENDS) & (share > -beyond - ON_EDGE) & (share < 1.0 + beyond + ON_EDGE)
+        slides = ~np.isin(first, ENDS) & within(share, beyond)
         if slides.any():
             yield ready, group.take(slides), point.take(slides)
         group = group.take(~slides)

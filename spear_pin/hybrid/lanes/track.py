@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import Domain, Guard, Reset, Switch
+from spear_pin.hybrid.cycles import retouches
 from spear_pin.hybrid.engines.layout import flattened, shape_of
 from spear_pin.hybrid.engines.single import KEEPS, NONE, UNCLEAR, Entry, Single
 from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT
@@ -37,6 +38,7 @@ class Lap(NamedTuple):
         observed: states at the last of the events that change nothing, by name.
         phase: the phase that begins there.
         came: the last domain, and the reset by which it was left.
+        ago: how long ago each toe was on the ground, in s.
     """
 
     y: Array
@@ -45,6 +47,7 @@ class Lap(NamedTuple):
     observed: Mapping[str, Array]
     phase: str
     came: tuple[Domain, Reset]
+    ago: list[float]
 
 
 class Track:
@@ -61,9 +64,17 @@ class Track:
         self._struck: dict[tuple[int, int], list[str]] = {}
         self._phases = {phase: self._system.of_phase(phase) for phase in self._system.phases}
 
-    def lap(self, phase: str, y: Array, held: Held) -> Lap | None:
-        """The cycle from a state just behind the section, where a phase begins, or None."""
+    def lap(self, phase: str, y: Array, held: Held, ago: list[float]) -> Lap | None:
+        """The cycle from a state just behind the section, where a phase begins, or None.
+
+        Args:
+            phase: the phase.
+            y: the state.
+            held: what is held there.
+            ago: how long ago each toe was on the ground, in s.
+        """
         system = self._system
+        grounded = [-seconds for seconds in ago]
         t, switches, past, last, crowd = 0.0, 0, 0.0, -math.inf, 0
         spent, observed = dict.fromkeys(system.phases, 0.0), {}
         domains, (shape, parameters) = self._phases[phase], self._given(held)
@@ -95,13 +106,15 @@ class Track:
             if event is None or event.reset is None or crowd == FEW_AT_ONCE:
                 return None
             last, reset = past + t, event.reset
+            for i in domain.on_ground:
+                grounded[i] = last
             switches += end == TIME_LIMIT
             if reset.impact:
                 key = id(domain), id(reset)
                 if key not in self._struck:
                     self._struck[key] = struck_toes(system, domain, reset)
                 toes = self._struck[key]
-                if len(toes) > 1:
+                if len(toes) > 1 or retouches(system, reset, last - np.array(grounded)):
                     return None
                 y = self._compiled.impact(toes[0])(y, parameters)
             if reset.latch is not None:
@@ -117,7 +130,8 @@ class Track:
             domains = self._phases[phase]
             if event.name == system.section:
                 whole = reset.phase is not None and past > INSTANT
-                return Lap(y, held, spent, observed, phase, (domain, reset)) if whole else None
+                ago = [past - time for time in grounded]
+                return Lap(y, held, spent, observed, phase, (domain, reset), ago) if whole else None
         return None
 
     def _enter(

@@ -1,0 +1,100 @@
+"""Samples of a run, taken phase by phase while it goes on, so that its dense output need not be kept."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.filippov import flow_of
+from spear_pin.hybrid.record import Segment
+
+Array = NDArray[np.float64]
+
+NUMERIC = ("t", "q", "v", "a", "u", "tau", "friction", "force", "spring", "current", "reference")
+
+
+class Sampler:
+    """Takes the segments of a run one after the other; `arrays` are the samples, both sides of every event.
+
+    The segments of a phase share its samples by length.
+    """
+
+    def __init__(self, system: HybridSystem, least: int) -> None:
+        """Of a system, at least so many samples a phase."""
+        self.springs = tuple(dict.fromkeys(mount.joint for domain in system.domains for mount in domain.mounts))
+        self._system, self._least = system, least
+        self._phase: list[Segment] = []  # what is known of the present one
+        self._columns = {name: array("d") for name in NUMERIC}  # flat: a list of rows takes five times the memory
+        self._parts: list[tuple[Domain, int, int]] = []  # of each segment the domain, cycle and number of samples
+
+    def add(self, segment: Segment) -> None:
+        """Take a segment that is over."""
+        if self._phase and segment.began != self._phase[0].began:
+            self._sample_phase()
+        self._phase.append(segment)
+
+    def arrays(self, y: Array) -> dict[str, Any]:
+        """The samples by field of a `Trajectory`, when all segments are there; y is the state reached."""
+        last = self._phase[-1]
+        self._sample_phase()
+        if not self._parts:  # no time has passed
+            self._sample(last, np.zeros(1), y[None])
+        domains, cycles, counts = zip(*self._parts, strict=True)
+        n = sum(counts)
+        shapes = {"t": (n,), "force": (n, len(self._system.robot.toes), 2)}
+        numbers = {
+            name: np.asarray(column).reshape(shapes.get(name, (n, -1))) for name, column in self._columns.items()
+        }
+        mounted = [{mount.joint for mount in domain.mounts} for domain in domains]
+
+        def spread(values: Sequence[Any], kind: type) -> NDArray[Any]:
+            return np.repeat(np.array(values, dtype=kind), counts, axis=0)
+
+        return numbers | {
+            "engaged": spread([[joint in joints for joint in self.springs] for joints in mounted], bool),
+            "domain": spread([domain.name for domain in domains], str),
+            "phase": spread([domain.phase for domain in domains], str),
+            "cycle": spread(cycles, np.int64),
+        }
+
+    def _sample_phase(self) -> None:
+        moving = [segment for segment in self._phase if segment.pieces]
+        for segment in moving:
+            begin, end, whole = segment.pieces[0].begin, segment.pieces[-1].end, moving[-1].pieces[-1].end
+            if end == begin:
+                continue  # left as soon as entered
+            # of a whole phase exactly so many, however its end is rounded
+            count = 2 + int(np.ceil(self._least * (end - begin) / whole - 1e-6))
+            times = np.linspace(begin, end, count)
+            pieces = np.searchsorted([piece.end for piece in segment.pieces[:-1]], times)
+            states = [np.atleast_2d(segment.pieces[i].state(times[pieces == i]).T) for i in np.unique(pieces)]
+            self._sample(segment, times, np.vstack(states))
+        self._phase = []
+
+    def _sample(self, segment: Segment, times: Array, states: Array) -> None:
+        robot, columns = self._system.robot, self._columns
+        flow = flow_of(self._system, segment.domain, segment.held)
+        if segment.domain.crossing is not None:  # at its end the shares of two toes may have ceased to exist
+            exist = [bool(np.isfinite(flow(t, y)).all()) for t, y in zip(times, states, strict=True)]
+            times, states = times[exist], states[exist]
+        for t, y in zip(times, states, strict=True):
+            flow(t, y)
+            columns["a"].extend(flow.a)
+            columns["u"].extend(flow.u)
+            columns["tau"].extend(flow.tau)
+            columns["friction"].extend(flow.friction)
+            for toe in robot.toes:
+                columns["force"].extend(flow.force(toe))
+            columns["spring"].extend(flow.spring_torque(joint) for joint in self.springs)
+            if flow.driven is not None:
+                columns["current"].extend(flow.driven.currents)
+                columns["reference"].extend(flow.driven.references)
+        columns["t"].extend(segment.began + times)
+        columns["q"].frombytes(states[:, : robot.nq].tobytes())
+        columns["v"].frombytes(states[:, robot.nq : robot.nq + robot.nv].tobytes())
+        self._parts.append((segment.domain, segment.cycle, len(times)))

@@ -1,0 +1,73 @@
+"""For which share of the time each law acts while toes alternate on the ground, so that none of them accelerates."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+EXACT = 1e-13  # of a share
+ROUNDING = 1e-9  # of the largest acceleration: what may remain of a toe's
+STARTS = ((0.5, 0.5), *product((0.95, 0.05), repeat=2))
+
+
+class Turn(NamedTuple):
+    """What one law acts for while two toes alternate: which toe changed last, whether it and the other bear."""
+
+    toe: int
+    bears: bool
+    other: bool
+
+
+TURNS = tuple(Turn(*each) for each in product((1, 0), (True, False), (True, False)))
+"""All of two toes; the last is that of the first toe just lifted, the other in the air."""
+_TOE = np.array([turn.toe for turn in TURNS])
+_BEARS, _OTHER = (np.array([turn[i] for turn in TURNS]) for i in (1, 2))
+
+
+def of_one(rise: float, fall: float) -> float:
+    """The share of a stance that accelerates the toe by `rise`, with a flight that does by `fall`."""
+    return fall / (fall - rise)
+
+
+def of_two(accelerations: Array, before: Sequence[float] = ()) -> tuple[float, ...]:
+    """The shares of time that two toes' switches are closed, not numbers if there are none.
+
+    Of several it is the first found between 0 and 1, or else those least outside.
+
+    Args:
+        accelerations: vertical ones of both toes in each of `TURNS`, (8, 2), in m/s².
+        before: the shares a moment ago, if they are known.
+    """
+    scale = float(np.abs(accelerations).max())
+    best, least = (math.nan, math.nan), math.inf
+    if not math.isfinite(scale):
+        return best
+    for start in (before, *STARTS) if before else STARTS:
+        found = scipy.optimize.root(
+            lambda shares: weights(*shares) @ accelerations / scale, start, method="hybr", tol=EXACT
+        )
+        outside = float(np.abs(found.x - 0.5).max()) - 0.5
+        if np.abs(found.fun).max() < ROUNDING and outside < least:
+            best, least = tuple(found.x.tolist()), outside
+        if least <= 0.0:
+            break
+    return best
+
+
+def weights(first: float, second: float) -> Array:
+    """The share of each of `TURNS`, (8,), given those of the toes' switches.
+
+    The switches are independent: both are closed for the product of their shares. Where a phase depends on which toe
+    changed last, that is each toe as often as it changes at all, in proportion to α (1 - α).
+    """
+    closed = np.array((first, second))
+    own, other = closed[_TOE], closed[1 - _TOE]
+    own, other = np.where(_BEARS, own, 1.0 - own), np.where(_OTHER, other, 1.0 - other)
+    return np.asarray(own * other * (1.0 - own) / (2.0 - own - other), np.float64)

@@ -1,0 +1,250 @@
+"""Trajectories on disk: an npz file of arrays and one JSON string, nothing pickled; what is read is checked."""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+import zlib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from tokenize import TokenError
+from typing import IO, Any
+from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, ZipInfo
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadFile, BadValue
+from spear_pin.files import atomic, check_keys, parse_json, regular
+from spear_pin.hybrid.record import REASONS
+from spear_pin.hybrid.trajectory import SAMPLED, Event, Ledger, Trajectory
+
+FORMAT = "spear_pin trajectory 1"
+UNITS = "SI, radians"
+KINDS = {"f": "numbers", "i": "whole numbers", "b": "truth values", "U": "names"}
+ARRAYS = {  # the kind of each, and what its axes are counted by
+    "t": ("f", "samples"),
+    "q": ("f", "samples", "coordinates"),
+    "v": ("f", "samples", "coordinates"),
+    "a": ("f", "samples", "coordinates"),
+    "domain": ("U", "samples"),
+    "phase": ("U", "samples"),
+    "cycle": ("i", "samples"),
+    "u": ("f", "samples", "actuated"),
+    "tau": ("f", "samples", "actuated"),
+    "friction": ("f", "samples", "coordinates"),
+    "force": ("f", "samples", "toes", "x and z"),
+    "spring": ("f", "samples", "spring_joints"),
+    "engaged": ("b", "samples", "spring_joints"),
+    "current": ("f", "samples", "driven"),
+    "reference": ("f", "samples", "driven"),
+    "event_time": ("f", "events"),
+    "event_q": ("f", "events", "coordinates"),
+    "event_v_before": ("f", "events", "coordinates"),
+    "event_v": ("f", "events", "coordinates"),
+    "event_impulse": ("f", "events", "toes", "x and z"),
+    "ledger_work": ("f", "cycles", "flows"),
+    "ledger_change": ("f", "cycles"),
+}
+ELECTRICAL = {"electrical_work": ("f", "cycles", "drives"), "electrical_change": ("f", "cycles")}
+CURRENTS = ("current", "reference")  # files from before there was hardware have none
+ORDERED = ("t", "cycle", "event_time")
+STATES = ("t", "q", "v")  # finite however the run ended
+EVENT_ARRAYS = ("time", "q", "v_before", "v", "impulse")
+NAMES = ("coordinates", "actuated", "toes", "spring_joints")
+COUNTS = ("cycles", "evaluations")
+TEXTS = ("robot", "reason", "message")
+PLAIN = ("robot", *NAMES, "cycles", "reason", "message", "evaluations")
+DENSEST = 1100  # bytes that one of a compressed file may stand for: more than deflate packs
+
+Arrays = Mapping[str, NDArray[Any]]
+
+
+def write(trajectory: Trajectory, path: str | Path) -> Path:
+    """Write a trajectory; see `Trajectory.save`."""
+    arrays: dict[str, Any] = {name: getattr(trajectory, name) for name in SAMPLED}
+    arrays |= {f"event_{name}": np.array([getattr(e, name) for e in trajectory.events]) for name in EVENT_ARRAYS}
+    arrays |= {"ledger_work": trajectory.ledger.work, "ledger_change": trajectory.ledger.change}
+    electrical = trajectory.electrical
+    if electrical is not None:
+        arrays |= {"electrical_work": electrical.work, "electrical_change": electrical.change}
+    meta = {name: getattr(trajectory, name) for name in PLAIN} | {
+        "format": FORMAT,
+        "units": UNITS,
+        "flows": trajectory.ledger.flows,
+        "drives": () if electrical is None else electrical.flows,
+        "events": [{"name": e.name, "domain": e.domain, "work": dict(e.work)} for e in trajectory.events],
+    }
+    with atomic(path) as temporary, temporary.open("wb") as file:
+        np.savez_compressed(file, meta=np.array(json.dumps(meta)), **arrays)
+    return Path(path)
+
+
+def read(path: str | Path) -> Trajectory:
+    """Read a trajectory; see `Trajectory.load`."""
+    try:
+        with regular(path).open("rb") as file, ZipFile(file) as archive:
+            return _trajectory(archive)
+    except OSError as error:
+        raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
+    except (
+        BadValue,
+        BadZipFile,
+        EOFError,
+        MemoryError,
+        RuntimeError,
+        TypeError,
+        ValueError,
+        struct.error,
+        zlib.error,
+    ) as error:
+        raise BadFile(path, f"is not a saved trajectory ({error})") from None
+
+
+def _trajectory(archive: ZipFile) -> Trajectory:
+    members = {info.filename.removesuffix(".npy"): info for info in archive.infolist()}
+    if len(members) < len(archive.infolist()):
+        raise ValueError("an array is there twice")
+    if "meta" not in members:
+        raise ValueError("there is no meta")
+    shape, kind = _header(archive, members["meta"])
+    if shape or kind.kind != "U":
+        raise ValueError("meta is no text")
+    meta = parse_json(str(_array(archive, members.pop("meta"))))
+    _check_meta(meta)
+    sizes = {name: len(meta[name]) for name in (*NAMES, "flows", "events")} | {"cycles": meta["cycles"], "x and z": 2}
+    drives = tuple(meta.get("drives", ()))
+    sizes |= {"drives": len(drives), "driven": len(meta["actuated"]) if drives else 0}
+    older = () if drives else [name for name in CURRENTS if name not in members]
+    wanted = {name: rule for name, rule in (ARRAYS | (ELECTRICAL if drives else {})).items() if name not in older}
+    check_keys("array", members, wanted)
+    for name, rule in wanted.items():  # before anything is read
+        _check_header(name, rule, *_header(archive, members[name]), sizes)
+    arrays = {name: _array(archive, members[name]) for name in wanted}
+    for name, array in arrays.items():
+        _check_values(name, array, may_fail=meta["reason"] == "not_finite" and name not in STATES)
+    arrays |= {name: np.empty((sizes["samples"], 0)) for name in older}
+    fields: dict[str, Any] = {name: tuple(meta[name]) for name in NAMES}
+    fields |= {name: meta[name] for name in PLAIN if name not in NAMES} | {name: arrays[name] for name in SAMPLED}
+    return Trajectory(
+        **fields,
+        events=_events(meta["events"], arrays),
+        ledger=Ledger(tuple(meta["flows"]), arrays["ledger_work"], arrays["ledger_change"]),
+        electrical=Ledger(drives, arrays["electrical_work"], arrays["electrical_change"]) if drives else None,
+    )
+
+
+def _events(infos: Iterable[Mapping[str, Any]], arrays: Arrays) -> tuple[Event, ...]:
+    rows = zip(infos, *(arrays[f"event_{name}"] for name in EVENT_ARRAYS), strict=True)
+    return tuple(
+        Event(info["name"], float(time), info["domain"], q, v_before, v, impulse, info["work"])
+        for info, time, q, v_before, v, impulse in rows
+    )
+
+
+# arrays
+
+
+def _header(archive: ZipFile, info: ZipInfo) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Shape and type of an array that holds as much as it says."""
+    name = info.filename.removesuffix(".npy")
+    if info.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
+        raise ValueError(f"{name} is compressed in another way")
+    with archive.open(info) as member:
+        shape, kind = _npy_header(name, member)
+        promised = member.tell() + math.prod(shape) * kind.itemsize
+    if kind.hasobject:
+        raise ValueError(f"{name} is of type object, and nothing is unpickled")
+    if promised != info.file_size or info.file_size > DENSEST * (info.compress_size + 1):
+        raise ValueError(f"{name} holds less or more than it says")
+    return shape, kind
+
+
+def _npy_header(name: str, member: IO[bytes]) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    readers = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
+    try:
+        shape, _, kind = readers[npy.read_magic(member)](member)
+    except (ArithmeticError, LookupError, MemoryError, SyntaxError, TokenError, TypeError, ValueError, struct.error):
+        raise ValueError(f"{name} is no array") from None
+    return tuple(shape), kind
+
+
+def _array(archive: ZipFile, info: ZipInfo) -> NDArray[Any]:
+    with archive.open(info) as member:
+        array: NDArray[Any] = npy.read_array(member, allow_pickle=False)
+        member.read()  # to its end, where the checksum is looked at
+    return array.astype(array.dtype.newbyteorder("="), copy=False)
+
+
+def _check_header(
+    name: str, rule: tuple[str, ...], shape: tuple[int, ...], kind: np.dtype[Any], sizes: dict[str, int]
+) -> None:
+    """Check an array's type and shape; the first with samples tells how many there are."""
+    wanted, *axes = rule
+    if kind.kind != wanted or wanted in "fi" and kind.itemsize != 8:
+        raise ValueError(f"{name} is of type {kind}; expected {KINDS[wanted]}")
+    if "samples" not in sizes and shape and shape[0]:
+        sizes["samples"] = shape[0]
+    expected = tuple(sizes.get(axis, 1) for axis in axes)
+    if shape != expected and not (axes[0] == "events" and sizes["events"] == 0 and shape == (0,)):
+        raise ValueError(f"{name} has the shape {shape}; expected {expected}: {' x '.join(axes)}")
+
+
+def _check_values(name: str, array: NDArray[Any], may_fail: bool) -> None:
+    if array.dtype.kind == "f" and not may_fail and not np.isfinite(array).all():
+        raise ValueError(f"{name} is not finite everywhere")
+    if array.dtype.kind == "U" and (array == "").any():
+        raise ValueError(f"{name} has an empty name")
+    if name in ORDERED and (np.diff(array) < 0).any():
+        raise ValueError(f"{name} runs backward")
+    if name == "cycle" and array[0] < 0:
+        raise ValueError("cycle begins below 0")
+
+
+# meta
+
+
+def _check_meta(meta: Any) -> None:
+    if not isinstance(meta, dict):
+        raise ValueError("meta is no JSON object")
+    wanted = {"format", "units", "flows", "events", *PLAIN}
+    check_keys("field of meta", meta, wanted, optional=("drives",))
+    for name, value in (("format", FORMAT), ("units", UNITS)):
+        if meta[name] != value:
+            raise BadValue(name, meta[name], repr(value))
+    for name in TEXTS:
+        if not isinstance(meta[name], str) or not meta[name]:
+            raise BadValue(name, meta[name], "text")
+    if meta["reason"] not in REASONS:
+        raise BadValue("reason", meta["reason"], f"one of {', '.join(REASONS)}")
+    for name in COUNTS:
+        if type(meta[name]) is not int or meta[name] < 0:
+            raise BadValue(name, meta[name], "a whole number >= 0")
+    for name in (*NAMES, "flows", "drives"):
+        _check_names(name, meta.get(name, []))
+    if not meta["coordinates"]:
+        raise ValueError("there are no coordinates")
+    for name in ("actuated", "spring_joints"):
+        if not set(meta[name]) <= set(meta["coordinates"]):
+            raise BadValue(name, meta[name], f"some of {', '.join(meta['coordinates'])}")
+    if not isinstance(meta["events"], list):
+        raise BadValue("events", meta["events"], "a list")
+    for event in meta["events"]:
+        if not _is_event(event):
+            raise BadValue("an event", event, "its name, domain and work")
+
+
+def _check_names(name: str, value: Any) -> None:
+    if not (isinstance(value, list) and all(isinstance(item, str) and item for item in value)):
+        raise BadValue(name, value, "a list of names")
+    if len(set(value)) < len(value):
+        raise BadValue(name, value, "no name twice")
+
+
+def _is_event(event: Any) -> bool:
+    if not isinstance(event, dict) or set(event) != {"name", "domain", "work"} or not isinstance(event["work"], dict):
+        return False
+    names = isinstance(event["name"], str) and isinstance(event["domain"], str)
+    return names and all(type(energy) in (int, float) for energy in event["work"].values())

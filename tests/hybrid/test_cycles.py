@@ -1,0 +1,135 @@
+"""What closes a cycle: a toe that hardly left the ground re-touches, and no cycle ends there."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from spear_pin import find_gait, hopping, load, simulate, simulate_many
+from spear_pin.hybrid.automaton import SHORTEST_FLIGHT, Reset
+from spear_pin.hybrid.cycles import RETOUCH, retouches
+from spear_pin.hybrid.filippov import CHATTER
+from spear_pin.hybrid.hardware import Sensing
+from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.run import run
+from spear_pin.studies.hardware import Rig, on_rig
+from spear_pin.studies.hop import durations
+from tests.hybrid.lanes import assert_agree, compiles
+
+HOPS = 4
+
+
+@pytest.fixture(scope="module")
+def gait():
+    return find_gait(hopping(load("spear_ii", locked=["boom_x"])), ["stance_torque"], {"flight_time": 0.2})
+
+
+@pytest.fixture(scope="module")
+def stiff(gait):
+    """With this spring the toe leaves the ground and comes back a few milliseconds after most touchdowns."""
+    return with_parameters(gait.system, {"stiffness": 80.0})
+
+
+@pytest.fixture(scope="module")
+def hops(gait, stiff):
+    return simulate(stiff, gait.state, HOPS)
+
+
+def lifted(trajectory, event):
+    """How long before an event the toe last lifted off, in s."""
+    return event.time - max(e.time for e in trajectory.named("lift_off") if e.time < event.time)
+
+
+class TestHop:
+    def test_every_hop_has_its_flight(self, hops):
+        assert hops.complete and hops.cycles == HOPS == len(hops.named("touchdown"))
+        for n in range(1, HOPS + 1):
+            begin, end = hops.t[hops.cycle == n][[0, -1]]
+            assert sum(begin < apex.time < end for apex in hops.named("apex")) == 1
+        assert all(lifted(hops, event) >= SHORTEST_FLIGHT for event in hops.named("touchdown"))
+
+    def test_what_does_not_fly_touches_again(self, hops):
+        assert hops.named(RETOUCH)
+        for event in hops.named(RETOUCH):
+            assert event.domain == CHATTER or lifted(hops, event) < SHORTEST_FLIGHT
+            assert event.domain == CHATTER or event.impulse[0, 1] > 0.0, "it strikes all the same"
+        assert {event.domain == CHATTER for event in hops.named(RETOUCH)} == {False, True}
+
+    def test_time_in_the_air_is_that_of_the_flight(self, gait, stiff, hops):
+        spans = durations(hops)
+        begins = [0.0, *(event.time for event in hops.named("touchdown")[:-1])]
+        for (stance, flight), begin, event in zip(spans, begins, hops.named("touchdown"), strict=True):
+            assert flight == pytest.approx(lifted(hops, event), abs=1e-12)
+            assert stance + flight == pytest.approx(event.time - begin, abs=1e-12)
+        result = run(stiff, gait.state, HOPS, Options())
+        assert [result.durations["stance"], result.durations["flight"]] == pytest.approx(spans[-1], abs=1e-12)
+
+    def test_the_ledger_closes_over_re_touches(self, hops):
+        assert len(hops.ledger.change) == HOPS
+        assert np.abs(hops.ledger.residual).max() < 1e-8
+
+    def test_every_touch_closes_a_cycle_where_none_is_too_short(self, gait, stiff, hops):
+        counted = simulate(replace(stiff, shortest_flight=0.0), gait.state, HOPS)
+        assert counted.cycles == HOPS and not counted.named(RETOUCH)
+        assert len(counted.named("apex")) < HOPS
+        touches = sorted(event.time for name in ("touchdown", RETOUCH) for event in hops.named(name))
+        times = [event.time for event in counted.named("touchdown")]
+        assert times == pytest.approx(touches[: len(times)], abs=1e-9), "the motion is the same"
+
+    @pytest.mark.slow
+    def test_a_robot_that_never_flies_long_enough(self, gait):
+        """It rebounds for 48 ms again and again; time passes, so these events do not accumulate."""
+        numbers = {"stiffness": 43.826, "damping": 1.531, "stance_torque": 7.3476, "friction": 0.8094}
+        result = run(with_parameters(gait.system, numbers), gait.state, 50, Options(1e-8))
+        assert result.reason == "no_cycle" and result.cycles < 50
+        last = [event for event in result.events if event.time > result.event("touchdown").time]
+        assert len(last) > 900 and sum(event.name == RETOUCH for event in last) > 200
+        assert last[-1].time - last[0].time > 10.0
+
+    def test_noise_makes_no_hops(self, gait):
+        """Lost commands and noise have the toe touch again in one hop of this run."""
+        rig = Rig(current_limit=8.0, sensing=Sensing(angle_noise=0.005, losses=5.0, seed=2))
+        found = on_rig(gait, rig, 3, 1e-6, progress=False)
+        assert found.complete and found.named(RETOUCH)
+        assert len(found.named("apex")) == found.cycles
+
+
+@compiles
+class TestLanes:
+    @pytest.mark.parametrize("n", [1, 64])
+    def test_as_the_reference_engine(self, gait, n):
+        rng = np.random.default_rng(0)
+        drawn = {"stiffness": rng.uniform(75.0, 90.0, n), "stance_torque": rng.uniform(4.0, 9.0, n)}
+        q, v = (np.tile(part, (n, 1)) for part in gait.state)
+        found = simulate_many(gait.system, q, v, 2, parameters=drawn)
+        few = {name: values[:8] for name, values in drawn.items()}
+        assert_agree(
+            gait.system, q[:8], v[:8], simulate_many(gait.system, q[:8], v[:8], 2, parameters=few), 2, 1e-7, few
+        )
+        assert_agree(gait.system, q[:8], v[:8], found, 2, 1e-7, few)
+
+
+class TestRule:
+    """Two toes; the first strikes, or both."""
+
+    system = SimpleNamespace(robot=SimpleNamespace(toes=("left", "right")), shortest_flight=SHORTEST_FLIGHT)
+
+    @pytest.mark.parametrize(
+        ("impact", "aloft", "expected"),
+        [
+            ((), (0.0, 0.0), False),
+            (("left",), (0.0, 1.0), True),
+            (("left",), (0.0499, 1.0), True),
+            (("left",), (0.05, 0.0), False),
+            (("left",), (np.inf, 0.0), False),
+            (("left", "right"), (0.001, 0.3), False),
+            (("left", "right"), (0.001, 0.003), True),
+        ],
+    )
+    def test_of_one_run_and_of_many(self, impact, aloft, expected):
+        reset = Reset(impact=impact)
+        assert bool(retouches(self.system, reset, np.array(aloft))) is expected
+        many = retouches(self.system, reset, np.tile(np.array(aloft)[:, None], 64))
+        assert many.shape == (64,) and (many == expected).all()
