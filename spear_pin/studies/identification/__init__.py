@@ -3,6 +3,7 @@
 from spear_pin.studies.identification.estimate import Estimate, identify
 from spear_pin.studies.identification.problem import NUISANCES, QUANTITIES
 from spear_pin.studies.identification.records import Calibration, Record, read_record
+from spear_pin.studies.identification.rounding import Rounding
 from spear_pin.studies.identification.smoothing import MovingAverage
 from spear_pin.studies.identification.trials import Trial, cut, smoothed
 
@@ -13,6 +14,7 @@ __all__ = [
     "Estimate",
     "MovingAverage",
     "Record",
+    "Rounding",
     "Trial",
     "cut",
     "identify",

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadFile
+from spear_pin.files import regular
 
 Array = NDArray[np.float64]
 
@@ -54,7 +55,7 @@ def read_columns(path: str | Path, choose: Choice) -> Columns:
     Raises:
         BadFile: the file is missing, empty, not text, or not a table of numbers.
     """
-    path = Path(path)
+    path = regular(path)
     try:
         with path.open("rb") as file:
             head = file.read(HEAD)

@@ -12,12 +12,14 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from spear_pin.errors import UnknownName
+from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.identification.problem import KNEE, NUISANCES, QUANTITIES, Problem, first_swing, pose
+from spear_pin.studies.identification.rounding import Rounding, errors, rounding
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.identification.uncertainty import nrmse_fit, scatter, whiteness
 from spear_pin.studies.release import PassiveKnee, move
@@ -27,9 +29,10 @@ Array = NDArray[np.float64]
 VARY = ("stiffness", "damping", "rest_angle")  # what the source estimates
 ALIKE = 0.98  # correlation of two estimates that cannot be told apart
 BY_CHANCE = 0.01  # probability below which residuals are not white
+UNEXPLAINED = 2.0  # times the power of noise and rounding: residuals that have more miss something
 POOR = 70.0  # percent: a model that fits worse does not describe the data
 TOLERANCE = 1e-8
-ROUNDING = 1e-6  # rad: residuals below are those of the integration
+SMALLEST = 1e-6  # rad: residuals below are those of the integration
 # ψ / r and ψ' of the losses of SciPy, of z = (r / scale)²
 LOSSES: Mapping[str, tuple[Callable[[Array], Array], Callable[[Array], Array]]] = {
     "linear": (np.ones_like, np.ones_like),
@@ -48,12 +51,14 @@ class Parameter:
         trial: number of the trial that it belongs to; None if all share it.
         value: in the quantity's unit.
         deviation: its standard deviation; infinite where the data do not tell.
+        inflation: of the deviation, by the correlation of errors of rounding.
     """
 
     name: str
     trial: int | None
     value: float
     deviation: float
+    inflation: float = 1.0
 
     @property
     def unit(self) -> str:
@@ -79,8 +84,9 @@ class Estimate:
         trials: as they were fitted.
         predicted: the model's angle for each trial, smoothed as the data were, in rad.
         fits: 100 (1 - ‖y - ŷ‖ / ‖y - ȳ‖) for each trial, MATLAB's NRMSE fit, in percent.
-        noise: standard deviation of the angle's noise before smoothing, in rad; for a robust loss that which
-            least squares would need for the same error bars.
+        noise: standard deviation of the angle's errors before smoothing, rounding among them, in rad; for a
+            robust loss that which least squares would need for the same error bars.
+        roundings: how each trial's angle was rounded, as far as its values before smoothing tell.
         whiteness: probability that white noise has residuals as correlated as these, before smoothing
             (Ljung and Box); None where the angle before smoothing is not known, or there is no noise.
         warnings: what a reader has to know.
@@ -97,6 +103,7 @@ class Estimate:
     predicted: tuple[Array, ...]
     fits: tuple[float, ...]
     noise: float
+    roundings: tuple[Rounding, ...]
     whiteness: float | None
     warnings: tuple[str, ...]
     converged: bool
@@ -121,6 +128,11 @@ class Estimate:
         return 100.0 * (1.0 - float(np.sqrt(missed / spread)))
 
     @property
+    def inflation(self) -> float:
+        """The largest of the knee's parameters."""
+        return max(p.inflation for p in self.parameters if p.name in KNEE)
+
+    @property
     def correlation(self) -> Array:
         """Correlation matrix of the parameters, in their order."""
         deviation = np.sqrt(np.diag(self.covariance))
@@ -128,6 +140,7 @@ class Estimate:
             return np.asarray(self.covariance / np.outer(deviation, deviation))
 
 
+@typed
 def identify(
     leg: PinnedLeg,
     trials: Sequence[Trial],
@@ -226,7 +239,7 @@ def _solved(
 
     bounds = np.array([entry.bounds for entry in problem.entries]).T
     tolerances = {"ftol": TOLERANCE, "xtol": TOLERANCE, "gtol": TOLERANCE}
-    return least_squares(
+    return scipy.optimize.least_squares(
         residuals, start, jacobian, bounds, x_scale="jac", loss=loss, f_scale=spread, max_nfev=100, **tolerances
     )
 
@@ -237,8 +250,12 @@ def _estimate(problem: Problem, solution: Any, loss: str, spread: float) -> Esti
     ends = np.cumsum([trial.t.size for trial in trials])[:-1]
     predicted = [problem.predicted(x, j) for j in range(len(trials))]
     residuals = [trial.used * (y - trial.angle) for y, trial in zip(predicted, trials, strict=True)]
-    unsmoothed = [problem.angle(x, j) - raw for j, trial in enumerate(trials) if (raw := trial.unsmoothed) is not None]
+    settings = [problem.setting(x, j) for j in range(len(trials))]
+    angles = [problem.angle(x, j) for j in range(len(trials))]
+    unsmoothed = [angle - raw for angle, t in zip(angles, trials, strict=True) if (raw := t.unsmoothed) is not None]
     known = len(unsmoothed) == len(trials)
+    roundings = [rounding(trial.unsmoothed, angle) for trial, angle in zip(trials, angles, strict=True)]
+    moving = [trial.t > setting.let_go for trial, setting in zip(trials, settings, strict=True)]
     found = scatter(
         residuals,
         np.split(problem.linearized(x)[1], ends),
@@ -246,13 +263,13 @@ def _estimate(problem: Problem, solution: Any, loss: str, spread: float) -> Esti
         influence=_influence(np.concatenate(residuals), loss, spread),
         unsmoothed=unsmoothed if known else None,
         used=[trial.used for trial in trials],
+        correlated=errors(angles, moving, roundings),
     )
     deviations = np.sqrt(np.diag(found.covariance))
-    settings = [problem.setting(x, j) for j in range(len(trials))]
     estimate = Estimate(
         parameters=tuple(
-            Parameter(entry.name, entry.trial, float(value), float(deviation))
-            for entry, value, deviation in zip(problem.entries, x, deviations, strict=True)
+            Parameter(entry.name, entry.trial, float(value), float(deviation), float(inflation))
+            for entry, value, deviation, inflation in zip(problem.entries, x, deviations, found.inflation, strict=True)
         ),
         covariance=found.covariance,
         condition=found.condition,
@@ -262,7 +279,8 @@ def _estimate(problem: Problem, solution: Any, loss: str, spread: float) -> Esti
         predicted=tuple(predicted),
         fits=tuple(nrmse_fit(t.angle[t.used], y[t.used]) for t, y in zip(trials, predicted, strict=True)),
         noise=found.noise,
-        whiteness=whiteness(unsmoothed) if known and found.noise > ROUNDING else None,
+        roundings=tuple(roundings),
+        whiteness=whiteness(unsmoothed) if known and found.noise > SMALLEST else None,
         warnings=(),
         converged=bool(solution.status > 0),
         integrations=integrations,
@@ -309,9 +327,16 @@ def _warnings(problem: Problem, solution: Any, estimate: Estimate) -> Iterator[s
             pull = f"{force.min():.1f} N after {since[int(np.argmin(force))]:.3f} s"
             yield f"in {trial.label} the pinned toe pulls on the ground, {pull}: it would lift off"
     if estimate.whiteness is not None and estimate.whiteness < BY_CHANCE:
-        yield (
-            f"the residuals are not white (p = {estimate.whiteness:.1g}): the model misses something, and the"
-            " standard deviations are too small"
-        )
+        coarsest = max(estimate.roundings, key=lambda each: each.step)
+        if coarsest.coarse and estimate.noise**2 < UNEXPLAINED * coarsest.variance:
+            yield (
+                f"the residuals are not white: the angle was rounded to steps of {1e3 * coarsest.step:.3g} mrad, more"
+                f" than its noise; the standard deviations take that in, up to {estimate.inflation:.1f} times larger"
+            )
+        else:
+            yield (
+                f"the residuals are not white (p = {estimate.whiteness:.1g}): the model misses something, and the"
+                " standard deviations are too small"
+            )
     if not problem.smooth_model and any(trial.smoothing for trial in estimate.trials):
         yield "the data were smoothed and the model was not: the estimates are biased"

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.kinds import typed
 from spear_pin.studies.identification.columns import read_columns
 
 Array = NDArray[np.float64]
@@ -74,6 +75,7 @@ class Record:
         return float(np.median(np.diff(self.t)))
 
 
+@typed
 def read_record(
     path: str | Path,
     *,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
-from scipy.signal import find_peaks
 
 from spear_pin.errors import BadFile, BadValue, require
+from spear_pin.kinds import typed
 from spear_pin.studies.identification.records import Record
 from spear_pin.studies.identification.smoothing import MovingAverage
 
@@ -73,6 +73,7 @@ class Trial:
         return self.angle if self.smoothing is None else self.raw
 
 
+@typed
 def smoothed(trial: Trial, smoothing: MovingAverage | None) -> Trial:
     """The trial with its angle smoothed; None leaves it as it is.
 
@@ -88,6 +89,7 @@ def smoothed(trial: Trial, smoothing: MovingAverage | None) -> Trial:
     return replace(trial, angle=smoothing(trial.angle), smoothing=smoothing, raw=trial.angle)
 
 
+@typed
 def cut(record: Record, before: float = 0.5, after: float = 1.5) -> tuple[list[Trial], list[str]]:
     """Find the releases in a record: a hold, and then the knee extends swiftly.
 
@@ -110,7 +112,9 @@ def cut(record: Record, before: float = 0.5, after: float = 1.5) -> tuple[list[T
     fall = np.zeros_like(steady)
     half = width // 2 + 1
     fall[half:-half] = steady[: -2 * half] - steady[2 * half :]
-    peaks, _ = find_peaks(fall, height=max(STEEP * fall.max(), DROP / 2), distance=max(round(APART / record.step), 1))
+    peaks, _ = scipy.signal.find_peaks(
+        fall, height=max(STEEP * fall.max(), DROP / 2), distance=max(round(APART / record.step), 1)
+    )
     found: list[tuple[int, float]] = []
     remarks: list[str] = []
     for peak in peaks:
@@ -171,7 +175,9 @@ def _onset(record: Record, steady: Array, peak: int) -> tuple[int, float] | str:
     times = np.linspace(0.0, HELD[1], 31)[1:]
     best = int(np.argmin([missed(time) for time in times]))
     around = times[max(best - 1, 0)], times[min(best + 1, times.size - 1)]
-    let_go = float(t[-1] - minimize_scalar(missed, bounds=around, method="bounded", options={"xatol": 1e-5}).x)
+    let_go = float(
+        t[-1] - scipy.optimize.minimize_scalar(missed, bounds=around, method="bounded", options={"xatol": 1e-5}).x
+    )
     if (t > let_go).sum() < 4:
         return "it is too coarsely sampled"
     if not t[0] + HOLD <= let_go < t[-1]:

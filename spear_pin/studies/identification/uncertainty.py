@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 from spear_pin.studies.identification.smoothing import MovingAverage
 
@@ -25,11 +25,13 @@ class Scatter:
         covariance: (m, m); infinite on the diagonal where the data do not tell.
         noise: standard deviation of the white noise before smoothing.
         condition: of the Jacobian with columns of length one.
+        inflation: (m,); standard deviations over those without correlated errors.
     """
 
     covariance: Array
     noise: float
     condition: float
+    inflation: Array
 
 
 def scatter(
@@ -39,12 +41,14 @@ def scatter(
     influence: tuple[Array, Array] | None = None,
     unsmoothed: Sequence[Array] | None = None,
     used: Sequence[NDArray[np.bool_]] | None = None,
+    correlated: Iterable[Array] = (),
 ) -> Scatter:
     """Covariance of a least-squares estimate from records that were smoothed, or not.
 
     White noise of variance σ² that went through F with the data leaves an estimate with the covariance
     σ² A⁻¹ (FᵀJ)ᵀ(FᵀJ) A⁻¹, A = JᵀJ, and a sum of squared residuals of σ² (tr FFᵀ - tr PFFᵀ) in the mean,
-    P projecting on the columns of J. Without smoothing, F = 1, this is σ² A⁻¹ and σ² (n - m).
+    P projecting on the columns of J. Without smoothing, F = 1, this is σ² A⁻¹ and σ² (n - m). Correlated errors
+    of covariance Σ L Lᵀ add Σ (A⁻¹ (FᵀJ)ᵀ L) (…)ᵀ; σ² is left as it is, as if residuals told nothing of them.
 
     Args:
         residuals: of each record, (n,).
@@ -53,6 +57,7 @@ def scatter(
         influence: ψ and ψ' at all residuals for a robust loss (default: those of least squares, r and 1).
         unsmoothed: the residuals before smoothing, if known: they tell the noise better.
         used: of each record, which samples count (default: all); residuals and Jacobian are 0 at the others.
+        correlated: L of errors before smoothing that are not white, (N, any) for all samples (default: none).
     """
     jacobian = np.vstack(jacobians)
     lengths = np.linalg.norm(jacobian, axis=0)
@@ -61,7 +66,7 @@ def scatter(
     count = scale.size
     condition = float(singular[0] / singular[-1]) if singular[-1] > 0 else np.inf
     if singular.size < count or singular[-1] < SINGULAR * singular[0] or (lengths == 0).any():
-        return Scatter(np.diag(np.full(count, np.inf)), np.nan, np.inf)
+        return Scatter(np.diag(np.full(count, np.inf)), np.nan, np.inf, np.ones(count))
     back = _backwards(left, jacobians, smoothings)
     if influence is None and unsmoothed is not None:
         rows = np.concatenate(unsmoothed)
@@ -73,7 +78,10 @@ def scatter(
         gain = sum(float(g[k].sum()) for g, k in zip(gains, kept, strict=True))
         variance = float(psi @ psi) / float(slope.mean()) ** 2 / max(gain - float((back**2).sum()), 1e-12)
     root = back @ (right / singular[:, None]) / scale
-    return Scatter(variance * (root.T @ root), float(np.sqrt(variance)), condition)
+    white = variance * (root.T @ root)
+    covariance = white + sum((image := root.T @ factor) @ image.T for factor in correlated)
+    inflation = np.sqrt(np.diag(covariance) / np.maximum(np.diag(white), np.finfo(float).tiny))
+    return Scatter(covariance, float(np.sqrt(variance)), condition, inflation)
 
 
 def _backwards(left: Array, jacobians: Sequence[Array], smoothings: Sequence[MovingAverage | None]) -> Array:
@@ -99,7 +107,7 @@ def whiteness(residuals: Sequence[Array], lags: int = LAGS) -> float:
         for lag in range(1, min(lags, n // 5) + 1):
             statistic += n * (n + 2.0) * (float(centred[lag:] @ centred[:-lag]) / power) ** 2 / (n - lag)
             freedom += 1
-    return float(chi2.sf(statistic, freedom)) if freedom else 1.0
+    return float(scipy.stats.chi2.sf(statistic, freedom)) if freedom else 1.0
 
 
 def nrmse_fit(measured: Array, predicted: Array) -> float:

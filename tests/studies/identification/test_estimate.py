@@ -127,6 +127,55 @@ class TestScatter:
             assert four[name].deviation == pytest.approx(one[name].deviation / 2, rel=0.25)
 
 
+class TestRounded:
+    """Angles in counts of an encoder, nothing else amiss."""
+
+    STEP = 2 * np.pi / 2048
+
+    def rounded(self, made, place=0.0, step=STEP):
+        """The trial as an encoder shows it whose counts lie somewhere."""
+        return replace(made, angle=step * (np.round(made.angle / step + place) - place))
+
+    @pytest.mark.parametrize("knee", [VISCOUS, SOFT, replace(VISCOUS, damping=2.0)])
+    def test_error_bars_hold_and_those_of_white_noise_did_not(self, knee):
+        worst = 0.0
+        for place in (0.1, 0.45, 0.8):
+            estimate = identify(LEG, [self.rounded(trial(knee), place)])
+            assert estimate.roundings[0].step == pytest.approx(self.STEP) and estimate.roundings[0].noise == 0.0
+            assert warned(estimate, "rounded to steps of 3.07 mrad, more than its noise") and estimate.inflation > 2
+            assert not warned(estimate, "misses something")
+            for name, truth in (("stiffness", knee.stiffness), ("damping", knee.damping), ("rest_angle", knee.zero)):
+                off = abs(estimate[name].value - truth) / estimate[name].deviation
+                assert off < 3.0
+                worst = max(worst, off * estimate[name].inflation)
+        assert worst > 3.0  # deviations of white noise
+
+    @pytest.mark.parametrize(("noise", "smoothing"), [(0.0, None), (0.1, MovingAverage(25))])  # of a step
+    def test_covers_the_truth(self, noise, smoothing):
+        rng, z = np.random.default_rng(11), []
+        for seed in range(12):
+            knee = PassiveKnee(rng.uniform(35, 90), rng.uniform(0.4, 2.5), 0.0, rng.uniform(0.8, 1.1))
+            step = 2 * np.pi / rng.choice([512, 2048, 8192])
+            made = trial(knee, rng.uniform(0.05, 0.1), noise * step, seed, rate=250.0, hold=0.2, duration=1.0)
+            estimate = identify(LEG, [smoothed(self.rounded(made, rng.uniform(), step), smoothing)])
+            pairs = (("stiffness", knee.stiffness), ("damping", knee.damping), ("rest_angle", knee.zero))
+            z += [(estimate[name].value - truth) / estimate[name].deviation for name, truth in pairs]
+        assert (np.abs(z) < 2).mean() >= 0.9 and np.abs(z).max() < 3.5
+        assert 0.65 < np.sqrt(np.mean(np.square(z))) < 1.35  # neither too small nor needlessly large
+
+    def test_noise_of_more_than_a_step_leaves_them_as_they_were(self):
+        made = trial(noise=self.STEP)
+        fine, coarse = identify(LEG, [made]), identify(LEG, [self.rounded(made)])
+        assert fine.inflation == 1.0 and coarse.inflation == pytest.approx(1.0, abs=1e-9)
+        assert coarse.roundings[0].noise == pytest.approx(self.STEP, rel=0.05) and coarse.warnings == fine.warnings
+        for one, other in zip(coarse.parameters, fine.parameters, strict=True):
+            assert one.deviation == pytest.approx(np.sqrt(13 / 12) * other.deviation, rel=0.05)
+
+    def test_a_model_that_misses_something_is_not_excused(self):
+        made = trial(PassiveKnee(48.0, 0.3, 1.5, 1.0))
+        assert warned(identify(LEG, [self.rounded(made)]), "the model misses something")
+
+
 class TestWarnings:
     def test_dry_friction_that_is_taken_for_viscous(self):
         knee = PassiveKnee(48.0, 0.3, 1.5, 1.0)

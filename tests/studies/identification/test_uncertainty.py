@@ -108,6 +108,17 @@ class TestScatter:
         expected = variance * estimator @ f @ f.T @ estimator.T
         np.testing.assert_allclose(np.diag(found.covariance), np.diag(expected), rtol=1e-9)
 
+    @each_smoothing
+    def test_correlated_errors(self, name):
+        f, smoothings, jacobians, estimator = problem(name)
+        residuals, factors = split(RNG.normal(size=sum(SIZES))), [RNG.normal(size=(sum(SIZES), n)) for n in (1, 3)]
+        alone, found = (scatter(residuals, jacobians, smoothings, correlated=each) for each in ((), factors))
+        through = estimator @ f @ np.hstack(factors)
+        np.testing.assert_allclose(found.covariance, alone.covariance + through @ through.T, rtol=1e-9, atol=1e-12)
+        expected = np.sqrt(np.diag(found.covariance) / np.diag(alone.covariance))
+        np.testing.assert_allclose(found.inflation, expected, rtol=1e-12)
+        assert found.noise == alone.noise and (alone.inflation == 1.0).all()
+
     def test_units_do_not_matter(self):
         _, smoothings, jacobians, _ = problem("centred")
         residuals = split(RNG.normal(size=sum(SIZES)))
