@@ -156,9 +156,7 @@ def _finding(statement: Statement, cache: Cache | None) -> Finding:
     """What checking a statement finds; a failure is not kept."""
     kept = None if cache is None else cache.get(statement.id)
     if kept is not None:
-        data = json.loads(kept)
-        value = tuple(data["value"]) if isinstance(data["value"], list) else data["value"]
-        return Finding(**data | {"value": value})
+        return Finding.of(json.loads(kept))
     finding = check(statement)
     if cache is not None and finding.verdict != "failed":
         cache.put(statement.id, json.dumps(asdict(finding)).encode())

@@ -8,12 +8,13 @@ from collections.abc import Iterable
 
 from spear_pin import __version__
 from spear_pin.studies.errata import ERRATA, Erratum
-from spear_pin.studies.statements import ASSUMPTIONS, CHAPTERS, Finding, Statement, Verdict, command_of
+from spear_pin.studies.statements import CHAPTERS, Finding, Statement, Verdict, command_of
 from spear_pin.studies.statements.tables import TABULATIONS, Cell, Rows, Tabulation
 from spear_pin.viz.report import SVG, Report
 from spear_pin.viz.report_figures import NOTHING_TO_COMPUTE, PICTURES, Picture
 from spear_pin.viz.report_playbacks import shared
 from spear_pin.viz.report_text import markdown, number, numbers, text
+from spear_pin.viz.report_verdicts import MARKS, assumptions, badge, rules
 from spear_pin.viz.template import asset, filled, script_json
 
 TITLES = {
@@ -21,12 +22,7 @@ TITLES = {
     3: "The model",
     4: "Push test and hop",
     5: "The quadruped",
-}
-MARKS: dict[Verdict, tuple[str, str]] = {  # class and sign
-    "agrees": ("agrees", "✓"),
-    "differs": ("differs", "≠"),
-    "cannot be known": ("unknown", "?"),
-    "failed": ("failed", "!"),
+    6: "Conclusions",
 }
 MOST_BYTES = 8_000_000
 ENLARGED = 1.3  # figures on a screen beside those on paper
@@ -42,7 +38,8 @@ def render(report: Report) -> str:
         "contents": _contents(report),
         "chapters": "".join(_chapter(report, chapter) for chapter in CHAPTERS),
         "playbacks": _playbacks(report),
-        "assumptions": _assumptions(),
+        "rules": rules(),
+        "assumptions": assumptions(),
         "errata": "".join(_errata(report, group, errata) for group, errata in ERRATA.items()),
         "nothing": "".join(
             f"<tr><th>{html.escape(place)}</th><td>{html.escape(why)}</td></tr>"
@@ -60,7 +57,7 @@ def _summary(report: Report) -> str:
     counts = {verdict: count for verdict, count in report.counts.items() if count or verdict != "failed"}
     total = sum(counts.values())
     tiles = "".join(
-        f'<li class="{MARKS[verdict][0]}"><strong>{count}</strong> {_badge(verdict)}</li>'
+        f'<li class="{MARKS[verdict][0]}"><strong>{count}</strong> {badge(verdict)}</li>'
         for verdict, count in counts.items()
     )
     bar = "".join(
@@ -110,8 +107,8 @@ def _chapter(report: Report, chapter: int) -> str:
 
 def _exhibits(report: Report, chapter: int) -> list[tuple[str, str, Picture | None, Tabulation | None]]:
     """Id and place of each figure and table that the report has of a chapter; what has the same id goes together."""
-    pictures = {picture.id: picture for picture in PICTURES[chapter] if picture in report.selection.pictures}
-    tables = {table.id: table for table in TABULATIONS[chapter] if table in report.selection.tabulations}
+    pictures = {picture.id: picture for picture in PICTURES.get(chapter, ()) if picture in report.selection.pictures}
+    tables = {table.id: table for table in TABULATIONS.get(chapter, ()) if table in report.selection.tabulations}
     found = []
     for name in dict.fromkeys((*pictures, *tables)):
         picture, table = pictures.get(name), tables.get(name)
@@ -144,7 +141,7 @@ def _card(
 
 def _picture(report: Report, picture: Picture) -> str:
     if picture.id in report.failures:
-        drawing = f'<p class="reason">{_badge("failed")} {html.escape(report.failures[picture.id])}</p>'
+        drawing = f'<p class="reason">{badge("failed")} {html.escape(report.failures[picture.id])}</p>'
     else:
         drawing = f'<div class="drawing">{_inline_svg(report.pictures[picture.id][SVG], picture)}</div>'
     footing = _footing(picture.assumes, f"spear report --only {picture.id} --figures svg")
@@ -171,7 +168,7 @@ def _inline_svg(svg: bytes, picture: Picture) -> str:
 
 def _tabulation(report: Report, table: Tabulation) -> str:
     if table.id in report.failures:
-        body = f'<p class="reason">{_badge("failed")} {html.escape(report.failures[table.id])}</p>'
+        body = f'<p class="reason">{badge("failed")} {html.escape(report.failures[table.id])}</p>'
     else:
         body = _grid(table.head, report.rows[table.id])
     return f"{body}<p class='caption'>{text(table.caption)}</p>{_footing(table.assumes, command_of(table.rows))}"
@@ -207,14 +204,18 @@ def _statement(statement: Statement, finding: Finding) -> str:
     found = "" if finding.value is None else f'<p class="value">{numbers(finding.value, statement.unit)}</p>'
     if statement.finds:
         found += f"<p>{text(statement.finds)}</p>"
-    if statement.criterion is not None and finding.verdict in ("agrees", "differs"):
+    found += "".join(
+        f'<p class="case">{html.escape(case.label)}: {numbers(case.value, statement.unit)}</p>'
+        for case in finding.cases
+    )
+    if statement.criterion is not None:
         found += f'<p class="criterion">Criterion: {html.escape(statement.criterion.text)}</p>'
     for remark in (finding.reason, statement.remark):
         if remark:
             found += f'<p class="remark">{text(remark)}</p>'
     return (
         f'<tr id="{statement.id}" data-verdict="{MARKS[finding.verdict][0]}">'
-        f'<td>{_badge(finding.verdict)}<p class="place">{html.escape(statement.place)}</p></td>'
+        f'<td>{badge(finding.verdict)}<p class="place">{html.escape(statement.place)}</p></td>'
         f"<td><p>{text(statement.says)}</p>{printed}</td>"
         f"<td>{found}{_footing(statement.assumes, statement.command)}</td></tr>"
     )
@@ -230,16 +231,11 @@ def _footing(assumes: Iterable[str], command: str) -> str:
     return parts
 
 
-def _badge(verdict: Verdict) -> str:
-    kind, sign = MARKS[verdict]
-    return f'<span class="badge {kind}"><i aria-hidden="true">{sign}</i>{verdict}</span>'
-
-
 def _verdict(report: Report, statements: list[Statement]) -> str:
     """Of a figure or table: it differs if anything in it does, and agrees if something does and nothing differs."""
     found = {report.findings[statement.id].verdict for statement in statements}
-    worst: tuple[Verdict, ...] = ("failed", "differs", "agrees", "cannot be known")
-    return next((_badge(verdict) for verdict in worst if verdict in found), "")
+    worst: tuple[Verdict, ...] = ("failed", "differs", "agrees", "cannot be known", "by construction")
+    return next((badge(verdict) for verdict in worst if verdict in found), "")
 
 
 def _dots(report: Report, statements: list[Statement]) -> str:
@@ -255,7 +251,7 @@ def _playbacks(report: Report) -> str:
     cards = ""
     for playback in report.selection.playbacks:
         if playback.id in report.failures:
-            stage = f'<p class="reason">{_badge("failed")} {html.escape(report.failures[playback.id])}</p>'
+            stage = f'<p class="reason">{badge("failed")} {html.escape(report.failures[playback.id])}</p>'
         else:
             stage = f'<div class="stage" data-play="{playback.id}"><button type="button">Play</button></div>'
         footing = _footing(playback.assumes, f"spear report --only {playback.id}")
@@ -264,19 +260,12 @@ def _playbacks(report: Report) -> str:
     return f'<section id="playbacks"><h2>Playbacks</h2>{cards}</section>' if cards else ""
 
 
-def _assumptions() -> str:
-    return "".join(
-        f'<tr id="assumption-{each.id}"><th>{text(each.what)}</th><td>{text(each.here)}</td></tr>'
-        for each in ASSUMPTIONS
-    )
-
-
 def _errata(report: Report, group: str, errata: Iterable[Erratum]) -> str:
     rows = ""
     for erratum in errata:
         shown = [name for name in erratum.shown_by if name in report.findings]
         links = "".join(
-            f'<li><a href="#{name}">{name.replace("-", " ")}</a> {_badge(report.findings[name].verdict)}</li>'
+            f'<li><a href="#{name}">{name.replace("-", " ")}</a> {badge(report.findings[name].verdict)}</li>'
             for name in shown
         )
         rows += (

@@ -3,11 +3,14 @@
 import ast
 import contextlib
 import importlib
+import inspect
 import io
+import json
 import re
 import shlex
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import partial
+from pathlib import Path
 
 import pytest
 
@@ -17,7 +20,10 @@ from spear_pin.studies.source_design import Q_SPEAR, SPEAR_II, quantities
 from spear_pin.studies.statements import (
     ASSUMPTIONS,
     CHAPTERS,
+    RULES,
     STATEMENTS,
+    VERDICTS,
+    Finding,
     chapter2,
     chapter4_push,
     chapter4_tables,
@@ -41,6 +47,17 @@ KNOWN = {  # typed here, from calculations of others than the functions under te
     "leg-mass-halved": (0.484, "agrees"),
     "thigh-inertia-halved": (0.359, "agrees"),
     "knee-rotor-spear-ii": (0.02723, "agrees"),
+    "knee-rotor-spear-i": (0.00816, "agrees"),
+    "flat-rotor-larger": (9.375, "agrees"),
+    "hip-rotor-spear-ii": (0.0432, "by construction"),
+    "spring-in-series": (1 / 1.01, "by construction"),
+    "spring-engaged": (1.0, "by construction"),
+    "thigh-balance": (0.008, "by construction"),
+    "rotor-energy": ((0.047, 0.027), "by construction"),
+    "shank-inertia-quadruped": (0.014 - 0.48 * 0.14**2, "agrees"),
+    "effective-rotors": (0.027, "agrees"),
+    "angle-to-place": (2.0 * 0.017452 / (9.81 * 0.04 / 8), "cannot be known"),
+    "earlier-mount-heavier": (None, "cannot be known"),
     "kinetic-energy": ((0.1636, 0.1932), "differs"),
     "potential-energy": ((18.40, 9.62), "differs"),
     "table-3.1-ratios": (0.432, "differs"),
@@ -50,18 +67,26 @@ KNOWN = {  # typed here, from calculations of others than the functions under te
     "mean-stiffness-with-motor": (51.35, "differs"),
     "mean-fit-with-motor": (86.20, "differs"),
     "mean-stiffness-no-motor": (47.99, "agrees"),
+    "mean-rest-angle-with-motor": (1.0133, "agrees"),
+    "mean-sigma-damping-with-motor": (0.5033, "agrees"),
+    "mean-sigma-damping-no-motor": (0.4067, "agrees"),
+    "mean-sigma-rest-angle-no-motor": (0.0333, "agrees"),
     "motor-stiffens": (3.37, "differs"),
     "motor-damps": (0.2733, "agrees"),
     "belt-stiffness": ((0.7256, 1.0884), "agrees"),
     "boom-damping": (3.80, "agrees"),
-    "square-of-the-ratio": ((1.0, 4.0, 19.36), "agrees"),
+    "square-of-the-ratio": ((1.0, 4.0, 19.36), "by construction"),
+    "open-circuit": (24.0**2 / 4 / ((15 * 0.115) ** 2 / 0.26), "agrees"),
+    "open-is-no-load": (34.5 / 24.0, "cannot be known"),
     "back-emf": (34.5, "agrees"),
     "back-emf-of-rotor": (2.3, "differs"),
     "speed-on-24-volts": (13.91, "cannot be known"),
     "total-mass": (43.76, "agrees"),
     "load-of-a-leg": (8.75, "agrees"),
     "hip-inertia-no-concern": ((0.188, 0.119), "cannot be known"),
-    "similar-260-w": (4.18, "differs"),
+    "similar-260-w": (4.18, "cannot be known"),
+    "rotor-a-drawback": (0.027 / 0.008, "agrees"),
+    "biped-motors": ((2 * 2.2 + 4.6) / (2.2 + 4.6), "cannot be known"),
     "motor-length": (None, "cannot be known"),
 }
 
@@ -79,6 +104,41 @@ def test_each_is_whole(statement):
     assert statement.criterion is not None or statement.unknown, "neither checked, nor said why not"
     assert statement.study is not None or statement.unknown
     assert set(statement.assumes) <= {assumption.id for assumption in ASSUMPTIONS}
+
+
+@pytest.mark.parametrize("statement", STATEMENTS, ids=lambda each: each.id)
+def test_each_has_one_way_to_its_verdict(statement):
+    """Judged, by construction or unknown; what stands in for the unknown is a reason in words."""
+    assert not (statement.built and statement.unknown)
+    assert statement.criterion is not None or not statement.built
+    if any(assumption.stands_in for assumption in statement.assumptions):
+        assert statement.built or statement.unknown, "an assumption stands in for what is not known"
+
+
+@pytest.mark.parametrize("statement", [each for each in STATEMENTS if each.others], ids=lambda each: each.id)
+def test_what_is_judged_can_be_asked_with_every_alternative(statement):
+    taken = inspect.signature(statement.study).parameters
+    for other in statement.others:
+        keyword, value = other.given
+        assert keyword in taken, f"{statement.id} rests on what it cannot be looked at without: {other.label}"
+        assert taken[keyword].default != value, "an alternative is another than what is assumed"
+
+
+def test_assumptions_are_named_by_a_statement_and_lead_one_way():
+    assert {name for statement in STATEMENTS for name in statement.assumes} == {each.id for each in ASSUMPTIONS}
+    assert not [each.id for each in ASSUMPTIONS if each.others and each.settled]
+
+
+def test_each_verdict_has_a_rule():
+    assert tuple(RULES) == VERDICTS
+
+
+def test_the_readme_counts_them():
+    text = " ".join((Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8").split())
+    found = re.search(r"Of (\d+) statements (\d+) agree, (\d+) differ, (\d+) hold by .+? and (\d+) cannot", text)
+    every, *each = map(int, found.groups())
+    assert (every, each[2]) == (len(STATEMENTS), sum(bool(statement.built) for statement in STATEMENTS))
+    assert sum(each) == every
 
 
 @pytest.mark.parametrize("statement", FOUND, ids=lambda each: each.id)
@@ -111,7 +171,7 @@ def test_known_findings(name, expected):
 def test_a_value_that_is_off_differs(name):
     statement = BY_ID[name]
     value = check(statement).value
-    for factor in (1.5, 0.5, -1.0):
+    for factor in (1.5, 0.5, -1.0, 10.0):
         off = tuple(factor * each for each in value) if isinstance(value, tuple) else factor * value
         if not statement.criterion.holds(off):
             assert check(replace(statement, study=lambda off=off: off)).verdict == "differs"
@@ -145,6 +205,42 @@ class TestCheck:
         with pytest.raises(KeyboardInterrupt):
             check(replace(self.STATEMENT, study=interrupted))
 
+    def test_by_construction(self):
+        finding = check(replace(self.STATEMENT, built="It is made so."))
+        assert (finding.verdict, finding.value, finding.reason) == ("by construction", 1.0, "It is made so.")
+
+    def test_by_construction_and_not_so_is_a_failure(self):
+        finding = check(replace(self.STATEMENT, study=lambda: 2.0, built="It is made so."))
+        assert finding.verdict == "failed" and "It is made so." in finding.reason
+
+    @pytest.mark.parametrize("value", [1.0, 2.0])
+    def test_what_stands_in_for_the_unknown_is_not_judged(self, value):
+        finding = check(replace(self.STATEMENT, study=lambda: value, assumes=("prospective-motors",)))
+        assert (finding.verdict, finding.value) == ("cannot be known", value) and "260 W" in finding.reason
+
+    @pytest.mark.parametrize(
+        ("by_gait", "verdict"),
+        [
+            ({"least_effort": 1.0, "force_lift_off": 1.05}, "agrees"),
+            ({"least_effort": 1.0, "force_lift_off": 2.0}, "cannot be known"),
+            ({"least_effort": 2.0, "force_lift_off": 2.0}, "cannot be known"),
+        ],
+    )
+    def test_a_verdict_holds_for_every_alternative(self, by_gait, verdict):
+        statement = replace(self.STATEMENT, study=lambda gait="": by_gait.get(gait, 1.0), assumes=("bound",))
+        finding = check(statement)
+        assert finding.verdict == verdict
+        assert [(case.value, case.holds) for case in finding.cases] == [(v, v < 1.1) for v in by_gait.values()]
+
+    def test_so_does_that_it_differs(self):
+        statement = replace(self.STATEMENT, study=lambda gait="": 2.0, assumes=("bound",))
+        assert check(statement).verdict == "differs"
+
+    def test_there_and_back(self):
+        statement = replace(self.STATEMENT, study=lambda gait="": (1.0, 1.0), assumes=("bound",), criterion=c.above(0))
+        finding = check(statement)
+        assert Finding.of(json.loads(json.dumps(asdict(finding)))) == finding and len(finding.cases) == 2
+
     def test_command_of_a_partial(self):
         command = command_of(partial(int.from_bytes, b"\x01", byteorder="big"))
         assert command.endswith("print(from_bytes(b'\\x01', byteorder='big'))\"")
@@ -165,6 +261,7 @@ class TestCheck:
         (c.rising(), (1.0, 2.0, 3.0), (1.0, 1.0, 3.0), "larger"),
         (c.falling(), (3.0, 2.0), (2.0, 2.0), "smaller"),
         (c.first(c.below(0.0)), (-1.0, 1.0), (1.0, -1.0), "the first below 0"),
+        (c.least(1), (2.0, 1.0, 3.0), (1.0, 1.0, 3.0), "number 2 smaller"),
     ],
 )
 def test_criteria(criterion, good, bad, words):

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.studies.cache import Cache
-from spear_pin.studies.statements import STATEMENTS
+from spear_pin.studies.statements import ASSUMPTIONS, STATEMENTS, VERDICTS
 from spear_pin.studies.statements.tables import TABULATIONS
 from spear_pin.viz.report import Report, Selection, make, select, write_figures
 from spear_pin.viz.report_figures import NOTHING_TO_COMPUTE, PICTURES
@@ -143,6 +143,17 @@ class TestPage:
         assert "".join(row.xpath(".//p[@class='value']//text()")) == "0.1636; 0.1932 kg·m²"
         assert "kinetic-energy" in report.findings
 
+    def test_alternatives_stand_in_their_row(self, tree, report):
+        (row,) = tree.xpath("//tr[@id='flight-law-sign']")
+        shown = ["".join(each.itertext()) for each in row.xpath(".//p[@class='case']")]
+        assert len(shown) == 2 and shown[0].startswith("knee commanded to 0.9 rad: 35.")
+
+    def test_verdicts_have_their_rules_and_assumptions_their_consequences(self, tree):
+        rules = tree.xpath("//section[@id='method']//span[contains(@class, 'badge')]/text()")
+        assert rules == [verdict for verdict in VERDICTS if verdict != "failed"]
+        rows = tree.xpath("//section[@id='assumptions']//tr")
+        assert len(rows) == len(ASSUMPTIONS) and all(row.xpath(".//p[@class='remark']") for row in rows)
+
     def test_the_head_counts(self, tree, report):
         shown = [int(word) for word in tree.xpath("//ul[@class='tiles']//strong/text()")]
         assert shown == [count for verdict, count in report.counts.items() if verdict != "failed"]
@@ -236,6 +247,8 @@ class TestBrowser:
         shown = "[...document.querySelectorAll('tr[data-verdict]')].filter(row => row.offsetParent).length"
         opened.run("document.querySelector('.filter [value=differs]').click()")
         assert opened.run(shown) == report.counts["differs"]
+        opened.run("document.querySelector('.filter [value=built]').click()")
+        assert opened.run(shown) == report.counts["by construction"] == 2
         opened.run("document.querySelector('.filter [value=\"\"]').click()")
         assert opened.run(shown) == len(report.findings)
 

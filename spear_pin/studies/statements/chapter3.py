@@ -35,6 +35,7 @@ STATEMENTS = (
         "kg·m²",
         (SPEAR_II.hip_inertia, SPEAR_II.knee_inertia),
         near((SPEAR_II.hip_inertia, SPEAR_II.knee_inertia), 1e-9),
+        built="The URDF has rotors and ratios by Table 2.4, and the library adds N² J.",
     ),
     Statement(
         "stator-turns",
@@ -74,12 +75,11 @@ STATEMENTS = (
         "sliding-friction",
         "(3.18)",
         "A sliding toe has F_x = μ F_y.",
-        "power of the ground on a toe that slides at 1 m/s under 1 N: as printed and corrected",
+        "power of the ground on a toe that slides at 1 m/s under 1 N, over μ: as printed and corrected",
         printed_model.friction_power,
         "W",
         criterion=first(below(0.0)),
         remark="Without the direction of the sliding, friction drives one of the two.",
-        assumes=("friction",),
     ),
     Statement(
         "reduced-stance",
@@ -119,6 +119,7 @@ STATEMENTS = (
         criterion=first(below(0.0)),
         remark="On θ₂ the printed sign pushes away. With torques positive in extension it would be right, but then "
         "(3.25) would drive.",
+        assumes=("rest-angle",),
     ),
     Statement(
         "damping-in-flight",

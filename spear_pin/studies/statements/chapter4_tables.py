@@ -17,7 +17,10 @@ BELT_STATED = (0.73, 1.09)  # N·m/rad, Section 4.1.5.1
 AVERAGED = {  # columns of Table 4.2: symbol, unit, and how far rounding may take them from the mean
     "stiffness": ("k_rot", "N·m/rad", 0.01),
     "damping": ("b", "N·m·s/rad", 0.015),
+    "rest_angle": ("RA", "rad", 0.015),
     "sigma_stiffness": ("σ of k_rot", "N·m/rad", 0.01),
+    "sigma_damping": ("σ of b", "N·m·s/rad", 0.01),
+    "sigma_rest_angle": ("σ of RA", "rad", 0.01),
     "fit": ("fit", "%", 0.015),
 }
 

@@ -78,6 +78,16 @@ def falling() -> Criterion:
     return Criterion("each smaller than the one before", lambda value: all(a > b for a, b in pairwise(_tuple(value))))
 
 
+def least(which: int) -> Criterion:
+    """One of the numbers, counted from 0, smaller than each of the others."""
+
+    def holds(value: Value) -> bool:
+        numbers = _tuple(value)
+        return all(numbers[which] < other for i, other in enumerate(numbers) if i != which)
+
+    return Criterion(f"number {which + 1} smaller than the others", holds)
+
+
 def _tuple(value: Value) -> tuple[float, ...]:
     return value if isinstance(value, tuple) else (value,)
 

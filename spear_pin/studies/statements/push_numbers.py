@@ -6,23 +6,24 @@ from itertools import product
 
 import numpy as np
 
-from spear_pin.model.bridge import Battery, Bridge, back_emf, conduction_threshold, shorted_damping
+from spear_pin.model.bridge import Battery, back_emf
 from spear_pin.model.catalogue import motor
-from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, pushed_angle, release, spear_ii
+from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, pushed_angle, release, resting_at, spear_ii
 from spear_pin.studies.reference import estimated, fitted, gears, idling
 from spear_pin.studies.source_design import SPEAR_II
 
 SPEED = 20.0  # rad/s, of the example in Section 4.1.5.3
+RATED = motor("spear_ii_knee").known("rated_power")  # W, Section 2.4.1
 
 
-def first_turns() -> tuple[float, ...]:
+def first_turns(static_rest: bool = False) -> tuple[float, ...]:
     """When the knee first turns after the release: without motor, then by rising gear ratio, in s."""
-    return tuple(float(row.release.turns[0]) for row in gears())
+    return tuple(float(row.release.turns[0]) for row in gears(static_rest))
 
 
-def frequencies() -> tuple[float, ...]:
+def frequencies(static_rest: bool = False) -> tuple[float, ...]:
     """Of the small oscillation, undamped, in Hz."""
-    return tuple(row.swing.frequency for row in gears())
+    return tuple(row.swing.frequency for row in gears(static_rest))
 
 
 def rotor_ratios() -> tuple[float, ...]:
@@ -31,9 +32,9 @@ def rotor_ratios() -> tuple[float, ...]:
     return tuple(rotor / rotors[0] for rotor in rotors)
 
 
-def rotor_share(ratio: float) -> float:
+def rotor_share(ratio: float, static_rest: bool = False) -> float:
     """Share of the rotor in the effective inertia at rest, by gear ratio."""
-    return next(row.swing.rotor_share for row in gears() if row.ratio == ratio)
+    return next(row.swing.rotor_share for row in gears(static_rest) if row.ratio == ratio)
 
 
 def resting_angle() -> float:
@@ -41,18 +42,22 @@ def resting_angle() -> float:
     return equilibrium(spear_ii(), WITH_MOTOR)
 
 
-def least_forces() -> tuple[float, ...]:
+def least_forces(static_rest: bool = False) -> tuple[float, ...]:
     """Least normal force on the toe after a release from each depth, with the motor and then without, in N."""
-    return tuple(
-        float(release(spear_ii(15.0 if motor_on else None), estimated(depth, motor_on), depth).force[:, 1].min())
-        for motor_on in (True, False)
-        for depth in DEPTHS
-    )
+    found = []
+    for motor_on, depth in product((True, False), DEPTHS):
+        leg, knee = spear_ii(15.0 if motor_on else None), estimated(depth, motor_on)
+        if static_rest:
+            knee = resting_at(leg, knee, knee.zero)
+        found.append(float(release(leg, knee, depth).force[:, 1].min()))
+    return tuple(found)
 
 
-def energy_left(depth: float = 0.10) -> float:
+def energy_left(depth: float = 0.10, static_rest: bool = False) -> float:
     """Energy of the spring at rest over that at the depth of a push, in m."""
     leg, knee = spear_ii(), WITH_MOTOR
+    if static_rest:
+        knee = resting_at(leg, knee, knee.zero)
     return ((equilibrium(leg, knee) - knee.zero) / (pushed_angle(leg, knee, depth) - knee.zero)) ** 2
 
 
@@ -71,9 +76,9 @@ def no_load_speed(volts: float = 24.0) -> float:
     return volts / emf_at_the_joint(1.0)
 
 
-def emf_over_threshold(speed: float = SPEED) -> float:
-    """Back-EMF at a speed of the joint over that from which the open bridge's diodes conduct."""
-    return emf_at_the_joint(speed) / conduction_threshold(Battery(), Bridge())
+def emf_over_battery(speed: float = SPEED) -> float:
+    """Back-EMF at a speed of the joint over the battery's voltage."""
+    return emf_at_the_joint(speed) / Battery().voltage
 
 
 def supply_difference() -> float:
@@ -81,22 +86,26 @@ def supply_difference() -> float:
     return idling()["motor, supply on"].apart
 
 
-def belt_difference() -> float:
+def belt_difference(static_rest: bool = False) -> float:
     """Largest difference of the boom's height with the belt off from that with the motor, in m."""
-    return idling()["belt taken off"].apart
+    return idling(static_rest)["belt taken off"].apart
 
 
-def peak_emf() -> tuple[float, float]:
-    """Largest back-EMF in the release, and from where on current would flow, in V."""
-    case = idling()["motor, supply on"]
-    return case.peak_emf, case.threshold
+def peak_emf(static_rest: bool = False) -> tuple[float, float]:
+    """Largest back-EMF in the release, and the battery's voltage, in V."""
+    return idling(static_rest)["motor, supply off"].peak_emf, Battery().voltage
 
 
-def shorted_over_measured(measured: float) -> float:
-    """Damping by a shorted knee motor over what the motor was found to add, in N·m·s/rad."""
-    machine = motor("spear_ii_knee")
-    short = shorted_damping(machine.known("torque_constant"), SPEAR_II.knee_ratio, machine.known("resistance"))
-    return short / measured
+def power_if_shorted(added: float) -> float:
+    """Most that the knee motor could give on its battery if its shorted phases braked no more than it adds, in W.
+
+    Shorted, they brake by N² K_v² / R; with such an R the battery drives no more than V² / 4 R into a load.
+
+    Args:
+        added: damping of the knee that the motor adds, in N·m·s/rad.
+    """
+    resistance = (SPEAR_II.knee_ratio * motor("spear_ii_knee").known("torque_constant")) ** 2 / added
+    return Battery().voltage ** 2 / (4.0 * resistance)
 
 
 def recovered() -> float:
