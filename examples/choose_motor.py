@@ -30,12 +30,14 @@ LAW = HoppingLaw(knee_touchdown=0.8)  # rad: with less of a crouch stance ends t
 def main(folder: Path) -> None:
     robot = load("spear_ii", locked=["boom_x"])
     rows = []
+    print(f"solving the hop for {len(MOTORS) * len(RATIOS)} knees, some seconds each", flush=True)
     print("motor            ratio  N²J [kg·m²]  battery  heat  impact [J a hop]  rms/continuous  margin [N·m]")
     for row in knee_drives(robot, {name: motor(name) for name in MOTORS}, RATIOS, law=LAW):
         rows.append(row)
         print(
             f"{row.motor:<16}{row.ratio:6.0f}{row.reflected_inertia:13.3f}{row.energy:9.1f}{row.heat:6.1f}"
-            f"{row.impact:8.2f}{row.thermal_load:25.2f}{row.margin:14.1f}  {row.reason}"
+            f"{row.impact:8.2f}{row.thermal_load:25.2f}{row.margin:14.1f}  {row.reason}",
+            flush=True,
         )
     able = [row for row in rows if row.can]
     for title, best in (

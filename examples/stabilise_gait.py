@@ -29,12 +29,18 @@ PUSH = {"torso_x": 0.1, "pitch": 0.1}  # m/s and rad/s, in the middle of the fir
 
 def main(folder: Path) -> None:
     bare = Gait.load("long_stride")
-    gaits = {"none": bare, "speed, one gain": speed_regulated(bare, GAIN), "linear-quadratic": regulated(bare)}
+    print("designing two kinds of feedback: some seventy strides, then sixty after pushes; half a minute", flush=True)
     print("feedback          multipliers (magnitudes)")
-    for name, gait in gaits.items():
+    gaits = {}
+    for name, designed in (
+        ("none", lambda: bare),
+        ("speed, one gain", lambda: speed_regulated(bare, GAIN)),
+        ("linear-quadratic", lambda: regulated(bare)),
+    ):
+        gaits[name] = gait = designed()
         sizes = np.sort(np.abs(gait.multipliers))[::-1]
         print(f"{name:<18}{', '.join(f'{size:.4f}' for size in sizes[:5])}, ...  ", end="")
-        print("stable" if gait.stable else "unstable")
+        print("stable" if gait.stable else "unstable", flush=True)
 
     with style():
         figure = Figure(figsize=(6.0, 3.6), layout="constrained")
@@ -44,7 +50,10 @@ def main(folder: Path) -> None:
             result = recover(gait, moment, strides=20)
             errors = result.errors
             verdict = f"recovered in {result.strides} strides" if result.recovered else "not recovered"
-            print(f"pushed, {name}: {verdict}; error in {len(errors) - 1} strides {errors[0]:.2e} -> {errors[-1]:.2e}")
+            print(
+                f"pushed, {name}: {verdict}; error in {len(errors) - 1} strides {errors[0]:.2e} -> {errors[-1]:.2e}",
+                flush=True,
+            )
             axes.semilogy(range(len(errors)), errors, marker="o", markersize=3, label=f"feedback: {name}")
         axes.set(xlabel="strides after a push in mid-flight", ylabel="distance from the fixed point")
         axes.xaxis.get_major_locator().set_params(integer=True)

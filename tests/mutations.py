@@ -185,7 +185,7 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "hybrid/simulate",
+        "hybrid/sampling",
         ["hybrid/test_simulate"],
         {
             "no sample just before an event": (
@@ -199,7 +199,18 @@ MUTATIONS = [
         ["hybrid/test_trajectory"],
         {
             "degrees in the table": ('("q", self.q, self.coordinates)', '("q", np.degrees(self.q), self.coordinates)'),
-            "the ledger's changes are not loaded": ('data["ledger_change"])', '0.0 * data["ledger_change"])'),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/trajectory_file",
+        ["hybrid/test_trajectory_file", "hybrid/test_trajectory"],
+        {
+            "the ledger's changes are not loaded": (
+                'arrays["ledger_change"])',
+                '0.0 * arrays["ledger_change"])',
+            ),
+            "numbers need not be finite": ("and not np.isfinite(array).all()", "and np.isinf(array).any()"),
+            "time may run backward": ("ORDERED = (", 'ORDERED = ("cycle", "event_time")  # ('),
         },
     ),
     *mistakes_in(

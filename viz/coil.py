@@ -127,7 +127,7 @@ def _axis(model: pin.Model, index: int, pose: Array) -> Array | None:
     joint = model.joints[index]
     if joint.nv != 1:
         return None
-    data = model.createData()
+    data = pin.Data(model)
     pin.computeJointJacobians(model, data, pin.neutral(model))
     column = pin.getJointJacobian(model, data, index, pin.ReferenceFrame.LOCAL)[3:, joint.idx_v]
     return np.asarray(pose[:3, :3] @ column) if np.linalg.norm(column) > 0.5 else None

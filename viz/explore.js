@@ -182,6 +182,7 @@
   // asking; while an answer is awaited only the latest wish is kept
 
   const query = (changes = {}) => "?" + new URLSearchParams({ ...state.knobs, ...changes, view: state.view });
+  const client = crypto.randomUUID();
   let wish = null;
   let asking = null;
 
@@ -198,9 +199,10 @@
       wish = null;
       try {
         const sent = performance.now();
-        const response = await fetch("/hop" + search);
+        const response = await fetch("/hop" + search, { headers: { [data.client]: client } });
         const hop = await response.json();
         const received = performance.now();
+        if (response.status === 409) continue; // it has something newer to compute for this page
         if (!response.ok) {
           complain(hop.error);
           if (!state.hop) wish = wish || { search: query(), keep: true, begun }; // something to begin with
@@ -276,7 +278,7 @@
     for (const [text, color] of data.legend)
       at("legend").append(make("li", {}, make("i", { style: `background:${color}` }), text));
     if (!data.engine.extra)
-      at("engine").textContent = "Without the extra fast (pip install 'spear-pin[fast]') every change takes a second or so.";
+      at("engine").textContent = "Without the extra fast (pip install '.[fast]' in the package's folder) every change takes a second or so.";
     for (const speed of data.speeds) {
       const button = make("button", { type: "button", value: speed }, speed + "×");
       button.addEventListener("click", () => setSpeed(speed));

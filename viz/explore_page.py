@@ -26,6 +26,7 @@ from spear_pin.viz.scene import Scene, moving
 from spear_pin.viz.stage import HORIZON, WORLD
 from spear_pin.viz.template import asset, css, filled, viewer_parts
 
+CLIENT = "Spear-Client"  # header by which a page tells itself from others; what comes without is one client
 RATE = 60.0  # frames per second
 READOUTS = {  # label, unit and decimals of the figures
     "apex_height": ("Apex of the hip", "m", 4),
@@ -112,6 +113,7 @@ def _opening(engine: Engine) -> dict[str, Any]:
             ["toe path", css(TRAIL_COLOR)],
         ],
         "speeds": SPEEDS,
+        "client": CLIENT,
         "aspect": scene.view.aspect,
         "distance": scene.view.distance,
         "horizon": css(HORIZON),

@@ -5,22 +5,23 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler
 from socketserver import ThreadingTCPServer
-from threading import Lock
+from threading import Condition
 from typing import Any
 from urllib.parse import parse_qsl, urlsplit
 
-from spear_pin.errors import BadValue, SpearError, UnknownName
+from spear_pin.errors import BadValue, SpearError, UnknownName, brief
 from spear_pin.studies.explore import VIEWS, Hops
 from spear_pin.studies.explore_engines import Engine
 from spear_pin.studies.explore_figures import script
 from spear_pin.studies.explore_knobs import Knobs
-from spear_pin.viz.explore_page import answer, page
+from spear_pin.viz.explore_page import CLIENT, answer, page
 
 HOST = "127.0.0.1"
 PATIENCE = 10.0  # s that a client may take to say what it wants
@@ -51,30 +52,71 @@ def _error(status: HTTPStatus, text: str, **headers: str) -> Answer:
     return _text(status, json.dumps({"error": text}), "application/json", **headers)
 
 
+class _Superseded(Exception):
+    """The same client has asked something newer."""
+
+
+class _Turns:
+    """One computation at a time, for compiled integrators have one state; of each client only the newest waits."""
+
+    def __init__(self) -> None:
+        self._changed, self._busy = Condition(), False
+        self._newest: dict[str, object] = {}
+
+    @contextmanager
+    def turn(self, client: str) -> Iterator[None]:
+        """Wait for a turn, and have it.
+
+        Raises:
+            _Superseded: the client asks for another one meanwhile.
+        """
+        own = object()
+        with self._changed:
+            self._newest[client] = own
+            self._changed.notify_all()
+            self._changed.wait_for(lambda: not self._busy or self._newest.get(client) is not own)
+            if self._newest.get(client) is not own:
+                raise _Superseded
+            del self._newest[client]
+            self._busy = True
+        try:
+            yield
+        finally:
+            with self._changed:
+                self._busy = False
+                self._changed.notify_all()
+
+    def end(self) -> None:
+        """Wait for the present turn, and give none any more."""
+        with self._changed:
+            self._changed.wait_for(lambda: not self._busy)
+            self._busy = True
+
+
 class Explorer:
-    """Answers to the page's questions; computed one at a time, for compiled integrators have one state.
+    """Answers to the page's questions, computed one at a time; of those that a client has waiting, the newest.
 
     Args:
         engine: that hops are followed with.
     """
 
     def __init__(self, engine: Engine) -> None:
-        self._lock = Lock()
+        self._turns = _Turns()
         self._hops = lru_cache(KEPT)(lambda view, knobs: VIEWS[view](knobs, engine))
         self._page = page(engine)
         for knobs in COMPILED if engine.extra else ():  # before somebody waits for it
             self._hops("settled", knobs)
-        self._routes: Mapping[str, Callable[[str, Knobs], Answer]] = {
-            "/": lambda view, knobs: _text(HTTPStatus.OK, self._page, "text/html"),
+        self._routes: Mapping[str, Callable[[str, Knobs, str], Answer]] = {
+            "/": lambda view, knobs, client: _text(HTTPStatus.OK, self._page, "text/html"),
             "/hop": self._hop,
             "/script": self._script,
         }
 
-    def answer(self, target: str) -> Answer:
-        """The answer to a request for a path with a query."""
+    def answer(self, target: str, client: str = "") -> Answer:
+        """The answer to a client's request for a path with a query; 409 if the client asks anew while it waits."""
         parts = urlsplit(target)
         if parts.path not in self._routes or not target.startswith("/"):
-            return _error(HTTPStatus.NOT_FOUND, f"there is no {parts.path}; there are {', '.join(self._routes)}")
+            return _error(HTTPStatus.NOT_FOUND, f"there is no {brief(parts.path)}; there are {', '.join(self._routes)}")
         try:
             view, knobs = read(parts.query)
         except SpearError as error:
@@ -82,16 +124,18 @@ class Explorer:
                 return _text(HTTPStatus.BAD_REQUEST, self._page, "text/html")
             return _error(HTTPStatus.BAD_REQUEST, str(error))
         try:
-            return self._routes[parts.path](view, knobs)
+            return self._routes[parts.path](view, knobs, client)
+        except _Superseded:
+            return _error(HTTPStatus.CONFLICT, "not computed: the same client has asked something newer")
         except SpearError as error:
             return _error(HTTPStatus.INTERNAL_SERVER_ERROR, str(error))
 
     def close(self) -> None:
         """Wait for what is being computed, and compute no more."""
-        self._lock.acquire()
+        self._turns.end()
 
-    def _hop(self, view: str, knobs: Knobs) -> Answer:
-        with self._lock:
+    def _hop(self, view: str, knobs: Knobs, client: str) -> Answer:
+        with self._turns.turn(client):
             begun = time.perf_counter()
             hops: Hops = self._hops(view, knobs)
             simulated = time.perf_counter()
@@ -100,8 +144,8 @@ class Explorer:
         timing = f"simulate;dur={1e3 * (simulated - begun):.1f}, draw;dur={1e3 * (drawn - simulated):.1f}"
         return _text(HTTPStatus.OK, text, "application/json", Server_Timing=timing)
 
-    def _script(self, view: str, knobs: Knobs) -> Answer:
-        with self._lock:
+    def _script(self, view: str, knobs: Knobs, client: str) -> Answer:
+        with self._turns.turn(client):
             text = script(self._hops(view, knobs))
         return _text(HTTPStatus.OK, text, "text/x-python", Content_Disposition='attachment; filename="explored_hop.py"')
 
@@ -172,7 +216,8 @@ class _Handler(BaseHTTPRequestHandler):
     timeout = PATIENCE
 
     def do_GET(self) -> None:
-        self._send(self.server.explorer.answer(self.path) if self._is_meant() else self._foreign())
+        meant = self._is_meant()
+        self._send(self.server.explorer.answer(self.path, self.headers.get(CLIENT, "")) if meant else self._foreign())
 
     def _refuse(self) -> None:
         refusal = _error(HTTPStatus.METHOD_NOT_ALLOWED, f"{self.command} is not answered; GET is", Allow="GET")
@@ -181,14 +226,25 @@ class _Handler(BaseHTTPRequestHandler):
     do_HEAD = do_POST = do_PUT = do_PATCH = do_DELETE = do_OPTIONS = do_TRACE = do_CONNECT = _refuse
 
     def _is_meant(self) -> bool:
-        """Whether the request names this machine: a foreign name that leads here is another site's."""
-        hosts = self.headers.get_all("Host", [])
+        """Whether the request names this machine and comes from its page: all else is another site's.
+
+        A foreign name may lead here, and a foreign page may ask; a browser says so by the Origin or, if it has none
+        to send, by where it fetches from.
+        """
         port = self.server.port
         suffix = "" if port == 80 else f":{port}"
-        return len(hosts) == 1 and hosts[0].strip().lower() in {HOST + suffix, "localhost" + suffix}
+        names = {HOST + suffix, "localhost" + suffix}
+        allowed = {
+            "Host": names,
+            "Origin": {f"http://{name}" for name in names},
+            "Sec-Fetch-Site": {"same-origin", "none"},
+        }
+        given = {name: [word.strip().lower() for word in self.headers.get_all(name, [])] for name in allowed}
+        return len(given["Host"]) == 1 and all(set(words) <= allowed[name] for name, words in given.items())
 
     def _foreign(self) -> Answer:
-        return _error(HTTPStatus.FORBIDDEN, f"Host has to be {HOST}:{self.server.port} or localhost:{self.server.port}")
+        names = f"{HOST}:{self.server.port} or localhost:{self.server.port}"
+        return _error(HTTPStatus.FORBIDDEN, f"Host has to be {names}, and the request no other page's")
 
     def _send(self, what: Answer) -> None:
         always = {

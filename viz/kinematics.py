@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 def local_poses(model: pin.Model, q: Array) -> Array:
     """Pose of each joint in its parent joint, (frames, joints, 4, 4), the world at index 0."""
-    data = model.createData()
+    data = pin.Data(model)
     poses = np.tile(np.eye(4), (len(q), model.njoints, 1, 1))
     for frame, configuration in enumerate(q):
         pin.forwardKinematics(model, data, configuration)

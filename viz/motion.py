@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import pinocchio as pin
@@ -25,6 +25,7 @@ class EventLike(Protocol):
     def time(self) -> float: ...  # noqa: D102
 
 
+@runtime_checkable
 class TrajectoryLike(Protocol):
     """What can be played.
 
@@ -52,6 +53,31 @@ class TrajectoryLike(Protocol):
     def spring_joints(self) -> Sequence[str]: ...  # noqa: D102
     @property
     def engaged(self) -> ArrayLike: ...  # noqa: D102
+
+
+@dataclass(frozen=True)
+class Part:
+    """A stretch of a longer trajectory, as can be played; attributes as `TrajectoryLike`'s.
+
+    Attributes:
+        whole: when the trajectory begins and ends, in s.
+    """
+
+    t: Array
+    q: Array
+    domain: NDArray[np.str_]
+    force: Array
+    events: Sequence[EventLike]
+    spring_joints: Sequence[str]
+    engaged: NDArray[np.bool_]
+    whole: tuple[float, float]
+
+    @property
+    def said(self) -> str:
+        """Which part it is, in words."""
+        begin, end = self.whole
+        here = "first" if self.t[0] == begin else "last" if self.t[-1] == end else "middle"
+        return f"the {here} {np.ptp(self.t):.1f} s of {end - begin:.1f} s, from {self.t[0]:.1f} to {self.t[-1]:.1f} s"
 
 
 @dataclass(frozen=True)
@@ -97,6 +123,38 @@ class Motion:
     def duration(self) -> float:
         """How long it lasts, in s."""
         return float(self.t[-1])
+
+
+def first(trajectory: TrajectoryLike, seconds: float) -> Part:
+    """The beginning of a trajectory; see `between`."""
+    begin = float(read_times(trajectory)[0])
+    return between(trajectory, begin, begin + seconds)
+
+
+def last(trajectory: TrajectoryLike, seconds: float) -> Part:
+    """The end of a trajectory; see `between`."""
+    end = float(read_times(trajectory)[-1])
+    return between(trajectory, end - seconds, end)
+
+
+def between(trajectory: TrajectoryLike, begin: float, end: float) -> Part:
+    """The samples and events of a trajectory from one time to another, in s.
+
+    Raises:
+        BadValue: the trajectory's times are no times.
+    """
+    t = read_times(trajectory)
+    rows = slice(*np.searchsorted(t, [begin, np.nextafter(end, np.inf)]))
+    return Part(
+        t=t[rows],
+        q=np.asarray(trajectory.q)[rows],
+        domain=np.asarray(trajectory.domain)[rows],
+        force=np.asarray(trajectory.force)[rows],
+        events=tuple(event for event in trajectory.events if begin <= event.time <= end),
+        spring_joints=trajectory.spring_joints,
+        engaged=np.asarray(trajectory.engaged)[rows],
+        whole=(float(t[0]), float(t[-1])),
+    )
 
 
 def resample(robot: Robot, trajectory: TrajectoryLike, rate: float) -> Motion:

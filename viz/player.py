@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import base64
 import html
-import os
 import re
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from spear_pin.errors import BadValue
+from spear_pin.files import atomic
+from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.viz import commands as c
 from spear_pin.viz.marks import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
-from spear_pin.viz.motion import Motion, TrajectoryLike, read_times, resample
+from spear_pin.viz.motion import Motion, Part, TrajectoryLike, last, read_times, resample
 from spear_pin.viz.scene import Scene, moving, still
 from spear_pin.viz.stage import HORIZON
 from spear_pin.viz.template import asset, css, filled, viewer_parts
@@ -25,9 +27,12 @@ from spear_pin.viz.template import asset, css, filled, viewer_parts
 MOST_BYTES = 2_000_000
 # frames per second; more frames than this never fit
 BEST_RATE, WORST_RATE, MOST_FRAMES = 120.0, 10.0, 10_000
+PART_RATE = 30.0  # of what is cut out of a longer trajectory
+SHORTEST = 0.5  # s of it
 SPEEDS = (1.0, 0.25, 0.1)
 
 
+@typed
 def record(robot: Robot, trajectory: TrajectoryLike, path: str | Path, *, title: str = "") -> Path:
     """Write one HTML file that plays a trajectory in any browser, without server or network.
 
@@ -44,31 +49,68 @@ def record(robot: Robot, trajectory: TrajectoryLike, path: str | Path, *, title:
         The path of the file.
 
     Raises:
-        BadValue: the trajectory cannot be played or is too long for a file of 2 MB, or there is no
-            such folder.
+        BadValue: the trajectory cannot be played or is too long for a file of 2 MB (see `shortened`), or
+            there is no such folder.
+        BadFile: the file cannot be written.
         UnknownName: a spring's joint is not one of the robot's.
     """
     path = Path(path)
     if path.is_dir() or not path.parent.is_dir():
         raise BadValue("path", str(path), "a file in an existing folder")
-    _write(path, page(robot, trajectory, title=title).encode())
+    text = page(robot, trajectory, title=title).encode()
+    with atomic(path) as temporary:
+        temporary.write_bytes(text)
     return path
 
 
+@typed
 def page(robot: Robot, trajectory: TrajectoryLike, *, title: str = "") -> str:
     """The text of the page that `record` writes, with as many frames as it may hold."""
     rate = _first_rate(trajectory)
     while rate >= WORST_RATE:
-        motion = resample(robot, trajectory, rate)
-        scene = moving(robot, motion)
-        animation = _base64(c.set_animation(scene.clips, motion.duration))
-        text = _page(motion, scene, animation, title or robot.name)
-        room = MOST_BYTES - (len(text.encode()) - len(animation))
-        if room >= len(animation):
+        text, share = _attempt(robot, trajectory, rate, title or robot.name)
+        if share >= 1.0:
             return text
-        rate *= min(0.95 * room / len(animation), 0.95)
+        if rate == WORST_RATE:
+            break
+        rate = max(WORST_RATE, rate * min(0.95 * share, 0.95))
     problem = f"{np.ptp(read_times(trajectory)):.4g} s long"
-    raise BadValue("trajectory", problem, f"a shorter piece, that fits into a page of {MOST_BYTES} bytes")
+    expected = f"a shorter piece, that fits into a page of {MOST_BYTES} bytes: `shortened` makes one"
+    raise BadValue("trajectory", problem, expected)
+
+
+def shortened(
+    robot: Robot, trajectory: TrajectoryLike, piece: Callable[[TrajectoryLike, float], Part] = last
+) -> TrajectoryLike:
+    """What a page can show of a trajectory: all of it, or a part, with some `PART_RATE` frames a second.
+
+    Args:
+        robot: the robot that moves.
+        trajectory: what it does.
+        piece: cuts so many seconds out of it, `motion.first` or `motion.last`.
+
+    Raises:
+        BadValue: the trajectory cannot be played.
+        UnknownName: a spring's joint is not one of the robot's.
+    """
+    if _first_rate(trajectory) >= WORST_RATE and _attempt(robot, trajectory, WORST_RATE, robot.name)[1] >= 1.0:
+        return trajectory
+    seconds = min(float(np.ptp(read_times(trajectory))), MOST_FRAMES / PART_RATE)
+    part = piece(trajectory, seconds)
+    while seconds > SHORTEST and _attempt(robot, part, PART_RATE, robot.name)[1] < 1.0:
+        seconds /= 1.25
+        part = piece(trajectory, seconds)
+    return part
+
+
+def _attempt(robot: Robot, trajectory: TrajectoryLike, rate: float, title: str) -> tuple[str, float]:
+    """A page with so many frames a second, and the room for its animation by what that takes: too little below 1."""
+    motion = resample(robot, trajectory, rate)
+    scene = moving(robot, motion)
+    animation = _base64(c.set_animation(scene.clips, motion.duration))
+    notes = [f"shown: {trajectory.said}"] if isinstance(trajectory, Part) else []
+    text = _page(motion, replace(scene, notes=(*notes, *scene.notes)), animation, title)
+    return text, (MOST_BYTES - (len(text.encode()) - len(animation))) / len(animation)
 
 
 def live(robot: Robot, trajectory: TrajectoryLike, *, speed: float = 1.0) -> Any:
@@ -150,17 +192,6 @@ def in_words(name: str) -> str:
 
 def _base64(command: c.Command) -> str:
     return base64.b64encode(c.pack(command)).decode()
-
-
-def _write(path: Path, text: bytes) -> None:
-    temporary = path.parent / f".{uuid4().hex}.part"
-    try:
-        temporary.write_bytes(text)
-        os.replace(temporary, path)
-    except OSError as error:
-        raise BadValue("path", str(path), f"a file that can be written ({error.strerror})") from None
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 class _Raw:

@@ -25,6 +25,7 @@ from spear_pin.errors import BadValue
 from spear_pin.files import atomic
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.kinds import typed
 from spear_pin.model.loading import load
 
 Span = tuple[int, int]  # first and last sample
@@ -47,6 +48,7 @@ FLOWS = {  # label and colour of the energy flows, in the order of stacking
 NEGLIGIBLE = 1e-3  # of the largest flow: too little to be seen
 
 
+@typed
 def joint_angles(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
     """Hip and knee angles over time, with the angles latched at touchdown by the springs.
 
@@ -63,6 +65,7 @@ def joint_angles(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
         return figure
 
 
+@typed
 def ground_force(trajectory: Trajectory) -> Figure:
     """Ground force on each toe over time, tangential and normal; impulses at touchdown are not in it."""
     with style():
@@ -71,6 +74,7 @@ def ground_force(trajectory: Trajectory) -> Figure:
         return figure
 
 
+@typed
 def knee_torque(trajectory: Trajectory, joint: str = "knee") -> Figure:
     """Torque on a knee over time, positive in flexion, split into motor, spring and damping."""
     with style():
@@ -79,6 +83,7 @@ def knee_torque(trajectory: Trajectory, joint: str = "knee") -> Figure:
         return figure
 
 
+@typed
 def energy_per_hop(trajectory: Trajectory) -> Figure:
     """The energy ledger as stacked bars, one a hop: into the mechanism upward, out of it downward.
 
@@ -94,6 +99,7 @@ def energy_per_hop(trajectory: Trajectory) -> Figure:
         return figure
 
 
+@typed
 def boom_height(trajectory: Trajectory) -> Figure:
     """Height of the hip over time, and how far the toe is above the ground."""
     with style():
@@ -105,6 +111,7 @@ def boom_height(trajectory: Trajectory) -> Figure:
         return figure
 
 
+@typed
 def hop_summary(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
     """Everything at a glance: height and energy of all hops; force, angles and torque of the first two.
 
@@ -133,6 +140,7 @@ def hop_summary(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
         return figure
 
 
+@typed
 def save_figure(figure: Figure, path: str | Path) -> Path:
     """Write a figure, whole or not at all, in the format of the path's suffix.
 

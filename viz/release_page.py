@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.push_test import Release
 from spear_pin.studies.release import PassiveKnee
-from spear_pin.viz.player import record
+from spear_pin.viz.motion import TrajectoryLike, first
+from spear_pin.viz.player import record, shortened
 
 Array = NDArray[np.float64]
 
@@ -38,7 +39,7 @@ class _Played:
 
 
 def record_release(leg: PinnedLeg, knee: PassiveKnee, release: Release, path: str | Path, *, title: str = "") -> Path:
-    """Write one HTML file that plays a release, see `spear_pin.viz.player.record`.
+    """Write one HTML file that plays a release, see `spear_pin.viz.player.record`; of a long one the beginning.
 
     Args:
         leg: that was released.
@@ -48,8 +49,13 @@ def record_release(leg: PinnedLeg, knee: PassiveKnee, release: Release, path: st
         title: shown above.
 
     Raises:
-        BadValue: the motion is too long for a page, or there is no such folder.
+        BadValue: there is no such folder.
     """
+    return record(leg.robot, playback(leg, knee, release), path, title=title)
+
+
+def playback(leg: PinnedLeg, knee: PassiveKnee, release: Release) -> TrajectoryLike:
+    """What a page shows of a release: the hand's hold, and as much of the motion as a page holds."""
     q = leg.configuration(release.angle).T
     held = float(release.angle[0])
     sinking = float(leg.configuration.derivative().at(held)[0])  # of the hip, in m/rad
@@ -69,4 +75,4 @@ def record_release(leg: PinnedLeg, knee: PassiveKnee, release: Release, path: st
         spring_joints=(leg.joint,),
         engaged=np.ones((release.t.size + 2, 1), dtype=bool),
     )
-    return record(leg.robot, played, path, title=title)
+    return shortened(leg.robot, played, first)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from matplotlib.figure import Figure
-from scipy.stats import binomtest
 
 from spear_pin.studies.robustness import Robustness
 from spear_pin.viz.plots import BLUE, style
@@ -26,7 +26,7 @@ def robustness_figure(found: Robustness) -> Figure:
         for name, axes in zip(names, panels.flat, strict=False):
             order = np.argsort(found.drawn[name])
             for part in np.array_split(order, min(BINS, len(order))):
-                counted = binomtest(int(found.survives[part].sum()), len(part))
+                counted = scipy.stats.binomtest(int(found.survives[part].sum()), len(part))
                 bounds = counted.proportion_ci(0.95)
                 middle, share = float(np.median(found.drawn[name][part])), counted.statistic
                 axes.plot([middle, middle], [bounds.low, bounds.high], color=BLUE, linewidth=0.8)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, MissingProgram, SpearError
 from spear_pin.files import atomic
+from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.viz.chromium import Browser
 from spear_pin.viz.motion import TrajectoryLike, read_times
@@ -37,6 +38,7 @@ SHOW = """new Promise((done) => {
 })"""
 
 
+@typed
 def still(
     robot: Robot, trajectory: TrajectoryLike, path: str | Path, *, time: float, size: Size = SIZE, title: str = ""
 ) -> Path:
@@ -66,6 +68,7 @@ def still(
     return Path(path)
 
 
+@typed
 def film(
     robot: Robot,
     trajectory: TrajectoryLike,

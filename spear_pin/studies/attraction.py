@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.batch import simulate_many
+from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
 NEAR = 0.01  # m, rad, m/s, rad/s
@@ -35,6 +36,7 @@ class Attraction:
         return float(np.isfinite(self.cycles).mean()) if len(self.cycles) else float("nan")
 
 
+@typed
 def attraction(
     gait: Gait,
     q: ArrayLike,
@@ -79,6 +81,7 @@ def attraction(
     return Attraction(taken, reason.astype(str))
 
 
+@typed
 def dropped(gait: Gait, clearances: ArrayLike, knees: ArrayLike) -> tuple[Array, Array]:
     """SPEAR-II held still in the air, its toe below the hip, over a grid: what it may be let go from.
 

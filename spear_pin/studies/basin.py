@@ -14,6 +14,7 @@ from spear_pin.hybrid.automaton import OPEN
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.record import Moment, Options
 from spear_pin.hybrid.run import run
+from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
 RECOVERED = 0.01  # of the first section error
@@ -45,6 +46,7 @@ class Recovery:
         return self.strides is not None
 
 
+@typed
 def midway(gait: Gait, phase: str, fraction: float = 0.5, rtol: float = 1e-9) -> Moment:
     """The gait's own state in the middle of a phase.
 
@@ -74,6 +76,7 @@ def midway(gait: Gait, phase: str, fraction: float = 0.5, rtol: float = 1e-9) ->
     raise BadValue("fraction", fraction, "a time within the phase")
 
 
+@typed
 def pushed(
     gait: Gait, moment: Moment, q: Mapping[str, float] | None = None, v: Mapping[str, float] | None = None
 ) -> Moment:
@@ -96,6 +99,7 @@ def pushed(
     return replace(moment, q=parts[0], v=parts[1])
 
 
+@typed
 def recover(gait: Gait, moment: Moment, strides: int = 25, rtol: float = 1e-8) -> Recovery:
     """Run on from a disturbed moment in the full automaton, and see whether the gait comes back.
 
@@ -120,6 +124,7 @@ def recover(gait: Gait, moment: Moment, strides: int = 25, rtol: float = 1e-8) -
     return Recovery(errors, domains, result.reason, result.message, settled)
 
 
+@typed
 def basin(
     gait: Gait,
     phase: str,
@@ -158,6 +163,7 @@ def basin(
     return result
 
 
+@typed
 def airborne(gait: Gait) -> tuple[str, ...]:
     """Names of the gait's phases with no toe on the ground."""
     return tuple(dict.fromkeys(d.phase for d in gait.system.domains if all(mode == OPEN for mode in d.contacts)))

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import trapezoid
 
 from spear_pin.errors import BadValue, NoGait, require
 from spear_pin.gaits.bounding import SPEED_BY
@@ -19,6 +18,7 @@ from spear_pin.gaits.search import Measure, find_gait
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.trajectory import Event, Trajectory
+from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
@@ -29,9 +29,11 @@ NEAR = 1e-3  # s: around its own events a toe is near the ground in flight
 UNLOADED = 1e-3  # N: below, the ratio of two forces means nothing
 INSTANT = 1e-12  # s: an event's time and its samples' may differ by rounding
 SPEED_STEP, SHORTEST_STEP = 0.25, 0.06  # m/s
+FARTHEST = 1.0  # m/s from a gait's own speed; no gait that ships can be continued so far
 PATIENCE = 12  # iterations of the solver for a step; one that succeeds takes six to nine
 
 
+@typed
 def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     """Figures of a bounding gait, from the gait and a trajectory of it, SI units and radians.
 
@@ -120,11 +122,13 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     }
 
 
+@typed
 def weight(robot: Robot) -> float:
     """Weight of a robot, in N."""
     return float(-robot.mass * robot.model.gravity.linear[2])
 
 
+@typed
 def mean_speed(gait: Gait, rtol: float = 1e-8) -> float:
     """Mean forward speed of a gait, in m/s, from one cycle of it.
 
@@ -137,6 +141,7 @@ def mean_speed(gait: Gait, rtol: float = 1e-8) -> float:
     return float(gait.system.measures["mean_speed"](result))
 
 
+@typed
 def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], object] = lambda n, norm: None) -> Gait:
     """The gait at another mean speed, continued in small steps; β_sp is what is solved for.
 
@@ -144,15 +149,17 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
 
     Args:
         gait: a bounding gait.
-        speed: mean forward speed, in m/s.
+        speed: mean forward speed, in m/s, within `FARTHEST` of the gait's own.
         on_iteration: called with the iteration and the residual of the solver.
 
     Raises:
-        BadValue: the speed is not positive.
+        BadValue: the speed is not positive, or too far from the gait's own.
         NoGait: there is none at this speed, or it cannot be reached from here.
     """
     require("speed", speed, lambda v: v > 0, "a number > 0, in m/s")
     law, begin = gait.system.law, mean_speed(gait)
+    expected = f"within {FARTHEST:g} m/s of the gait's own, {begin:.2f}"
+    require("speed", speed, lambda v: abs(v - begin) <= FARTHEST + 1e-6, expected)
     gait = gait.with_law(feedback=(), speed_gain=(0.0, 0.0))
     reached, step = begin, SPEED_STEP
     while reached != speed:
@@ -289,9 +296,9 @@ class _Stride:
                 joint: float(torque[~self.bears[leg_of[i]], i].max()) for i, joint in enumerate(joints)
             },
             "peak_speed": {joint: float(np.abs(rate[:, i]).max()) for i, joint in enumerate(joints)},
-            "cost_of_transport": float(trapezoid(np.abs(power).sum(axis=1), self.t)) / work,
-            "cost_of_transport_positive": float(trapezoid(np.maximum(power, 0.0).sum(axis=1), self.t)) / work,
-            "effort": float(trapezoid((self.u**2).sum(axis=1), self.t)) / self.stride,
+            "cost_of_transport": float(np.trapezoid(np.abs(power).sum(axis=1), self.t)) / work,
+            "cost_of_transport_positive": float(np.trapezoid(np.maximum(power, 0.0).sum(axis=1), self.t)) / work,
+            "effort": float(np.trapezoid((self.u**2).sum(axis=1), self.t)) / self.stride,
         }
 
     def _bearing(self, leg: Leg) -> Mask:

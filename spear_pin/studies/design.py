@@ -19,7 +19,11 @@ from spear_pin.gaits.collocation import Solution
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.optimize import search
 from spear_pin.gaits.request import Request
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import rebuilt
 from spear_pin.hybrid.simulate import simulate
+from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive, drawn_power
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
@@ -106,6 +110,7 @@ class Member:
     reason: str = ""
 
 
+@typed
 def points(gait: Gait, part: str = "knee", stiffness: float | None = None) -> Points:
     """Operating points of the knees or hips over one stride.
 
@@ -123,12 +128,19 @@ def points(gait: Gait, part: str = "knee", stiffness: float | None = None) -> Po
     """
     if part not in ("knee", "hip"):
         raise UnknownName("part of a leg", part, ("knee", "hip"))
-    system = gait.system
-    if stiffness is not None:
-        spring = Spring(PAIR * stiffness, system.spring.damping, system.spring.unilateral)
-        system = system.build(system.robot, system.law, spring, system.contact)
-    trajectory = simulate(system, gait.state, progress=False)
-    legs = legs_of(system.robot)
+    system = gait.system if stiffness is None else sprung(gait.system, stiffness)
+    return points_of(system.robot, simulate(system, gait.state, progress=False), part)
+
+
+def sprung(system: HybridSystem, stiffness: float) -> HybridSystem:
+    """A bounding system with knee springs of another stiffness a leg, in N·m/rad."""
+    spring = Spring(PAIR * stiffness, system.spring.damping, system.spring.unilateral)
+    return rebuilt(system, spring=spring)
+
+
+def points_of(robot: Robot, trajectory: Trajectory, part: str) -> Points:
+    """Operating points of the knees ("knee") or hips ("hip") over a stride of a robot."""
+    legs = legs_of(robot)
     columns = [leg.motors[("hip", "knee").index(part)] for leg in legs]
     rows = [leg.knee if part == "knee" else leg.hip for leg in legs]
     bears = np.stack([trajectory.force[:, i].any(axis=1) for i in range(len(legs))], axis=1)
@@ -140,6 +152,7 @@ def points(gait: Gait, part: str = "knee", stiffness: float | None = None) -> Po
     return Points(trajectory.t, trajectory.u[:, columns] / PAIR, trajectory.v[:, rows], bears, since, until)
 
 
+@typed
 def spring_sweep(gait: Gait, stiffnesses: Sequence[float] = STIFFNESSES) -> dict[float, Points]:
     """Knee motor torque for springs of other stiffness on the same gait, Figs. 5.5 and 5.6.
 
@@ -150,6 +163,7 @@ def spring_sweep(gait: Gait, stiffnesses: Sequence[float] = STIFFNESSES) -> dict
     return {stiffness: points(gait, "knee", stiffness) for stiffness in stiffnesses}
 
 
+@typed
 def against(given: Points, drive: Drive) -> EnvelopeUse:
     """Operating points against a drive's torque-speed envelope, Fig. 5.8."""
     margin = np.asarray(drive.margin(given.torque, given.speed))
@@ -166,6 +180,7 @@ def against(given: Points, drive: Drive) -> EnvelopeUse:
     )
 
 
+@typed
 def electrical_cost(gait: Gait, knee: Drive, regeneration: float = 0.0) -> float:
     """Cost of transport of what the knee motors draw and the hips' positive mechanical power.
 

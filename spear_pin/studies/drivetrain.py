@@ -19,6 +19,7 @@ from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.search import Measure, find_gait
 from spear_pin.hybrid.hardware import with_hardware
 from spear_pin.hybrid.simulate import simulate
+from spear_pin.kinds import typed
 from spear_pin.model.bridge import Battery
 from spear_pin.model.catalogue import gearbox
 from spear_pin.model.motor import Drive, Gearbox, Motor, drawn_power
@@ -165,6 +166,7 @@ def knee_drives(
     return rows()
 
 
+@typed
 def knee_inertia(robot: Robot, law: HoppingLaw) -> float:
     """What a torque on the knee alone has to accelerate in the air, at the touchdown angles, in kg·m²."""
     q = np.zeros(robot.nq)
@@ -174,6 +176,7 @@ def knee_inertia(robot: Robot, law: HoppingLaw) -> float:
     return float(1.0 / np.linalg.inv(robot.mass_matrix(q))[knee, knee])
 
 
+@typed
 def judged(motor: str, drive: Drive, gait: Gait) -> KneeDrive:
     """The figures of a hop with a drive, and what speaks against it.
 

@@ -6,17 +6,20 @@ all energies here are of the whole robot. A `Drive` is of one motor: of a pair t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.cycles import RETOUCH
 from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive
 from spear_pin.studies.bound import weight
 from spear_pin.studies.published_costs import CostPoint, Kind
@@ -104,6 +107,7 @@ class EnergyFlow:
 MECHANICAL = ("damping", "friction", "impact", "released", "slip")  # losses behind the motors
 
 
+@typed
 def energy_flow(system: HybridSystem, trajectory: Trajectory, skip: int = 0) -> EnergyFlow:
     """Energy flow of a trajectory with hardware.
 
@@ -181,6 +185,7 @@ class Costs:
         return {name: energy / (self.weight * self.rise) for name, energy in self.energy.items()}
 
 
+@typed
 def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] | None = None, skip: int = 0) -> Costs:
     """What a gait costs, the mean of whole cycles.
 
@@ -251,7 +256,9 @@ def _battery_power(system: HybridSystem, trajectory: Trajectory) -> Array:
     slope = np.zeros_like(trajectory.current)
     for run in _runs(trajectory):
         if len(run) > 1:
-            slope[run] = PchipInterpolator(trajectory.t[run], trajectory.current[run])(trajectory.t[run], 1)
+            slope[run] = scipy.interpolate.PchipInterpolator(trajectory.t[run], trajectory.current[run])(
+                trajectory.t[run], 1
+            )
     actuators, rates = system.hardware.actuators, _rates(trajectory)
     return np.array(
         [
@@ -273,20 +280,23 @@ def _halves(trajectory: Trajectory, chosen: NDArray[np.bool_], power: Array) -> 
             continue
         t = trajectory.t[kept]
         fine = np.interp(np.linspace(0, len(t) - 1, FINE * (len(t) - 1) + 1), np.arange(len(t)), t)
-        watts = PchipInterpolator(t, power[kept])(fine)
+        watts = scipy.interpolate.PchipInterpolator(t, power[kept])(fine)
         parts += np.trapezoid(np.stack([np.maximum(watts, 0.0), np.maximum(-watts, 0.0)]), fine, axis=1)
     n = len(np.unique(trajectory.cycle[chosen]))
     return parts[0] / n, parts[1] / n
 
 
 def _rise(trajectory: Trajectory, skip: int) -> float:
-    """Mean height of the apexes of whole cycles above the lift-offs before them, in m; NaN if there are none."""
+    """Mean height of the flights' apexes above the lift-offs before them, in m; NaN if there are none."""
     begin, end = trajectory.t[_chosen(trajectory, skip)][[0, -1]]
-    rises, left = [], None
+    rises, left, highest = [], None, math.nan
     for event in trajectory.events:
         if event.name == "lift_off":
             left = event
         elif event.name == "apex" and left is not None and begin <= event.time <= end:
             vertical = trajectory.coordinates.index("boom_z")
-            rises.append(float(event.q[vertical] - left.q[vertical]))
-    return float(np.mean(rises)) if rises else float("nan")
+            highest = float(event.q[vertical] - left.q[vertical])
+        elif event.name in ("touchdown", RETOUCH):
+            rises += [highest] if event.name == "touchdown" and math.isfinite(highest) else []
+            highest = math.nan
+    return float(np.mean(rises)) if rises else math.nan

@@ -6,10 +6,9 @@ import textwrap
 
 import numpy as np
 
-from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.studies.energetics import costs
 from spear_pin.studies.explore import Hops
-from spear_pin.studies.hop import spring_share
+from spear_pin.studies.hop import durations, spring_share
 
 
 def figures(hops: Hops) -> dict[str, float | None]:
@@ -26,11 +25,12 @@ def figures(hops: Hops) -> dict[str, float | None]:
     torque = trajectory.u[:, trajectory.actuated.index("knee")]
     whole = trajectory.cycles > 0
     apexes = [float(event.q[trajectory.coordinates.index("boom_z")]) for event in trajectory.named("apex")]
+    stance, flight = durations(trajectory).max(axis=0).tolist() if whole else (None, None)
     peak_torque = float(np.abs(torque).max())
     return {
         "apex_height": max(apexes, default=None),
-        "flight_time": _longest(trajectory, "flight") if whole else None,
-        "stance_time": _longest(trajectory, "stance") if whole else None,
+        "flight_time": flight,
+        "stance_time": stance,
         "peak_force": float(trajectory.force[:, 0, 1].max()),
         "peak_torque": peak_torque,
         "rotor_torque": peak_torque / hops.knobs.knee_ratio,
@@ -38,12 +38,6 @@ def figures(hops: Hops) -> dict[str, float | None]:
         "motor_work": costs(hops.knobs.system, trajectory).energy["mechanical_positive"] if whole else None,
         "spring_share": spring_share(trajectory) if whole else None,
     }
-
-
-def _longest(trajectory: Trajectory, phase: str) -> float:
-    """Seconds that a whole cycle spends in a phase at most; it spends them in one piece."""
-    spans = [trajectory.t[(trajectory.cycle == n + 1) & (trajectory.phase == phase)] for n in range(trajectory.cycles)]
-    return max(float(np.ptp(span)) if span.size else 0.0 for span in spans)
 
 
 def script(hops: Hops) -> str:

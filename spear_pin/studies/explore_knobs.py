@@ -15,6 +15,7 @@ from spear_pin.hybrid.contact import Contact
 from spear_pin.model.loading import load
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import PARAMETERS, vary
+from spear_pin.words import number
 
 Origin = Literal["source", "solved", "assumption"]
 
@@ -100,7 +101,7 @@ class Knobs:
             if name not in KNOBS:
                 raise UnknownName("knob", name, KNOBS)
             try:
-                values[name] = float(word)
+                values[name] = number(word)
             except ValueError:
                 raise BadValue(name, word, KNOBS[name].expected) from None
         return cls(**values)

@@ -14,6 +14,7 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.hardware import Hardware, Sensing, with_hardware
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.kinds import typed
 from spear_pin.model.actuator import Actuator, Thermal
 from spear_pin.model.bridge import Battery
 from spear_pin.model.catalogue import gearbox, motor
@@ -24,6 +25,7 @@ HOPS = 11  # of Fig. 4.13
 RTOL = 1e-7  # of runs by the hundred: a hop is then right to a micrometre
 
 
+@typed
 @dataclass(frozen=True)
 class Rig:
     """What drives SPEAR-II's joints and reads them.
@@ -80,11 +82,13 @@ class Outcome:
     apexes: tuple[float, ...]
 
 
+@typed
 def on_rig(gait: Gait, rig: Rig, hops: int = HOPS, rtol: float = 1e-9, progress: bool = True) -> Trajectory:
     """The hop on hardware, from the gait's state."""
     return simulate(with_hardware(gait.system, rig.on(gait.system.robot)), gait.state, hops, rtol, progress=progress)
 
 
+@typed
 def outcome(gait: Gait, rig: Rig, seed: int, hops: int = HOPS) -> Outcome:
     """One seeded run."""
     sensing = replace(rig.sensing or Sensing(), seed=seed)

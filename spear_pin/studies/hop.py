@@ -6,24 +6,29 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import trapezoid
 
 from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.cycles import RETOUCH
+from spear_pin.hybrid.filippov import CHATTER
 from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.kinds import typed
 
 
+@typed
 def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     """Figures of a hopping gait, from the gait and a trajectory of it, SI units and radians.
 
     Returns:
         stance_torque, flight_time, stance_time, period, residual, multipliers, stable; from the
         first cycle apex_height (hip above ground), peak_force (vertical), peak_compression of the
-        spring, spring_share (see there), energy by flow; energy_residual is the largest of all cycles.
+        spring, spring_share (see there), energy by flow; of all of them energy_residual, the largest, and
+        retouches, how often the toe left the ground too briefly for a flight. Without an apex, or a whole
+        cycle, what needs one is None, and energy is empty.
     """
-    law = gait.system.law
+    law, ledger, whole = gait.system.law, trajectory.ledger, trajectory.cycles > 0
     first = trajectory.cycle == 1
-    apex = next(event for event in trajectory.named("apex") if event.time >= trajectory.t[first][0])
-    knee = trajectory.coordinates.index("knee")
+    apexes = [event.q for event in trajectory.named("apex") if event.time >= trajectory.t[first][0]]
+    knee, height = trajectory.coordinates.index("knee"), trajectory.coordinates.index("boom_z")
     touchdown = trajectory.q[first, knee][0]
     return {
         "stance_torque": law.stance_torque,
@@ -38,18 +43,20 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "residual": gait.residual,
         "multipliers": gait.multipliers,
         "stable": gait.stable,
-        "apex_height": float(apex.q[trajectory.coordinates.index("boom_z")]),
+        "apex_height": float(apexes[0][height]) if apexes else None,
         "peak_force": float(trajectory.force[first, 0, 1].max()),
         "peak_knee_rate": float(np.abs(trajectory.v[first, knee]).max()),
         "peak_compression": float(trajectory.q[first & (trajectory.phase == "stance"), knee].max() - touchdown),
         "spring_share": spring_share(trajectory),
-        "energy": {name: float(trajectory.ledger[name][0]) for name in trajectory.ledger.flows},
-        "energy_residual": float(np.abs(trajectory.ledger.residual).max()),
+        "energy": {name: float(ledger[name][0]) for name in ledger.flows} if whole else {},
+        "energy_residual": float(np.abs(ledger.residual).max()) if whole else None,
         "cycles": trajectory.cycles,
+        "retouches": sum(event.domain != CHATTER for event in trajectory.named(RETOUCH)),
         "reason": trajectory.reason,
     }
 
 
+@typed
 def spring_share(trajectory: Trajectory) -> float:
     """Spring work over spring plus motor work at the knee, while the knee extends in the first stance.
 
@@ -62,8 +69,16 @@ def spring_share(trajectory: Trajectory) -> float:
 
     def work(torque: NDArray[np.float64]) -> float:
         power = np.where(rate < 0.0, torque * rate, 0.0)
-        return float(trapezoid(power[stance], trajectory.t[stance]))
+        return float(np.trapezoid(power[stance], trajectory.t[stance]))
 
     spring = work(trajectory.spring[:, trajectory.spring_joints.index("knee")])
     total = spring + work(motor)
     return spring / total if total != 0.0 else 0.0
+
+
+def durations(trajectory: Trajectory) -> NDArray[np.float64]:
+    """Stance and flight of each whole hop, in s, (hops, 2): the flight is what follows its last lift-off."""
+    left = np.array([event.time for event in trajectory.named("lift_off")])
+    bounds = [trajectory.t[trajectory.cycle == n][[0, -1]] for n in range(1, trajectory.cycles + 1)]
+    parts = [(left[left < end].max() - begin, end - left[left < end].max()) for begin, end in bounds]
+    return np.array(parts).reshape(-1, 2)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import require
 from spear_pin.files import atomic
+from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.identification.records import SYNTHETIC, Calibration
 from spear_pin.studies.identification.trials import Trial
@@ -26,6 +27,7 @@ HOLD, SWING, PUSH = 3.0, 3.0, 1.5  # s; hold and wait as in Section 4.1.3, the p
 LONGEST = 10_000_000  # samples
 
 
+@typed
 @dataclass(frozen=True)
 class Instrument:
     """A knee potentiometer and its converter: every number is an assumption.
@@ -44,9 +46,9 @@ class Instrument:
 
     def __post_init__(self) -> None:
         """Check the fields."""
-        require("noise", self.noise, lambda v: v >= 0, "a number >= 0, in V")
-        require("quantum", self.quantum, lambda v: v >= 0, "a number >= 0, in V")
-        require("drift", self.drift, lambda v: abs(v) < np.inf, "a finite number, in V/s")
+        require("Instrument.noise", self.noise, lambda v: v >= 0, "a number >= 0, in V")
+        require("Instrument.quantum", self.quantum, lambda v: v >= 0, "a number >= 0, in V")
+        require("Instrument.drift", self.drift, lambda v: abs(v) < np.inf, "a finite number, in V/s")
 
     def voltage(self, t: Array, angle: Array, rng: np.random.Generator) -> Array:
         """What is written down of an angle, in V."""
@@ -74,6 +76,7 @@ class SyntheticRecord:
     made_from: tuple[str, ...]
 
 
+@typed
 def synthesize(
     leg: PinnedLeg,
     knee: PassiveKnee,
@@ -99,9 +102,10 @@ def synthesize(
         BadValue: a number out of range, or a leg that does not rest or cannot be pushed so far.
     """
     instrument = instrument or Instrument()
-    require("repeats", repeats, lambda n: n >= 1 and n % 1 == 0, "a whole number >= 1")
     cycle = PUSH + HOLD + SWING
-    require("rate", rate, lambda r: 50 <= r <= LONGEST / (1 + cycle * repeats), "samples a second, from 50")
+    require("rate", rate, lambda r: 50 <= r <= LONGEST / (1 + cycle), "samples a second, from 50")
+    most = int((LONGEST / rate - 1) / cycle)
+    require("repeats", repeats, lambda n: 1 <= n <= most and n % 1 == 0, f"a whole number >= 1, at most {most}")
     require("seed", seed, lambda n: n >= 0 and n % 1 == 0, "a whole number >= 0")
     rng = np.random.default_rng(int(seed))
     pushed, level = pushed_angle(leg, knee, depth), equilibrium(leg, knee)
@@ -109,10 +113,10 @@ def synthesize(
     angle = np.full(t.size, level)
     let_go = 1.0 + cycle * np.arange(int(repeats)) + PUSH + HOLD + rng.uniform(0, 1, int(repeats)) / rate
     for moment in let_go:
-        pushing = np.clip((t - (moment - HOLD - PUSH)) / PUSH, 0.0, 1.0)
-        here = (pushing > 0) & (t <= moment)
-        angle[here] = level + (pushed - level) * (3 - 2 * pushing[here]) * pushing[here] ** 2
-        after = t > moment
+        first, begin, end = np.searchsorted(t, moment + np.array([-HOLD - PUSH, 0.0, SWING + 2 / rate]), side="right")
+        here, after = slice(first, begin), slice(begin, end)
+        pushing = np.clip((t[here] - (moment - HOLD - PUSH)) / PUSH, 0.0, 1.0)
+        angle[here] = level + (pushed - level) * (3 - 2 * pushing) * pushing**2
         motion = move(leg, knee, pushed, t[after] - moment)
         angle[after], level = motion.angle, float(motion.angle[-1])
     made_from = (
@@ -126,6 +130,7 @@ def synthesize(
     return SyntheticRecord(t, instrument.voltage(t, angle, rng), angle, let_go, made_from)
 
 
+@typed
 def synthetic_trial(
     leg: PinnedLeg,
     knee: PassiveKnee,
@@ -144,6 +149,7 @@ def synthetic_trial(
     return Trial(t, angle + noise * rng.normal(size=t.size), 0.0, synthetic=True)
 
 
+@typed
 def write_csv(record: SyntheticRecord, path: str | Path) -> Path:
     """Write a record as a CSV file with the columns time_s and knee_V, whole or not at all.
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from spear_pin.kinds import typed
 from spear_pin.model.bridge import Battery, Bridge, State, back_emf, conduction_threshold, shorted_damping
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Motor
@@ -44,6 +45,7 @@ class PowerOff:
     apart: float
 
 
+@typed
 def idling(
     knee: PassiveKnee, state: State, machine: Motor, ratio: float, battery: Battery, bridge: Bridge
 ) -> PassiveKnee:
@@ -66,6 +68,7 @@ def idling(
     return replace(knee, braking=damping, braking_from=conduction_threshold(battery, bridge) / (constant * ratio))
 
 
+@typed
 def power_off(
     depth: float = 0.10,
     *,

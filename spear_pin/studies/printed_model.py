@@ -17,7 +17,7 @@ from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import vary
-from spear_pin.studies.push_test import WITH_MOTOR, equilibrium, spear_ii
+from spear_pin.studies.push_test import WITH_MOTOR, equilibrium, resting_at, spear_ii
 from spear_pin.studies.source_design import SPEAR_II
 
 Array = NDArray[np.float64]
@@ -67,22 +67,27 @@ def gravity_torque(angle: float = ANGLE) -> tuple[float, float]:
     return float(-GRAVITY * fall), float(-slope @ robot.gravity(q))
 
 
-def spring_growth() -> tuple[float, float]:
+def spring_growth(static_rest: bool = False) -> tuple[float, float]:
     """Largest growth rate about rest with the spring of (3.24) as printed, and corrected, in 1/s.
 
     Of J θ̈ + b θ̇ + (∓k + dG/dθ) θ = 0, the leg pinned at its toe.
+
+    Args:
+        static_rest: whether RA is the angle at rest.
     """
     leg, knee = spear_ii(), WITH_MOTOR
+    if static_rest:
+        knee = resting_at(leg, knee, knee.zero)
     rest = equilibrium(leg, knee)
     inertia, slope = float(leg.effective_inertia(rest)), float(leg.motion_with_slopes(rest)[5])
     rates = [float(np.roots([inertia, knee.damping, sign * knee.stiffness + slope]).real.max()) for sign in (-1.0, 1.0)]
     return rates[0], rates[1]
 
 
-def friction_power(friction: float = 0.8) -> tuple[float, float]:
-    """Power of the ground on a toe that slides at 1 m/s under 1 N, by (3.18) as printed, and corrected, in W."""
+def friction_power() -> tuple[float, float]:
+    """Power of the ground on a toe that slides at 1 m/s under 1 N, over μ, by (3.18) as printed and corrected, in W."""
     force, speed = 1.0, 1.0
-    return friction * force * speed, -friction * force * math.copysign(1.0, speed) * speed
+    return force * speed, -force * math.copysign(1.0, speed) * speed
 
 
 def knee_rotor_by_table_3_1() -> float:
@@ -159,14 +164,15 @@ def stance_error() -> float:
     return worst
 
 
-def flight_poles(printed: bool = False, knee_damping: float = 0.0) -> NDArray[np.complex128]:
+def flight_poles(printed: bool = False, knee_damping: float = 0.0, knee: float = ANGLE) -> NDArray[np.complex128]:
     """Poles of hip and knee in flight about the touchdown angles, boom_x locked, in rad/s, slowest first.
 
     Args:
         printed: take (4.9) and (4.10) with the printed sign of the proportional term.
         knee_damping: of the joint itself, in N·m·s/rad; the source neglects it in flight.
+        knee: its angle at touchdown, in rad, the hip at half of it.
     """
-    law, robot = HoppingLaw(), load("spear_ii", locked=["boom_x"])
+    law, robot = HoppingLaw(knee_touchdown=knee), load("spear_ii", locked=["boom_x"])
     D = robot.mass_matrix([0.6, 0.5 * law.knee_touchdown, law.knee_touchdown])
     inertia = np.linalg.inv(np.linalg.inv(D)[1:, 1:])  # of the joints, the boom free to rise
     gain = (-1.0 if printed else 1.0) * np.diag([law.hip_gain, law.knee_gain])
@@ -177,14 +183,14 @@ def flight_poles(printed: bool = False, knee_damping: float = 0.0) -> NDArray[np
     return poles[np.argsort(np.abs(poles))]
 
 
-def flight_growth() -> tuple[float, float]:
+def flight_growth(knee: float = ANGLE) -> tuple[float, float]:
     """Largest growth rate in flight by (4.9)-(4.10) as printed, and corrected, in 1/s."""
-    return float(flight_poles(printed=True).real.max()), float(flight_poles().real.max())
+    return float(flight_poles(printed=True, knee=knee).real.max()), float(flight_poles(knee=knee).real.max())
 
 
-def settling_times(knee_damping: float = 0.0) -> tuple[float, float]:
+def settling_times(knee_damping: float = 0.0, knee: float = ANGLE) -> tuple[float, float]:
     """Time to 2 % of each mode in flight, 4 / |Re pole|, shortest first, in s."""
-    times = [4.0 / abs(float(pole.real)) for pole in flight_poles(knee_damping=knee_damping)]
+    times = [4.0 / abs(float(pole.real)) for pole in flight_poles(knee_damping=knee_damping, knee=knee)]
     return min(times), max(times)
 
 
@@ -194,9 +200,9 @@ def bounding_knee_stiffness() -> tuple[float, float]:
     return -stiffness, stiffness
 
 
-def damping_gain(knee_damping: float = 1.3) -> float:
+def damping_gain(knee_damping: float = 1.3, knee: float = ANGLE) -> float:
     """Damping ratio of the knee's mode in flight, the faster one, with damping at the knee over that without."""
-    fastest = [flight_poles(knee_damping=damping)[-1] for damping in (knee_damping, 0.0)]
+    fastest = [flight_poles(knee_damping=damping, knee=knee)[-1] for damping in (knee_damping, 0.0)]
     ratios = [float(-pole.real / abs(pole)) for pole in fastest]
     return ratios[0] / ratios[1]
 

@@ -10,11 +10,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import eigh
-from scipy.optimize import brentq
 
 from spear_pin.errors import BadValue, require
+from spear_pin.kinds import typed
 from spear_pin.model.loading import load
 from spear_pin.model.pinned import PinnedLeg, pin_toe
 from spear_pin.model.variants import vary
@@ -113,6 +113,7 @@ class GearRow:
     release: Release
 
 
+@typed
 def spear_ii(ratio: float | None = 15.0) -> PinnedLeg:
     """SPEAR-II on its slider, its toe pinned.
 
@@ -123,6 +124,7 @@ def spear_ii(ratio: float | None = 15.0) -> PinnedLeg:
     return pin_toe(vary(robot, knee_rotor=0.0) if ratio is None else vary(robot, knee_ratio=ratio))
 
 
+@typed
 def equilibrium(leg: PinnedLeg, knee: PassiveKnee) -> float:
     """The angle at which the leg rests on its spring, in rad, dry friction aside.
 
@@ -142,15 +144,17 @@ def equilibrium(leg: PinnedLeg, knee: PassiveKnee) -> float:
     below, above = float(angles[stable[0]]), float(angles[stable[0] + 1])
     if balance(below) <= 0.0 or balance(above) > 0.0:  # at one of the two, but for rounding
         return min(below, above, key=lambda angle: abs(balance(angle)))
-    return float(brentq(balance, below, above, xtol=1e-14))
+    return float(scipy.optimize.brentq(balance, below, above, xtol=1e-14))
 
 
+@typed
 def resting_at(leg: PinnedLeg, knee: PassiveKnee, rest: float) -> PassiveKnee:
     """The same knee with the spring's zero such that the leg rests at an angle, in rad: RA read so."""
     require("stiffness", knee.stiffness, lambda k: k > 0, "a number > 0, in N·m/rad")
     return replace(knee, zero=rest + float(leg.gravity(rest)) / knee.stiffness)
 
 
+@typed
 def pushed_angle(leg: PinnedLeg, knee: PassiveKnee, depth: float) -> float:
     """The knee's angle with the hip a depth, in m, below its height at rest.
 
@@ -160,9 +164,12 @@ def pushed_angle(leg: PinnedLeg, knee: PassiveKnee, depth: float) -> float:
     rest = equilibrium(leg, knee)
     height, lowest = float(leg.hip_height(rest)), float(leg.hip_height(leg.span[1]))
     require("depth", depth, lambda d: 0 <= d <= height - lowest, f"a number >= 0, at most {height - lowest:.3f} m")
-    return float(brentq(lambda a: float(leg.hip_height(a)) - height + depth, rest, leg.span[1], xtol=1e-14))
+    return float(
+        scipy.optimize.brentq(lambda a: float(leg.hip_height(a)) - height + depth, rest, leg.span[1], xtol=1e-14)
+    )
 
 
+@typed
 def release(
     leg: PinnedLeg,
     knee: PassiveKnee,
@@ -204,6 +211,7 @@ def release(
     )
 
 
+@typed
 def swing(leg: PinnedLeg, knee: PassiveKnee) -> Swing:
     """The small oscillation about the static equilibrium.
 
@@ -223,6 +231,7 @@ def swing(leg: PinnedLeg, knee: PassiveKnee) -> Swing:
     )
 
 
+@typed
 def belt_frequencies(leg: PinnedLeg, knee: PassiveKnee, belt: float) -> BeltFrequencies:
     """The small oscillation with a belt that is not rigid, read in either way.
 
@@ -242,11 +251,12 @@ def belt_frequencies(leg: PinnedLeg, knee: PassiveKnee, belt: float) -> BeltFreq
     rest = equilibrium(leg, knee)
     inertia, body = float(leg.effective_inertia(rest)), float(leg.effective_inertia(rest)) - leg.rotor
     stiffness = knee.stiffness + float(leg.motion_with_slopes(rest)[5])
-    modes = eigh([[stiffness + belt, -belt], [-belt, belt]], np.diag([body, leg.rotor]), eigvals_only=True)
+    modes = scipy.linalg.eigh([[stiffness + belt, -belt], [-belt, belt]], np.diag([body, leg.rotor]), eigvals_only=True)
     squares = np.array([stiffness / inertia, (stiffness + belt) / inertia, (stiffness + belt) / body, *modes])
     return BeltFrequencies(*(float(f) for f in np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi)))
 
 
+@typed
 def gear_study(
     ratios: Iterable[float | None] = RATIOS,
     depth: float = 0.10,

@@ -13,20 +13,25 @@ import numpy as np
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.search import find_gait
+from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.hardware import Sensing, with_hardware
-from spear_pin.hybrid.simulate import simulate
+from spear_pin.hybrid.record import Options, Run
+from spear_pin.hybrid.run import run
+from spear_pin.hybrid.simulate import sample, simulate
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.model.catalogue import gearbox, motor
 from spear_pin.model.loading import load
 from spear_pin.model.motor import Drive, Gearbox
+from spear_pin.model.variants import vary
 from spear_pin.studies import power_off as idle
-from spear_pin.studies.design import STIFFNESSES, Points, points, spring_sweep
+from spear_pin.studies.design import STIFFNESSES, Points, points_of, sprung
 from spear_pin.studies.energetics import Costs, EnergyFlow, costs, energy_flow
 from spear_pin.studies.hardware import RTOL, Rig, on_rig
 from spear_pin.studies.identification import Estimate, MovingAverage, identify, smoothed
 from spear_pin.studies.laboratory import synthetic_trial
 from spear_pin.studies.push_test import RATIOS, GearRow, gear_study, spear_ii
 from spear_pin.studies.release import PassiveKnee
+from spear_pin.studies.source_design import Q_SPEAR, SPEAR_II
 from spear_pin.studies.source_tables import TABLE_4_1
 
 FLIGHT_TIME = 0.2  # s, Section 4.2.2
@@ -34,12 +39,38 @@ CURRENT_LIMIT, BANDWIDTH = 8.0, 500.0  # A, Hz: assumptions
 NOISE = 0.005  # rad, of the synthetic records
 RELEASES = 5  # of each depth, Section 4.1.3
 BUS = 48.0  # V, of the quadruped's motors: an assumption
+KNEE, FRICTION = HoppingLaw().knee_touchdown, Contact().friction  # rad, 1: assumptions
+GAITS = ("long_stride", "least_effort", "force_lift_off")  # those at the speed of Table 5.1
+SHOWN = GAITS[0]  # unless another is asked for
+
+
+def hop(knee: float = KNEE, friction: float = FRICTION, ratio: float = SPEAR_II.knee_ratio) -> Gait:
+    """SPEAR-II hopping in place, its stance torque solved for the flight time of Section 4.2.2.
+
+    Args:
+        knee: commanded in flight, in rad.
+        friction: of the ground.
+        ratio: of the knee's gearbox.
+    """
+    return _hop(knee, friction, ratio)
 
 
 @cache
-def hop() -> Gait:
-    """SPEAR-II hopping in place, its stance torque solved for the flight time of Section 4.2.2."""
-    return find_gait(hopping(load("spear_ii", locked=["boom_x"])), ["stance_torque"], {"flight_time": FLIGHT_TIME})
+def _hop(knee: float, friction: float, ratio: float) -> Gait:
+    robot = vary(load("spear_ii", locked=["boom_x"]), knee_ratio=ratio)
+    system = hopping(robot, HoppingLaw(knee_touchdown=knee), contact=Contact(friction=friction))
+    return find_gait(system, ["stance_torque"], {"flight_time": FLIGHT_TIME})
+
+
+def one_hop(knee: float = KNEE, friction: float = FRICTION, ratio: float = SPEAR_II.knee_ratio) -> Trajectory:
+    """One of these hops, from touchdown to touchdown."""
+    return _one_hop(knee, friction, ratio)
+
+
+@cache
+def _one_hop(knee: float, friction: float, ratio: float) -> Trajectory:
+    gait = hop(knee, friction, ratio)
+    return simulate(gait.system, gait.state, progress=False)
 
 
 @cache
@@ -76,16 +107,24 @@ def hop_energy() -> EnergyFlow:
     return energy_flow(hardware_hop().system, calm_hops())
 
 
-@cache
-def gears() -> tuple[GearRow, ...]:
+def gears(static_rest: bool = False) -> tuple[GearRow, ...]:
     """The release from 10 cm without motor, and with the gear ratios of Fig. 4.6."""
-    return tuple(gear_study(RATIOS))
+    return _gears(static_rest)
 
 
 @cache
-def idling() -> dict[str, idle.PowerOff]:
+def _gears(static_rest: bool) -> tuple[GearRow, ...]:
+    return tuple(gear_study(RATIOS, static_rest=static_rest))
+
+
+def idling(static_rest: bool = False) -> dict[str, idle.PowerOff]:
     """The release with the motor in each state of Fig. 4.7, by label."""
-    return {row.label: row for row in idle.power_off()}
+    return _idling(static_rest)
+
+
+@cache
+def _idling(static_rest: bool) -> dict[str, idle.PowerOff]:
+    return {row.label: row for row in idle.power_off(static_rest=static_rest)}
 
 
 def estimated(depth: float, motor_on: bool) -> PassiveKnee:
@@ -103,10 +142,14 @@ def fitted(depth: float, motor_on: bool) -> Estimate:
     return identify(leg, [smoothed(trial, MovingAverage(100)) for trial in trials])
 
 
+def bound(name: str = SHOWN) -> Gait:
+    """Q-SPEAR bounding at 2.5 m/s."""
+    return _bound(name)
+
+
 @cache
-def bound() -> Gait:
-    """Q-SPEAR bounding at 2.5 m/s, the gait that is shown unless another is asked for."""
-    return Gait.load("long_stride")
+def _bound(name: str) -> Gait:
+    return Gait.load(name)
 
 
 @cache
@@ -115,16 +158,40 @@ def strides() -> Trajectory:
     return simulate(bound().system, bound().state, 2, progress=False)
 
 
+def stride_run(name: str = SHOWN, stiffness: float = Q_SPEAR.stiffness) -> Run:
+    """A stride of it with what is held, with knee springs of a stiffness a leg, in N·m/rad."""
+    return _stride_run(name, stiffness)
+
+
+@cache
+def _stride_run(name: str, stiffness: float) -> Run:
+    return run(sprung(bound(name).system, stiffness), bound(name).state, 1, Options(keep=True))
+
+
+def stride(name: str = SHOWN, stiffness: float = Q_SPEAR.stiffness) -> Trajectory:
+    """The same, sampled."""
+    return _stride(name, stiffness)
+
+
+@cache
+def _stride(name: str, stiffness: float) -> Trajectory:
+    return sample(sprung(bound(name).system, stiffness), _stride_run(name, stiffness))
+
+
+def knee_points(stiffness: float = Q_SPEAR.stiffness, name: str = SHOWN) -> Points:
+    """Operating points of the knee motors, with springs of a stiffness a leg, in N·m/rad."""
+    return points_of(bound(name).system.robot, stride(name, stiffness), "knee")
+
+
 @cache
 def knees() -> dict[float, Points]:
-    """Operating points of the knee motors, by stiffness of a leg's spring."""
-    return spring_sweep(bound(), STIFFNESSES)
+    """The same by stiffness, of Fig. 5.6."""
+    return {stiffness: knee_points(stiffness) for stiffness in STIFFNESSES}
 
 
-@cache
-def hips() -> Points:
-    """Operating points of the hip motors."""
-    return points(bound(), "hip")
+def hips(stiffness: float = Q_SPEAR.stiffness, name: str = SHOWN) -> Points:
+    """Operating points of the hip motors, with springs of a stiffness a leg, in N·m/rad."""
+    return points_of(bound(name).system.robot, stride(name, stiffness), "hip")
 
 
 def knee_drive(power: str) -> Drive:

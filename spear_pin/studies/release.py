@@ -14,10 +14,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import solve_ivp
 
 from spear_pin.errors import BadValue, UnknownName, require
+from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
 
 Array = NDArray[np.float64]
@@ -28,8 +29,10 @@ RTOL = 1e-10
 MAX_STEP = 0.05  # s, a fifth of a swing or less: at loose tolerances the error estimate may miss one
 WORK, WORK_PER_SECOND = 20_000, 2_000  # right-hand sides: twenty times what a release takes
 PIECES = 10_000  # smooth pieces of a motion, at most
+MOST = 1e30  # of stiffness, damping and friction: with more, forces are no numbers
 
 
+@typed
 @dataclass(frozen=True)
 class PassiveKnee:
     """What acts on the knee while no motor does: -k (θ - θ₀) - b θ̇ - τ_c sign θ̇, in N·m.
@@ -57,9 +60,18 @@ class PassiveKnee:
 
     def __post_init__(self) -> None:
         """Check the fields."""
-        require("PassiveKnee.stiffness", self.stiffness, lambda k: k >= 0, "a number >= 0, in N·m/rad")
-        require("PassiveKnee.damping", self.damping, lambda b: b >= 0, "a number >= 0, in N·m·s/rad")
-        require("PassiveKnee.coulomb", self.coulomb, lambda c: c >= 0, "a number >= 0, in N·m")
+        require(
+            "PassiveKnee.stiffness",
+            self.stiffness,
+            lambda k: 0 <= k <= MOST,
+            f"a number >= 0, at most {MOST:g} N·m/rad",
+        )
+        require(
+            "PassiveKnee.damping", self.damping, lambda b: 0 <= b <= MOST, f"a number >= 0, at most {MOST:g} N·m·s/rad"
+        )
+        for name, unit in (("stiffness", "N·m/rad"), ("damping", "N·m·s/rad"), ("coulomb", "N·m")):
+            expected = f"a number >= 0, at most {MOST:g}, in {unit}"
+            require(f"PassiveKnee.{name}", getattr(self, name), lambda number: 0 <= number <= MOST, expected)
         require("PassiveKnee.braking", self.braking, lambda b: b >= 0, "a number >= 0, in N·m·s/rad")
         require("PassiveKnee.braking_from", self.braking_from, lambda r: r >= 0, "a number >= 0, in rad/s")
         require("PassiveKnee.zero", self.zero, lambda z: abs(z) < np.inf, "an angle, in rad")
@@ -99,6 +111,7 @@ class Motion:
     reason: str
 
 
+@typed
 def move(
     leg: PinnedLeg,
     knee: PassiveKnee,
@@ -150,7 +163,9 @@ def move(
         events = _events(flow)
         tolerances = {"rtol": rtol, "atol": 0.01 * rtol, "max_step": MAX_STEP}
         try:
-            piece = solve_ivp(flow, (now, at[-1]), state, "DOP853", dense_output=True, events=events, **tolerances)
+            piece = scipy.integrate.solve_ivp(
+                flow, (now, at[-1]), state, "DOP853", dense_output=True, events=events, **tolerances
+            )
         except _Exhausted:
             reason = "work"
             break

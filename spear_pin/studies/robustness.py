@@ -6,14 +6,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import binomtest
 
 from spear_pin.errors import require
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.periodic import chart
+from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
 
@@ -44,10 +45,11 @@ class Robustness:
 
     def interval(self, confidence: float = 0.95) -> tuple[float, float]:
         """Bounds of the probability to survive, by Clopper and Pearson."""
-        found = binomtest(int(self.survives.sum()), len(self.reason)).proportion_ci(confidence)
+        found = scipy.stats.binomtest(int(self.survives.sum()), len(self.reason)).proportion_ci(confidence)
         return float(found.low), float(found.high)
 
 
+@typed
 def robustness(
     gait: Gait,
     spread: Mapping[str, float],

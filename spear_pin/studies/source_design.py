@@ -132,9 +132,23 @@ def reflected_rotor(robot: str, joint: str) -> float:
 
 
 def flat_over_cylindrical() -> float:
-    """Rotor inertia of the flat knee motor over that of the cylindrical one."""
-    flat, long = (catalogue.motor(ROTORS["SPEAR-II", joint]).known("rotor_inertia") for joint in ("knee", "hip"))
-    return flat / long
+    """Rotor inertia of SPEAR-II's flat knee motor over that of SPEAR-I's cylindrical one, by Table 2.4."""
+    return bare_rotor("SPEAR-II", "knee") / bare_rotor("SPEAR-I", "knee")
+
+
+def knee_by_hip_rotor() -> float:
+    """SPEAR-I's knee motor at the joint if it is SPEAR-II's hip motor, by Table 2.4, in kg·m²."""
+    return SPEAR_I.knee_ratio**2 * bare_rotor("SPEAR-II", "hip")
+
+
+def printed(robot: str, quantity: str) -> float:
+    """A quantity of a column of Table 2.4 as printed."""
+    return float(getattr(_column(robot), quantity))
+
+
+def shank_about_com_by_table_2_4() -> float:
+    """Table 2.4's inertia of the shank less m d²: about the centre of mass, were it about the knee, in kg·m²."""
+    return SPEAR_II.shank_inertia - SPEAR_II.shank_mass * SPEAR_II.shank_com**2
 
 
 def shipped_leg() -> LegDesign:
@@ -175,6 +189,11 @@ def shank_about_com() -> float:
 def quadruped_mass() -> float:
     """Mass of the shipped Q-SPEAR, in kg."""
     return float(load("q_spear").mass)
+
+
+def biped_over_monopod() -> float:
+    """Mass of the shipped biped, which one leg bears at a time, over that of SPEAR-II and its boom."""
+    return float(load("biped").mass / load("spear_ii").mass)
 
 
 def torso_share() -> float:

@@ -6,24 +6,27 @@ cluster, and stored as they come (`sweep_store`). The rows do not depend on wher
 
 from __future__ import annotations
 
+import signal
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import qmc
 
-from spear_pin.errors import BadValue, MissingExtra, NoGait, SpearError, UnknownName
+from spear_pin.errors import BadValue, MissingExtra, NoGait, SpearError, UnknownName, require
 from spear_pin.gaits.gait import KINDS
 from spear_pin.gaits.many import MEASURES, REASONS, find_many
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.automaton import OPEN, HybridSystem
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import PARTS, parameter, with_parameters
-from spear_pin.hybrid.record import State
+from spear_pin.hybrid.record import Options, State
+from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import PARAMETERS, vary
 from spear_pin.studies import sweep_store as store
@@ -34,6 +37,7 @@ CODES = {reason: code for code, reason in enumerate(REASONS)}
 CHUNK = 512
 
 
+@typed
 def grid(axes: Mapping[str, ArrayLike]) -> dict[str, Array]:
     """Every combination of values, the last name running fastest.
 
@@ -45,6 +49,7 @@ def grid(axes: Mapping[str, ArrayLike]) -> dict[str, Array]:
     return {name: each.ravel() for name, each in zip(values, mesh, strict=True)}
 
 
+@typed
 def sample(ranges: Mapping[str, tuple[float, float]], n: int, method: str = "sobol", seed: int = 0) -> dict[str, Array]:
     """Points that fill a box evenly.
 
@@ -56,13 +61,14 @@ def sample(ranges: Mapping[str, tuple[float, float]], n: int, method: str = "sob
 
     Raises:
         UnknownName: no such method.
-        BadValue: a range is none, or n is not positive.
+        BadValue: a range is none, n is not positive, or the seed is negative.
     """
-    methods: dict[str, Callable[..., Any]] = {"sobol": qmc.Sobol, "latin": qmc.LatinHypercube}
+    methods: dict[str, Callable[..., Any]] = {"sobol": scipy.stats.qmc.Sobol, "latin": scipy.stats.qmc.LatinHypercube}
     if method not in methods:
         raise UnknownName("method", method, methods)
     if n < 1:
         raise BadValue("n", n, "at least 1")
+    require("seed", seed, lambda number: number >= 0 and number % 1 == 0, "a whole number >= 0")
     for name, bounds in ranges.items():
         if len(bounds) != 2 or not bounds[0] < bounds[1] or not np.isfinite(bounds).all():
             raise BadValue(name, bounds, "two finite numbers, the first the smaller")
@@ -152,6 +158,7 @@ def shape_of(system: HybridSystem) -> dict[str, tuple[int, ...]]:
     }
 
 
+@typed
 def sweep(
     system: HybridSystem,
     points: Mapping[str, ArrayLike],
@@ -195,6 +202,7 @@ def sweep(
     store.require()
     parallel = _joblib()
     out, target = Path(out), dict(target or {})
+    Options(rtol)
     job = _job(system, points, tuple(vary), target, rtol)
     if chunk < 1 or chunk % 1:
         raise BadValue("chunk", chunk, "a whole number, at least 1")
@@ -210,7 +218,9 @@ def sweep(
         # one chunk a task, so that each is stored as soon as it is solved
         pool = parallel.Parallel(n_jobs=n_jobs, batch_size=1, return_as="generator_unordered", max_nbytes=None)
         done = n - sum(store.size(n, chunk, i) for i in missing)
-        for i, rows in pool(tasks):
+        with _uninterrupted():
+            solved = pool(tasks)
+        for i, rows in solved:
             store.keep(out, i, rows)
             done += len(rows["reason"])
             on_points(done, n)
@@ -283,6 +293,16 @@ def _start(system: HybridSystem, job: Job) -> dict[str, Any]:
     except NoGait:
         (q, v), values = system.guess(), {}
     return {"values": values, "q": np.asarray(q).tolist(), "v": np.asarray(v).tolist()}
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Workers that are started meanwhile leave Ctrl-C to this process, which ends them."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _joblib() -> Any:

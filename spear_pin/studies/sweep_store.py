@@ -11,16 +11,18 @@ import hashlib
 import json
 import os
 import shutil
+import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from zipfile import BadZipFile
 
 import numpy as np
 
 import spear_pin
 from spear_pin.errors import BadFile, MissingExtra
-from spear_pin.files import atomic
+from spear_pin.files import atomic, parse_json
 from spear_pin.gaits.many import CONVERGED, REASONS
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import PARAMETERS
@@ -135,8 +137,8 @@ def finish(out: Path, job: Job, described: Mapping[str, Any], chunk: int) -> Non
     whole = parts(out) / "whole.zarr"
     shutil.rmtree(whole, ignore_errors=True)
     for index in range(-(-described["number"] // chunk)):
-        with np.load(_chunk(out, index)) as rows:
-            piece = _dataset(job.take(slice(index * chunk, (index + 1) * chunk)), dict(rows), described)
+        rows = _rows(_chunk(out, index))
+        piece = _dataset(job.take(slice(index * chunk, (index + 1) * chunk)), rows, described)
         if index:
             piece.to_zarr(whole, append_dim="point", zarr_format=3, consolidated=False)
         else:
@@ -196,11 +198,19 @@ def _chunk(out: Path, index: int) -> Path:
     return parts(out) / f"{index:06d}.npz"
 
 
+def _rows(path: Path) -> Rows:
+    try:
+        with np.load(path, allow_pickle=False) as rows:
+            return dict(rows)
+    except (OSError, ValueError, TypeError, EOFError, BadZipFile, zlib.error):
+        raise BadFile(path, "is no part of a sweep; remove it and resume") from None
+
+
 def _manifest(out: Path) -> dict[str, Any]:
     path = parts(out) / "manifest.json"
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-        if not isinstance(found, dict) or "request" not in found:
+        found = parse_json(path.read_text(encoding="utf-8"))
+        if not isinstance(found, dict) or not isinstance(found.get("request"), dict):
             raise ValueError
     except (OSError, ValueError):
         raise BadFile(path, "is not the manifest of a sweep") from None
@@ -209,7 +219,7 @@ def _manifest(out: Path) -> dict[str, Any]:
 
 def _attribute(out: Path) -> dict[str, Any]:
     try:
-        return dict(json.loads(read(out).attrs["request"]))
+        return dict(parse_json(read(out).attrs["request"]))
     except (KeyError, ValueError, TypeError):
         raise BadFile(out, "is not a sweep") from None
 

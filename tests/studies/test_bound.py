@@ -222,7 +222,8 @@ class TestAnotherSpeed:
             at_speed(gait, 2.6, on_iteration=lambda n, norm: seen.append(n))
         assert len(seen) < 50
 
-    @pytest.mark.parametrize("speed", [0.0, -2.5, float("nan"), float("inf")])
-    def test_no_speed(self, gait, speed):
+    @pytest.mark.parametrize("speed", [0.0, -2.5, float("nan"), float("inf"), 99.0, 1.4, 3.6])
+    def test_no_speed(self, gait, monkeypatch, speed):
+        monkeypatch.setattr(bound, "find_gait", lambda *_, **__: pytest.fail("it was tried"))
         with pytest.raises(BadValue, match="speed"):
             at_speed(gait, speed)

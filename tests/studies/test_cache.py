@@ -19,14 +19,30 @@ def test_what_is_put_is_got_back_as_long_as_the_state_is_the_same(tmp_path):
 
 
 def test_it_stays_within_its_size(tmp_path, monkeypatch):
-    monkeypatch.setattr(cache, "MOST_BYTES", 25)
+    monkeypatch.setattr(cache, "MOST_BYTES", 160)
     kept = Cache(tmp_path, "state")
     for age, name in enumerate("abc"):
         kept.put(name, b"0123456789")
         os.utime(kept._path(name), (age, age))
     kept.put("d", b"0123456789")
     assert [kept.get(name) is not None for name in "abcd"] == [False, False, True, True]
-    assert sum(path.stat().st_size for path in tmp_path.iterdir()) <= 25
+    assert sum(path.stat().st_size for path in tmp_path.iterdir()) <= 160
+
+
+@pytest.mark.parametrize("junk", [b"", b"junk", b"\xff\x00\n", b"{}\n{}", None], ids=repr)
+def test_what_something_else_has_left_there_is_a_miss(tmp_path, monkeypatch, junk):
+    monkeypatch.setattr(cache, "MOST_BYTES", 100)
+    kept = Cache(tmp_path, "state")
+    kept.put("a", b"1")
+    path = kept._path("a")
+    for content in (junk, path.read_bytes()[:-1], path.read_bytes() + b"2", bytes(101)):
+        path.unlink()
+        os.mkfifo(path) if content is None else path.write_bytes(content)
+        assert kept.get("a") is None
+    path.unlink()
+    path.mkdir()
+    kept.put("a", b"1")
+    assert kept.get("a") is None
 
 
 def test_a_folder_that_cannot_be_written_does_no_harm(tmp_path):

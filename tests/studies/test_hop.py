@@ -7,7 +7,8 @@ import pytest
 from scipy.integrate import trapezoid
 
 from spear_pin import HoppingLaw, simulate
-from spear_pin.studies.hop import spring_share, summarize
+from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.studies.hop import durations, spring_share, summarize
 
 
 @pytest.fixture(scope="module")
@@ -49,6 +50,23 @@ class TestSummary:
         other = summarize(hop, simulate(hop.system, (apex.q, apex.v), cycles=2))
         for name in ("apex_height", "peak_force", "peak_compression", "spring_share"):
             assert other[name] == pytest.approx(summary[name], rel=1e-3)
+
+    def test_without_a_whole_hop(self, hop):
+        """A motor without torque: the leg stays on the ground."""
+        stays = simulate(with_parameters(hop.system, {"stance_torque": 0.0}), hop.state, 2)
+        found = summarize(hop, stays)
+        assert stays.reason == "no_event" and found["cycles"] == found["retouches"] == 0
+        assert found["apex_height"] is found["energy_residual"] is None and found["energy"] == {}
+        assert found["peak_force"] > 0.0
+
+
+class TestDurations:
+    def test_of_a_hop_and_of_none(self, hop, hops):
+        found = durations(hops)
+        assert found.shape == (hops.cycles, 2)
+        np.testing.assert_allclose(found[0], [hop.durations["stance"], hop.durations["flight"]], atol=1e-8)
+        stays = simulate(with_parameters(hop.system, {"stance_torque": 0.0}), hop.state, 2)
+        assert durations(stays).shape == (0, 2)
 
 
 class TestSpringShare:

@@ -45,12 +45,12 @@ class TestInstrument:
     @pytest.mark.parametrize("name", ["noise", "quantum", "drift"])
     @pytest.mark.parametrize("value", [float("nan"), float("inf"), "much"])
     def test_bad_values(self, name, value):
-        with pytest.raises(BadValue, match=f"^{name} is "):
+        with pytest.raises(BadValue, match=rf"^Instrument\.{name} is "):
             Instrument(**{name: value})
 
     @pytest.mark.parametrize("name", ["noise", "quantum"])
     def test_negative(self, name):
-        with pytest.raises(BadValue, match=f"^{name} is -1"):
+        with pytest.raises(BadValue, match=rf"^Instrument\.{name} is -1"):
             Instrument(**{name: -1})
 
 
@@ -74,6 +74,15 @@ class TestProtocol:
     def test_is_continuous(self, record):
         assert np.abs(np.diff(record.angle)).max() < 0.012
         assert record.angle[0] == equilibrium(LEG, KNEE)
+
+    def test_no_release_is_followed_beyond_the_next_push(self, monkeypatch):
+        """Which would take the square of their number."""
+        lengths = []
+        monkeypatch.setattr(
+            "spear_pin.studies.laboratory.move", lambda *given: lengths.append(given[-1][-1]) or move(*given)
+        )
+        synthesize(LEG, KNEE, repeats=3, rate=100)
+        assert len(lengths) == 3 and max(lengths) < SWING + 0.05
 
     def test_seed(self):
         one, same, other = (synthesize(LEG, KNEE, repeats=1, rate=200, seed=seed) for seed in (3, 3, 4))

@@ -41,7 +41,7 @@ def test_poles_in_flight():
 def test_signs():
     printed, corrected = printed_model.spring_growth()
     assert corrected < 0.0 < printed
-    assert printed_model.friction_power(0.5) == (0.5, -0.5)
+    assert printed_model.friction_power() == (1.0, -1.0)
     assert printed_model.bounding_knee_stiffness() == (-200.0, 200.0)
     assert printed_model.rotor_in_mass_matrix() == (pytest.approx(0.047), pytest.approx(0.027))
 

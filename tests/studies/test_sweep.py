@@ -157,9 +157,18 @@ class TestInterrupted:
         with pytest.raises(BadFile, match="differs in spring"):
             stiff = hopping(system.robot, spring=Gait.load("long_stride").system.spring)
             sweep(stiff, POINTS, out, **ASKED, resume=True)
-        (sweep_store.parts(out) / "manifest.json").write_text("{}")
-        with pytest.raises(BadFile, match="is not the manifest of a sweep"):
-            sweep(system, POINTS, out, **ASKED, resume=True)
+        for damaged in ("{}", "[]", '{"request": 3}', '{"request": {"chunk": NaN}}', "[" * 99999):
+            (sweep_store.parts(out) / "manifest.json").write_text(damaged)
+            with pytest.raises(BadFile, match="is not the manifest of a sweep"):
+                sweep(system, POINTS, out, **ASKED, resume=True)
+
+    @pytest.mark.parametrize("damaged", [b"", b"PK", b"no rows"])
+    def test_refuses_a_part_that_is_damaged(self, tmp_path, damaged):
+        out = tmp_path / "map.zarr"
+        sweep_store.begin(out, {}, resume=False)
+        (part := sweep_store.parts(out) / "000000.npz").write_bytes(damaged)
+        with pytest.raises(BadFile, match=f"{part.name}: is no part of a sweep; remove it and resume"):
+            sweep_store.finish(out, None, {"number": 1}, 1)
 
     def test_leaves_what_is_there(self, system, whole, tmp_path):
         out = tmp_path / "notes.zarr"
@@ -226,7 +235,7 @@ class TestBadInput:
     @pytest.mark.parametrize("package", ["joblib", "xarray", "zarr"])
     def test_without_the_extra(self, system, tmp_path, monkeypatch, package):
         monkeypatch.setitem(sys.modules, package, None)
-        with pytest.raises(MissingExtra, match=rf"needs {package}.*spear-pin\[sweep\]"):
+        with pytest.raises(MissingExtra, match=rf"needs {package}.*'\.\[sweep\]'"):
             sweep(system, {"stiffness": [50.0]}, tmp_path / "a.zarr")
 
 

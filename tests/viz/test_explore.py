@@ -2,6 +2,8 @@
 
 import base64
 import json
+import threading
+import time
 from http.client import HTTPConnection
 from urllib.parse import urlencode
 
@@ -25,12 +27,14 @@ def server():
         yield started
 
 
-def ask(server, path, method="GET", hosts=None):
+def ask(server, path, method="GET", hosts=None, **headers):
     """Status, headers and body of an answer; by default to the right host."""
     connection = HTTPConnection("127.0.0.1", server.port, timeout=60)
     connection.putrequest(method, path, skip_host=True)
     for host in [f"127.0.0.1:{server.port}"] if hosts is None else hosts:
         connection.putheader("Host", host)
+    for name, value in headers.items():
+        connection.putheader(name.replace("_", "-"), value.format(server.port))
     connection.endheaders()
     response = connection.getresponse()
     return response.status, response.headers, response.read()
@@ -64,6 +68,34 @@ class TestServer:
         own = f"localhost:{server.port}"
         assert refusal(server, "/hop", hosts=[])[0] == refusal(server, "/hop", hosts=[own, own])[0] == 403
 
+    @pytest.mark.parametrize("path", ["/", "/hop", "/script", "/nothing"])
+    @pytest.mark.parametrize(
+        "header",
+        [
+            {"Origin": "http://evil.example"},
+            {"Origin": "null"},
+            {"Origin": "http://localhost:1"},
+            {"Origin": "https://127.0.0.1:{}"},
+            {"Sec_Fetch_Site": "cross-site"},
+            {"Sec_Fetch_Site": "same-site"},
+        ],
+        ids=str,
+    )
+    def test_it_answers_no_other_page(self, server, path, header):
+        assert refusal(server, path, **header)[0] == 403
+
+    @pytest.mark.parametrize(
+        "header",
+        [
+            {"Origin": "http://127.0.0.1:{}"},
+            {"Origin": "http://LocalHost:{}", "Sec_Fetch_Site": "same-origin"},
+            {"Sec_Fetch_Site": "none"},
+        ],
+        ids=str,
+    )
+    def test_it_answers_its_own_page(self, server, header):
+        assert ask(server, "/hop", **header)[0] == 200
+
     @pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE"])
     def test_it_answers_get_alone(self, server, method):
         status, headers, _ = ask(server, "/hop", method)
@@ -92,6 +124,8 @@ class TestServer:
             ("stiffness=50&stiffness=51", "one value only"),
             ("stiffness=nan", "expected"),
             ("stiffness=", "expected"),
+            ("stiffness=5_0", "stiffness is '5_0'"),
+            ("stiffness=%D9%A5%D9%A0", "stiffness is '٥٠'"),
             ("mass=1", "unknown knob"),
             ("view=all", "valid: settled, transient"),
         ],
@@ -99,6 +133,11 @@ class TestServer:
     def test_what_cannot_be_read_is_refused(self, server, query, word):
         status, text = refusal(server, f"/hop?{query}")
         assert status == 400 and word in text
+
+    @pytest.mark.parametrize("path", ["/hop?{}=1", "/hop?stiffness={}", "/hop?view={}", "/{}"])
+    def test_an_error_repeats_little_of_what_was_asked(self, server, path):
+        status, text = refusal(server, path.format("x" * 60_000))
+        assert status in (400, 404) and "xxx..." in text and len(text) < 500
 
     def test_the_page_itself_comes_to_say_what_is_wrong(self, server):
         status, headers, body = ask(server, "/?stiffness=1000")
@@ -140,6 +179,50 @@ class TestAnswers:
         _, headers, body = ask(server, "/script?friction=0.5")
         assert headers["Content-Disposition"] == 'attachment; filename="explored_hop.py"'
         assert body.decode() == script(settled(Knobs(friction=0.5), best_engine()))
+
+
+class Slow:
+    """Views that take until they are let go on, and say which were computed."""
+
+    def __init__(self, monkeypatch):
+        self.computed, self.begun, self.go_on = [], threading.Event(), threading.Event()
+        monkeypatch.setattr("spear_pin.viz.explore_server.VIEWS", {"settled": self.view})
+        monkeypatch.setattr("spear_pin.viz.explore_server.page", lambda engine: "")
+        monkeypatch.setattr("spear_pin.viz.explore_server.answer", lambda view, hops: hops)
+        monkeypatch.setattr("spear_pin.viz.explore_server.COMPILED", ())
+
+    def view(self, knobs, engine):
+        self.computed.append(knobs.friction)
+        self.begun.set()
+        assert self.go_on.wait(30)
+        return knobs.friction
+
+
+def test_of_each_client_that_waits_only_the_newest_question_is_computed(monkeypatch):
+    slow = Slow(monkeypatch)
+    explorer, answers = Explorer(best_engine()), {}
+
+    def ask_for(friction, client):
+        answers[friction] = explorer.answer(f"/hop?friction={friction}", client).status
+
+    def start(friction, client, waiting):
+        thread = threading.Thread(target=ask_for, args=(friction, client))
+        thread.start()
+        deadline = time.monotonic() + 30
+        while not slow.begun.is_set() or len(explorer._turns._newest) + len(answers) < waiting:
+            assert time.monotonic() < deadline
+            time.sleep(1e-3)
+        return thread
+
+    threads = [start(0.2, "one", 0)]
+    threads += [start(0.3, "one", 1), start(0.4, "two", 2), start(0.5, "one", 3), start(0.6, "two", 4)]
+    assert answers == {0.3: 409, 0.4: 409}
+    slow.go_on.set()
+    for thread in threads:
+        thread.join(30)
+    assert slow.computed[0] == 0.2 and sorted(slow.computed) == [0.2, 0.5, 0.6]
+    assert answers == {0.2: 200, 0.3: 409, 0.4: 409, 0.5: 200, 0.6: 200}
+    explorer.close()
 
 
 @pytest.fixture(scope="module")
@@ -224,7 +307,7 @@ class TestPage:
 
     def test_where_there_is_no_hop_it_says_why(self, browser, server):
         visit(browser, server, "?stance_torque=10.5#t=0.15")
-        assert "the run ends 5 hops after the default hop" in text(browser, "verdict")
+        assert "the run ends 2 hops after the default hop" in text(browser, "verdict")
         assert text(browser, "multipliers") == "–"
 
     def test_the_script_is_that_of_what_is_shown_and_reset_goes_home(self, browser, server):

@@ -14,10 +14,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
-from spear_pin.viz import player
+from spear_pin.viz import motion, player
 from spear_pin.viz.marks import spring_path
 from spear_pin.viz.scene import joint_paths
 from spear_pin.viz.stage import WORLD
@@ -123,7 +123,7 @@ def test_record_writes_all_or_nothing(
 
     with monkeypatch.context() as patch:
         patch.setattr(os, "replace", fail)
-        with pytest.raises(BadValue, match="No space left"):
+        with pytest.raises(BadFile, match="No space left"):
             player.record(spear, hop, path)
     assert path.read_text() == "before"
     assert list(tmp_path.iterdir()) == [path]
@@ -249,3 +249,56 @@ def test_viewer_shows_a_configuration(spear: Robot, sent: list[dict[str, Any]]) 
     assert shank == pytest.approx(data.oMi[4].homogeneous, abs=1e-9)
     with pytest.raises(BadValue, match="boom_x, boom_z, hip, knee"):
         player.viewer(spear, [0.0])
+
+
+class TestParts:
+    @pytest.fixture
+    def long(self, spear: Robot, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+        """Forty hops, and pages that hold four seconds of them."""
+        hops = samples.hop(hops=40, samples=10)
+        four = player.page(spear, samples.hop(hops=7, samples=10))
+        monkeypatch.setattr(player, "MOST_BYTES", len(four.encode()))
+        monkeypatch.setattr(player, "WORST_RATE", player.PART_RATE)
+        return hops
+
+    def test_what_fits_is_shown_whole(self, spear: Robot, hop: SimpleNamespace) -> None:
+        assert player.shortened(spear, hop) is hop
+
+    def test_the_last_part_of_a_long_motion(self, spear: Robot, long: SimpleNamespace, tmp_path: Path) -> None:
+        with pytest.raises(BadValue, match="`shortened` makes one"):
+            player.record(spear, long, tmp_path / "long.html")
+        part = player.shortened(spear, long)
+        assert isinstance(part, motion.Part) and part.t[-1] == long.t[-1] and 2.0 < np.ptp(part.t) < np.ptp(long.t)
+        text = player.record(spear, part, tmp_path / "part.html").read_text(encoding="utf-8")
+        assert 0.95 * player.MOST_BYTES < len(text.encode()) <= player.MOST_BYTES
+        data = read(text).data
+        assert data["notes"] == [f"shown: {part.said}"]
+        assert part.said == f"the last {np.ptp(part.t):.1f} s of 21.8 s, from {part.t[0]:.1f} to 21.8 s"
+        assert data["start"] == part.t[0] and data["start"] + data["duration"] == pytest.approx(long.t[-1])
+        assert all(0.0 <= time <= data["duration"] for _, time in data["events"])
+
+    def test_the_first_part(self, spear: Robot, long: SimpleNamespace) -> None:
+        part = player.shortened(spear, long, motion.first)
+        assert part.t[0] == long.t[0] and part.said.startswith("the first ")
+
+    def test_a_part_of_ones_own(self, spear: Robot, hop: SimpleNamespace) -> None:
+        part = motion.between(hop, 3.1, 3.4)
+        inside = (hop.t >= 3.1) & (hop.t <= 3.4)
+        for name in ("t", "q", "domain", "force", "engaged"):
+            np.testing.assert_array_equal(getattr(part, name), np.asarray(getattr(hop, name))[inside])
+        assert [event.name for event in part.events] == ["liftoff"] and part.whole == (3.0, hop.t[-1])
+        assert part.said.startswith("the middle 0.3 s of ")
+        assert player.page(spear, part)
+
+    def test_both_sides_of_an_event_at_its_end(self, hop: SimpleNamespace) -> None:
+        touchdown = hop.events[1].time
+        before, after = motion.first(hop, touchdown - 3.0), motion.last(hop, hop.t[-1] - touchdown)
+        assert set(np.flatnonzero(hop.t == touchdown)) == {len(before.t) - 2, len(before.t) - 1}
+        assert after.t[0] == after.t[1] == touchdown and len(before.t) + len(after.t) == len(hop.t) + 2
+
+    def test_a_scene_that_leaves_no_room(
+        self, spear: Robot, hop: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr(player, "MOST_BYTES", 1000)
+        with pytest.raises(BadValue, match="a page of 1000 bytes"):
+            player.page(spear, player.shortened(spear, hop))
