@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
-from types import FunctionType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.model.planar import Body, Planar
 
 Array = NDArray[np.float64]
@@ -128,7 +128,7 @@ class Structure:
         rubbing = tuple(b != 0.0 for b in system.robot.model.damping)
         law = tuple((f.name, _shape(getattr(system.law, f.name))) for f in fields(system.law))
         parts = spring.unilateral, spring.rest, law, shape_of(self.held)
-        return system.kind, robot, springs, rubbing, parts, domain.contacts, _functions(domain)
+        return system.kind, type(system.law), robot, springs, rubbing, parts, domain.contacts, _identity(domain)
 
     def __hash__(self) -> int:
         return hash(self.key)
@@ -178,30 +178,16 @@ def _shape(value: Any) -> Any:
     return float if _is_number(value) else value
 
 
-def _functions(domain: Domain) -> Any:
-    """What tells a domain's functions from another's: they are made anew with every system."""
+def functions(domain: Domain) -> list[Any]:
+    """What is compiled of a domain: its law, its guards, and what is latched where two domains alternate."""
     between = domain.between
-    functions: list[Any] = [domain.law, *(guard.value for guard in domain.guards)]
-    others: tuple[str, ...] = ()
-    if between is not None:
-        functions += [reset.latch for reset in (between.leave, between.touch, *between.follow) if reset.latch]
-        others = between.grounded.name, between.airborne.name
+    resets = () if between is None else (between.leave, between.touch, *between.follow)
+    return [domain.law, *(guard.value for guard in domain.guards), *(reset.latch for reset in resets if reset.latch)]
+
+
+def _identity(domain: Domain) -> Any:
+    """What tells a domain from another."""
+    between = domain.between
+    others = () if between is None else (between.grounded.name, between.airborne.name)
     watched = tuple(guard.observes for guard in domain.guards)
-    return domain.name, others, watched, tuple(map(_identity, functions))
-
-
-def _identity(function: Any) -> Any:
-    """Its place in the code and what it closes over."""
-    cells = (cell.cell_contents for cell in function.__closure__ or ())
-    return function.__module__, function.__qualname__, tuple(map(_known_by, cells))
-
-
-def _known_by(value: Any) -> Any:
-    """What tells a value from another: functions are made anew with every system, mutable things equal themselves."""
-    if isinstance(value, FunctionType):
-        return _identity(value)
-    try:
-        hash(value)
-    except TypeError:
-        return id(value)
-    return value  # equal if it is frozen, else only the same
+    return domain.name, others, watched, tuple(map(Reader().identity, functions(domain)))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from itertools import chain
 from typing import Any
 
 from spear_pin.hybrid.automaton import Domain, HybridSystem
 from spear_pin.hybrid.engines import layout, taylor
+from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.hybrid.engines.single import Impact, Single, impact
 from spear_pin.hybrid.engines.taylor import Code, Ready
 from spear_pin.hybrid.lanes.groups import Held
@@ -31,6 +33,13 @@ class Compilation:
         self._domains: dict[Any, Ready] = {}
         self._singles: dict[Any, Single] = {}
         self._impacts: dict[str, Impact] = {}
+        self._reader = Reader()
+        for function in chain.from_iterable(map(layout.functions, system.domains)):
+            self._reader.identity(function)
+
+    def current(self) -> bool:
+        """Whether the functions of the system's domains are still what they were."""
+        return self._reader.current()
 
     def domain(self, domain: Domain, held: Held) -> Ready:
         """A domain, compiled for what is held.
@@ -65,7 +74,9 @@ _kept: OrderedDict[Any, Compilation] = OrderedDict()
 def compilation(system: HybridSystem, code: Code) -> Compilation:
     """A system's, made once as long as that system is among the last that were asked for."""
     key = id(system), code
-    found = _kept.pop(key, None) or Compilation(system, code)
+    found = _kept.pop(key, None)
+    if found is None or not found.current():
+        found = Compilation(system, code)
     _kept[key] = found  # the system is kept with it, so that its identity stays its own
     if len(_kept) > KEPT:
         _kept.popitem(last=False)
