@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from spear_pin.model.spring import Spring
     from spear_pin.model.variants import vary
 
-__version__ = "0.1.0"
+__version__ = "0.1.0.dev0"
 __all__ = [
     "BoundingLaw",
     "Contact",

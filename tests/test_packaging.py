@@ -5,11 +5,13 @@ import subprocess
 import sys
 import tomllib
 from fnmatch import fnmatch
+from importlib import metadata
 from importlib.resources import files
 from pathlib import Path
 
 import pytest
 
+from spear_pin import __version__
 from spear_pin.model.loading import ROBOTS
 
 ROOT = Path(__file__).parents[1]
@@ -48,3 +50,10 @@ def test_the_package_runs_as_a_module():
     run = subprocess.run([sys.executable, "-m", "spear_pin", "--help"], cwd=ROOT, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     assert "usage" in run.stdout
+
+
+def test_the_version_is_written_once():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert "version" not in project and project["dynamic"] == ["version"]
+    assert SETUPTOOLS["dynamic"]["version"] == {"attr": "spear_pin.__version__"}
+    assert metadata.version("spear-pin") == __version__
