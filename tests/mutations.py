@@ -258,7 +258,7 @@ MUTATIONS = [
         ["model/test_planar"],
         {
             "planar: half of Coriolis on a slide": ("_scaled(2.0 * spin * v[i],", "_scaled(spin * v[i],"),
-            "planar: gravity upward": ("pull[1] + self.gravity", "pull[1] - self.gravity"),
+            "planar: gravity upward": ("joint.acceleration[1] + self.gravity", "joint.acceleration[1] - self.gravity"),
             "planar: rotors left out": ("mass_matrix[i][i] + body.armature", "mass_matrix[i][i]"),
             "planar: Steiner's mixed term halved": ("2.0 * _dot(moment, arm)", "_dot(moment, arm)"),
             "planar: torque of what hangs below left out": ("+ torque + _cross(arm, force)", "+ torque"),
@@ -269,14 +269,14 @@ MUTATIONS = [
         ["gaits/test_virtual_constraints"],
         {
             "virtual constraints: curvature left out": (
-                "curvature * rate * rate - y[i]",
-                "0.0 * curvature * rate * rate - y[i]",
+                "curvature * (rate * rate) - (y[i]",
+                "0.0 * curvature * (rate * rate) - (y[i]",
             ),
-            "virtual constraints: damped by half": ("- 2.0 * dy[i] / epsilon", "- dy[i] / epsilon"),
-            "virtual constraints: other motors forgotten": ("for j, torque in others)", "for j, torque in others[:0])"),
+            "virtual constraints: damped by half": ("+ 2.0 * dy[i]) / epsilon", "+ dy[i]) / epsilon"),
+            "virtual constraints: other motors forgotten": ("outputs.motors, others)", "outputs.motors, others[:0])"),
             "virtual constraints: slope at the beginning": ("/ rate / (len(shape) + 1)", "/ rate / (len(shape) + 2)"),
             "virtual constraints: held beyond the end": ("value + slope * (s - inside)", "value"),
-            "virtual constraints: curved beyond the end": ("(1.0 - evolution.past) * curvature", "curvature"),
+            "virtual constraints: curved beyond the end": ("curvature - evolution.past * curvature", "curvature"),
         },
     ),
     *mistakes_in(
@@ -327,8 +327,8 @@ MUTATIONS = [
         ["cli/test_main"],
         {
             "a mistake ends with status 0": (
-                'split())}", file=sys.stderr)\n        return 2',
-                'split())}", file=sys.stderr)\n        return 0',
+                'split())}")\n        return 2',
+                'split())}")\n        return 0',
             ),
         },
     ),
