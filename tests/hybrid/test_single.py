@@ -61,12 +61,9 @@ def test_chooses_as_for_many(hop):
                 domain.name: single_of(numbers, domain, held).enter(0.0, y, parameters)
                 for domain in system.of_phase(phase)
             }
-            fits = [
-                (name, entry.contacts)
-                for contacts in (KEEPS, LEAVES)
-                for name, entry in entries.items()
-                if entry is not None and entry.contacts == contacts
-            ][:1]
+            keeping = [(e.push, -i, name) for i, (name, e) in enumerate(entries.items()) if e and e.contacts == KEEPS]
+            leaving = [(name, LEAVES) for name, e in entries.items() if e and e.contacts == LEAVES]
+            fits = [(max(keeping)[-1], KEEPS)] if keeping else leaving[:1]
             assert [name for name, _ in fits] == [ready.domain.name for ready, _, _ in found]
             for each in fits:
                 chosen[each] = chosen.get(each, 0) + 1

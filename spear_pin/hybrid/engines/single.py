@@ -33,12 +33,14 @@ class Entry(NamedTuple):
         t: time at which motion begins, in s.
         y: state there.
         event: the guard that falls at once, `NONE` or `UNCLEAR`.
+        push: least acceleration of a toe that begins to slide, in m/s²; infinite if none does.
     """
 
     contacts: int
     t: float
     y: Array
     event: int
+    push: float
 
 
 class Single:
@@ -78,28 +80,28 @@ class Single:
         answer = self._function(y, pars=given, time=t) if self._timed else self._function(y, pars=given)
         values = answer.tolist()
         if not math.isfinite(sum(values)):
-            return Entry(KEEPS, t, y, UNCLEAR)
-        contacts = self._contacts(values)
+            return Entry(KEEPS, t, y, UNCLEAR, math.inf)
+        contacts, push = self._contacts(values)
         if contacts == UNFIT:
             return None
         waiting = [i for i, tolerance in self._happening if values[i] <= tolerance]
         if not (waiting or any(abs(kink) <= BENT for kink in values[self._kinks[0]])):
-            return Entry(contacts, t, y, NONE)
+            return Entry(contacts, t, y, NONE, push)
         later, guards = self._later, self.domain.guards
         for i in waiting:
             change = values[later + i] - values[i]
             if values[i] < -guards[i].tolerance or change < -MOVES:
-                return Entry(contacts, t, y, i)
+                return Entry(contacts, t, y, i, push)
             if change <= MOVES:
-                return Entry(contacts, t, y, UNCLEAR)
+                return Entry(contacts, t, y, UNCLEAR, push)
         clear = all(values[later + i] > 0.0 for i, _ in self._happening) and all(values[self._kinks[1]])
         if not clear:
-            return Entry(contacts, t, y, UNCLEAR)
-        return Entry(contacts, t + AHEAD, answer[self._state_later :], NONE)
+            return Entry(contacts, t, y, UNCLEAR, push)
+        return Entry(contacts, t + AHEAD, answer[self._state_later :], NONE, push)
 
-    def _contacts(self, values: list[float]) -> int:
-        """Whether every closed toe moves as its mode says, and whether its forces keep it there."""
-        contacts, well_posed = KEEPS, True
+    def _contacts(self, values: list[float]) -> tuple[int, float]:
+        """Whether every closed toe moves as its mode says and its forces keep it there, and how it is pushed off."""
+        contacts, well_posed, push = KEEPS, True, math.inf
         for mode, i in self._toes:
             speed, normal, second, third = values[i : i + OF_TOE]
             if mode == STICK:
@@ -107,11 +109,12 @@ class Single:
             else:
                 moves, stays = speed >= -AT_REST, second > 0.0 and (third > 0.0 or speed > AT_REST)
                 well_posed = well_posed and second > 0.0
+                push = min(push, third - STARTS_TO_SLIDE) if speed <= AT_REST else push
             if not moves or not (stays or normal <= 0.0):
-                return UNFIT
+                return UNFIT, push
             if not (stays and normal > 0.0):
                 contacts = LEAVES
-        return contacts if well_posed else UNFIT
+        return contacts if well_posed else UNFIT, push
 
     def run(self, t: float, y: Array, until: float, parameters: Array) -> tuple[float, Array, int]:
         """Integrate up to the first event, or a time, as `Compiled.run`."""

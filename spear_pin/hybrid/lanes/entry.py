@@ -25,20 +25,37 @@ AWAY = (1e-6, 1e-7, 1e-8, 1e-5, 1e-4)  # s: in one of them guards on zero become
 def choose(numbers: Numbers, phase: str, group: Group) -> tuple[list[tuple[Ready, Group, Point]], Group]:
     """The domain of a phase that fits each lane, evaluated there, and the lanes that none fits.
 
-    Where the forces fit none, it is the first in which the toes that cannot stay would have to be held down: they
-    leave.
+    Where toes begin to slide from rest it is the one that pushes them off best. Where the forces fit none, it is the
+    first in which the toes that cannot stay would have to be held down: they leave.
     """
-    chosen = []
-    for rule in (_keeps, _leaves):
-        for domain in numbers.system.of_phase(phase):
-            if not len(group):
-                break
-            ready = numbers.compiled(domain, group)
-            point = numbers.at(ready, group)
-            fits = _moves(ready, point) & rule(ready, point, numbers.friction(group.lanes))
-            if fits.any():
-                chosen.append((ready, group.take(fits), point.take(fits)))
-            group = group.take(~fits)
+    domains, chosen = numbers.system.of_phase(phase), []
+    best, pushing = np.full(len(group), -np.inf), np.full(len(group), -1)
+    for i, domain in enumerate(domains):
+        asking = best < np.inf
+        if not asking.any():
+            break
+        some = group.take(asking)
+        ready = numbers.compiled(domain, some)
+        point = numbers.at(ready, some)
+        push = _push(ready, point, numbers.friction(some.lanes))
+        pushing[asking] = np.where(push > best[asking], i, pushing[asking])
+        best[asking] = np.maximum(push, best[asking])
+        if (fits := push == np.inf).any():
+            chosen.append((ready, some.take(fits), point.take(fits)))
+    for i in np.unique(pushing[np.isfinite(best)]):
+        some = group.take(np.isfinite(best) & (pushing == i))
+        ready = numbers.compiled(domains[i], some)
+        chosen.append((ready, some, numbers.at(ready, some)))
+    group = group.take(pushing < 0)
+    for domain in domains:
+        if not len(group):
+            break
+        ready = numbers.compiled(domain, group)
+        point = numbers.at(ready, group)
+        fits = _moves(ready, point) & _leaves(ready, point, numbers.friction(group.lanes))
+        if fits.any():
+            chosen.append((ready, group.take(fits), point.take(fits)))
+        group = group.take(~fits)
     return chosen, group
 
 
@@ -106,9 +123,18 @@ def _stays(ready: Ready, point: Point, friction: Any) -> Flags:
     return stays & (point.pivots > 0.0).all(axis=0)
 
 
-def _keeps(ready: Ready, point: Point, friction: Any) -> Flags:
-    """Whether the forces keep every closed toe in its mode."""
-    return np.asarray(_stays(ready, point, friction).all(axis=0))
+def _push(ready: Ready, point: Point, friction: Any) -> Array:
+    """Least acceleration along its mode of a toe that begins to slide, in m/s², (n,), as `modes.fitting` has it.
+
+    Infinite where none begins to, and minus infinity where the domain does not fit.
+    """
+    push = np.full(point.slopes.shape[1], np.inf)
+    for i, (_, mode) in enumerate(ready.closed):
+        if mode != STICK:
+            begins = np.abs(point.sliding[i]) <= AT_REST
+            push = np.where(begins, np.minimum(push, point.accelerations[i] * SIGN[mode]), push)
+    fits = _moves(ready, point) & _stays(ready, point, friction).all(axis=0)
+    return np.where(fits, push, -np.inf)
 
 
 def _leaves(ready: Ready, point: Point, friction: Any) -> Flags:

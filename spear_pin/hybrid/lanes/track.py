@@ -82,7 +82,7 @@ class Track:
             entered = self._enter(domains, t, y, held, shape, parameters)
             if entered is None:
                 return None
-            ready, (_, t, y, end) = entered
+            ready, (_, t, y, end, _) = entered
             domain = ready.domain
             switch = domain.switch
             if end == UNCLEAR or (end >= 0 and t <= AT_ONCE and domain.guards[end].leaves):
@@ -137,16 +137,23 @@ class Track:
     def _enter(
         self, domains: Iterable[Domain], t: float, y: Array, held: Held, shape: Any, parameters: Array
     ) -> tuple[Single, Entry] | None:
-        """The first domain whose contacts keep, or else the first in which they leave."""
-        leaving = None
+        """The first domain whose contacts keep, of those in which a toe begins to slide the one that pushes best.
+
+        If there is none, the first in which they leave.
+        """
+        best, leaving = None, None
         for domain in domains:
             ready = self._compiled.single(domain, held, shape)
             entry = ready.enter(t, y, parameters)
-            if entry is not None and entry.contacts == KEEPS:
+            if entry is None:
+                continue
+            if entry.contacts != KEEPS:
+                leaving = leaving or (ready, entry)
+            elif entry.push == math.inf:
                 return ready, entry
-            if entry is not None and leaving is None:
-                leaving = ready, entry
-        return leaving
+            elif best is None or entry.push > best[1].push:
+                best = ready, entry
+        return best or leaving
 
     def _given(self, held: Held) -> tuple[Any, Array]:
         """The shape of what is held, and the run-time parameters."""
