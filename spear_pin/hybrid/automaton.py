@@ -40,6 +40,7 @@ Row = Sequence[tuple[int, Any]]
 """A row vector over the coordinates, as (index, weight) of its entries; those of the same index add up."""
 
 OPEN, STICK, SLIP_FORWARD, SLIP_BACKWARD = "open", "stick", "slip+", "slip-"
+REPLACED = ("domains", "section", "cyclic", "measures", "guess", "phase_limit", "shortest_flight")
 SHORTEST_FLIGHT = 0.05  # s: in free fall a rise of 3 mm, a two-hundredth of a leg of 0.6 m
 
 
@@ -254,6 +255,8 @@ class HybridSystem:
         shortest_flight: in s; a toe that comes down sooner after it left the ground re-touches and closes no cycle, see
             `spear_pin.hybrid.cycles`.
         hardware: between law and joints, see `spear_pin.hybrid.hardware`; None: ideal motors.
+        changes: what was made of the system that `build` makes of other numbers, too; see `parameters.changed`.
+        made: fields as they were when it was made, by which those are known that were replaced in it.
     """
 
     kind: str
@@ -270,6 +273,12 @@ class HybridSystem:
     phase_limit: float = 5.0
     shortest_flight: float = SHORTEST_FLIGHT
     hardware: Hardware | None = None
+    changes: tuple[Callable[[HybridSystem], HybridSystem], ...] = field(default=(), repr=False)
+    made: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if not self.made:
+            object.__setattr__(self, "made", {name: getattr(self, name) for name in REPLACED})
 
     @cached_property
     def phases(self) -> tuple[str, ...]:

@@ -101,6 +101,16 @@ def simulate_many(
     return _joined(parts)
 
 
+def check_lanes(system: HybridSystem) -> None:
+    """Refuse a system of which many lanes cannot be run.
+
+    Raises:
+        BadValue: it has hardware, or dry friction of joints.
+    """
+    if system.hardware is not None or any(domain.rubs for domain in system.domains):
+        raise BadValue("system", system.kind, "one without hardware and without dry friction of joints")
+
+
 def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array], cycles: int) -> None:
     robot = system.robot
     for name, array, width in (("q", q, robot.nq), ("v", v, robot.nv)):
@@ -110,8 +120,7 @@ def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array],
         raise BadValue("v", len(v), f"as many lanes as q has, {len(q)}")
     if not cycles >= 1 or cycles % 1:
         raise BadValue("cycles", cycles, "a whole number, at least 1")
-    if system.hardware is not None or any(domain.rubs for domain in system.domains):
-        raise BadValue("system", system.kind, "one without hardware and without dry friction of joints")
+    check_lanes(system)
     if robot.added is not None:
         raise BadValue("robot", robot, "one on its slider")
     free = {field.name for field in fields(system.law)} | set(OTHERS)

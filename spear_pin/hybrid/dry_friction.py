@@ -12,12 +12,12 @@ a joint comes to rest might be consistent with none of the three.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any
 
 from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, GuardValue, HybridSystem, Reset, Rub
+from spear_pin.hybrid.parameters import changed
 from spear_pin.hybrid.phases import AT_REST, LET_GO, rate
 from spear_pin.model.robot import Robot
 
@@ -39,23 +39,34 @@ def with_dry_friction(system: HybridSystem, forces: Mapping[str, float]) -> Hybr
         BadValue: a force is not a finite number >= 0, the joint has dry friction already, or more joints would have
             it than can move freely in stance.
     """
-    for joint, force in forces.items():
-        system.robot.index(joint)
-        require(f"dry friction of {joint}", force, lambda value: value >= 0, "a number >= 0, in N or N·m")
-        if any(rub.joint == joint for domain in system.domains for rub in domain.rubs):
-            raise BadValue("forces", dict(forces), f"joints without dry friction, which {joint} has already")
-    rubbing = len(forces) + max((len(domain.rubs) for domain in system.domains), default=0)
-    free = min(system.robot.nv - _constraints(domain) for domain in system.domains)
-    if rubbing > free:
-        expected = f"at most {free} joint{'s' * (free != 1)}: no more move freely with toes on the ground"
-        raise BadValue("forces", dict(forces), f"{expected}, and friction could hold more in many ways")
-    domains = (mode for domain in system.domains for mode in _modes(domain, system.robot, forces))
-    build = system.build
+    return changed(system, DryFriction(dict(forces)))
 
-    def rebuilt(*parts: Any, **named: Any) -> HybridSystem:
-        return with_dry_friction(build(*parts, **named), forces)
 
-    return replace(system, domains=tuple(domains), build=rebuilt)
+@dataclass(frozen=True)
+class DryFriction:
+    """The change that it makes.
+
+    Attributes:
+        forces: Coulomb's force on each joint, in N, or torque in N·m.
+    """
+
+    forces: Mapping[str, float]
+
+    def __call__(self, system: HybridSystem) -> HybridSystem:
+        """The system with it, unchanged otherwise."""
+        forces = self.forces
+        for joint, force in forces.items():
+            system.robot.index(joint)
+            require(f"dry friction of {joint}", force, lambda value: value >= 0, "a number >= 0, in N or N·m")
+            if any(rub.joint == joint for domain in system.domains for rub in domain.rubs):
+                raise BadValue("forces", dict(forces), f"joints without dry friction, which {joint} has already")
+        rubbing = len(forces) + max((len(domain.rubs) for domain in system.domains), default=0)
+        free = min(system.robot.nv - _constraints(domain) for domain in system.domains)
+        if rubbing > free:
+            expected = f"at most {free} joint{'s' * (free != 1)}: no more move freely with toes on the ground"
+            raise BadValue("forces", dict(forces), f"{expected}, and friction could hold more in many ways")
+        domains = (mode for domain in system.domains for mode in _modes(domain, system.robot, forces))
+        return replace(system, domains=tuple(domains))
 
 
 def _modes(domain: Domain, robot: Robot, forces: Mapping[str, float]) -> list[Domain]:

@@ -11,13 +11,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import changed
 from spear_pin.kinds import typed
 from spear_pin.model.actuator import Actuator
 
@@ -204,15 +205,24 @@ def with_hardware(system: HybridSystem, hardware: Hardware | None) -> HybridSyst
     Raises:
         BadValue: not as many actuators as the robot has actuated joints.
     """
-    if hardware is not None and len(hardware.actuators) != system.robot.nu:
-        raise BadValue(
-            "actuators", len(hardware.actuators), f"{system.robot.nu}, one for each of {system.robot.actuated}"
-        )
     if hardware is None and system.hardware is None:
         return system
-    build = system.build
+    return changed(system, Fitted(hardware))
 
-    def rebuilt(*parts: Any, **named: Any) -> HybridSystem:
-        return with_hardware(build(*parts, **named), hardware)
 
-    return replace(system, hardware=hardware, build=rebuilt)
+@dataclass(frozen=True)
+class Fitted:
+    """The change that it makes.
+
+    Attributes:
+        hardware: between law and joints; None takes it away.
+    """
+
+    hardware: Hardware | None
+
+    def __call__(self, system: HybridSystem) -> HybridSystem:
+        """The system with it, or without."""
+        count = system.robot.nu if self.hardware is None else len(self.hardware.actuators)
+        if count != system.robot.nu:
+            raise BadValue("actuators", count, f"{system.robot.nu}, one for each of {system.robot.actuated}")
+        return replace(system, hardware=self.hardware)

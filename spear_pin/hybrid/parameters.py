@@ -1,15 +1,16 @@
-"""A system's numbers by their names: fields of its law, springs and ground."""
+"""Systems made of others: with other numbers, by the names of law, springs and ground, or changed as a whole."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.automaton import REPLACED, HybridSystem
 
 PARTS = ("law", "spring", "contact")
+Change = Callable[[HybridSystem], HybridSystem]
 
 
 def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
@@ -29,9 +30,46 @@ def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> Hybrid
 
 
 def rebuilt(system: HybridSystem, **parts: Any) -> HybridSystem:
-    """The same system with another law, spring or contact, and the limits that were set in it."""
-    built = system.build(system.robot, **{part: getattr(system, part) for part in PARTS} | parts)
-    return replace(built, phase_limit=system.phase_limit, shortest_flight=system.shortest_flight)
+    """The same system with another law, spring or contact; what was changed or replaced in it stays so.
+
+    Raises:
+        BadValue: its domains were replaced, and not by `changed`: nobody knows what they were to be with other numbers.
+    """
+    kept = replaced(system)
+    return replace(system.build(system.robot, **{part: getattr(system, part) for part in PARTS} | parts), **kept)
+
+
+def changed(system: HybridSystem, change: Change) -> HybridSystem:
+    """A system changed by a function, as are all that are rebuilt from it: by `with_parameters`, searches and sweeps.
+
+    For what the numbers of law, springs and ground do not say, such as a guard more or dry friction.
+
+    Args:
+        system: the system.
+        change: makes another of a system, with `dataclasses.replace`. To go into a sweep it has to be a dataclass that
+            is called, so that what it does can be told.
+    """
+    build, after = system.build, change(system)
+    before = {name: value for name, value in system.made.items() if getattr(system, name) is not value}
+
+    def build_changed(*parts: Any, **named: Any) -> HybridSystem:
+        return changed(build(*parts, **named), change)
+
+    made = {name: before.get(name, getattr(after, name)) for name in REPLACED}
+    return replace(after, build=build_changed, changes=(*system.changes, change), made=made)
+
+
+def replaced(system: HybridSystem) -> dict[str, Any]:
+    """Fields of a system that were replaced since it was made, other than by `changed`.
+
+    Raises:
+        BadValue: its domains are among them.
+    """
+    others = {name: getattr(system, name) for name in REPLACED if getattr(system, name) is not system.made[name]}
+    if "domains" in others:
+        names = ", ".join(domain.name for domain in system.domains)
+        raise BadValue("domains", names, "those that were built, or made by `changed(system, change)`, not replaced")
+    return others
 
 
 def parameter(system: HybridSystem, name: str) -> float:

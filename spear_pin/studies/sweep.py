@@ -10,7 +10,8 @@ import signal
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, is_dataclass, replace
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +24,9 @@ from spear_pin.gaits.gait import KINDS
 from spear_pin.gaits.many import MEASURES, REASONS, find_many
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.automaton import OPEN, HybridSystem
+from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.parameters import PARTS, parameter, with_parameters
+from spear_pin.hybrid.parameters import PARTS, Change, changed, parameter, replaced, with_parameters
 from spear_pin.hybrid.record import Options, State
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
@@ -35,6 +37,7 @@ Array = NDArray[np.float64]
 Rows = dict[str, Any]
 CODES = {reason: code for code, reason in enumerate(REASONS)}
 CHUNK = 512
+CARRIED = ("section", "cyclic", "phase_limit", "shortest_flight")  # fields that processes can be told
 
 
 @typed
@@ -86,6 +89,8 @@ class Job:
         kind: of the system.
         robot: the robot that is varied.
         parts: law, spring and contact.
+        changes: what else was made of the system, in order.
+        replaced: fields replaced in it.
         points: parameters of the system, of the robot, or measures that are targets, (n,) each.
         vary: parameters to solve for, from the system's own values.
         target: wanted values of measures that are the same at all points.
@@ -96,6 +101,8 @@ class Job:
     kind: str
     robot: Robot
     parts: Mapping[str, Any]
+    changes: tuple[Change, ...]
+    replaced: Mapping[str, Any]
     points: Mapping[str, Array]
     vary: tuple[str, ...]
     target: Mapping[str, float]
@@ -108,7 +115,8 @@ class Job:
 
     def system(self, **varied: float) -> HybridSystem:
         """The system, its robot varied."""
-        return KINDS[self.kind][0](vary(self.robot, **varied), *self.parts.values())
+        bare = KINDS[self.kind][0](vary(self.robot, **varied), *self.parts.values())
+        return replace(reduce(changed, self.changes, bare), **self.replaced)
 
     def rows(self) -> Rows:
         """Solve: a row for each point, lanes of the same robot together."""
@@ -239,8 +247,18 @@ def _solve(index: int, job: Job) -> tuple[int, Rows]:
 
 def _job(system: HybridSystem, points: Mapping[str, ArrayLike], vary: tuple[str, ...], target: Any, rtol: float) -> Job:
     """What was asked, checked; points of one robot stand together."""
-    if system.kind not in KINDS or system.hardware is not None:
-        raise BadValue("system", system.kind, f"one of {', '.join(KINDS)}, without hardware")
+    if system.kind not in KINDS:
+        raise BadValue("system", system.kind, f"one of {', '.join(KINDS)}")
+    check_lanes(system)
+    kept = replaced(system)
+    for name in kept:
+        if name not in CARRIED:
+            raise BadValue(
+                f"{name} of the system", kept[name], "as built: what replaces it cannot go to other processes"
+            )
+    for change in system.changes:
+        if not is_dataclass(change):
+            raise BadValue("a change of the system", change, "a dataclass that is called, to tell sweeps apart")
     given = {name: np.array(values, dtype=float) for name, values in points.items()}
     n = max((values.size for values in given.values()), default=0)
     of_robot = [name for name in given if name in PARAMETERS and system.robot.source in PARAMETERS[name].robots]
@@ -266,7 +284,7 @@ def _job(system: HybridSystem, points: Mapping[str, ArrayLike], vary: tuple[str,
     parts = {part: getattr(system, part) for part in PARTS}
     given = {name: values[order] for name, values in given.items()}
     nowhere = np.zeros(system.robot.nq), np.zeros(system.robot.nv)
-    return Job(system.kind, system.robot, parts, given, vary, dict(target), nowhere, rtol)
+    return Job(system.kind, system.robot, parts, system.changes, kept, given, vary, dict(target), nowhere, rtol)
 
 
 def _check_name(system: HybridSystem, name: str) -> None:

@@ -15,7 +15,7 @@ import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 from zipfile import BadZipFile
 
 import numpy as np
@@ -68,6 +68,8 @@ def description(job: Job, chunk: int, n: int) -> dict[str, Any]:
         "kind": job.kind,
         "robot": _digest(_numbers(job.robot)),
         **{part: asdict(value) for part, value in job.parts.items()},
+        "changes": [[type(change).__qualname__, asdict(cast(Any, change))] for change in job.changes],
+        "replaced": dict(job.replaced),
         "names": list(job.points),
         "points": _digest(b"".join(np.ascontiguousarray(values).tobytes() for values in job.points.values())),
         "number": n,

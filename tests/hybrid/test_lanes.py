@@ -15,7 +15,7 @@ from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.lanes import journey
 from spear_pin.hybrid.lanes.track import Track
-from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.parameters import changed, with_parameters
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
@@ -194,11 +194,8 @@ class TestLanes:
             ]
             return replace(domain, guards=tuple(guards))
 
-        system = replace(hop.system, domains=tuple(map(overflows, hop.system.domains)))
+        system = changed(hop.system, lambda built: replace(built, domains=tuple(map(overflows, built.domains))))
         q, v = (np.repeat(part[None], 2, axis=0) for part in hop.state)
-        monkeypatch.setattr(
-            journey, "with_parameters", lambda system, given: replace(system, law=replace(system.law, **given))
-        )
         found = simulate_many(system, q, v, parameters={"stance_torque": torques})
         assert found.reason.tolist() == ["not_finite", "complete"]
 

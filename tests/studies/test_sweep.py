@@ -5,14 +5,17 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from spear_pin import Gait, hopping, load
+from spear_pin import Gait, find_gait, hopping, load
 from spear_pin.errors import BadFile, BadValue, MissingExtra, UnknownName
+from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.hardware import with_hardware
+from spear_pin.hybrid.parameters import changed
 from spear_pin.studies import sweep as module
 from spear_pin.studies import sweep_store
 from spear_pin.studies.hardware import Rig
@@ -26,6 +29,27 @@ pytest.importorskip("zarr")
 ROOT = Path(__file__).parents[2]
 POINTS = grid({"stiffness": np.linspace(46.0, 52.0, 12), "knee_ratio": [15.0, 14.0]})
 ASKED = {"vary": ["stance_torque"], "target": {"flight_time": 0.2}, "chunk": 3}
+
+
+@dataclass(frozen=True)
+class Shared:
+    """A change: in stance the knee's motor gives a part of what its law says."""
+
+    part: float
+
+    def __call__(self, system):
+        def shared(domain):
+            own = domain.law
+
+            def law(t, q, v, held, p, dyn, ops):
+                hip, knee = own(t, q, v, held, p, dyn, ops)
+                return hip, self.part * knee
+
+            return replace(domain, law=law) if domain.phase == "stance" else domain
+
+        return replace(system, domains=tuple(map(shared, system.domains)))
+
+
 SCRIPT = """
 import sys
 from spear_pin import hopping, load
@@ -79,6 +103,31 @@ class TestPoints:
 
 
 class TestDataset:
+    def test_keeps_what_was_changed_in_the_system(self, system, tmp_path):
+        """It would answer the hop without it."""
+        shared, points = changed(system, Shared(0.9)), {"stiffness": [system.spring.stiffness]}
+        alone = find_gait(shared, ["stance_torque"], {"flight_time": 0.2})
+        found = sweep(replace(shared, phase_limit=2.0), points, tmp_path / "shared.zarr", **ASKED)
+        torque = float(found["stance_torque"][0])
+        assert torque == pytest.approx(alone.parameters["stance_torque"], abs=1e-6)
+        assert 0.9 * torque == pytest.approx(
+            float(sweep(system, points, tmp_path / "own.zarr", **ASKED)["stance_torque"][0])
+        )
+        for other in (shared, replace(changed(system, Shared(0.8)), phase_limit=2.0)):
+            with pytest.raises(BadFile, match="another"):
+                sweep(other, points, tmp_path / "shared.zarr", **ASKED, resume=True)
+
+    def test_refuses_what_cannot_be_carried(self, system, tmp_path):
+        for other, told in (
+            (changed(system, lambda built: built), "dataclass"),
+            (replace(system, domains=tuple(reversed(system.domains))), "changed"),
+            (with_dry_friction(system, {"hip": 0.1}), "dry friction"),
+            (replace(system, measures=dict(system.measures)), "measures"),
+        ):
+            with pytest.raises(BadValue, match=told):
+                sweep(other, {"stiffness": [50.0]}, tmp_path / "other.zarr", **ASKED)
+        assert not list(tmp_path.iterdir())
+
     def test_has_a_row_for_each_point(self, whole):
         assert dict(whole.sizes) == {"point": 24, "coordinate": 3, "multiplier": 4, "phase": 2}
         assert whole["knee_ratio"].to_numpy().tolist() == [14.0] * 12 + [15.0] * 12  # a robot's points together

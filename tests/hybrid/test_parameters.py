@@ -1,0 +1,68 @@
+"""Systems that are rebuilt with other numbers keep what was made of them."""
+
+from dataclasses import replace
+
+import pytest
+
+from spear_pin import Contact, find_gait
+from spear_pin.errors import BadValue
+from spear_pin.hybrid.automaton import Guard
+from spear_pin.hybrid.dry_friction import with_dry_friction
+from spear_pin.hybrid.parameters import changed, rebuilt, replaced, with_parameters
+from spear_pin.hybrid.simulate import simulate
+
+
+def low(system):
+    """A guard more, which ends the run when the hip sinks below 0.4 m."""
+    guard = Guard("low", lambda t, q, v, held, p, dyn, ops: q[0] - 0.4, ends="fall")
+    return replace(system, domains=tuple(replace(each, guards=(*each.guards, guard)) for each in system.domains))
+
+
+def guards(system):
+    return [[guard.name for guard in domain.guards] for domain in system.domains]
+
+
+def test_a_change_stays(hop):
+    system = changed(hop.system, low)
+    assert guards(system) == guards(low(hop.system))
+    for again in (
+        with_parameters(system, {"stance_torque": 7.0, "friction": 0.5}),
+        with_parameters(with_parameters(system, {"stance_torque": 7.0}), {"stiffness": 60.0}),
+        rebuilt(system, contact=Contact(0.5)),
+    ):
+        assert guards(again) == guards(system) and again.changes == (low,)
+
+
+def test_a_change_stays_in_a_search(hop):
+    gait = find_gait(changed(hop.system, low), ["stance_torque"], {"flight_time": 0.2}, guess=hop.state)
+    assert guards(gait.system) == guards(low(hop.system))
+    weaker = gait.with_law(stance_torque=4.0).system
+    assert simulate(weaker, gait.state, 10).events[-1].name == "low"
+
+
+def test_changes_follow_each_other(hop):
+    system = with_dry_friction(changed(hop.system, low), {"boom_z": 1.0})
+    again = with_parameters(system, {"stiffness": 60.0})
+    assert guards(again) == guards(system)
+    assert [domain.name for domain in again.domains] == [domain.name for domain in system.domains]
+    assert all("low" in names for names in guards(again))
+
+
+def test_domains_that_were_replaced_are_not_dropped(hop):
+    system = low(hop.system)
+    for rebuild in (
+        lambda: with_parameters(system, {"stance_torque": 7.0}),
+        lambda: find_gait(system, ["stance_torque"], {"flight_time": 0.2}),
+        lambda: with_parameters(changed(system, lambda each: each), {"stance_torque": 7.0}),
+    ):
+        with pytest.raises(BadValue, match="changed"):
+            rebuild()
+
+
+def test_fields_that_were_replaced_stay(hop):
+    system = replace(hop.system, phase_limit=2.0, shortest_flight=0.1)
+    for each in (system, changed(system, low)):
+        again = with_parameters(each, {"stance_torque": 7.0})
+        assert (again.phase_limit, again.shortest_flight) == (2.0, 0.1)
+        assert replaced(again) == {"phase_limit": 2.0, "shortest_flight": 0.1}
+    assert replaced(hop.system) == {}
