@@ -18,7 +18,7 @@ import numpy as np
 from tqdm import tqdm
 
 from spear_pin import Contact, hopping, load, simulate
-from spear_pin.hybrid.record import NUMERICAL
+from spear_pin.hybrid.reasons import NUMERICAL
 
 CYCLES, RTOL, CAP = 11, 1e-8, 2_000_000
 NUMBERS = ("t", "q", "v", "a", "u", "tau", "friction", "force", "spring")

@@ -28,8 +28,8 @@ from spear_pin.gaits.bounding_law import (
     stance_law,
 )
 from spear_pin.gaits.virtual_constraints import dot, progress, resume
-from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem, Law, Mount, Reset
-from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Law, Mount, Reset
+from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.phases import contact_domains, fall, spring_switches, touchdown
 from spear_pin.hybrid.record import Run
 from spear_pin.kinds import typed

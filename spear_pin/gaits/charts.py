@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import OPEN, HybridSystem
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.phases import AT_REST
 from spear_pin.model.planar import Planar
 

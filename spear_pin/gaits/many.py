@@ -18,7 +18,7 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.charts import Section
 from spear_pin.gaits.lane_newton import Problem, multipliers, newton, valid
 from spear_pin.gaits.search import RESIDUAL, SETTLE
-from spear_pin.hybrid import record
+from spear_pin.hybrid import reasons
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import Batch, simulate_many
 from spear_pin.hybrid.engines import taylor
@@ -37,7 +37,7 @@ REASONS: Mapping[str, str] = {
     "no_multipliers": "a fixed point was found, but a cycle that begins beside it does not close",
     "short_cycle": "the toe leaves the ground and returns at once",
     "not_valid": "a parameter is out of its range",
-    **{name: text for name, text in record.REASONS.items() if name != "complete"},
+    **{name: text for name, text in reasons.REASONS.items() if name != "complete"},
 }
 
 

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from spear_pin.errors import BadValue, require
-from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem, Mount, Reset, Switch
-from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Mount, Reset, Switch
+from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.phases import contact_domains, fall, rate, touchdown
 from spear_pin.hybrid.record import Run
 from spear_pin.kinds import typed

@@ -25,7 +25,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.errors import UnknownName
+from spear_pin.hybrid.contact import OPEN as OPEN
+from spear_pin.hybrid.contact import SLIP_BACKWARD as SLIP_BACKWARD
+from spear_pin.hybrid.contact import SLIP_FORWARD as SLIP_FORWARD
+from spear_pin.hybrid.contact import STICK as STICK
 from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.soundness import check
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
@@ -39,7 +44,6 @@ Latch = Callable[[Sequence[float], Sequence[float], Held, Any], Held]
 Row = Sequence[tuple[int, Any]]
 """A row vector over the coordinates, as (index, weight) of its entries; those of the same index add up."""
 
-OPEN, STICK, SLIP_FORWARD, SLIP_BACKWARD = "open", "stick", "slip+", "slip-"
 REPLACED = ("domains", "section", "cyclic", "measures", "guess", "phase_limit", "shortest_flight")
 SHORTEST_FLIGHT = 0.05  # s: in free fall a rise of 3 mm, a two-hundredth of a leg of 0.6 m
 
@@ -237,7 +241,7 @@ class Crossing:
 
 @dataclass(frozen=True)
 class HybridSystem:
-    """A robot, its domains, and the numbers in them.
+    """A robot, its domains, and the numbers in them; what does not fit together is refused, see `soundness`.
 
     Attributes:
         kind: name of the gait's automaton.
@@ -279,6 +283,7 @@ class HybridSystem:
     def __post_init__(self) -> None:
         if not self.made:
             object.__setattr__(self, "made", {name: getattr(self, name) for name in REPLACED})
+        check(self)
 
     @cached_property
     def phases(self) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from spear_pin.errors import require
 from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
+CONTACTS = OPEN, STICK, SLIP_FORWARD, SLIP_BACKWARD = "open", "stick", "slip+", "slip-"
 RESTING = 1e-9  # m/s: a toe that approaches more slowly does not strike, whatever friction might make of it
 AGREES, ROUNDING = 1e-9, 1e-12  # of the toes' speed, and in m/s: by so much a joint impact may violate its law
 

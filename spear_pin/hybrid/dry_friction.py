@@ -16,7 +16,8 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from spear_pin.errors import BadValue, require
-from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, GuardValue, HybridSystem, Reset, Rub
+from spear_pin.hybrid.automaton import Domain, Guard, GuardValue, HybridSystem, Reset, Rub
+from spear_pin.hybrid.contact import OPEN, STICK
 from spear_pin.hybrid.parameters import changed
 from spear_pin.hybrid.phases import AT_REST, LET_GO, rate
 from spear_pin.model.robot import Robot

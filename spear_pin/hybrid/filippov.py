@@ -21,17 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid import shares
-from spear_pin.hybrid.automaton import (
-    OPEN,
-    Alternation,
-    Crossing,
-    Domain,
-    Guard,
-    GuardValue,
-    Held,
-    HybridSystem,
-    Reset,
-)
+from spear_pin.hybrid.automaton import Alternation, Crossing, Domain, Guard, GuardValue, Held, HybridSystem, Reset
+from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.hardware import blended

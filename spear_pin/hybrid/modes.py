@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.hybrid.automaton import OPEN, STICK, Held, HybridSystem, Rub
+from spear_pin.hybrid.automaton import Held, HybridSystem, Rub
+from spear_pin.hybrid.contact import OPEN, STICK
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.phases import AT_REST, LET_GO, ON_GROUND, SIGN, UNLOADED
 from spear_pin.hybrid.record import Moment

@@ -7,17 +7,8 @@ from dataclasses import replace
 from itertools import product
 from typing import Any
 
-from spear_pin.hybrid.automaton import (
-    OPEN,
-    SLIP_BACKWARD,
-    SLIP_FORWARD,
-    STICK,
-    Domain,
-    Guard,
-    GuardValue,
-    Mount,
-    Reset,
-)
+from spear_pin.hybrid.automaton import Domain, Guard, GuardValue, Mount, Reset
+from spear_pin.hybrid.contact import OPEN, SLIP_BACKWARD, SLIP_FORWARD, STICK
 
 SIGN = {SLIP_FORWARD: 1.0, SLIP_BACKWARD: -1.0}
 ON_GROUND = 1e-8  # m: more than integration leaves of the constraint, less than any foot clearance

@@ -8,7 +8,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import OPEN, Alternation, Crossing, Domain, Guard, Held, HybridSystem
+from spear_pin.hybrid.automaton import Alternation, Crossing, Domain, Guard, Held, HybridSystem
+from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import BEYOND, Sliding, alternating, entered, latched

@@ -15,8 +15,8 @@ import scipy
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem, Reset
-from spear_pin.hybrid.contact import Impact, JointImpact, joint_impact, landed, plastic_impact
+from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
+from spear_pin.hybrid.contact import OPEN, Impact, JointImpact, joint_impact, landed, plastic_impact
 from spear_pin.hybrid.cycles import RETOUCH, counts_to, retouches
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
 from spear_pin.hybrid.events import Watch

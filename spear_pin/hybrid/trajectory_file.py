@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadFile, BadValue
 from spear_pin.files import atomic, check_keys, parse_json, regular
-from spear_pin.hybrid.record import REASONS
+from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.trajectory import SAMPLED, Event, Ledger, Trajectory
 
 FORMAT = "spear_pin trajectory 1"

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.gaits.gait import Gait
-from spear_pin.hybrid.automaton import OPEN
+from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.record import Moment, Options
 from spear_pin.hybrid.run import run

@@ -23,8 +23,9 @@ from spear_pin.errors import BadValue, MissingExtra, NoGait, SpearError, Unknown
 from spear_pin.gaits.gait import KINDS
 from spear_pin.gaits.many import MEASURES, REASONS, find_many
 from spear_pin.gaits.search import find_gait
-from spear_pin.hybrid.automaton import OPEN, HybridSystem
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_lanes
+from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import PARTS, Change, changed, parameter, replaced, with_parameters
 from spear_pin.hybrid.record import Options, State

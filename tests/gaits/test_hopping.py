@@ -12,7 +12,7 @@ from spear_pin import Contact, HoppingLaw, Spring, find_gait, hopping, load, sim
 from spear_pin.errors import BadValue
 from spear_pin.gaits.hopping import flight_law, stance_law
 from spear_pin.hybrid.periodic import return_map
-from spear_pin.hybrid.record import NUMERICAL
+from spear_pin.hybrid.reasons import NUMERICAL
 from tests import random_starts
 
 NUMBERS = [field.name for field in fields(HoppingLaw) if field.type != "bool"]

@@ -24,7 +24,8 @@ from spear_pin.gaits.virtual_constraints import (
     resume,
     zeroing,
 )
-from spear_pin.hybrid.automaton import OPEN, STICK, Domain, HybridSystem
+from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.contact import OPEN, STICK
 from spear_pin.hybrid.engines.elimination import torques_for
 from spear_pin.hybrid.engines.pinocchio import Flow
 

@@ -8,8 +8,8 @@ import pytest
 import sympy as sp
 
 from spear_pin import Contact, HoppingLaw, Spring, hopping, load, simulate
-from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, HybridSystem, Reset
-from spear_pin.hybrid.contact import joint_impact, plastic_impact
+from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
+from spear_pin.hybrid.contact import OPEN, STICK, joint_impact, plastic_impact
 from spear_pin.hybrid.phases import contact_domains, fall, rise, stays, touchdown
 
 ROBOT = load("q_spear")

@@ -8,7 +8,7 @@ import pytest
 
 from spear_pin import Contact, HoppingLaw, hopping, simulate
 from spear_pin.hybrid.automaton import Guard, Reset
-from spear_pin.hybrid.record import REASONS
+from spear_pin.hybrid.reasons import REASONS
 
 
 def finite(trajectory):

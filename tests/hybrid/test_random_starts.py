@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spear_pin.hybrid.record import NUMERICAL, REASONS
+from spear_pin.hybrid.reasons import NUMERICAL, REASONS
 from tests.random_starts import CAP, draw, outcomes, robot
 
 BATCH = 50  # so that processes can share them

@@ -10,10 +10,11 @@ from scipy.integrate import solve_ivp
 from benchmarks.hard_starts import RTOL, STRIDES, followed, gait_of, recorded
 from spear_pin import Contact, Trajectory, simulate
 from spear_pin.gaits.bounding import bounding
-from spear_pin.hybrid.automaton import OPEN, SLIP_BACKWARD, SLIP_FORWARD, STICK
+from spear_pin.hybrid.contact import OPEN, SLIP_BACKWARD, SLIP_FORWARD, STICK
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.filippov import CHATTER, Sliding, Unloaded
-from spear_pin.hybrid.record import NUMERICAL, Options
+from spear_pin.hybrid.reasons import NUMERICAL
+from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.shares import weights
 from spear_pin.hybrid.simulate import sample

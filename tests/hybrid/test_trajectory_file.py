@@ -11,7 +11,7 @@ from numpy.lib import format as npy
 
 from spear_pin import Trajectory, simulate
 from spear_pin.errors import BadFile
-from spear_pin.hybrid.record import REASONS
+from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.trajectory_file import ARRAYS, CURRENTS, ELECTRICAL
 
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
-from spear_pin.hybrid.automaton import OPEN, Domain, HybridSystem, Reset
+from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
+from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.layout import Numbers
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.model.planar import Planar

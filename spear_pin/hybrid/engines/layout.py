@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import Domain, HybridSystem
 from spear_pin.hybrid.engines.identity import Reader
+from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.planar import Body, Planar
 
 Array = NDArray[np.float64]
@@ -58,7 +59,7 @@ def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tup
     stiffness, damping, friction = map(counter.number, (spring.stiffness, spring.damping, system.contact.friction))
     bodies = [_with_numbers(body, *map(counter.nonzero, _numbers(body))) for body in planar.bodies]
     joints = [counter.nonzero(float(b)) for b in system.robot.model.damping]
-    kept = {name: counter.number(value) for name, value in held.items()}
+    kept = Latched({name: counter.number(value) for name, value in held.items()})
     return planar.with_bodies(bodies), Numbers(law, stiffness, damping, friction, joints), kept
 
 

@@ -14,11 +14,12 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, Held, HybridSystem, Row
-from spear_pin.hybrid.contact import constrained
+from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Row
+from spear_pin.hybrid.contact import OPEN, STICK, constrained
 from spear_pin.hybrid.engines.elimination import torques_for
 from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
 from spear_pin.hybrid.phases import SIGN
+from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.robot import WORLD_ALIGNED
 
 Array = NDArray[np.float64]
@@ -92,7 +93,7 @@ class Flow:
 
     def hold(self, held: Held) -> None:
         """Replace what is held."""
-        self.held = held
+        self.held: Held = Latched(held)
         self._at: tuple[float, Array] | None = None
         self._springs = [
             (self.system.robot.index(m.joint), m.spring.stiffness * held[m.taut], held[m.rest], m.spring.damping)

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import STICK
-from spear_pin.hybrid.contact import RESTING, routh
+from spear_pin.hybrid.contact import RESTING, STICK, routh
 from spear_pin.hybrid.engines.elimination import dot, factorize, plus, substitute, times
 from spear_pin.hybrid.engines.layout import Structure, symbols
 from spear_pin.hybrid.engines.taylor import BENT, FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, require

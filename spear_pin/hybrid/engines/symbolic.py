@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from spear_pin.hybrid.automaton import OPEN, STICK, Domain, HybridSystem, Row
+from spear_pin.hybrid.automaton import Domain, HybridSystem, Row
+from spear_pin.hybrid.contact import OPEN, STICK
 from spear_pin.hybrid.engines.elimination import (
     Matrix,
     dot,

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import MissingExtra
-from spear_pin.hybrid.automaton import OPEN, STICK, Domain, HybridSystem
+from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.contact import OPEN, STICK
 from spear_pin.hybrid.engines.alternating import Alternating
 from spear_pin.hybrid.engines.elimination import solve
 from spear_pin.hybrid.engines.layout import Structure, symbols

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import STICK
+from spear_pin.hybrid.contact import STICK
 from spear_pin.hybrid.engines.taylor import BENT, Point, Ready
 from spear_pin.hybrid.events import CHANGE, GLIMPSES
 from spear_pin.hybrid.lanes.groups import Flags, Group, Indices

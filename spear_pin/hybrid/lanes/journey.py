@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import OPEN, Domain, Guard, HybridSystem, Reset, Switch
-from spear_pin.hybrid.contact import RESTING, joint_impact, routh
+from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset, Switch
+from spear_pin.hybrid.contact import OPEN, RESTING, joint_impact, routh
 from spear_pin.hybrid.cycles import counts_to, retouches
 from spear_pin.hybrid.engines.layout import shape_of
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Point, Ready
@@ -25,7 +25,8 @@ from spear_pin.hybrid.lanes.sliding import Came, slide
 from spear_pin.hybrid.lanes.track import Track
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.phases import AT_REST, ON_GROUND, rise
-from spear_pin.hybrid.record import REASONS, Options
+from spear_pin.hybrid.reasons import REASONS
+from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import AT_ONCE, CYCLE_EVENTS, INSTANT, run, struck_toes
 
 Array = NDArray[np.float64]

@@ -1,0 +1,17 @@
+"""Why runs end."""
+
+REASONS = {
+    "complete": "all cycles were run",
+    "below_ground": "a toe was below the ground at the beginning",
+    "fall": "a part other than a toe reached the ground",
+    "zeno": "events accumulate: the control laws of phases that alternate undo each other without time passing",
+    "no_cycle": "a thousand events passed and no cycle closed",
+    "painleve": "the slip equation has no unique solution (Painlevé's paradox)",
+    "overload": "the control law asked for more torque than any motor has: near a singularity or far from its gait",
+    "no_event": "a phase went on beyond its time limit",
+    "stuck": "dry friction holds a joint, and nothing frees it within the time limit of the phase",
+    "step_size": "the integrator's step size fell to nothing",
+    "evaluation_cap": "the run used up its right-hand side evaluations",
+    "not_finite": "the state is no longer finite",
+}
+NUMERICAL = ("step_size", "evaluation_cap", "not_finite")

@@ -1,0 +1,102 @@
+"""Automata that do not hang together are refused as they are made."""
+
+from dataclasses import replace
+
+import pytest
+
+from spear_pin import Gait
+from spear_pin.errors import BadValue, SpearError, UnknownName
+from spear_pin.hybrid.automaton import Guard, Mount, Reset, Rub
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.simulate import simulate
+from spear_pin.hybrid.soundness import Latched
+
+
+def never(t, q, v, held, p, dyn, ops):
+    return 1.0
+
+
+def with_guard(guard):
+    return lambda domain: replace(domain, guards=(*domain.guards, guard))
+
+
+CHANGES = {  # of the domain "stance", with what is said to be valid
+    "phase": (with_guard(Guard("bump", never, Reset(phase="stanse"))), "stance, flight"),
+    "toe": (with_guard(Guard("bump", never, Reset(impact=("tow",)))), "toe"),
+    "spring released": (with_guard(Guard("bump", never, Reset(release=("hip",)))), "knee"),
+    "reason": (with_guard(Guard("bump", never, ends="tired")), "fall"),
+    "contact": (lambda domain: replace(domain, contacts=("glued",)), "open, stick, slip+, slip-"),
+    "joint of a spring": (
+        lambda domain: replace(domain, mounts=(replace(domain.mounts[0], joint="ankle"),)),
+        "boom_z, hip, knee",
+    ),
+    "joint of friction": (lambda domain: replace(domain, rubs=(Rub("ankle", 1.0, 1.0),)), "boom_z, hip, knee"),
+    "what a spring rests at": (
+        lambda domain: replace(domain, mounts=(replace(domain.mounts[0], rest="rust"),)),
+        "knee_touchdown, taut",
+    ),
+    "switch": (
+        lambda domain: replace(domain, switch=replace(domain.switch, reset=Reset(phase="hover"))),
+        "stance, flight",
+    ),
+}
+
+
+def changed_stance(system, change):
+    return replace(system, domains=tuple(change(d) if d.name == "stance" else d for d in system.domains))
+
+
+@pytest.mark.parametrize("what", CHANGES)
+def test_names_that_there_are_not(hop, what):
+    change, valid = CHANGES[what]
+    with pytest.raises(UnknownName) as error:
+        changed_stance(hop.system, change)
+    assert set(valid.split(", ")) <= set(error.value.valid)
+    assert "stance" in str(error.value)
+
+
+def test_what_is_not_to_be_told_apart(hop):
+    with pytest.raises(BadValue, match="goes on or ends"):
+        changed_stance(hop.system, with_guard(Guard("bump", never, Reset(), ends="fall")))
+    with pytest.raises(BadValue, match="one for each of toe"):
+        changed_stance(hop.system, lambda domain: replace(domain, contacts=("stick", "stick")))
+
+
+def test_a_section_that_ends_no_flight(hop):
+    with pytest.raises(UnknownName, match="touchdown"):
+        replace(hop.system, section="touch")
+
+
+def test_shipped_systems_pass(hop, free_hop):
+    for system in (hop.system, free_hop.system, Gait.load("long_stride").system):
+        replace(system)
+
+
+def test_a_law_that_reads_what_nothing_latches(hop):
+    """Which only shows when it is called: by one lane, and by what compiles many."""
+
+    def reads(domain):
+        return replace(domain, law=lambda t, q, v, held, p, dyn, ops: [held["nothing"], 0.0])
+
+    system = changed_stance(hop.system, reads)
+    with pytest.raises(UnknownName, match="nothing.*valid: .*taut"):
+        simulate(system, hop.state, 1)
+    if taylor.available():
+        from spear_pin.hybrid.batch import simulate_many
+
+        with pytest.raises(SpearError, match="nothing.*valid: .*taut"):
+            simulate_many(system, *(part[None] for part in hop.state))
+
+
+def test_what_is_held_is_a_mapping():
+    held = Latched({"rest": 1.0})
+    assert held == {"rest": 1.0} and held["rest"] == 1.0 and held.get("other") is None and "other" not in held
+
+
+def test_a_spring_of_another_leg_is_asked_by_its_own_names():
+    system = Gait.load("long_stride").system
+    mounted = next(domain for domain in system.domains if domain.mounts)
+    wrong = replace(mounted, mounts=(*mounted.mounts[:-1], replace(mounted.mounts[-1], taut="tout")))
+    assert isinstance(wrong.mounts[-1], Mount)
+    with pytest.raises(UnknownName, match="tout"):
+        replace(system, domains=tuple(wrong if domain is mounted else domain for domain in system.domains))
