@@ -57,6 +57,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     from tqdm import tqdm
 
+    from spear_pin.gaits.targets import check_wanted
     from spear_pin.hybrid.record import Options
     from spear_pin.studies import sweep_store
     from spear_pin.studies.sweep import grid, reasons, sample, sweep
@@ -71,6 +72,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     )
     system, vary, target = _asked(arguments, set(axes))
     _check_names(system, axes)
+    check_wanted(system, {**target, **{name: axes[name] for name in axes if name in system.measures}})
     sweep_store.require()  # its extra has the engine's too
     with tqdm(total=1, unit="gait", delay=1.0, disable=None, leave=False) as bar:
 
@@ -109,10 +111,8 @@ def _check(arguments: argparse.Namespace) -> None:
         raise BadValue("--speed", arguments.speed, "to go with bound; a hop takes --flight-time")
     if arguments.what == "bound" and arguments.flight_time is not None:
         raise BadValue("--flight-time", arguments.flight_time, "to go with hop; a bound takes --speed")
-    for option in ("flight_time", "speed"):
-        value = getattr(arguments, option)
-        if value is not None and not 0.0 < value < math.inf:
-            raise BadValue(f"--{option.replace('_', '-')}", value, "a number > 0")
+    if arguments.speed is not None and not 0.0 < arguments.speed < math.inf:
+        raise BadValue("--speed", arguments.speed, "a number > 0")
 
 
 def _axes(words: list[str], sampled: bool) -> Axes:

@@ -18,6 +18,7 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.charts import Section
 from spear_pin.gaits.lane_newton import Problem, multipliers, newton, valid
 from spear_pin.gaits.search import RESIDUAL, SETTLE
+from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid import reasons
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import Batch, simulate_many
@@ -134,7 +135,7 @@ def find_many(
         MissingExtra: heyoka is not installed.
         UnknownName: unknown parameter or measure.
         BadValue: shapes do not fit, a number is not finite, a measure is of an event that lanes do not record,
-            or the system has what the engine cannot compile.
+            no cycle has a target (a flight that closes none), or the system has what the engine cannot compile.
     """
     taylor.require()
     target = dict(target or {})
@@ -171,8 +172,9 @@ def _wanted(system: HybridSystem, vary: Sequence[str], target: Mapping[str, Arra
             raise BadValue(
                 "target", name, f"one of {', '.join(known)}: lanes do not record what happens at other events"
             )
-        if np.shape(value) not in ((), (n,)) or not np.isfinite(np.asarray(value, dtype=float)).all():
+        if np.shape(value) not in ((), (n,)):
             raise BadValue(f"target {name}", value, f"a finite number, or {n} of them")
+    check_wanted(system, target)
     columns = [np.broadcast_to(np.asarray(value, dtype=float), n) for value in target.values()]
     return np.column_stack(columns or [np.empty((n, 0))])
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import EVALUATIONS, STEP, chart, displacement, multipliers, newton, return_map
@@ -57,17 +58,17 @@ def find_gait(
 
     Raises:
         UnknownName: unknown parameter or measure.
-        BadValue: not as many targets as parameters, or a target that is no finite number.
+        BadValue: not as many targets as parameters, or a target that no cycle has: no finite number, or a flight that
+            closes none, see `HybridSystem.shortest_flight`.
         NoGait: no periodic gait was found from here; the text says why.
     """
     target = dict(target or {})
     if len(vary) != len(target):
         raise BadValue("target", target, f"as many targets as parameters to vary, {len(vary)}")
-    for name, value in target.items():
+    for name in target:
         if not callable(name) and name not in system.measures:
             raise UnknownName("target", name, system.measures)
-        if not np.isfinite(value):
-            raise BadValue(f"target {name}", value, "a finite number")
+    check_wanted(system, target)
     measures = tuple(name if callable(name) else system.measures[name] for name in target)
     search = _Search(tuple(vary), measures, np.array(list(target.values()), dtype=float), rtol, on_iteration)
     start = np.array([parameter(system, name) for name in vary])

@@ -34,6 +34,14 @@ def retouches(system: HybridSystem, reset: Reset, aloft: NDArray[np.float64]) ->
     return aloft[[system.robot.toes.index(toe) for toe in reset.impact]].max(axis=0) < system.shortest_flight
 
 
+def flight_times(system: HybridSystem) -> tuple[float, float]:
+    """Durations, in s, between which a phase of flight lies that ends at the section.
+
+    Where there is one toe it has been in the air for no longer than that phase; of several one may have.
+    """
+    return system.shortest_flight if len(system.robot.toes) == 1 else 0.0, system.phase_limit
+
+
 def counts_to(domain: Domain, reset: Reset, again: bool) -> str:
     """The phase to which the time of a phase counts that a reset ends.
 

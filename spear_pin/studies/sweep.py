@@ -23,6 +23,7 @@ from spear_pin.errors import BadValue, MissingExtra, NoGait, SpearError, Unknown
 from spear_pin.gaits.gait import KINDS
 from spear_pin.gaits.many import MEASURES, REASONS, find_many
 from spear_pin.gaits.search import find_gait
+from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.contact import OPEN
@@ -279,6 +280,7 @@ def _job(system: HybridSystem, points: Mapping[str, ArrayLike], vary: tuple[str,
     for name in wanted:
         if name not in system.measures or name not in MEASURES:
             raise UnknownName("target", name, [each for each in system.measures if each in MEASURES])
+    check_wanted(system, {**target, **{name: given[name] for name in measured}})
     for name in vary:
         parameter(system, name)
     order = np.lexsort([given[name] for name in of_robot[::-1]]) if of_robot else np.arange(n)

@@ -181,11 +181,10 @@ class TestMistakes:
     @pytest.mark.parametrize(
         ("arguments", "part"),
         [
-            (["--flight-time", "-1"], "--flight-time"),
-            (["--flight-time", "0"], "--flight-time"),
-            (["--flight-time", "nan"], "--flight-time"),
-            (["--flight-time", "inf"], "--flight-time"),
-            (["--flight-time", "0.04"], "expected a number from 0.05 to 5, in s"),
+            *(
+                (["--flight-time", wanted], f"flight_time is {float(wanted)}; expected a number from 0.05 to 5, in s")
+                for wanted in ("-1", "0", "nan", "inf", "0.04", "5.1")
+            ),
             (["--flight-time", "soon"], "soon"),
             (["--flight-time", "0.2", "--stance-torque", "8"], "not allowed with"),
             (["--stance-torque", "-1"], "stance_torque"),

@@ -97,10 +97,14 @@ class TestMistakes:
             (("stiffness=46:52",), "--sobol or --latin with a range"),
             (("stiffness=1,2", "--over", "stiffness=3,4"), "each name once"),
             (("stiffness=46,52", "--speed", "2"), "to go with bound; a hop takes --flight-time"),
+            (("stiffness=46,52", "--flight-time", "0.03"), "flight_time is 0.03; expected a number from 0.05 to 5"),
+            (("flight_time=0.2,0.03",), "flight_time is 0.03; expected"),
+            (("flight_time=0.03:0.3", "--sobol", "4"), "flight_time is 0.03; expected"),
         ],
         ids=words,
     )
-    def test_say_what_is_wrong(self, capsys, arguments, text):
+    def test_say_what_is_wrong(self, capsys, tmp_path, monkeypatch, arguments, text):
+        monkeypatch.chdir(tmp_path)
         assert text in refused(capsys, "sweep", "hop", "--over", *arguments)
 
     def test_what_exists_already(self, capsys, tmp_path, monkeypatch):
@@ -110,12 +114,13 @@ class TestMistakes:
         assert "exists already: give another --out, delete it, or --resume" in text
 
     def test_of_what_is_not_installed(self, capsys, tmp_path, monkeypatch):
-        """One extra has everything, and a misspelt name needs none."""
+        """One extra has everything, and a mistake needs none."""
         monkeypatch.setattr(taylor, "hy", None)
         monkeypatch.setitem(sys.modules, "xarray", None)
         monkeypatch.chdir(tmp_path)
         assert "'.[sweep]'" in refused(capsys, "sweep", "hop", *OVER)
         assert "unknown parameter 'stiffnes'" in refused(capsys, "sweep", "hop", "--over", "stiffnes=1,2")
+        assert "flight_time is 0.03" in refused(capsys, "sweep", "hop", *OVER, "--flight-time", "0.03")
 
     def test_of_a_disk(self, capsys, tmp_path, monkeypatch):
         def full(*_):

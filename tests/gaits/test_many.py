@@ -145,6 +145,9 @@ class TestBadInput:
             find_many(hop.system, given, ["stance_torque"])
         with pytest.raises(BadValue, match="^target flight_time is "):
             find_many(hop.system, given, ["stance_torque"], {"flight_time": [0.2, 0.3]})
+        for wanted in (0.03, [0.03], np.nan):
+            with pytest.raises(BadValue, match="^target flight_time is .*; expected a number from 0.05 to 5, in s"):
+                find_many(hop.system, given, ["stance_torque"], {"flight_time": wanted})
 
     def test_parameters(self, hop):
         for given in ({}, {"stiffness": 48.0}, {"stiffness": [np.nan]}, {"stiffness": [1.0], "damping": [1.0, 2.0]}):

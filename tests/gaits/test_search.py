@@ -113,6 +113,16 @@ class TestRefuses:
         with pytest.raises(BadValue, match="target flight_time"):
             find_gait(hopping(robot), ["stance_torque"], {"flight_time": value})
 
+    @pytest.mark.parametrize("seconds", [-0.1, 0.0, 0.03, 5.1])
+    def test_a_flight_that_closes_no_cycle(self, robot, monkeypatch, seconds):
+        monkeypatch.setattr("spear_pin.gaits.search.run", lambda *_: pytest.fail("something was simulated"))
+        expected = rf"^target flight_time is {seconds}; expected a number from 0\.05 to 5, in s"
+        with pytest.raises(BadValue, match=expected):
+            find_gait(hopping(robot), ["stance_torque"], {"flight_time": seconds})
+        with pytest.raises(BadValue, match="expected a number from 0.1 to 3, in s"):
+            system = replace(hopping(robot), shortest_flight=0.1, phase_limit=3.0)
+            find_gait(system, ["stance_torque"], {"flight_time": seconds})
+
     def test_a_parameter_without_a_value(self, robot):
         with pytest.raises(BadValue, match="hip_touchdown"):
             find_gait(hopping(robot), ["hip_touchdown"], {"flight_time": 0.2})

@@ -8,7 +8,7 @@ import pytest
 
 from spear_pin import find_gait, hopping, load, simulate, simulate_many
 from spear_pin.hybrid.automaton import SHORTEST_FLIGHT, Reset
-from spear_pin.hybrid.cycles import RETOUCH, retouches
+from spear_pin.hybrid.cycles import RETOUCH, flight_times, retouches
 from spear_pin.hybrid.filippov import CHATTER
 from spear_pin.hybrid.hardware import Sensing
 from spear_pin.hybrid.parameters import with_parameters
@@ -115,6 +115,12 @@ class TestRule:
     """Two toes; the first strikes, or both."""
 
     system = SimpleNamespace(robot=SimpleNamespace(toes=("left", "right")), shortest_flight=SHORTEST_FLIGHT)
+
+    def test_a_flight_is_as_long_as_its_only_toe_is_aloft(self):
+        one = SimpleNamespace(robot=SimpleNamespace(toes=("toe",)), shortest_flight=0.03, phase_limit=2.0)
+        assert flight_times(one) == (0.03, 2.0)
+        two = SimpleNamespace(robot=self.system.robot, shortest_flight=0.03, phase_limit=2.0)
+        assert flight_times(two) == (0.0, 2.0)
 
     @pytest.mark.parametrize(
         ("impact", "aloft", "expected"),

@@ -274,6 +274,9 @@ class TestBadInput:
             sweep(system, points, tmp_path / "a.zarr", ["stance_torque"])
         with pytest.raises(UnknownName, match="target 'hight'"):
             sweep(system, points, tmp_path / "a.zarr", ["stance_torque"], {"hight": 1.0})
+        for swept, target in (({}, {"flight_time": 0.03}), ({"flight_time": [0.03]}, {})):
+            with pytest.raises(BadValue, match=r"^target flight_time is 0.03; expected a number from 0\.05 to 5"):
+                sweep(system, points | swept, tmp_path / "a.zarr", ["stance_torque"], target)
         with pytest.raises(BadValue, match="^vary is 'stiffness'"):
             sweep(system, points, tmp_path / "a.zarr", ["stiffness"], {"flight_time": 0.2})
         with pytest.raises(BadValue, match="^chunk is 0"):
