@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
-from spear_pin.cli.output import aligned, open_page, shows
+from spear_pin.cli.output import aligned, shows
 from spear_pin.errors import BadValue
 from spear_pin.words import number
 
@@ -153,10 +153,7 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
     small = swing(pinned, knee)
     title = f"SPEAR-II released from {100 * arguments.depth:g} cm" + (", no motor" if arguments.no_motor else "")
     shown = playback(pinned, knee, result)
-    page = record(pinned.robot, shown, arguments.out / "push_test.html", title=title)
-    picture = save_figure(release_summary({title: result}), arguments.out / "push_test.svg")
-    if arguments.open:
-        open_page(page)
+    page, picture = arguments.out / "push_test.html", arguments.out / "push_test.svg"
     figures = {
         "depth": arguments.depth,
         "spring_zero": knee.zero,
@@ -171,6 +168,11 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
         **_motion(result),
         "shown": read_times(shown)[[0, -1]],
         "files": [str(page), str(picture)],
+        "pictures": {
+            page: lambda path: record(pinned.robot, shown, path, title=title),
+            picture: lambda path: save_figure(release_summary({title: result}), path),
+        },
+        "opened": page if arguments.open else None,
     }
     pulls = "never" if result.lift_off is None else f"from {result.lift_off:.4f} s on: the toe would lift off"
     turn = f"{result.extrema[0]:.4f} rad at {result.turns[0]:.4f} s" if result.turns.size else "none"
@@ -218,7 +220,7 @@ def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
         replace(WITH_MOTOR, **changes),
         replace(WITHOUT_MOTOR, **changes),
     )
-    picture = save_figure(gear_comparison(rows), arguments.out / "gear_ratios.svg")
+    picture = arguments.out / "gear_ratios.svg"
     lines = ["ratio   rotor, kg·m²  share   frequency  damping ratio  first extremum        least force"]
     for row in rows:
         name = NONE if row.ratio is None else f"{row.ratio:g}:1"
@@ -228,7 +230,12 @@ def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
             f"{name:<8}{row.rotor:>12.4f}{100 * small.rotor_share:>6.1f} %{small.frequency:>9.4f} Hz"
             f"{small.damping_ratio:>15.3f}  {turn:<20}{result.force[:, 1].min():>11.1f} N"
         )
-    return {"ratios": [_row(row) for row in rows], "files": [str(picture)], "text": "\n".join([*lines, str(picture)])}
+    return {
+        "ratios": [_row(row) for row in rows],
+        "files": [str(picture)],
+        "pictures": {picture: lambda path: save_figure(gear_comparison(rows), path)},
+        "text": "\n".join([*lines, str(picture)]),
+    }
 
 
 def _row(row: GearRow) -> dict[str, Any]:

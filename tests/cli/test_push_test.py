@@ -72,6 +72,33 @@ def test_record_names_the_command_that_reads_it(capsys, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("options", "picture", "number", "left"),
+    [
+        ([], "player.record", "first extremum", []),
+        ([], "plots.save_figure", "first extremum", ["push_test.html"]),
+        (["--ratios", "15"], "plots.save_figure", "15:1", []),
+    ],
+)
+def test_interrupted_while_pictures_are_drawn(capsys, tmp_path, monkeypatch, options, picture, number, left):
+    """The numbers are there."""
+
+    def interrupt(*_, **__):
+        raise SystemExit(130)
+
+    monkeypatch.setattr(f"spear_pin.viz.{picture}", interrupt)
+    status, out, err = run(capsys, "push-test", *options, "--out", tmp_path)
+    assert status == 130 and err == "" and number in out
+    assert [path.name for path in tmp_path.iterdir()] == left
+
+
+def test_the_page_is_opened_once_it_is_there(capsys, tmp_path, monkeypatch):
+    opened, page = [], tmp_path / "push_test.html"
+    monkeypatch.setattr("webbrowser.open", lambda address: opened.append((address, page.is_file())))
+    printed(capsys, "push-test", "--open", "--out", tmp_path)
+    assert opened == [(page.resolve().as_uri(), True)]
+
+
+@pytest.mark.parametrize(
     ("options", "named"),
     [
         (["--depth", "0.9"], "depth"),
