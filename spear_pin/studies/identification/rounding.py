@@ -12,11 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.studies.identification.grid import grid_step
+
 Array = NDArray[np.float64]
 
-FINEST = 1e-6  # rad: steps below are those of floating-point numbers, or of nothing
 HARMONICS = 20  # they hold 97 % of the power of an error of rounding
 COARSE = 0.4  # of a step: noise above makes the errors of rounding white
+JUMP = 8.0  # usual differences and steps from sample to sample: more is neither noise nor rounding
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ class Rounding:
 def rounding(recorded: Array | None, predicted: Array) -> Rounding:
     """Read the step off the angle's values, and the noise off the differences of successive residuals.
 
-    What is not white, such as an error of the model, hardly changes from sample to sample.
+    What is not white, such as an error of the model, hardly changes from sample to sample; a glitch jumps.
 
     Args:
         recorded: angle before smoothing, (n,), in rad, if known.
@@ -53,10 +55,9 @@ def rounding(recorded: Array | None, predicted: Array) -> Rounding:
     """
     if recorded is None:
         return Rounding()
-    steps = np.diff(np.unique(recorded))
-    step = float(steps[steps > FINEST].min(initial=np.inf))
-    step = step if np.isfinite(step) else 0.0
-    scatter = 0.5 * float(np.mean(np.diff(predicted - recorded) ** 2))
+    step = grid_step(recorded)
+    jumps = np.abs(np.diff(predicted - recorded))
+    scatter = 0.5 * float(np.mean(jumps[jumps <= JUMP * max(step, float(np.median(jumps)))] ** 2))
     return Rounding(step, float(np.sqrt(max(scatter - step**2 / 12.0, 0.0))))
 
 

@@ -171,6 +171,15 @@ class TestRounded:
         for one, other in zip(coarse.parameters, fine.parameters, strict=True):
             assert one.deviation == pytest.approx(np.sqrt(13 / 12) * other.deviation, rel=0.05)
 
+    def test_a_sample_between_two_counts_changes_nothing(self):
+        made = self.rounded(trial(SOFT), 0.45)
+        angle = made.angle.copy()
+        angle[700] = 0.5 * (angle[700] + angle[701]) + 0.3 * self.STEP
+        plain, patched = identify(LEG, [made]), identify(LEG, [replace(made, angle=angle)])
+        assert warned(patched, "rounded to steps of 3.07 mrad, more than its noise")
+        for one, other in zip(patched.parameters, plain.parameters, strict=True):
+            assert one.deviation == pytest.approx(other.deviation, rel=0.05)
+
     def test_a_model_that_misses_something_is_not_excused(self):
         made = trial(PassiveKnee(48.0, 0.3, 1.5, 1.0))
         assert warned(identify(LEG, [self.rounded(made)]), "the model misses something")

@@ -47,6 +47,14 @@ class TestRounding:
         assert found.variance == pytest.approx((share**2 + 1 / 12) * STEP**2, rel=0.1)
         assert found.coarse == (share == 0.0)
 
+    @pytest.mark.parametrize("glitch", [0.5 * STEP, 0.3, -1e3])
+    def test_one_sample_off_the_counts(self, glitch):
+        true = 1.2 + 0.2 * np.cos(20 * np.linspace(0, 1, 400))
+        seen = STEP * np.round(true / STEP)
+        seen[100] += glitch
+        found = rounding(seen, true)
+        assert found.step == pytest.approx(STEP, rel=1e-3) and found.noise < 0.05 * STEP and found.coarse
+
 
 class TestErrors:
     @pytest.mark.parametrize("share", [0.0, 0.1, 0.25])
