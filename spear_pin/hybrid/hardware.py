@@ -28,7 +28,7 @@ TONES = 24  # of which noise is made
 EDGE = 2e-4  # s, over which a command drops out and comes back
 HORIZON = 120.0  # s, within which commands may drop out
 STEP, FINE_STEP = 0.01, 2e-3  # s: longest steps of the integration, without and with noise or current loops
-FINER = 0.1  # of the tolerance asked for: where gears turn from driving to braking, error estimates are too small
+HARDWARE_TOLERANCE = 0.1  # of that asked for: where gears turn from driving to braking, error estimates are too small
 CLOCK = "clock"
 ELECTRICAL = ("battery", "joule", "gearbox")  # flows of energy of an actuator
 

@@ -21,7 +21,7 @@ from spear_pin.hybrid.cycles import RETOUCH, counts_to, retouches
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import going_on, sliding
-from spear_pin.hybrid.hardware import FINER
+from spear_pin.hybrid.hardware import HARDWARE_TOLERANCE
 from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn_off
 from spear_pin.hybrid.phases import rise
 from spear_pin.hybrid.record import BOOKED, FINEST, Moment, Options, Piece, Run, Segment, State
@@ -120,9 +120,9 @@ class _Runner:
         self.flow = choose(system, phase, held, self.t, self.y)
         self.run = Run((q, v), (q, v), held, self.flow.domain)
         self.energy, self.inductive = self._energy(), self._inductive()
-        finer = 1.0 if system.hardware is None else FINER
-        self.rtol = max(finer * options.rtol, FINEST)
-        self.atol = finer * (options.atol or 0.01 * options.rtol)
+        share = 1.0 if system.hardware is None else HARDWARE_TOLERANCE
+        self.rtol = max(share * options.rtol, FINEST)
+        self.atol = share * (options.atol or 0.01 * options.rtol)
 
     def go(self, on_segment: Callable[[Segment], object]) -> None:
         """Run to the end."""

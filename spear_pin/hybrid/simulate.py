@@ -38,7 +38,7 @@ def simulate(
         system: robot, law and ground.
         state: (q, v), or a moment of another run.
         cycles: number of whole cycles, from section to section.
-        rtol: relative tolerance of the integrator.
+        rtol: relative tolerance of the integrator, see `Options`.
         atol: absolute tolerance; None means 0.01 rtol.
         max_evaluations: cap on right-hand side evaluations.
         samples: of each phase, at least; they share its time evenly. They are what a long run's memory goes to.

@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import scipy
 
 from spear_pin import Trajectory, find_gait, hopping, simulate
 from spear_pin.errors import BadValue
@@ -44,6 +45,38 @@ CONFIGURATIONS = {
         replace(NOISE, losses=5.0, loss_duration=0.02),
     ),
 }
+
+
+def tolerances(monkeypatch, system, state, **asked):
+    """What a hop is integrated with."""
+    used = set()
+
+    class Spied(scipy.integrate.DOP853):
+        def __init__(self, *arguments, rtol, atol, **others):
+            used.add((rtol, atol))
+            super().__init__(*arguments, rtol=rtol, atol=atol, **others)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(scipy.integrate, "DOP853", Spied)
+        simulate(system, state, **asked)
+    used.remove((1.0, np.inf))  # of the one step that ends on an event
+    return used
+
+
+@pytest.mark.parametrize(
+    ("asked", "ideal", "driven"),
+    [
+        ({"rtol": 1e-7}, (1e-7, 1e-9), (1e-8, 1e-10)),
+        ({"rtol": 1e-7, "atol": 1e-8}, (1e-7, 1e-8), (1e-8, 1e-9)),
+        ({"rtol": 1e-13}, (1e-13, 1e-15), (1e-13, 1e-16)),
+    ],
+    ids=str,
+)
+def test_is_integrated_with_a_tenth_of_the_tolerance(hop, monkeypatch, asked, ideal, driven):
+    used = tolerances(monkeypatch, hop.system, hop.state, **asked)
+    assert [pytest.approx(pair) for pair in used] == [ideal]
+    used = tolerances(monkeypatch, with_hardware(hop.system, Hardware((IDEAL, IDEAL))), hop.state, **asked)
+    assert [pytest.approx(pair) for pair in used] == [driven]
 
 
 @pytest.fixture(scope="module")
