@@ -318,6 +318,38 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/engines/single",
+        ["hybrid/test_track"],
+        {
+            "lane alone: a guard that stays on zero": ("if change <= MOVES", "if False"),
+            "lane alone: a kink that stays on zero": (" and all(values[self._kinks[1]])", ""),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/lanes/track",
+        ["hybrid/test_track", "hybrid/test_ties"],
+        {
+            "lane alone: any number of events in an instant": (" or crowd == FEW_AT_ONCE", ""),
+            "lane alone: a cycle of an instant": (" and past > INSTANT", ""),
+            "lane alone: switches go on in the next phase": (
+                "phase, past, t, switches = reset.phase, past + t, 0.0, 0",
+                "phase, past, t = reset.phase, past + t, 0.0",
+            ),
+            "lane alone: the first mode that fits": ("elif entry.push == math.inf", "elif entry.push > -math.inf"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/lanes/journey",
+        ["hybrid/test_track"],
+        {
+            "lane alone: time stands still": ("self.began[lane] += sum(spent.values())", "pass"),
+            "lane alone: repeated from its beginning": (
+                "if came[1] is self._fresh:\n                self.start[:, lane]",
+                "if False:\n                self.start[:, lane]",
+            ),
+        },
+    ),
+    *mistakes_in(
         "cli/dynamics",
         ["cli/test_dynamics"],
         {"degrees on the command line": ("else np.array(arguments.q)", "else np.radians(arguments.q)")},

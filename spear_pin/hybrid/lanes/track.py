@@ -89,8 +89,6 @@ class Track:
                 return None
             at = math.inf if switch is None else switch.time(switches + 1, self._law)
             until = min(at, system.phase_limit)
-            if t >= until:
-                return None
             if end == NONE:
                 t, y, end = ready.run(t, y, until, parameters)
             if end == KINK:
