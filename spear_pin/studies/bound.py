@@ -153,11 +153,18 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
         on_iteration: called with the iteration and the residual of the solver.
 
     Raises:
-        BadValue: the speed is not positive, or too far from the gait's own.
+        BadValue: the gait does not bound or has both kinds of event feedback, or the speed is not positive, or too far
+            from the gait's own.
         NoGait: there is none at this speed, or it cannot be reached from here.
     """
     require("speed", speed, lambda v: v > 0, "a number > 0, in m/s")
-    law, begin = gait.system.law, mean_speed(gait)
+    if gait.system.kind != "bounding":
+        raise BadValue("gait", gait.system.kind, "a bounding gait")
+    law = gait.system.law
+    regulated_by = [name for name, row in zip(INPUTS, law.feedback, strict=False) if any(row)]
+    if regulated_by and any(law.speed_gain):
+        raise BadValue("gait", "one with two kinds of event feedback", "one kind at most")
+    begin = mean_speed(gait)
     expected = f"within {FARTHEST:g} m/s of the gait's own, {begin:.2f}"
     require("speed", speed, lambda v: abs(v - begin) <= FARTHEST + 1e-6, expected)
     gait = gait.with_law(feedback=(), speed_gain=(0.0, 0.0))
@@ -176,10 +183,8 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
     if law.nominal:
         q, v = gait.state
         gait = gait.with_law(nominal=(*q[1:].tolist(), *v.tolist()))
-    if law.feedback and any(law.speed_gain):
-        raise BadValue("gait", "one with two kinds of event feedback", "one kind at most")
-    if law.feedback:
-        return regulated(gait, [name for name, row in zip(INPUTS, law.feedback, strict=True) if any(row)])
+    if regulated_by:
+        return regulated(gait, regulated_by)
     return speed_regulated(gait, law.speed_gain) if any(law.speed_gain) else gait
 
 

@@ -222,6 +222,21 @@ class TestAnotherSpeed:
             at_speed(gait, 2.6, on_iteration=lambda n, norm: seen.append(n))
         assert len(seen) < 50
 
+    def test_two_kinds_of_feedback_are_refused_at_once(self, gait, monkeypatch):
+        own, rows = (*gait.state[0][1:].tolist(), *gait.state[1].tolist()), ((0.1, *(0.0,) * 12),) * 6
+        both = gait.with_law(feedback=rows, nominal=own, speed_gain=(1e-6, 0.0), speed_nominal=(2.5, 2.5))
+        monkeypatch.setattr(bound, "run", lambda *_: pytest.fail("a stride was run"))
+        with pytest.raises(BadValue, match="^gait is 'one with two kinds of event feedback'; expected one kind"):
+            at_speed(both, 2.6)
+
+    def test_rows_of_zeros_are_no_feedback(self, gait):
+        own, speed = (*gait.state[0][1:].tolist(), *gait.state[1].tolist()), mean_speed(gait)
+        assert at_speed(gait.with_law(feedback=((0.0,) * 13,) * 6, nominal=own), speed).system.law.feedback == ()
+
+    def test_a_hop_has_none(self, hop):
+        with pytest.raises(BadValue, match="^gait is 'hopping'; expected a bounding gait"):
+            at_speed(hop, 1.0)
+
     @pytest.mark.parametrize("speed", [0.0, -2.5, float("nan"), float("inf"), 99.0, 1.4, 3.6])
     def test_no_speed(self, gait, monkeypatch, speed):
         monkeypatch.setattr(bound, "find_gait", lambda *_, **__: pytest.fail("it was tried"))
