@@ -20,7 +20,7 @@ from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.series_hopping import SeriesHoppingLaw, series_hopping
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
-from spear_pin.hybrid.parameters import PARTS, parameter, rebuilt
+from spear_pin.hybrid.parameters import LIMITS, PARTS, limits, parameter, rebuilt
 from spear_pin.hybrid.record import State
 from spear_pin.kinds import typed
 from spear_pin.model.loading import load
@@ -83,6 +83,7 @@ class Gait:
             "kind": self.system.kind,
             "robot": {"source": robot.source, "toes": robot.toes, "locked": robot.locked, "varied": dict(robot.varied)},
             **{part: asdict(getattr(self.system, part)) for part in PARTS},
+            "limits": limits(self.system),
             "state": {"q": self.state[0].tolist(), "v": self.state[1].tolist()},
             "parameters": dict(self.parameters),
             "residual": self.residual,
@@ -121,6 +122,7 @@ class Gait:
             robot = vary(robot, **data["robot"].get("varied", {}))
             kinds_of_parts = zip((law, Spring, Contact), PARTS, strict=True)
             system = build(robot, *(_part(kind, data[part]) for kind, part in kinds_of_parts))
+            system = replace(system, **data.get("limits", {}))
             state = _numbers("state.q", data["state"]["q"], robot.nq), _numbers("state.v", data["state"]["v"], robot.nv)
             for name in data["parameters"]:
                 parameter(system, name)
@@ -138,15 +140,17 @@ def _check(data: Any) -> None:
     if not isinstance(data, dict):
         raise ValueError("it is no JSON object")
     objects = ("robot", *PARTS, "state", "parameters", "durations")
-    check_keys("field", data, ("format", "kind", *objects, "residual", "multipliers"))
+    check_keys("field", data, ("format", "kind", *objects, "residual", "multipliers"), ("limits",))
     if data["format"] != FORMAT:
         raise BadValue("format", data["format"], repr(FORMAT))
-    for name in objects:
+    data = {"limits": {}, **data}  # a file from before they were kept has none
+    for name in (*objects, "limits"):
         if not isinstance(data[name], dict):
             raise BadValue(name, data[name], "a JSON object")
     robot = data["robot"]
     check_keys("field of robot", robot, ("source", "toes", "locked"), ("varied",))
     check_keys("field of state", data["state"], ("q", "v"))
+    check_keys("limit", data["limits"], (), LIMITS)
     texts = {"kind": data["kind"], "robot.source": robot["source"]}
     for name in ("toes", "locked"):
         if not isinstance(robot[name], list):
@@ -156,7 +160,8 @@ def _check(data: Any) -> None:
         if not isinstance(text, str):
             raise BadValue(name, text, "a name")
     _numbers("parameters", [*data["parameters"].values()])
-    for name, values in (("residual", [data["residual"]]), ("durations", [*data["durations"].values()])):
+    seconds = {name: [*data[name].values()] for name in ("durations", "limits")}
+    for name, values in {"residual": [data["residual"]], **seconds}.items():
         if (_numbers(name, values) < 0).any():
             raise BadValue(name, data[name], ">= 0")
     if not isinstance(data["multipliers"], list) or not data["multipliers"]:

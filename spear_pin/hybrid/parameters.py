@@ -11,6 +11,7 @@ from spear_pin.hybrid.automaton import REPLACED, HybridSystem
 
 PARTS = ("law", "spring", "contact")
 Change = Callable[[HybridSystem], HybridSystem]
+LIMITS = ("phase_limit", "shortest_flight")
 
 
 def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
@@ -50,7 +51,7 @@ def changed(system: HybridSystem, change: Change) -> HybridSystem:
             is called, so that what it does can be told.
     """
     build, after = system.build, change(system)
-    before = {name: value for name, value in system.made.items() if getattr(system, name) is not value}
+    before = {name: value for name, value in system.made.items() if getattr(system, name) != value}
 
     def build_changed(*parts: Any, **named: Any) -> HybridSystem:
         return changed(build(*parts, **named), change)
@@ -65,11 +66,16 @@ def replaced(system: HybridSystem) -> dict[str, Any]:
     Raises:
         BadValue: its domains are among them.
     """
-    others = {name: getattr(system, name) for name in REPLACED if getattr(system, name) is not system.made[name]}
+    others = {name: getattr(system, name) for name in REPLACED if getattr(system, name) != system.made[name]}
     if "domains" in others:
         names = ", ".join(domain.name for domain in system.domains)
         raise BadValue("domains", names, "those that were built, or made by `changed(system, change)`, not replaced")
     return others
+
+
+def limits(system: HybridSystem) -> dict[str, Any]:
+    """The limits that were set in a system, by name, which `dataclasses.replace` sets in another."""
+    return {name: getattr(system, name) for name in LIMITS}
 
 
 def parameter(system: HybridSystem, name: str) -> float:

@@ -2,13 +2,14 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping
 from spear_pin.errors import BadFile, BadValue, UnknownName
-from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.parameters import limits, parameter, with_parameters
 from spear_pin.hybrid.periodic import residual
 
 
@@ -38,6 +39,15 @@ class TestSaveAndLoad:
         again = Gait.load(gait.save(tmp_path / "hop.json"))
         assert (again.system.law, again.system.spring, again.system.contact) == (law, system.spring, system.contact)
         assert again.parameters == {"stiffness": 50.0} and again.durations == {"stance": 0.3}
+
+    @pytest.mark.parametrize("name", ["hop", "least_effort"])
+    def test_keeps_the_limits(self, tmp_path, hop, name):
+        gait = hop if name == "hop" else Gait.load(name)
+        own = replace(gait, system=replace(gait.system, shortest_flight=0.01, phase_limit=3.5))
+        again = Gait.load(own.save(tmp_path / "own.json")).system
+        assert (again.shortest_flight, again.phase_limit) == (0.01, 3.5)
+        plain = Gait.load(gait.save(tmp_path / "plain.json")).system
+        assert limits(plain) == limits(gait.system)
 
     def test_path_may_be_text(self, tmp_path, hop):
         path = hop.save(str(tmp_path / "hop.json"))
@@ -123,6 +133,10 @@ DAMAGE = {
     "durations in a list": with_value([0.3, 0.2], "durations"),
     "a duration below 0": with_value(-0.1, "durations", "stance"),
     "a duration that is text": with_value("0.3", "durations", "stance"),
+    "an unknown limit": with_value(1.0, "limits", "colour"),
+    "limits in a list": with_value([5.0], "limits"),
+    "a limit that is text": with_value("5.0", "limits", "phase_limit"),
+    "a limit below 0": with_value(-0.1, "limits", "shortest_flight"),
     "a duration of no phase": with_value(0.1, "durations", "swing"),
 }
 
@@ -164,6 +178,8 @@ class TestDamagedFiles:
             ("an unknown part", "there is an unknown field 'colour'"),
             ("a duration of no phase", "there is an unknown phase 'swing'"),
             ("an unknown parameter", "unknown parameter 'colour'"),
+            ("an unknown limit", "there is an unknown limit 'colour'"),
+            ("a limit below 0", r"limits is .*; expected >= 0"),
         ],
     )
     def test_says_what_is_wrong(self, tmp_path, hop, damage, part):
@@ -185,9 +201,10 @@ class TestDamagedFiles:
         """What a field that the file lacks was before there was such a field is its default."""
         path = hop.save(tmp_path / "hop.json")
         data = json.loads(path.read_text())
-        del data["law"]["virtual_stiffness"], data["spring"]["rest"], data["robot"]["varied"]
+        del data["law"]["virtual_stiffness"], data["spring"]["rest"], data["robot"]["varied"], data["limits"]
         path.write_text(json.dumps(data))
-        assert Gait.load(path).system.law == hop.system.law
+        system = Gait.load(path).system
+        assert system.law == hop.system.law and limits(system) == limits(hop.system)
 
     def test_cut_anywhere(self, tmp_path, hop):
         path = hop.save(tmp_path / "hop.json")
