@@ -20,7 +20,9 @@ from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.series_hopping import SeriesHoppingLaw, series_hopping
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
-from spear_pin.hybrid.parameters import LIMITS, PARTS, limits, parameter, rebuilt
+from spear_pin.hybrid.dry_friction import DryFriction
+from spear_pin.hybrid.hardware import Fitted
+from spear_pin.hybrid.parameters import LIMITS, PARTS, limits, parameter, rebuilt, replaced
 from spear_pin.hybrid.record import State
 from spear_pin.kinds import typed
 from spear_pin.model.loading import load
@@ -76,8 +78,16 @@ class Gait:
 
     @typed
     def save(self, path: str | Path) -> Path:
-        """Write as JSON."""
+        """Write as JSON.
+
+        Raises:
+            BadValue: the system has what the file could not say: hardware, dry friction of joints, a rotary boom, or
+                another change.
+            BadFile: the file cannot be written.
+        """
         robot = self.system.robot
+        if left_out := _unsaid(self.system):
+            raise BadValue("gait.system", f"one with {' and '.join(left_out)}", "one without: a file keeps none")
         data = {
             "format": FORMAT,
             "kind": self.system.kind,
@@ -133,6 +143,18 @@ class Gait:
             raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
         except (TypeError, ValueError, SpearError) as error:
             raise BadFile(path, f"is not a saved gait ({error})") from None
+
+
+def _unsaid(system: HybridSystem) -> list[str]:
+    """What a system has that a file does not say, in words."""
+    has = {
+        "hardware": system.hardware is not None,
+        "dry friction of joints": any(domain.rubs for domain in system.domains),
+        "a robot with added inertia": system.robot.added is not None,
+        "a change of its own": any(not isinstance(change, (DryFriction, Fitted)) for change in system.changes),
+    }
+    others = {f"another {name}": True for name in replaced(system) if name not in LIMITS}
+    return [name for name, there in (has | others).items() if there]
 
 
 def _check(data: Any) -> None:

@@ -105,10 +105,12 @@ def check_lanes(system: HybridSystem) -> None:
     """Refuse a system of which many lanes cannot be run.
 
     Raises:
-        BadValue: it has hardware, or dry friction of joints.
+        BadValue: it has hardware, or dry friction of joints, or its robot is on a rotary boom.
     """
     if system.hardware is not None or any(domain.rubs for domain in system.domains):
         raise BadValue("system", system.kind, "one without hardware and without dry friction of joints")
+    if system.robot.added is not None:
+        raise BadValue("robot", system.robot, "one on its slider")
 
 
 def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array], cycles: int) -> None:
@@ -121,8 +123,6 @@ def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array],
     if not cycles >= 1 or cycles % 1:
         raise BadValue("cycles", cycles, "a whole number, at least 1")
     check_lanes(system)
-    if robot.added is not None:
-        raise BadValue("robot", robot, "one on its slider")
     free = {field.name for field in fields(system.law)} | set(OTHERS)
     for name, values in given.items():
         parameter(system, name)  # it says what there is

@@ -29,7 +29,7 @@ def with_dry_friction(system: HybridSystem, forces: Mapping[str, float]) -> Hybr
     """The same system with dry friction in some joints, beside what there is; rebuilt systems keep it.
 
     A joint that moves either way leaves a domain's name as it is; one that is held is named, as in
-    "flight boom_z held". A saved gait does not keep the friction.
+    "flight boom_z held". A gait with it cannot be saved.
 
     Args:
         system: the system.

@@ -9,8 +9,12 @@ import pytest
 
 from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping
 from spear_pin.errors import BadFile, BadValue, UnknownName
-from spear_pin.hybrid.parameters import limits, parameter, with_parameters
+from spear_pin.hybrid.dry_friction import with_dry_friction
+from spear_pin.hybrid.hardware import with_hardware
+from spear_pin.hybrid.parameters import changed, limits, parameter, with_parameters
 from spear_pin.hybrid.periodic import residual
+from spear_pin.model.boom import on_rotary_boom
+from spear_pin.studies.hardware import Rig
 
 
 class TestSaveAndLoad:
@@ -48,6 +52,21 @@ class TestSaveAndLoad:
         assert (again.shortest_flight, again.phase_limit) == (0.01, 3.5)
         plain = Gait.load(gait.save(tmp_path / "plain.json")).system
         assert limits(plain) == limits(gait.system)
+
+    @pytest.mark.parametrize(
+        ("change", "named"),
+        [
+            (lambda system: with_hardware(system, Rig().on(system.robot)), "hardware"),
+            (lambda system: with_dry_friction(system, {"boom_z": 1.0}), "dry friction of joints"),
+            (lambda system: hopping(on_rotary_boom(system.robot), system.law), "a robot with added inertia"),
+            (lambda system: changed(system, lambda built: built), "a change of its own"),
+            (lambda system: replace(system, cyclic=("boom_z",)), "another cyclic"),
+        ],
+    )
+    def test_refuses_what_it_cannot_keep(self, tmp_path, hop, change, named):
+        with pytest.raises(BadValue, match=f"^gait.system is 'one with {named}'; expected one without"):
+            replace(hop, system=change(hop.system)).save(tmp_path / "hop.json")
+        assert not list(tmp_path.iterdir())
 
     def test_path_may_be_text(self, tmp_path, hop):
         path = hop.save(str(tmp_path / "hop.json"))

@@ -143,6 +143,11 @@ class TestDataset:
         assert float(found["stance_torque"][0]) == pytest.approx(hop.parameters["stance_torque"], abs=1e-7)
         assert float(found["largest_multiplier"][0]) == pytest.approx(abs(hop.multipliers[0]), abs=1e-6)
 
+    def test_keeps_the_limits(self, system, tmp_path):
+        hurried = replace(system, phase_limit=0.3)  # stance takes 0.36 s
+        found = sweep(hurried, {"stance_torque": [7.8]}, tmp_path / "hurried.zarr")
+        assert reasons(found).tolist() == ["no_event"]
+
     def test_failures_are_rows(self, system, tmp_path):
         points = {"stance_torque": [7.8, -1.0, 7.8, 7.8], "knee_ratio": [15.0, 15.0, -2.0, 15.0]}
         found = sweep(system, points, tmp_path / "bad.zarr")
@@ -281,8 +286,9 @@ class TestBadInput:
             sweep(system, points, tmp_path / "a.zarr", ["stiffness"], {"flight_time": 0.2})
         with pytest.raises(BadValue, match="^chunk is 0"):
             sweep(system, points, tmp_path / "a.zarr", chunk=0)
-        with pytest.raises(BadValue, match="^system is "):
-            sweep(with_hardware(system, Rig().on(robot)), points, tmp_path / "a.zarr")
+        for other in (with_hardware(system, Rig().on(robot)), with_dry_friction(system, {"boom_z": 1.0})):
+            with pytest.raises(BadValue, match="^system is 'hopping'; expected one without"):
+                sweep(other, points, tmp_path / "a.zarr")
 
     @pytest.mark.parametrize("package", ["joblib", "xarray", "zarr"])
     def test_without_the_extra(self, system, tmp_path, monkeypatch, package):
