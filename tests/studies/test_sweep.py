@@ -122,7 +122,7 @@ class TestDataset:
             (changed(system, lambda built: built), "dataclass"),
             (replace(system, domains=tuple(reversed(system.domains))), "changed"),
             (with_dry_friction(system, {"hip": 0.1}), "dry friction"),
-            (replace(system, measures=dict(system.measures)), "measures"),
+            (replace(system, measures={**system.measures, "nothing": lambda run: 0.0}), "measures"),
         ):
             with pytest.raises(BadValue, match=told):
                 sweep(other, {"stiffness": [50.0]}, tmp_path / "other.zarr", **ASKED)
