@@ -28,7 +28,7 @@ myst_heading_anchors = 3
 
 templates_path = ["_templates"]
 autodoc_typehints_format = "short"
-autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike", "GuardValue", "Held", "Latch", "Law")}
+autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike", "Change", "GuardValue", "Held", "Latch", "Law")}
 autodoc_preserve_defaults = True
 maximum_signature_line_length = 120
 autodoc_member_order = "bysource"
