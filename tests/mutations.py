@@ -79,6 +79,14 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "model/spring",
+        ["model/test_spring"],
+        {
+            "energy of a spring without the half": ("return 0.5 * self.stiffness", "return self.stiffness"),
+            "a damper that drives": ("return -self.damping", "return self.damping"),
+        },
+    ),
+    *mistakes_in(
         "hybrid/engines/pinocchio",
         [
             "hybrid/test_equations_of_motion",
@@ -89,11 +97,11 @@ MUTATIONS = [
         ],
         {
             "spring pushes the wrong way": (
-                "stiffness * (rest - angles[index]) - drag",
-                "stiffness * (angles[index] - rest) - drag",
+                "taut * spring.torque(angles[index] - rest)",
+                "taut * spring.torque(rest - angles[index])",
             ),
-            "damping drives": ("(rest - angles[index]) - drag", "(rest - angles[index]) + drag"),
-            "a slack spring still acts": ("m.spring.stiffness * held[m.taut]", "m.spring.stiffness"),
+            "damping drives": ("(angles[index] - rest) + drag", "(angles[index] - rest) - drag"),
+            "a slack spring still acts": ("held[m.taut], held[m.rest], m.spring)", "1.0, held[m.rest], m.spring)"),
             "drift dropped in stance": ("drifts.append(", "drifts.append(0.0 * "),
             "spatial acceleration in stance": (
                 "pin.getFrameClassicalAcceleration(model, data",
@@ -180,7 +188,6 @@ MUTATIONS = [
             ),
             "release left out of the ledger": ("-self._spring_energy(reset)", "0.0"),
             "impact left out of the ledger": ("- impact.loss", ""),
-            "energy of a spring without the half": ("float(0.5 * mount", "float(1.0 * mount"),
             "absolute tolerance ten thousand times looser": ("0.01 * options.rtol", "100.0 * options.rtol"),
         },
     ),

@@ -27,8 +27,10 @@ from spear_pin.gaits.request import (
     Request,
 )
 from spear_pin.gaits.virtual_constraints import Evolution, desired, dot, resume
+from spear_pin.hybrid.engines.layout import with_fields
 from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
+from spear_pin.model.spring import Spring
 
 Array = NDArray[np.float64]
 CONE = 0.98  # of the friction asked for: what the collocation's error may use up
@@ -194,7 +196,7 @@ class _Writer:
         deflection = leg.side * q[leg.knee] - self.law["knee_touchdown"]
         if self.request.lift_off == "force" or self.request.knee_touchdown != KNEE_REST:
             deflection = 0.5 * (deflection + (deflection * deflection + 1e-6) ** 0.5)
-        return -leg.side * self.stiffness * deflection
+        return leg.side * with_fields(Spring(), {"stiffness": self.stiffness}).torque(deflection)
 
     def cone(self, label: str, F: Any, scale: float, unit: str) -> None:
         """A force or impulse inside the friction cone."""

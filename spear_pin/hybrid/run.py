@@ -403,7 +403,7 @@ class _Runner:
         for mount in self.flow.domain.mounts:
             if mount.joint in reset.release:
                 deflection = float(self.y[self.system.robot.index(mount.joint)]) - held[mount.rest]
-                energy += float(0.5 * mount.spring.stiffness * held[mount.taut] * deflection**2)
+                energy += float(held[mount.taut] * mount.spring.energy(deflection))
         return energy
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from spear_pin.errors import require
 from spear_pin.kinds import typed
@@ -49,6 +50,28 @@ class Spring:
         )
         if self.rest is not None:
             require("Spring.rest", self.rest, lambda angle: abs(angle) < math.pi, "within ±π rad, or None")
+
+    # its law, of whatever scalars the fields and the arguments are
+
+    def torque(self, deflection: Any) -> Any:
+        """Torque on the joint while it pulls, without the damper's, in N·m, (3.24).
+
+        Args:
+            deflection: of the joint from the angle at which it rests, in rad.
+        """
+        return -self.stiffness * deflection
+
+    def drag(self, rate: Any) -> Any:
+        """Torque of the damper on a joint that turns at a rate in rad/s, in N·m, (3.25)."""
+        return -self.damping * rate
+
+    def energy(self, deflection: Any) -> Any:
+        """What it stores while it pulls, in J: the integral of minus its torque.
+
+        Args:
+            deflection: of the joint from the angle at which it rests, in rad.
+        """
+        return 0.5 * self.stiffness * deflection**2
 
 
 @typed

@@ -65,6 +65,9 @@ def test_what_is_not_to_be_told_apart(hop):
 def test_a_section_that_ends_no_flight(hop):
     with pytest.raises(UnknownName, match="touchdown"):
         replace(hop.system, section="touch")
+    system = replace(hop.system, section="")  # of which a motion can be asked, but no cycle
+    with pytest.raises(UnknownName, match="touchdown"):
+        simulate(system, hop.state, 1)
 
 
 def test_shipped_systems_pass(hop, free_hop):

@@ -1,7 +1,10 @@
-"""The stiffness of the belt, by hand and by the range that the source's numbers give."""
+"""The law of the spring; the stiffness of the belt, by hand and by the range that the source's numbers give."""
 
 import pytest
 import sympy as sp
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
 
 from spear_pin.errors import BadValue
 from spear_pin.model.spring import Spring, belt_stiffness, rotational_stiffness
@@ -44,3 +47,21 @@ def test_a_spring_that_is_none(name, value):
 
 def test_a_spring_may_have_a_symbol():
     assert Spring(stiffness=sp.Symbol("k")).stiffness == sp.Symbol("k")
+
+
+@given(st.floats(0.0, 1e3), st.floats(-2.0, 2.0))
+def test_energy_is_the_integral_of_what_it_takes(stiffness, deflection):
+    spring = Spring(stiffness=stiffness)
+    work, _ = quad(spring.torque, 0.0, deflection)
+    assert spring.energy(deflection) == pytest.approx(-work, rel=1e-9, abs=1e-9)
+
+
+def test_its_damper_takes_energy():
+    spring = Spring(damping=1.5)
+    assert spring.drag(2.0) == -3.0 and spring.drag(-2.0) == 3.0
+
+
+def test_its_law_is_one_of_symbols_too():
+    angle = sp.Symbol("angle")
+    spring = Spring(stiffness=40.0)
+    assert sp.diff(spring.energy(angle), angle) == -spring.torque(angle)

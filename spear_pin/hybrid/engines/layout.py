@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from spear_pin.model.planar import Body, Planar
 
 Array = NDArray[np.float64]
 Values = Mapping[str, Any]
+D = TypeVar("D")
 FLOATS = frozenset({float, np.float64})  # what most values are: asked first, as it is asked often
 
 
@@ -39,7 +40,7 @@ class Numbers:
     joints: Sequence[Any]
 
 
-def with_fields(instance: Any, values: Mapping[str, Any]) -> Any:
+def with_fields(instance: D, values: Mapping[str, Any]) -> D:
     """A dataclass with other values in some fields, which need not be valid numbers."""
     assert is_dataclass(instance)
     other = object.__new__(type(instance))

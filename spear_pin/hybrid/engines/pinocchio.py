@@ -96,8 +96,7 @@ class Flow:
         self.held: Held = Latched(held)
         self._at: tuple[float, Array] | None = None
         self._springs = [
-            (self.system.robot.index(m.joint), m.spring.stiffness * held[m.taut], held[m.rest], m.spring.damping)
-            for m in self.domain.mounts
+            (self.system.robot.index(m.joint), held[m.taut], held[m.rest], m.spring) for m in self.domain.mounts
         ]
 
     def __call__(self, t: float, y: Array) -> Array:
@@ -132,10 +131,10 @@ class Flow:
             self.friction = self._dry + self._viscous
             rubbed = float(self.friction @ v)
         damped = 0.0
-        for index, stiffness, rest, damping in self._springs:
-            drag = damping * rates[index]
-            self._passive[index] = stiffness * (rest - angles[index]) - drag
-            damped -= drag * rates[index]
+        for index, taut, rest, spring in self._springs:
+            drag = spring.drag(rates[index])
+            self._passive[index] = taut * spring.torque(angles[index] - rest) + drag
+            damped += drag * rates[index]
         slopes: list[float] = []
         electrical: list[float] = []
         if self._hardware is None:
@@ -172,9 +171,9 @@ class Flow:
 
     def spring_torque(self, joint: str) -> float:
         """Torque of the joint's spring in the last call, in N·m; 0 where none is engaged."""
-        for mount, (index, stiffness, rest, _) in zip(self.domain.mounts, self._springs, strict=True):
+        for mount, (index, taut, rest, spring) in zip(self.domain.mounts, self._springs, strict=True):
             if mount.joint == joint:
-                return float(stiffness * (rest - self.q[index]))
+                return float(taut * spring.torque(self.q[index] - rest))
         return 0.0
 
     def holding(self, joint: str) -> float:

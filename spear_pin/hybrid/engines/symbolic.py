@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from spear_pin.hybrid.automaton import Domain, HybridSystem, Row
+from spear_pin.hybrid.automaton import Domain, HybridSystem, Mount, Row
 from spear_pin.hybrid.contact import OPEN, STICK
 from spear_pin.hybrid.engines.elimination import (
     Matrix,
@@ -24,9 +24,10 @@ from spear_pin.hybrid.engines.elimination import (
     substitute,
     times,
 )
-from spear_pin.hybrid.engines.layout import Numbers
+from spear_pin.hybrid.engines.layout import Numbers, with_fields
 from spear_pin.hybrid.phases import SIGN
 from spear_pin.model.planar import Planar
+from spear_pin.model.spring import Spring
 
 
 @dataclass(frozen=True)
@@ -237,12 +238,8 @@ class Motion:
 
     @cached_property
     def _springs(self) -> dict[str, Any]:
-        torques = {}
-        for mount in self.domain.mounts:
-            stiffness = self._own(mount.spring.stiffness, self.system.spring.stiffness, self.numbers.stiffness)
-            stiffness = stiffness * self.held[mount.taut]
-            torques[mount.joint] = stiffness * (self.held[mount.rest] - self.q[self._index[mount.joint]])
-        return torques
+        deflections = {m.joint: self.q[self._index[m.joint]] - self.held[m.rest] for m in self.domain.mounts}
+        return {m.joint: self.held[m.taut] * self._spring(m).torque(deflections[m.joint]) for m in self.domain.mounts}
 
     @cached_property
     def _passive(self) -> list[Any]:
@@ -250,14 +247,19 @@ class Motion:
         forces = [negated(times(b, rate)) for b, rate in zip(self.numbers.joints, self.v, strict=True)]
         for mount in self.domain.mounts:
             i = self._index[mount.joint]
-            damper = self._own(mount.spring.damping, self.system.spring.damping, self.numbers.damping)
-            forces[i] = forces[i] + self._springs[mount.joint] - damper * self.v[i]
+            forces[i] = forces[i] + self._springs[mount.joint] + self._spring(mount).drag(self.v[i])
         return forces
 
-    @staticmethod
-    def _own(value: float, of_system: float, symbol: Any) -> Any:
-        """A number of a mount's spring: the system's, whatever that is, or one of its own, which does not vary."""
-        return symbol if value == of_system else value
+    def _spring(self, mount: Mount) -> Spring:
+        """A mount's spring: the system's numbers, whatever they are, or ones of its own, which do not vary."""
+        own, shared, symbols = mount.spring, self.system.spring, self.numbers
+        return with_fields(
+            own,
+            {
+                "stiffness": symbols.stiffness if own.stiffness == shared.stiffness else own.stiffness,
+                "damping": symbols.damping if own.damping == shared.damping else own.damping,
+            },
+        )
 
     def _at_rest(self) -> tuple[Matrix, list[Any]]:
         rows: Matrix = []
