@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.errors import BadValue, SpearError, UnknownName
+from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.contact import CONTACTS
 from spear_pin.hybrid.reasons import REASONS
 
@@ -74,25 +74,25 @@ def _check_rests(system: HybridSystem) -> None:
     wanted = {name for domain in system.domains for mount in domain.mounts for name in (mount.rest, mount.taut)}
     if not wanted:
         return
-    latches = {reset.latch for domain in system.domains for _, reset, _ in _events(domain) if reset and reset.latch}
+    latches = [reset.latch for domain in system.domains for _, reset, _ in _events(domain) if reset and reset.latch]
+    held = Latched()
+    waiting = list({id(latch): latch for latch in latches}.values())
     try:
         q, v = (list(map(float, part)) for part in system.guess())
-    except (ArithmeticError, SpearError):
+        while waiting:
+            asked, waiting, missing = waiting, [], None
+            for latch in asked:
+                try:
+                    held.update(latch(q, v, held, system.law))
+                except UnknownName as error:
+                    waiting.append(latch)
+                    missing = error
+            if missing is not None and len(waiting) == len(asked):
+                break
+    except Exception:  # whatever a function not ours raises at a state at which a run need not ask it
         return
-    held = Latched()
-    waiting = list(latches)
-    while waiting:
-        asked, waiting, missing = waiting, [], None
-        for latch in asked:
-            try:
-                held.update(latch(q, v, held, system.law))
-            except UnknownName as error:
-                waiting.append(latch)
-                missing = error
-            except ArithmeticError:
-                return
-        if missing is not None and len(waiting) == len(asked):
-            raise missing
+    if waiting and missing is not None:
+        raise missing
     for domain in system.domains:
         for mount in domain.mounts:
             _known(f"name of what holds the spring of {mount.joint} in {domain.name!r}", [mount.rest, mount.taut], held)

@@ -1,7 +1,9 @@
 """Automata that do not hang together are refused as they are made."""
 
-from dataclasses import replace
+import math
+from dataclasses import dataclass, replace
 
+import numpy as np
 import pytest
 
 from spear_pin import Gait
@@ -103,3 +105,32 @@ def test_a_spring_of_another_leg_is_asked_by_its_own_names():
     assert isinstance(wrong.mounts[-1], Mount)
     with pytest.raises(UnknownName, match="tout"):
         replace(system, domains=tuple(wrong if domain is mounted else domain for domain in system.domains))
+
+
+@dataclass
+class Counting:
+    """A latch that cannot be hashed."""
+
+    by: float = 1.0
+
+    def __call__(self, q, v, held, p):
+        return {"by": self.by}
+
+
+UNASKED = {
+    "out of its domain": lambda q, v, held, p: {"root": math.sqrt(q[0] - 10.0)},
+    "singular": lambda q, v, held, p: {"x": np.linalg.solve(np.zeros((1, 1)), [1.0])},
+    "not to be hashed": Counting(),
+}
+
+
+@pytest.mark.parametrize("what", UNASKED)
+def test_latches_that_cannot_be_asked_at_the_guess_are_left_alone(hop, what):
+    changed_stance(hop.system, with_guard(Guard("bump", never, Reset(latch=UNASKED[what]))))
+
+
+def test_a_guess_that_fails_is_left_alone(hop):
+    def fails():
+        raise np.linalg.LinAlgError("Singular matrix")
+
+    assert replace(hop.system, guess=fails).guess is fails
