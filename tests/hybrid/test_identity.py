@@ -1,5 +1,6 @@
 """What tells compiled functions apart, and a law edited between two calls."""
 
+import sys
 import types
 from dataclasses import replace
 from functools import partial
@@ -106,6 +107,85 @@ def test_code_replaced_in_place_is_seen():
     assert not reader.current()
 
 
+def _list():
+    gains = [0.0]
+    return (lambda: gains), lambda: gains.append(1.0)
+
+
+def _array():
+    gains = np.zeros(2)
+    return (lambda: gains), lambda: gains.fill(1.0)
+
+
+def _mapping():
+    gains = {"hip": 0.0}
+    return (lambda: gains), lambda: gains.update(hip=1.0)
+
+
+def _cell():
+    gain = 0.0
+
+    def change():
+        nonlocal gain
+        gain = 1.0
+
+    return (lambda: gain), change
+
+
+def _attribute():
+    made = module("class Law:\n    gain = 0.0\n    def law(self):\n        return self.gain").Law()
+    return made.law, lambda: setattr(made, "gain", 1.0)
+
+
+def _imported():
+    gains = sys.modules["gains_of_a_test"] = module("GAIN = 0.0", "gains_of_a_test")
+    text = "def law():\n    from gains_of_a_test import GAIN\n    return GAIN"
+    return module(text).law, lambda: setattr(gains, "GAIN", 1.0)
+
+
+def _bound_later():
+    place = module("def law():\n    return LATER")
+    return place.law, lambda: setattr(place, "LATER", 1.0)
+
+
+@pytest.mark.parametrize("made", [_list, _array, _mapping, _cell, _attribute, _imported, _bound_later])
+def test_what_is_changed_in_place_is_seen(made):
+    law, change = made()
+    reader = Reader()
+    before = reader.identity(law)
+    assert reader.current()
+    change()
+    assert not reader.current() and identity(law) != before
+
+
+def test_the_order_of_a_mapping_counts():
+    def law(gains):
+        return lambda: list(gains.values())
+
+    assert identity(law({"a": 1.0, "b": 2.0})) != identity(law({"b": 2.0, "a": 1.0}))
+
+
+def test_a_global_called_as_an_attribute_is_none_that_is_read():
+    place, reader = module("gain = 1.0\ndef law(p):\n    return p.gain"), Reader()
+    reader.identity(place.law)
+    place.gain = 2.0
+    assert reader.current()
+
+
+def test_functions_that_all_call_each_other_are_read_once():
+    every = range(40)
+    calls = " + ".join(f"f{i}(x)" for i in every)
+    text = "\n".join(f"def f{i}(x):\n    return {calls}" for i in every)
+    one, other = (identity(module(text).f0) for _ in range(2))
+    assert hash(one) == hash(other) and one == other
+
+
+def test_containers_in_themselves():
+    gains = []
+    gains.append(gains)
+    assert identity(lambda: gains)
+
+
 @pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
 class TestLanesOfAnEditedLaw:
     """A stance whose torques are added to: what is compiled follows every edit."""
@@ -154,3 +234,24 @@ def added(own):
             replace(hop.system, domains=tuple(added(domain, by) for domain in hop.system.domains)) for by in (0.0, 0.3)
         )
         assert abs(self.heights(some, hop) - self.heights(none, hop)).min() > 1e-6
+
+    def test_springs_moved_to_another_joint(self, hop):
+        def moved(domain):
+            return replace(domain, mounts=tuple(replace(mount, rest="flexing") for mount in domain.mounts))
+
+        domains = tuple(map(moved, hop.system.domains))
+        assert abs(self.heights(replace(hop.system, domains=domains), hop) - self.heights(hop.system, hop)).min() > 1e-6
+
+    def test_gains_changed_in_place(self, hop):
+        gains = [0.0]
+
+        def added(domain):
+            def law(*arguments):
+                return [torque + gains[0] for torque in domain.law(*arguments)]
+
+            return replace(domain, law=law) if domain.phase == "stance" else domain
+
+        system = replace(hop.system, domains=tuple(map(added, hop.system.domains)))
+        before = self.heights(system, hop)
+        gains[0] = 0.3
+        assert abs(self.heights(system, hop) - before).min() > 1e-6

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 import sysconfig
 from collections.abc import Iterator, Mapping, Set
+from dis import get_instructions
 from functools import cache, partial
 from types import CellType, CodeType, FunctionType, MethodType, ModuleType
 from typing import Any
@@ -11,6 +13,9 @@ from typing import Any
 import numpy as np
 
 INSTALLED = tuple({sysconfig.get_path(kind) for kind in ("stdlib", "purelib", "platlib")})
+GLOBALS, IMPORTS = frozenset({"LOAD_GLOBAL", "LOAD_NAME"}), frozenset({"IMPORT_NAME"})
+ABSENT = object()  # in place of what is not bound yet, or is a built-in
+ALIKE = (int, float, complex, str, CodeType)  # what is often made anew and equal
 
 
 class Same:
@@ -27,68 +32,77 @@ class Same:
 
 
 class Reader:
-    """Says what functions are, and whether what they read has been bound anew since.
+    """Says what functions are, and whether what they read has been bound anew, or changed in place, since.
 
     Functions are equal if their code, their defaults, and what they close over and read of globals are: those made
-    anew with every system are the same ones, one edited in a notebook is another. A function of an installed library
-    that is called is not looked into, nor is an object that is no container.
+    anew with every system are the same ones, one edited in a notebook is another. What is met again is told by its
+    place. A function of an installed library that is called is not looked into, nor is an object that is no container,
+    except that whose method is compiled.
     """
 
     def __init__(self) -> None:
-        self._globals: dict[tuple[int, str], tuple[Mapping[str, Any], Any]] = {}
-        self._functions: dict[int, tuple[FunctionType, Any]] = {}
-        self._within: list[FunctionType] = []
+        self._bindings: dict[tuple[int, str], tuple[Mapping[str, Any], Any]] = {}
+        self._met: dict[int, tuple[Any, tuple[Any, ...]]] = {}  # functions and mutable containers, with their parts
+        self._within = 0  # functions
 
     def identity(self, value: Any) -> Any:
         """What equals that of an equal value, and of no other; it can be hashed."""
-        if isinstance(value, FunctionType):
-            return self._function(value)
         if isinstance(value, MethodType):
-            return self.identity(value.__func__), self.identity(value.__self__)
+            owner = value.__self__
+            return self.identity(value.__func__), self.identity(owner), self.identity(getattr(owner, "__dict__", None))
         if isinstance(value, partial):
             return "partial", self.identity(value.func), self.identity(value.args), self.identity(value.keywords)
-        if isinstance(value, np.ndarray):
-            return "array", value.shape, self.identity(value.tolist())
-        if isinstance(value, Mapping):
-            return "mapping", frozenset((key, self.identity(item)) for key, item in value.items())
-        if isinstance(value, (list, tuple)):
+        if isinstance(value, tuple):
             return type(value), tuple(map(self.identity, value))
-        try:
-            hash(value)
-        except TypeError:
-            return frozenset(value) if isinstance(value, Set) else Same(value)
-        return value  # equal if it is frozen, else only the same
+        if isinstance(value, FunctionType):
+            if self._within and _is_of_a_library(value):
+                return Same(value)
+        elif not isinstance(value, (np.ndarray, Mapping, list)):
+            try:
+                hash(value)
+            except TypeError:
+                return frozenset(value) if isinstance(value, Set) else Same(value)
+            return value  # equal if it is frozen, else only the same
+        if id(value) in self._met:
+            return "met", list(self._met).index(id(value))
+        self._met[id(value)] = value, _parts(value)
+        return self._function(value) if isinstance(value, FunctionType) else self._contents(value)
 
     def current(self) -> bool:
-        """Whether all functions have the code, defaults and globals that they had."""
-        return all(_parts(function) == parts for function, parts in self._functions.values()) and all(
-            name in namespace and namespace[name] is value for (_, name), (namespace, value) in self._globals.items()
+        """Whether all functions have the code, defaults and globals that they had, and containers their contents."""
+        return all(_alike(_parts(value), parts) for value, parts in self._met.values()) and all(
+            namespace.get(name, ABSENT) is value for (_, name), (namespace, value) in self._bindings.items()
         )
 
+    def _contents(self, value: Any) -> Any:
+        if isinstance(value, np.ndarray):
+            return "array", value.shape, self.identity(tuple(value.ravel().tolist()))
+        if isinstance(value, Mapping):  # whose order a law may go by
+            return "mapping", tuple((key, self.identity(item)) for key, item in value.items())
+        return type(value), tuple(map(self.identity, value))
+
     def _function(self, function: FunctionType) -> Any:
-        if self._within and _is_of_a_library(function):
-            return Same(function)
-        if function in self._within:
-            return "recursion", function.__qualname__
-        self._within.append(function)
-        self._functions[id(function)] = function, _parts(function)
-        defaults = function.__defaults__, function.__kwdefaults__
+        self._within += 1
+        defaults = self.identity((function.__defaults__, function.__kwdefaults__))
         known = tuple((name, self.identity(value)) for name, value in self._seen(function))
-        self._within.pop()
-        return function.__code__, self.identity(defaults), known
+        self._within -= 1
+        return function.__code__, defaults, known
 
     def _seen(self, function: FunctionType) -> Iterator[tuple[str, Any]]:
-        """Values that it closes over, and globals that it reads, of itself or of a module."""
-        names = _names(function.__code__)
-        for name, value in [*_closed_over(function), *self._bound(function.__globals__, names)]:
+        """Values that it closes over, and globals that it reads, of itself or of a module, imported in it or not."""
+        code = function.__code__
+        names = _names(code)
+        own = self._bound(function.__globals__, _names(code, GLOBALS))
+        imported = [(name, sys.modules[name]) for name in sorted(_names(code, IMPORTS) & sys.modules.keys())]
+        for name, value in [*_closed_over(function), *own, *imported]:
             yield name, value
             if isinstance(value, ModuleType):
-                yield from self._bound(vars(value), names)
+                yield from self._bound(vars(value), names & vars(value).keys())
 
     def _bound(self, namespace: dict[str, Any], names: frozenset[str]) -> list[tuple[str, Any]]:
-        bound = [(name, namespace[name]) for name in sorted(names & namespace.keys())]
-        self._globals |= {(id(namespace), name): (namespace, value) for name, value in bound}
-        return bound
+        bound = [(name, namespace.get(name, ABSENT)) for name in sorted(names)]
+        self._bindings |= {(id(namespace), name): (namespace, value) for name, value in bound}
+        return [(name, value) for name, value in bound if value is not ABSENT]
 
 
 def _closed_over(function: FunctionType) -> list[tuple[str, Any]]:
@@ -101,12 +115,27 @@ def _is_of_a_library(function: FunctionType) -> bool:
     return function.__code__.co_filename.startswith(INSTALLED) and "<locals>" not in function.__qualname__
 
 
-def _parts(function: FunctionType) -> tuple[Any, ...]:
-    return function.__code__, function.__defaults__, function.__kwdefaults__
+def _parts(value: Any) -> tuple[Any, ...]:
+    """What can be replaced in a function or a container."""
+    if isinstance(value, FunctionType):
+        seen = (each for _, each in _closed_over(value))
+        return value.__code__, value.__defaults__, value.__kwdefaults__, *seen
+    if isinstance(value, np.ndarray):
+        return *value.shape, *value.ravel().tolist()
+    return (*value.keys(), *value.values()) if isinstance(value, Mapping) else tuple(value)
+
+
+def _alike(some: tuple[Any, ...], others: tuple[Any, ...]) -> bool:
+    """Whether they hold the same objects, or numbers."""
+    pairs = zip(some, others, strict=False)
+    return len(some) == len(others) and all(
+        one is other or (type(one) is type(other) and isinstance(one, ALIKE) and one == other) for one, other in pairs
+    )
 
 
 @cache
-def _names(code: CodeType) -> frozenset[str]:
-    """Names of globals and attributes that it reads, also in the functions in it."""
-    inner = (_names(part) for part in code.co_consts if isinstance(part, CodeType))
-    return frozenset(code.co_names).union(*inner)
+def _names(code: CodeType, operations: frozenset[str] | None = None) -> frozenset[str]:
+    """Names that it reads, also in the functions in it: by some operations, or as globals, attributes and imports."""
+    read = (each.argval for each in get_instructions(code) if operations and each.opname in operations)
+    inner = (_names(part, operations) for part in code.co_consts if isinstance(part, CodeType))
+    return frozenset(read if operations else code.co_names).union(*inner)

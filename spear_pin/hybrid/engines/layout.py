@@ -10,10 +10,11 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.automaton import Domain, HybridSystem, Mount
 from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.planar import Body, Planar
+from spear_pin.model.spring import Spring
 
 Array = NDArray[np.float64]
 Values = Mapping[str, Any]
@@ -124,9 +125,7 @@ class Structure:
         bodies = tuple(_with_numbers(body, *(float(x != 0.0) for x in _numbers(body))) for body in planar.bodies)
         robot = bodies, tuple(sorted(planar.frames.items())), planar.gravity, system.robot.toes, system.robot.actuated
         mounts = domain.mounts if domain.between is None else (*domain.mounts, *domain.between.grounded.mounts)
-        own = [(mount.spring.stiffness, mount.spring.damping) for mount in mounts]
-        shared = spring.stiffness, spring.damping
-        springs = tuple(None if a == b else a for pair in own for a, b in zip(pair, shared, strict=True))
+        springs = tuple(_mounted(mount, spring) for mount in mounts)
         rubbing = tuple(b != 0.0 for b in system.robot.model.damping)
         law = tuple((f.name, _shape(getattr(system.law, f.name))) for f in fields(system.law))
         parts = spring.unilateral, spring.rest, law, shape_of(self.held)
@@ -137,6 +136,13 @@ class Structure:
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Structure) and self.key == other.key
+
+
+def _mounted(mount: Mount, shared: Spring) -> Any:
+    """Where a spring is, what holds it, and its own numbers where they are not the system's, which are parameters."""
+    own = mount.spring
+    stiffness = None if own.stiffness == shared.stiffness else own.stiffness
+    return mount.joint, mount.rest, mount.taut, stiffness, None if own.damping == shared.damping else own.damping
 
 
 class _Counter:
