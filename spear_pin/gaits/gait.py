@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
+from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName, require
 from spear_pin.files import atomic, check_keys, parse_json, regular
 from spear_pin.gaits import library
 from spear_pin.gaits.bounding import bounding
@@ -81,19 +81,21 @@ class Gait:
         """Write as JSON.
 
         Raises:
-            BadValue: the system has what the file could not say: hardware, dry friction of joints, a rotary boom, or
-                another change.
+            BadValue: the system has what the file could not say: hardware, dry friction of joints, a rotary boom,
+                another change, a builder of its own under the name of another, or a limit that is not finite.
             BadFile: the file cannot be written.
         """
         robot = self.system.robot
         if left_out := _unsaid(self.system):
             raise BadValue("gait.system", f"one with {' and '.join(left_out)}", "one without: a file keeps none")
+        for name, limit in limits(self.system).items():
+            require(name, limit, lambda value: value >= 0, "a finite number >= 0, in s, to be kept in a file")
         data = {
             "format": FORMAT,
             "kind": self.system.kind,
             "robot": {"source": robot.source, "toes": robot.toes, "locked": robot.locked, "varied": dict(robot.varied)},
             **{part: asdict(getattr(self.system, part)) for part in PARTS},
-            "limits": limits(self.system),
+            "limits": {name: float(limit) for name, limit in limits(self.system).items()},
             "state": {"q": self.state[0].tolist(), "v": self.state[1].tolist()},
             "parameters": dict(self.parameters),
             "residual": self.residual,
@@ -145,15 +147,21 @@ class Gait:
             raise BadFile(path, f"is not a saved gait ({error})") from None
 
 
+def built_as_named(system: HybridSystem) -> bool:
+    """Whether a system of a kind that is known by its name was made by the builder of that kind."""
+    return system.kind not in KINDS or system.made["builder"] is KINDS[system.kind][0]
+
+
 def _unsaid(system: HybridSystem) -> list[str]:
     """What a system has that a file does not say, in words."""
     has = {
         "hardware": system.hardware is not None,
         "dry friction of joints": any(domain.rubs for domain in system.domains),
         "a robot with added inertia": system.robot.added is not None,
+        "another builder than others of its kind": not built_as_named(system),
         "a change of its own": any(not isinstance(change, (DryFriction, Fitted)) for change in system.changes),
     }
-    others = {f"another {name}": True for name in replaced(system) if name not in LIMITS}
+    others = {f"another {name}": True for name in replaced(system) if name not in (*LIMITS, "hardware")}
     return [name for name, there in (has | others).items() if there]
 
 

@@ -44,7 +44,7 @@ Latch = Callable[[Sequence[float], Sequence[float], Held, Any], Held]
 Row = Sequence[tuple[int, Any]]
 """A row vector over the coordinates, as (index, weight) of its entries; those of the same index add up."""
 
-REPLACED = ("domains", "section", "cyclic", "measures", "guess", "phase_limit", "shortest_flight")
+REPLACED = ("kind", "domains", "section", "cyclic", "measures", "guess", "phase_limit", "shortest_flight", "hardware")
 SHORTEST_FLIGHT = 0.05  # s: in free fall a rise of 3 mm, a two-hundredth of a leg of 0.6 m
 
 
@@ -260,7 +260,8 @@ class HybridSystem:
             `spear_pin.hybrid.cycles`.
         hardware: between law and joints, see `spear_pin.hybrid.hardware`; None: ideal motors.
         changes: what was made of the system that `build` makes of other numbers, too; see `parameters.changed`.
-        made: fields as they were when it was made, by which those are known that were replaced in it.
+        made: fields as they were when it was made, by which those are known that were replaced in it; and by whom,
+            `builder`, before all changes.
     """
 
     kind: str
@@ -281,8 +282,9 @@ class HybridSystem:
     made: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        if not self.made:
-            object.__setattr__(self, "made", {name: getattr(self, name) for name in REPLACED})
+        if self.made.get("build") is not self.build:  # what has another builder is as that one makes it
+            made = {name: getattr(self, name) for name in REPLACED} | {"build": self.build, "builder": self.build}
+            object.__setattr__(self, "made", made)
         check(self)
 
     @cached_property

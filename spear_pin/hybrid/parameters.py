@@ -51,13 +51,14 @@ def changed(system: HybridSystem, change: Change) -> HybridSystem:
             is called, so that what it does can be told.
     """
     build, after = system.build, change(system)
-    before = {name: value for name, value in system.made.items() if getattr(system, name) != value}
+    before = {name: system.made[name] for name in REPLACED if getattr(system, name) != system.made[name]}
 
     def build_changed(*parts: Any, **named: Any) -> HybridSystem:
         return changed(build(*parts, **named), change)
 
     made = {name: before.get(name, getattr(after, name)) for name in REPLACED}
-    return replace(after, build=build_changed, changes=(*system.changes, change), made=made)
+    makers = {"build": build_changed, "builder": system.made["builder"]}
+    return replace(after, build=build_changed, changes=(*system.changes, change), made=made | makers)
 
 
 def replaced(system: HybridSystem) -> dict[str, Any]:

@@ -20,7 +20,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, MissingExtra, NoGait, SpearError, UnknownName, require
-from spear_pin.gaits.gait import KINDS
+from spear_pin.gaits.gait import KINDS, built_as_named
 from spear_pin.gaits.many import MEASURES, REASONS, find_many
 from spear_pin.gaits.search import find_gait
 from spear_pin.gaits.targets import check_wanted
@@ -249,8 +249,8 @@ def _solve(index: int, job: Job) -> tuple[int, Rows]:
 
 def _job(system: HybridSystem, points: Mapping[str, ArrayLike], vary: tuple[str, ...], target: Any, rtol: float) -> Job:
     """What was asked, checked; points of one robot stand together."""
-    if system.kind not in KINDS:
-        raise BadValue("system", system.kind, f"one of {', '.join(KINDS)}")
+    if system.kind not in KINDS or not built_as_named(system):
+        raise BadValue("system", system.kind, f"one of {', '.join(KINDS)}, made by the builder of that name")
     check_lanes(system)
     kept = replaced(system)
     for name in kept:

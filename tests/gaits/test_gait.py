@@ -287,3 +287,10 @@ class TestParameters:
     def test_a_value_that_is_not_valid(self, robot):
         with pytest.raises(BadValue, match=r"^Spring\.stiffness"):
             with_parameters(hopping(robot), {"stiffness": -1.0})
+
+
+@pytest.mark.parametrize("limit", [float("inf"), -1.0])
+def test_a_limit_that_a_file_cannot_keep_is_refused(hop, tmp_path, limit):
+    with pytest.raises(BadValue, match="phase_limit"):
+        replace(hop, system=replace(hop.system, phase_limit=limit)).save(tmp_path / "gait.json")
+    assert not list(tmp_path.iterdir())

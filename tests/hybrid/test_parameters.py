@@ -4,12 +4,16 @@ from dataclasses import replace
 
 import pytest
 
-from spear_pin import Contact, find_gait
+from spear_pin import Contact, find_gait, hopping
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import Guard
 from spear_pin.hybrid.dry_friction import with_dry_friction
+from spear_pin.hybrid.hardware import Hardware
 from spear_pin.hybrid.parameters import changed, rebuilt, replaced, with_parameters
 from spear_pin.hybrid.simulate import simulate
+from spear_pin.model.actuator import Actuator
+from spear_pin.model.catalogue import motor
+from spear_pin.model.motor import Gearbox
 
 
 def low(system):
@@ -66,3 +70,26 @@ def test_fields_that_were_replaced_stay(hop):
         assert (again.phase_limit, again.shortest_flight) == (2.0, 0.1)
         assert replaced(again) == {"phase_limit": 2.0, "shortest_flight": 0.1}
     assert replaced(hop.system) == {}
+
+
+def own(robot, law=None, spring=None, contact=None):
+    """A builder of one's own, upon another."""
+    return replace(low(hopping(robot, law, spring, contact)), build=own)
+
+
+def test_a_builder_of_ones_own_is_asked(hop):
+    system = own(hop.system.robot)
+    assert guards(with_parameters(system, {"stance_torque": 7.0})) == guards(system)
+    again = with_parameters(changed(replace(system, phase_limit=2.0), low), {"stance_torque": 7.0})
+    assert guards(again) == guards(low(system)) and replaced(again) == {"phase_limit": 2.0}
+
+
+def test_a_builder_of_ones_own_under_the_name_of_another_goes_into_no_file(hop, tmp_path):
+    with pytest.raises(BadValue, match="builder"):
+        replace(hop, system=own(hop.system.robot)).save(tmp_path / "gait.json")
+
+
+def test_hardware_and_kind_that_were_replaced_stay(hop):
+    hardware = Hardware((Actuator(motor("spear_ii_knee"), Gearbox(15.0)),) * 2)
+    again = with_parameters(replace(hop.system, hardware=hardware, kind="mine"), {"stance_torque": 7.0})
+    assert again.hardware is hardware and again.kind == "mine"
