@@ -37,7 +37,8 @@ def rebuilt(system: HybridSystem, **parts: Any) -> HybridSystem:
         BadValue: its domains were replaced, and not by `changed`: nobody knows what they were to be with other numbers.
     """
     kept = replaced(system)
-    return replace(system.build(system.robot, **{part: getattr(system, part) for part in PARTS} | parts), **kept)
+    again = system.build(system.robot, **{part: getattr(system, part) for part in PARTS} | parts)
+    return replace(again, **kept) if kept else again  # once made it is checked
 
 
 def changed(system: HybridSystem, change: Change) -> HybridSystem:
