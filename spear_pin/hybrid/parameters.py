@@ -49,7 +49,7 @@ def changed(system: HybridSystem, change: Change) -> HybridSystem:
     Args:
         system: the system.
         change: makes another of a system, with `dataclasses.replace`. To go into a sweep it has to be a dataclass that
-            is called, so that what it does can be told.
+            is called: by its name and its fields one sweep is told from another.
     """
     build, after = system.build, change(system)
     before = {name: system.made[name] for name in REPLACED if getattr(system, name) != system.made[name]}

@@ -34,25 +34,28 @@ def check(system: HybridSystem) -> None:
     for domain in system.domains:
         _check_domain(system, domain)
         for name, reset, ends in _events(domain):
-            where = f" of {name!r} in domain {domain.name!r}"
+            place = name, domain.name
             if reset is not None and ends is not None:
-                raise BadValue(f"ends{where}", ends, "None for an event with a reset: a run either goes on or ends")
+                expected = "None for an event with a reset: a run either goes on or ends"
+                raise BadValue("ends of {!r} in domain {!r}".format(*place), ends, expected)
             if ends is not None:
-                _known(f"reason{where}", [ends], REASONS)
+                _known("reason of {!r} in domain {!r}", place, [ends], REASONS)
             if reset is not None:
-                _check_reset(system, domain, reset, where)
+                _check_reset(system, domain, reset, place)
     _check_rests(system)
     if system.section:
-        assert system.landing
+        _ = system.landing  # which says what is valid
 
 
 def _check_domain(system: HybridSystem, domain: Domain) -> None:
-    where, toes = f" of domain {domain.name!r}", system.robot.toes
+    toes, place = system.robot.toes, (domain.name,)
     if len(domain.contacts) != len(toes):
-        raise BadValue(f"contacts{where}", domain.contacts, f"{len(toes)}, one for each of {', '.join(toes)}")
-    _known(f"contact{where}", domain.contacts, CONTACTS)
-    _known(f"joint of a spring{where}", [mount.joint for mount in domain.mounts], system.robot.coordinates)
-    _known(f"joint of dry friction{where}", [rub.joint for rub in domain.rubs], system.robot.coordinates)
+        expected = f"{len(toes)}, one for each of {', '.join(toes)}"
+        raise BadValue(f"contacts of domain {domain.name!r}", domain.contacts, expected)
+    _known("contact of domain {!r}", place, domain.contacts, CONTACTS)
+    joints = system.robot.coordinates
+    _known("joint of a spring of domain {!r}", place, [mount.joint for mount in domain.mounts], joints)
+    _known("joint of dry friction of domain {!r}", place, [rub.joint for rub in domain.rubs], joints)
 
 
 def _events(domain: Domain) -> Iterator[tuple[str, Reset | None, str | None]]:
@@ -62,11 +65,12 @@ def _events(domain: Domain) -> Iterator[tuple[str, Reset | None, str | None]]:
         yield domain.switch.name, domain.switch.reset, None
 
 
-def _check_reset(system: HybridSystem, domain: Domain, reset: Reset, where: str) -> None:
+def _check_reset(system: HybridSystem, domain: Domain, reset: Reset, place: tuple[str, ...]) -> None:
     if reset.phase is not None:
-        _known(f"phase entered by the reset{where}", [reset.phase], system.phases)
-    _known(f"toe that strikes by the reset{where}", reset.impact, system.robot.toes)
-    _known(f"joint whose spring the reset{where} releases", reset.release, [mount.joint for mount in domain.mounts])
+        _known("phase entered by the reset of {!r} in domain {!r}", place, [reset.phase], system.phases)
+    _known("toe that strikes by the reset of {!r} in domain {!r}", place, reset.impact, system.robot.toes)
+    engaged = [mount.joint for mount in domain.mounts]
+    _known("joint whose spring is released by the reset of {!r} in domain {!r}", place, reset.release, engaged)
 
 
 def _check_rests(system: HybridSystem) -> None:
@@ -95,10 +99,11 @@ def _check_rests(system: HybridSystem) -> None:
         raise missing
     for domain in system.domains:
         for mount in domain.mounts:
-            _known(f"name of what holds the spring of {mount.joint} in {domain.name!r}", [mount.rest, mount.taut], held)
+            place = mount.joint, domain.name
+            _known("name of what holds the spring of {!r} in domain {!r}", place, [mount.rest, mount.taut], held)
 
 
-def _known(kind: str, names: Sequence[str], valid: Any) -> None:
+def _known(kind: str, place: tuple[str, ...], names: Sequence[str], valid: Any) -> None:
     for name in names:
         if name not in valid:
-            raise UnknownName(kind, name, dict.fromkeys(valid))
+            raise UnknownName(kind.format(*place), name, dict.fromkeys(valid))

@@ -68,7 +68,10 @@ def description(job: Job, chunk: int, n: int) -> dict[str, Any]:
         "kind": job.kind,
         "robot": _digest(_numbers(job.robot)),
         **{part: asdict(value) for part, value in job.parts.items()},
-        "changes": [[type(change).__qualname__, asdict(cast(Any, change))] for change in job.changes],
+        "changes": [
+            [f"{type(change).__module__}.{type(change).__qualname__}", asdict(cast(Any, change))]
+            for change in job.changes
+        ],
         "replaced": dict(job.replaced),
         "names": list(job.points),
         "points": _digest(b"".join(np.ascontiguousarray(values).tobytes() for values in job.points.values())),

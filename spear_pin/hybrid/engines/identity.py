@@ -15,7 +15,7 @@ import numpy as np
 INSTALLED = tuple({sysconfig.get_path(kind) for kind in ("stdlib", "purelib", "platlib")})
 GLOBALS, IMPORTS = frozenset({"LOAD_GLOBAL", "LOAD_NAME"}), frozenset({"IMPORT_NAME"})
 ABSENT = object()  # in place of what is not bound yet, or is a built-in
-ALIKE = (int, float, complex, str, CodeType)  # what is often made anew and equal
+ALIKE = (int, float, complex, str)  # what is often made anew and equal
 
 
 class Same:
@@ -42,7 +42,10 @@ class Reader:
 
     def __init__(self) -> None:
         self._bindings: dict[tuple[int, str], tuple[Mapping[str, Any], Any]] = {}
-        self._met: dict[int, tuple[Any, tuple[Any, ...]]] = {}  # functions and mutable containers, with their parts
+        self._met: dict[int, Any] = {}  # functions and mutable containers
+        self._functions: list[tuple[FunctionType, CodeType, Any, Any]] = []  # with code and defaults
+        self._cells: list[tuple[CellType, Any]] = []  # with what they hold
+        self._containers: list[tuple[Any, tuple[Any, ...]]] = []  # with their contents
         self._within = 0  # functions
 
     def identity(self, value: Any) -> Any:
@@ -65,14 +68,30 @@ class Reader:
             return value  # equal if it is frozen, else only the same
         if id(value) in self._met:
             return "met", list(self._met).index(id(value))
-        self._met[id(value)] = value, _parts(value)
-        return self._function(value) if isinstance(value, FunctionType) else self._contents(value)
+        self._met[id(value)] = value
+        if isinstance(value, FunctionType):
+            self._functions.append((value, value.__code__, value.__defaults__, value.__kwdefaults__))
+            self._cells += [(cell, _content(cell)) for cell in value.__closure__ or ()]
+            return self._function(value)
+        self._containers.append((value, _items(value)))
+        return self._contents(value)
 
     def current(self) -> bool:
         """Whether all functions have the code, defaults and globals that they had, and containers their contents."""
-        return all(_alike(_parts(value), parts) for value, parts in self._met.values()) and all(
-            namespace.get(name, ABSENT) is value for (_, name), (namespace, value) in self._bindings.items()
-        )
+        for function, code, defaults, named in self._functions:  # loops, as it is asked for every batch
+            if (
+                function.__code__ is not code
+                or function.__defaults__ is not defaults
+                or function.__kwdefaults__ is not named
+            ):
+                return False
+        for cell, content in self._cells:
+            if _content(cell) is not content:
+                return False
+        for (_, name), (namespace, value) in self._bindings.items():
+            if namespace.get(name, ABSENT) is not value:
+                return False
+        return all(_alike(_items(value), items) for value, items in self._containers)
 
     def _contents(self, value: Any) -> Any:
         if isinstance(value, np.ndarray):
@@ -106,8 +125,16 @@ class Reader:
 
 
 def _closed_over(function: FunctionType) -> list[tuple[str, Any]]:
-    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
-    return [(name, cell.cell_contents) for name, cell in cells if cell != CellType()]
+    contents = map(_content, function.__closure__ or ())
+    named = zip(function.__code__.co_freevars, contents, strict=True)
+    return [(name, content) for name, content in named if content is not ABSENT]
+
+
+def _content(cell: CellType) -> Any:
+    try:
+        return cell.cell_contents
+    except ValueError:  # nothing yet
+        return ABSENT
 
 
 def _is_of_a_library(function: FunctionType) -> bool:
@@ -115,11 +142,8 @@ def _is_of_a_library(function: FunctionType) -> bool:
     return function.__code__.co_filename.startswith(INSTALLED) and "<locals>" not in function.__qualname__
 
 
-def _parts(value: Any) -> tuple[Any, ...]:
-    """What can be replaced in a function or a container."""
-    if isinstance(value, FunctionType):
-        seen = (each for _, each in _closed_over(value))
-        return value.__code__, value.__defaults__, value.__kwdefaults__, *seen
+def _items(value: Any) -> tuple[Any, ...]:
+    """What can be replaced in a container."""
     if isinstance(value, np.ndarray):
         return *value.shape, *value.ravel().tolist()
     return (*value.keys(), *value.values()) if isinstance(value, Mapping) else tuple(value)
