@@ -84,7 +84,7 @@ class Rub:
 
 @dataclass(frozen=True)
 class Reset:
-    """What an event does to the state, in this order.
+    """Effects of an event on the state, in this order.
 
     Attributes:
         impact: toes that strike the ground, plastically.

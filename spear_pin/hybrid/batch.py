@@ -27,7 +27,7 @@ LOCK = Lock()  # a compiled integrator has one state, whichever thread asks
 
 @dataclass(frozen=True)
 class Batch:
-    """What became of the lanes.
+    """Outcomes of the lanes.
 
     Attributes:
         q: configurations reached, (n, nq); where a lane did not end "complete" those at its last section.

@@ -205,7 +205,7 @@ def joint_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact:
 
 
 def landed(D: Array, J: Array, v: Array, lands: Sequence[bool]) -> tuple[Array, Array]:
-    """What precedes the impact of toes that rise, but are back on the ground within an instant: they rise no more.
+    """Stop toes that rise, but are back on the ground within an instant, before the impact: they rise no more.
 
     So end the bounces, ever shorter, of toes that lift each other off.
 
@@ -233,7 +233,7 @@ _SIDES = (1, -1)  # a toe that slides forward, or backward
 
 @cache
 def _combinations(m: int) -> tuple[tuple[int, ...], ...]:
-    """What each of m toes may do, in order of preference."""
+    """Combinations of the modes that m toes may have, in order of preference."""
     modes = product((_STICK, *_SIDES, _OPEN), repeat=m)
     return tuple(sorted(modes, key=lambda each: (-each.count(_STICK), each.count(_OPEN))))
 

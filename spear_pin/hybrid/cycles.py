@@ -1,4 +1,4 @@
-"""What closes a cycle: the section's event, unless a toe that strikes there has hardly been in the air.
+"""End of a cycle: the section's event, unless a toe that strikes there has hardly been in the air.
 
 A toe that comes down again within `HybridSystem.shortest_flight` after it left the ground has not flown: it re-touches.
 What the automaton makes of it stays the same, for a foot switch closes all the same; but the event is named `RETOUCH`,

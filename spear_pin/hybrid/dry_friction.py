@@ -26,7 +26,7 @@ SIGNS = (0.0, 1.0, -1.0)  # at rest it is held if it can be
 
 
 def with_dry_friction(system: HybridSystem, forces: Mapping[str, float]) -> HybridSystem:
-    """The same system with dry friction in some joints, beside what there is; rebuilt systems keep it.
+    """System with dry friction in some joints, beside what there is; rebuilt systems keep it.
 
     A joint that moves either way leaves a domain's name as it is; one that is held is named, as in
     "flight boom_z held". A gait with it cannot be saved.
@@ -96,5 +96,5 @@ def _ends(rub: Rub, robot: Robot) -> tuple[Guard, ...]:
 
 
 def _to_spare(rub: Rub, side: float) -> GuardValue:
-    """What friction could hold beyond what it has to, in N or N·m."""
+    """Margin of dry friction over that which holds the joint, towards one side, in N or N·m."""
     return lambda t, q, v, held, p, dyn, ops: rub.force - side * dyn.holding(rub.joint)

@@ -151,7 +151,7 @@ def _after(others: Sequence[Reset], reset: Reset) -> Reset:
 
 
 def _to_spare(i: int, end: float, beyond: float) -> GuardValue:
-    """What a toe's share is away from 0 or 1."""
+    """Distance of a toe's share from 0 or 1."""
     return lambda t, q, v, held, p, dyn, ops: end + (1.0 - 2.0 * end) * dyn.shares[i] + beyond
 
 
@@ -204,7 +204,7 @@ def within(share: Any, beyond: float) -> Any:
 
 
 def _modes(system: HybridSystem, between: Alternation | Crossing) -> Iterator[Alternation | Crossing]:
-    """The same with every mode of contact and dry friction of what else there is."""
+    """Alternations or crossings like this one, with every mode of contact and dry friction of what else there is."""
     if isinstance(between, Alternation):
         for airborne in system.of_phase(between.airborne.phase):
             yield replace(between, airborne=airborne)
@@ -215,7 +215,7 @@ def _modes(system: HybridSystem, between: Alternation | Crossing) -> Iterator[Al
 
 
 def entered(system: HybridSystem, held: Held, y: Array, reset: Reset) -> tuple[tuple[Reset, ...], Reset | None, Held]:
-    """What happens at once after a reset: events within the phase, the reset that leaves it, what is held then."""
+    """Resets that come at once after a reset: those within the phase, the one that leaves it; and what is held then."""
     assert reset.phase is not None
     held = latched(system, held, y, reset)
     follow: list[Reset] = []
@@ -231,7 +231,7 @@ def entered(system: HybridSystem, held: Held, y: Array, reset: Reset) -> tuple[t
 
 
 def latched(system: HybridSystem, held: Held, y: Array, *resets: Reset) -> Held:
-    """What is held after resets."""
+    """Values held after resets."""
     q, v = y[: system.robot.nq].tolist(), y[system.robot.nq : system.robot.nq + system.robot.nv].tolist()
     for reset in resets:
         if reset.latch is not None:
@@ -240,7 +240,7 @@ def latched(system: HybridSystem, held: Held, y: Array, *resets: Reset) -> Held:
 
 
 def alternation(system: HybridSystem, domains: Sequence[Domain], resets: Sequence[Reset]) -> Alternation | None:
-    """What two domains that lead into each other make: None unless just one of them has a toe on the ground.
+    """Alternation of two domains that lead into each other: None unless just one has a toe on the ground.
 
     Args:
         system: the system.

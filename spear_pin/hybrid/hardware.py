@@ -80,7 +80,7 @@ class Sensing:
         return np.sort(rng.uniform(0.0, HORIZON, count))
 
     def noise(self, time: float, joints: int) -> tuple[list[float], list[float]]:
-        """What is added to angles and rates of so many joints."""
+        """Noise added to angles and rates of so many joints."""
         if not (self.angle_noise or self.rate_noise):
             return [0.0] * joints, [0.0] * joints
         frequencies, phases = self._tones
@@ -150,7 +150,7 @@ class Hardware:
 
 
 class Driven(NamedTuple):
-    """What the actuators make of commanded torques at an instant.
+    """Response of the actuators to commanded torques at an instant.
 
     Attributes:
         torques: at the joints, in N·m.
@@ -185,7 +185,7 @@ def drive(hardware: Hardware, x: Sequence[float], commands: Sequence[float], rat
 
 
 def blended(shares: Sequence[float], each: Sequence[Driven]) -> Driven:
-    """What several sets of commands make, each in action for its share of the time."""
+    """Response to several sets of commands, each in action for its share of the time."""
     parts = [
         [sum(share * x for share, x in zip(shares, values, strict=True)) for values in zip(*columns, strict=True)]
         for columns in zip(*each, strict=True)
@@ -195,7 +195,7 @@ def blended(shares: Sequence[float], each: Sequence[Driven]) -> Driven:
 
 @typed
 def with_hardware(system: HybridSystem, hardware: Hardware | None) -> HybridSystem:
-    """The same system with hardware, or without; rebuilt systems keep it.
+    """System with hardware, or without; rebuilt systems keep it.
 
     Where a robot's legs are pairs, an actuator drives both of a joint: twice the inertia, half the resistance.
 

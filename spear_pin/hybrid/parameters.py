@@ -15,7 +15,7 @@ LIMITS = ("phase_limit", "shortest_flight")
 
 
 def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
-    """The same system with other parameters, named as fields of its law, spring or contact.
+    """System with other parameters, named as fields of its law, spring or contact; the given one is left alone.
 
     Raises:
         UnknownName: no part has a numeric field of that name.
@@ -31,7 +31,7 @@ def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> Hybrid
 
 
 def rebuilt(system: HybridSystem, **parts: Any) -> HybridSystem:
-    """The same system with another law, spring or contact; what was changed or replaced in it stays so.
+    """System with another law, spring or contact; what was changed or replaced in the given one stays so.
 
     Raises:
         BadValue: its domains were replaced, and not by `changed`: nobody knows what they were to be with other numbers.

@@ -1,4 +1,4 @@
-"""What a run of a hybrid system is made of: its segments, events, work by cycle, and why it ended."""
+"""Record of a run of a hybrid system: its segments, events, work by cycle, and why it ended."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ def _motion(system: HybridSystem, flow: Flow, y: Array, kinds: dict[str, int], f
 def _between(
     system: HybridSystem, held: Held, y: Array, toes: list[str], bearing: set[str]
 ) -> Alternation | Crossing | None:
-    """What alternates if these toes do, while others bear."""
+    """Alternation of one toe, or crossing of two, while others bear."""
     if len(toes) == 1:
         return _surface(system, held, y, toes[0], bearing)
     if len(toes) != 2:

@@ -18,7 +18,7 @@ STARTS = ((0.5, 0.5), *product((0.95, 0.05), repeat=2))
 
 
 class Turn(NamedTuple):
-    """What one law acts for while two toes alternate: which toe changed last, whether it and the other bear."""
+    """Situation in which one law acts while two toes alternate: which changed last, whether it and the other bear."""
 
     toe: int
     bears: bool

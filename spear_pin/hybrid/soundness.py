@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Latched(dict[str, Any]):
-    """What is held, saying of a name that is not what is."""
+    """Values that are held; another name is refused with the names that there are."""
 
     def __missing__(self, name: str) -> Any:
         raise UnknownName("name of what is held", name, self)

@@ -1,4 +1,4 @@
-"""What a simulation returns: samples, events, the energy ledger; saved, loaded, exported."""
+"""Result of a simulation: samples, events, the energy ledger; saved, loaded, exported."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Ledger:
 
     @property
     def residual(self) -> Array:
-        """What does not close in each cycle, in J, (cycles,): change of the stored energy less all flows."""
+        """Imbalance of energy in each cycle, in J, (cycles,): change of the stored energy less all flows."""
         left: Array = self.change - self.work.sum(axis=1)
         return left
 

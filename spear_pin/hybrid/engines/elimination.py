@@ -112,7 +112,7 @@ def torques_for(
 
 
 def _unit(rows: Sequence[dict[int, Any]], left: Sequence[int]) -> tuple[int, int, int] | None:
-    """What eliminating one of the remaining 1 or -1 costs at least, its row and column."""
+    """Least cost of eliminating one of the remaining 1 or -1, with its row and column."""
     counts: dict[int, int] = {}
     for i in left:
         for j in rows[i]:

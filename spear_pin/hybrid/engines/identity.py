@@ -1,4 +1,4 @@
-"""What tells functions apart that are compiled: their code, and every value it sees besides its arguments."""
+"""Identity of functions that are compiled: their code, and every value it sees besides its arguments."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Reader:
         self._within = 0  # functions
 
     def identity(self, value: Any) -> Any:
-        """What equals that of an equal value, and of no other; it can be hashed."""
+        """Hashable identity of a value, equal to that of an equal value and of no other."""
         if isinstance(value, MethodType):
             owner = value.__self__
             return self.identity(value.__func__), self.identity(owner), self.identity(getattr(owner, "__dict__", None))
@@ -143,7 +143,7 @@ def _is_of_a_library(function: FunctionType) -> bool:
 
 
 def _items(value: Any) -> tuple[Any, ...]:
-    """What can be replaced in a container."""
+    """Everything that can be replaced in a container."""
     if isinstance(value, np.ndarray):
         return *value.shape, *value.ravel().tolist()
     return (*value.keys(), *value.values()) if isinstance(value, Mapping) else tuple(value)

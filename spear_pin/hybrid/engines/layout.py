@@ -24,7 +24,7 @@ FLOATS = frozenset({float, np.float64})  # what most values are: asked first, as
 
 @dataclass(frozen=True)
 class Numbers:
-    """What a system's numbers are, as scalars.
+    """Numbers of a system, as scalars.
 
     Attributes:
         law: parameters of the control law.
@@ -103,7 +103,7 @@ def flattened(values: Collection[Any]) -> list[Any]:
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """What is compiled in: two systems of equal structure differ in run-time parameters only.
+    """Structure that is compiled in: two systems of equal structure differ in run-time parameters only.
 
     Attributes:
         system: a system.
@@ -176,7 +176,7 @@ def _is_number(value: Any) -> bool:
 
 
 def shape_of(held: Values) -> Any:
-    """What what is held has in common with what else is compiled alike."""
+    """Shape of what is held, the same for all that is compiled alike."""
     return (*held, _shape(tuple(held.values())))
 
 
@@ -187,14 +187,14 @@ def _shape(value: Any) -> Any:
 
 
 def functions(domain: Domain) -> list[Any]:
-    """What is compiled of a domain: its law, its guards, and what is latched where two domains alternate."""
+    """Functions of a domain that are compiled: its law, its guards, and latches where two domains alternate."""
     between = domain.between
     resets = () if between is None else (between.leave, between.touch, *between.follow)
     return [domain.law, *(guard.value for guard in domain.guards), *(reset.latch for reset in resets if reset.latch)]
 
 
 def _identity(domain: Domain) -> Any:
-    """What tells a domain from another."""
+    """Identity of a domain, which tells it from another."""
     between = domain.between
     others = () if between is None else (between.grounded.name, between.airborne.name)
     watched = tuple(guard.observes for guard in domain.guards)

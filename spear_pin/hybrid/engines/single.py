@@ -131,7 +131,7 @@ class Single:
 
 @lru_cache(MOST)
 def entering(code: Compiled) -> Any:
-    """What `Single.enter` asks for as one compiled function, made once for each domain that is compiled.
+    """Compiled function of all that `Single.enter` asks for, made once for each domain that is compiled.
 
     Guards, `OF_TOE` numbers of each closed toe, and kinks; then guards, kinks and the state `AHEAD` later.
     """

@@ -32,7 +32,7 @@ from spear_pin.model.spring import Spring
 
 @dataclass(frozen=True)
 class Imposed:
-    """What motors bring about that impose accelerations.
+    """Acceleration, forces and torques brought about by motors that impose accelerations.
 
     Attributes:
         a: acceleration, nv.

@@ -220,7 +220,7 @@ class Compiled:
         return times.ravel()[:n], states.transpose(1, 0, 2).reshape(len(y), -1)[:, :n].copy(), ends
 
     def _run(self, t: Array, y: Array, until: Array, parameters: Array, codes: NDArray[np.int64]) -> None:
-        """The same for as many lanes as are integrated at a time; times, states and heyoka's outcomes are set."""
+        """Integrate as many lanes as go at a time; times, states and heyoka's outcomes are set."""
         integrator = self._integrator
         integrator.set_time(t)
         integrator.state[:] = y

@@ -18,7 +18,7 @@ KEPT = 16  # systems
 
 
 class Compilation:
-    """What lanes of a system share, whatever their numbers.
+    """Compiled parts that lanes of a system share, whatever their numbers.
 
     Args:
         system: the system.
@@ -54,7 +54,7 @@ class Compilation:
         return self._domains[key]
 
     def single(self, domain: Domain, held: Held, shape: Any) -> Single:
-        """The same for one lane, with the shape of what is held."""
+        """A domain, compiled for one lane, with the shape of what is held."""
         key = id(domain), shape
         if key not in self._singles:
             self._singles[key] = Single(self.domain(domain, held))

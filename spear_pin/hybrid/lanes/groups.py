@@ -44,14 +44,14 @@ class Group:
 
 
 def take(value: Any, chosen: Any) -> Any:
-    """What some lanes hold."""
+    """Values that some lanes hold."""
     if isinstance(value, tuple):
         return tuple(take(item, chosen) for item in value)
     return value[chosen] if isinstance(value, np.ndarray) else value
 
 
 def alone(value: Any) -> Any:
-    """What the only lane of a group holds, as plain numbers."""
+    """Values that the only lane of a group holds, as plain numbers."""
     if isinstance(value, dict):
         return {name: alone(item) for name, item in value.items()}
     if isinstance(value, tuple):
@@ -68,21 +68,21 @@ def finite(value: Any, n: int) -> Flags:
 
 
 def spread(value: Any, n: int) -> Any:
-    """The same for n lanes, as arrays."""
+    """One value for each of n lanes, as arrays."""
     if isinstance(value, tuple):
         return tuple(spread(item, n) for item in value)
     return np.array(np.broadcast_to(np.asarray(value, dtype=float), (n,)))
 
 
 def collected(values: list[Any]) -> Any:
-    """What lanes hold, one by one, as arrays."""
+    """Values that lanes hold, given one by one, as arrays."""
     if isinstance(values[0], tuple):
         return tuple(collected(list(items)) for items in zip(*values, strict=True))
     return np.array(values, dtype=float)
 
 
 def appended(values: list[Any]) -> Any:
-    """What several groups hold."""
+    """Values that several groups hold, one group after the other."""
     if isinstance(values[0], tuple):
         return tuple(appended(list(items)) for items in zip(*values, strict=True))
     return np.concatenate(values)

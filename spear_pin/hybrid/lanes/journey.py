@@ -258,7 +258,7 @@ class Lanes:
             self.carry_out(domain, guard, reset, group.take(touching == again), bool(again))
 
     def carry_out(self, domain: Domain, guard: Guard | Switch, reset: Reset, group: Group, again: bool) -> None:
-        """What an event does; `again` says whether toes only touch again."""
+        """Carry out an event; `again` says whether toes only touch again."""
         group = self.count(group)
         if reset.phase is not None:
             group = self.new(reset, group)

@@ -91,7 +91,7 @@ class Numbers:
         return replace(group, t=group.t + h, y=group.y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4))
 
     def latch(self, group: Group, reset: Reset) -> Group:
-        """What an event latches: for all lanes at once if the latch is plain arithmetic, else lane by lane."""
+        """Group after an event's latch, which is for all lanes at once if it is plain arithmetic, else lane by lane."""
         if reset.latch is None or not len(group):
             return group
         n, q, v = len(group), group.y[: self.nv], group.y[self.nv :]
@@ -106,7 +106,7 @@ class Numbers:
             return replace(group, held={**group.held, **new})
 
     def _latch_alone(self, group: Group, reset: Reset, i: int) -> Mapping[str, Any] | None:
-        """What an event latches in the i-th lane of a group, None where that has no value."""
+        """Values that an event latches in the i-th lane of a group, None where one is undefined."""
         assert reset.latch is not None
         own = {name: take(value, i) for name, value in group.held.items()}
         q, v = group.y[: self.nv, i].tolist(), group.y[self.nv :, i].tolist()
@@ -117,7 +117,7 @@ class Numbers:
 
 
 def _undefined(value: Any) -> Any:
-    """The same, not numbers."""
+    """Value of the same form with NaN for numbers."""
     if isinstance(value, Mapping):
         return {name: _undefined(item) for name, item in value.items()}
     return tuple(map(_undefined, value)) if isinstance(value, tuple) else math.nan

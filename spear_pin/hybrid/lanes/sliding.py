@@ -57,7 +57,7 @@ def slide(
 def _at_once_after(
     numbers: Numbers, reset: Reset, group: Group
 ) -> Iterator[tuple[Reset | None, tuple[Reset, ...], Group]]:
-    """What would happen at once after a reset: the reset that leaves its phase, those before it, what is held."""
+    """Resets that would come at once after a reset: the one that leaves its phase, those before it, what is held."""
     assert reset.phase is not None
     waiting: list[tuple[tuple[Reset, ...], Group]] = [
         ((), numbers.latch(replace(group, t=np.zeros(len(group))), reset))
