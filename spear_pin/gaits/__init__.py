@@ -1,1 +1,1 @@
-"""What the robot is made to do: control laws, their automata, gait search."""
+"""Gaits of the robot: control laws, their automata, gait search."""

@@ -202,7 +202,7 @@ def _bear(
 
 
 def _adjustment(p: BoundingLaw, state: Sequence[float]) -> tuple[float, ...]:
-    """What event feedback adds to `INPUTS` for a stride, within its limits."""
+    """Adjustment of `INPUTS` by event feedback for a stride, within its limits."""
     if not p.feedback:
         return NO_ADJUSTMENT
     error = [now - then for now, then in zip(state, p.nominal, strict=True)]

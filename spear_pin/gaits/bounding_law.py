@@ -187,7 +187,7 @@ class Leg:
 
     @property
     def rows(self) -> tuple[Row, ...]:
-        """What is controlled of it: γ and the knee."""
+        """Rows of its controlled variables: γ and the knee."""
         return self.angle, ((self.knee, 1.0),)
 
 

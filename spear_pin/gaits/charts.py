@@ -22,7 +22,7 @@ HEIGHT = 1e-15  # m: toes this near to the ground are on it
 
 
 class Section:
-    """What the charts of one robot's section share.
+    """Section of one robot, as its charts share it.
 
     Args:
         system: the system.

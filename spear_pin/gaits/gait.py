@@ -153,7 +153,7 @@ def built_as_named(system: HybridSystem) -> bool:
 
 
 def _unsaid(system: HybridSystem) -> list[str]:
-    """What a system has that a file does not say, in words."""
+    """Properties of a system that a file does not say, in words."""
     has = {
         "hardware": system.hardware is not None,
         "dry friction of joints": any(domain.rubs for domain in system.domains),

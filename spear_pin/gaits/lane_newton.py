@@ -87,7 +87,7 @@ class Problem:
 
 
 def _spread(batch: Batch, lanes: Indices, n: int) -> Batch:
-    """What a batch of some lanes measured, as of all n lanes, NaN in the others."""
+    """Measurements of a batch of some lanes, as of all n lanes, NaN in the others."""
 
     def wide(part: Array) -> Array:
         whole = np.full((n, *part.shape[1:]), np.nan)

@@ -70,7 +70,7 @@ MEASURES: Mapping[str, Measure] = {
 
 @dataclass(frozen=True)
 class GaitTable:
-    """What became of the lanes, a row each; NaN where no fixed point was found.
+    """Outcomes of the lanes, a row each; NaN where no fixed point was found.
 
     Attributes:
         q: configurations on the section, (n, nq).
@@ -181,7 +181,7 @@ def _wanted(system: HybridSystem, vary: Sequence[str], target: Mapping[str, Arra
 
 @dataclass(frozen=True)
 class _Search:
-    """What is asked of the gaits."""
+    """Search for the gaits: what is fixed, varied and wanted."""
 
     system: HybridSystem
     fixed: Mapping[str, Array]

@@ -74,7 +74,7 @@ def objective(
     distance: Any,
     top: Any,
 ) -> Any:
-    """What is minimised, scaled to order ten.
+    """Objective to be minimised, scaled to order ten.
 
     Args:
         request: says which.

@@ -98,7 +98,7 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
 
 
 def obstacle(transcription: Transcription, solution: Solution) -> Infeasible | NoGait:
-    """What stands in the way of a request: the wish that a relaxed solve misses most, counted in its scale."""
+    """Obstacle to a request: the wish that a relaxed solve misses most, counted in its scale."""
     relaxed, margins = transcription.programme.relaxed(resampled(solution))
     loosened = relaxed.solve(iterations=300)
     if not loosened.success:

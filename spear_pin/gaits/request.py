@@ -1,4 +1,4 @@
-"""What is asked of a bounding gait, and what may be minimised."""
+"""Request for a bounding gait, and the objectives that may be minimised."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ OBJECTIVES: dict[str, tuple[str, str]] = {
     "electrical": ("1", "cost of transport of the power that the knee motors draw and the hips' positive power"),
     "violation": ("N·m", "most that a knee motor's envelope is exceeded by"),
 }
-"""What can be minimised: name -> unit, meaning."""
+"""Objectives that can be minimised: name -> unit, meaning."""
 
 LONGEST_STRIDE = 1.0  # s: what the search considers, as in the next lines
 FASTEST, FARTHEST = 30.0, 4.0  # m/s, m
@@ -30,7 +30,7 @@ STEEPEST = 1.2  # rad: of a leg
 @typed
 @dataclass(frozen=True)
 class Request:
-    """What is asked of a bounding gait. Torques and forces are those of a pair of legs.
+    """Request for a bounding gait. Torques and forces are those of a pair of legs.
 
     Attributes:
         speed: mean forward speed, in m/s (source: 2.5).

@@ -93,7 +93,7 @@ def find_gait(
 
 @dataclass(frozen=True)
 class _Search:
-    """What is asked of the gait."""
+    """Search for the gait: what is varied, measured and wanted."""
 
     vary: tuple[str, ...]
     measures: tuple[Measure, ...]
@@ -107,7 +107,7 @@ class _Search:
         return self.newton(*self.roughly(system, state, self.wanted), self.wanted, self.rtol, min(TOLERANCE, self.rtol))
 
     def by_continuation(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
-        """The same from the fixed point of the system as it is, the targets moved step by step."""
+        """The system and state, from the fixed point of the system as it is, the targets moved step by step."""
         unasked = _Search((), (), self.wanted[:0], self.rtol, self.on_iteration, self.strained)
         system, state = unasked.roughly(system, state, self.wanted[:0])
         begin = self.measure(return_map(system, state, self.rtol))
@@ -124,7 +124,7 @@ class _Search:
         return self.directly(system, state)
 
     def roughly(self, system: HybridSystem, state: State, wanted: Array) -> tuple[HybridSystem, State]:
-        """The same to a few digits, at less than half the cost."""
+        """The system and state that meet the targets to a few digits, at less than half the cost."""
         return self.newton(system, state, wanted, max(ROUGH_RTOL, self.rtol), ROUGH_TOLERANCE)
 
     def newton(

@@ -1,4 +1,4 @@
-"""What cycles may be asked for: values of their measures."""
+"""Targets that cycles may be asked for: values of their measures."""
 
 from __future__ import annotations
 

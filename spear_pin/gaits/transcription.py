@@ -106,7 +106,7 @@ def transcribe(
 
 
 class _Writer:
-    """What the parts of the programme share while they are written."""
+    """Writer of the programme, with what its parts share while they are written."""
 
     def __init__(self, robot: Robot, request: Request, programme: Programme, rng: np.random.Generator) -> None:
         self.request, self.programme, self.rng = request, programme, rng

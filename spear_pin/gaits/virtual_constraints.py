@@ -18,7 +18,7 @@ from spear_pin.hybrid.automaton import Row
 
 @dataclass(frozen=True)
 class Outputs:
-    """What is controlled, and what it is a function of.
+    """Controlled variables, and the phase that they are a function of.
 
     Attributes:
         rows: H, one row for each controlled variable.

@@ -24,7 +24,7 @@ REQUESTS: Mapping[str, Request] = MappingProxyType(
         **{f"long_stride_{speed:.2f}": replace(_LONG_STRIDE, speed=speed) for speed in _SPEEDS},
     }
 )
-"""What was asked of each gait that ships, by name."""
+"""Request for each gait that ships, by name."""
 
 
 def names() -> tuple[str, ...]:
@@ -46,5 +46,5 @@ def path(name: str) -> Path:
 
 
 def written() -> dict[str, dict[str, Any]]:
-    """What `Gait.save` wrote of each gait that ships, by name."""
+    """Contents of each shipped gait's file, as `Gait.save` wrote it, by name."""
     return {name: json.loads(path(name).read_text(encoding="utf-8")) for name in names()}
