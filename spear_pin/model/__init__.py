@@ -1,1 +1,1 @@
-"""What the robot is: its description, its dynamics, its spring."""
+"""The robot: its description, its dynamics, its spring."""

@@ -1,4 +1,4 @@
-"""What stands between a commanded torque and a joint: current loop, bridge, battery, motor and gearbox.
+"""Actuator between a commanded torque and a joint: current loop, bridge, battery, motor and gearbox.
 
 The controller asks for the current i* = τ*/(N kt), as the source's τ = k_τ i has it. The current follows at once,
 or with the bandwidth of its loop, as far as battery, amplifier and the winding's heat let it; gears then take

@@ -56,7 +56,7 @@ class RotaryBoom:
 
 @dataclass(frozen=True)
 class Arm:
-    """What a rotary boom adds to a robot at its end, as `Robot.added`.
+    """Inertia that a rotary boom adds to a robot at its end, as `Robot.added`.
 
     Attributes:
         boom: the arm.
@@ -86,7 +86,7 @@ class Arm:
 
 @typed
 def on_rotary_boom(robot: Robot, boom: RotaryBoom | None = None) -> Robot:
-    """The same robot on a rotary boom in place of its slider, the given one being left alone.
+    """Robot on a rotary boom in place of its slider; the given one is left alone.
 
     A saved gait does not keep the boom.
 

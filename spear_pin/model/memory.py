@@ -1,4 +1,4 @@
-"""What a robot of many joints takes of the memory that there is."""
+"""Memory that a robot of many joints takes, against that which is free."""
 
 from __future__ import annotations
 

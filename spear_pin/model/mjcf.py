@@ -155,7 +155,7 @@ def _add_joint(model: pin.Model, joint: int, body: Any) -> None:
 
 
 def _add_shapes(robot: Robot, elements: list[Any]) -> None:
-    """What the URDF shows, read by Pinocchio; files of meshes are not read."""
+    """Add the shapes that the URDF shows, read by Pinocchio; files of meshes are not read."""
     urdf = document(robot)
     for visual in list(urdf.iter("visual")):
         if visual.find("geometry/mesh") is not None:

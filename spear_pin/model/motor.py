@@ -88,7 +88,7 @@ class Motor:
 
     @property
     def continuous_torque(self) -> float:
-        """What it can give without overheating, in N·m: its nominal torque, else kt times its nominal current."""
+        """Torque without overheating, in N·m: its nominal torque, else kt times its nominal current."""
         if self.nominal_torque is None and self.nominal_current is not None:
             return self.known("torque_constant") * self.nominal_current
         return self.known("nominal_torque")
@@ -140,9 +140,9 @@ def passed_on(efficiency: float, effort: ArrayLike, speed: ArrayLike) -> Array:
 
 
 def passed_on_creeping(efficiency: float, effort: float, speed: float, creep: float) -> float:
-    """The same at an instant, smooth at rest: η^tanh(along / creep), 1 at rest, or gears would give power on one side.
+    """The share at an instant, smooth at rest: η^tanh(along / creep), 1 at rest, or gears would give power on one side.
 
-    From 20 times the creep on the two are the same.
+    From 20 times the creep on it is that of `passed_on`.
 
     Args:
         efficiency: η.
@@ -300,7 +300,7 @@ class Drive:
 
 
 def drawn_power(power: ArrayLike, regeneration: float) -> Array:
-    """What the supply loses: max(P, 0) + η_r min(P, 0), in W; its integral is the energy drawn.
+    """Power that the supply loses: max(P, 0) + η_r min(P, 0), in W; its integral is the energy drawn.
 
     Args:
         power: P, in W, as of `Drive.bus_power`.

@@ -54,7 +54,7 @@ class Series:
         return np.asarray(self.coefficients @ np.cos(np.multiply.outer(self.orders, np.arccos(place))))
 
     def at(self, angle: float) -> Array:
-        """The same at one angle, in a quarter of the time: integrations call it most."""
+        """Values at one angle, in a quarter of the time: integrations call it most."""
         low, high = self.span
         place = min(max((2.0 * angle - low - high) / (high - low), -1.0), 1.0)
         return np.asarray(self.coefficients @ np.cos(acos(place) * self.orders))
@@ -98,7 +98,7 @@ class PinnedLeg:
         return Series(self.span, np.vstack(padded))
 
     def with_rotor(self, inertia: float) -> PinnedLeg:
-        """The same leg with another reflected rotor inertia at the joint, in kg·m²; 0 is none.
+        """Leg with another reflected rotor inertia at the joint, in kg·m²; 0 is none.
 
         Raises:
             BadValue: the inertia is not a finite number >= 0.
@@ -160,7 +160,7 @@ def pin_toe(robot: Robot, joint: str = "knee") -> PinnedLeg:
 
 
 def _rows(robot: Robot, row: int, angles: Array) -> Array:
-    """What `PinnedLeg` has as series, one row an angle: of configuration 3, motion 3, drag 1 and reaction 8."""
+    """Values that `PinnedLeg` has as series, one row an angle: of configuration 3, motion 3, drag 1 and reaction 8."""
     table = np.empty((angles.size, 15))
     for side in (angles >= 0, angles < 0):  # from the straight leg outward, each from the one before
         q = np.zeros(3)

@@ -94,7 +94,7 @@ class Planar:
         self.toes = {toe: self.frames[toe] for toe in robot.toes}
 
     def with_bodies(self, bodies: Sequence[Body]) -> Planar:
-        """The same mechanism of other bodies, whose numbers may be symbols."""
+        """This mechanism with other bodies, whose numbers may be symbols."""
         other = copy(self)
         other.bodies = tuple(bodies)
         return other

@@ -66,7 +66,7 @@ class Spring:
         return -self.damping * rate
 
     def energy(self, deflection: Any) -> Any:
-        """What it stores while it pulls, in J: the integral of minus its torque.
+        """Energy that it stores while it pulls, in J: the integral of minus its torque.
 
         Args:
             deflection: of the joint from the angle at which it rests, in rad.

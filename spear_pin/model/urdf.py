@@ -45,7 +45,7 @@ class Transmission:
 
 @dataclass(frozen=True)
 class Urdf:
-    """What the dynamics needs of a URDF.
+    """Contents of a URDF that the dynamics needs.
 
     Attributes:
         path: where it was read.
@@ -240,7 +240,7 @@ def _child(path: Path, element: Any, tag: str) -> Any:
 
 
 def _optional(element: Any, tag: str, read: Callable[[Any], float]) -> float | None:
-    """What `read` makes of a child, whatever the namespace of its tag."""
+    """Value that `read` makes of a child, whatever the namespace of its tag."""
     child = element.find("{*}" + tag)
     return None if child is None else read(child)
 

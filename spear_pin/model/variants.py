@@ -61,7 +61,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
 
 @typed
 def vary(robot: Robot, **values: float) -> Robot:
-    """The same robot with other numbers, the given one being left alone.
+    """Robot with other numbers; the given one is left alone.
 
     A rotor keeps its own inertia J unless that is changed, so with another ratio N the joint's reflected
     inertia is N² J.
@@ -105,7 +105,7 @@ def vary(robot: Robot, **values: float) -> Robot:
 
 
 def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
-    """What the robot was loaded from, changed before its joints are locked, which merges links."""
+    """Model that the robot was loaded from, changed before its joints are locked, which merges links."""
     model = load(robot.source).model
     for name, value in varied.items():
         _change(model, name, value)
