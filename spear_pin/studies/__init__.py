@@ -1,1 +1,1 @@
-"""What is asked of the robot: studies built on gaits and simulations."""
+"""Studies of the robot, built on gaits and simulations."""

@@ -20,7 +20,7 @@ ELSEWHERE = "elsewhere"  # still going, but not near the gait
 
 @dataclass(frozen=True)
 class Attraction:
-    """What became of each state.
+    """Outcome of each state.
 
     Attributes:
         cycles: whole cycles until it was near the gait, (n,); NaN where it never was.

@@ -23,7 +23,7 @@ NOTHING = 1e-7  # section error that the fixed point's and the integrator's own 
 
 @dataclass(frozen=True)
 class Recovery:
-    """What became of a disturbed gait.
+    """Outcome of a run of a disturbed gait.
 
     Attributes:
         errors: distance from the fixed point at each section crossing, in the section's coordinates

@@ -1,4 +1,4 @@
-"""What an encoder at the pivot of a rotary boom reports of the hip's height.
+"""Height of the hip as an encoder at the pivot of a rotary boom reports it.
 
 The source gives a radius of about 2 m. The encoder's resolution, offset and noise are assumptions.
 """
@@ -55,12 +55,12 @@ def height_by_sine(boom: RotaryBoom, angles: ArrayLike) -> Array:
 
 
 def height_by_arc(boom: RotaryBoom, angles: ArrayLike) -> Array:
-    """The same by the small angle, z_pivot + R φ, in m: too far from the pivot's height by R (φ - sin φ)."""
+    """Height of the hip by the small angle, z_pivot + R φ, in m: too far from the pivot's height by R (φ - sin φ)."""
     return np.asarray(boom.pivot + boom.radius * np.asarray(angles, dtype=float))
 
 
 def tilt(boom: RotaryBoom, heights: ArrayLike, leg: float) -> tuple[Array, Array]:
-    """What a leg of this length does that tilts with the arm, having no linkage.
+    """Loss of reach and outward swing of a leg of this length that tilts with the arm, having no linkage.
 
     Args:
         boom: the arm.

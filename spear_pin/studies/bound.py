@@ -1,4 +1,4 @@
-"""What one asks of a bound: speed, ground forces, torques of each motor, energy and its cost, per stride."""
+"""Figures of a bound: speed, ground forces, torques of each motor, energy and its cost, per stride."""
 
 from __future__ import annotations
 

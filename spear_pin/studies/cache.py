@@ -36,7 +36,7 @@ class Cache:
     state: str
 
     def get(self, name: str) -> bytes | None:
-        """What was kept under a name; None where nothing was, or where something else is now."""
+        """Content kept under a name; None where nothing was, or where something else is now."""
         path = self._path(name)
         with suppress(OSError):
             if path.is_file() and path.stat().st_size <= MOST_BYTES:

@@ -109,7 +109,7 @@ def knee_drives(
     spring: Spring | None = None,
     retune: bool = True,
 ) -> Iterator[KneeDrive]:
-    """The same hop with every motor and gear ratio at the knee.
+    """One and the same hop with every motor and gear ratio at the knee.
 
     The ratio and the rotor are changed in the robot, from where mass matrix, actuator and envelope have them. The
     stance torque is solved for with the gears' losses and without limits: what the hop needs. That is then held
@@ -168,7 +168,7 @@ def knee_drives(
 
 @typed
 def knee_inertia(robot: Robot, law: HoppingLaw) -> float:
-    """What a torque on the knee alone has to accelerate in the air, at the touchdown angles, in kg·m²."""
+    """Inertia that a torque on the knee alone has to accelerate in the air, at the touchdown angles, in kg·m²."""
     q = np.zeros(robot.nq)
     q[robot.index("knee")] = law.knee_touchdown
     q[robot.index("hip")] = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown

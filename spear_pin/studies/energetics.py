@@ -89,18 +89,18 @@ class EnergyFlow:
 
     @property
     def battery(self) -> float:
-        """What the battery gives on balance."""
+        """Energy that the battery gives on balance."""
         return self.total("given") - self.total("regained")
 
     @property
     def losses(self) -> dict[str, float]:
-        """What is lost, in the order of the way from the battery to the ground."""
+        """Energy lost, in the order of the way from the battery to the ground."""
         electrical = {name: self.total(name) for name in ("joule", "gearbox")}
         return electrical | {name: getattr(self, name) for name in MECHANICAL}
 
     @property
     def residual(self) -> float:
-        """What does not close: battery less losses less what is stored."""
+        """Imbalance of energy: battery less losses less what is stored."""
         return self.battery - sum(self.losses.values()) - self.change - self.magnetic
 
 
@@ -145,7 +145,7 @@ def energy_flow(system: HybridSystem, trajectory: Trajectory, skip: int = 0) -> 
 
 @dataclass(frozen=True)
 class Costs:
-    """What a cycle costs by each usual definition.
+    """Cost of a cycle by each usual definition.
 
     Attributes:
         energy: in J a cycle: "mechanical_absolute", ∫ Σ |u ω| dt; "mechanical_positive", ∫ Σ max(u ω, 0) dt; where
@@ -187,7 +187,7 @@ class Costs:
 
 @typed
 def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] | None = None, skip: int = 0) -> Costs:
-    """What a gait costs, the mean of whole cycles.
+    """Cost of a gait, the mean of whole cycles.
 
     Args:
         system: the system that was simulated; its hardware is what electrical energy is reckoned from.

@@ -1,4 +1,4 @@
-"""What is corrected in the source, and why; `docs/errata.md` is written from this by `python -m docs.make_errata`."""
+"""Corrections of the source, and why; `docs/errata.md` is written from this by `python -m docs.make_errata`."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ Verdict = Literal["periodic", "pattern", "unsettled", "ended", "transient"]
 
 @dataclass(frozen=True)
 class Hops:
-    """What SPEAR-II does.
+    """Hops of SPEAR-II, with the verdict on them.
 
     Attributes:
         knobs: the numbers it does it with.
@@ -56,7 +56,7 @@ class Hops:
 
 
 def settled(knobs: Knobs, engine: Engine) -> Hops:
-    """What becomes of the default hop, after a dozen hops, when the numbers are changed at once.
+    """Hops to which the default hop leads, after a dozen of them, when the numbers are changed at once.
 
     Args:
         knobs: the numbers.

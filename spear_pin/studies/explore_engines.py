@@ -37,7 +37,7 @@ class Engine:
 
 @lru_cache(4)
 def _template(knee_ratio: float) -> HybridSystem:
-    """What lanes differ from: a system with a spring of its own would be compiled again."""
+    """System that lanes differ from: one with a spring of its own would be compiled again."""
     return Knobs(knee_ratio=knee_ratio).system
 
 

@@ -12,7 +12,7 @@ from spear_pin.studies.hop import durations, spring_share
 
 
 def figures(hops: Hops) -> dict[str, float | None]:
-    """What one asks of hops, SI units; None where there is no such thing.
+    """Figures of hops, SI units; None where there is no such thing.
 
     Returns:
         apex_height, of the hip above the ground, the highest; flight_time and stance_time, the longest of a whole hop;

@@ -50,7 +50,7 @@ class Knob:
 
     @property
     def expected(self) -> str:
-        """What is valid, in words."""
+        """Valid values, in words."""
         return f"a number from {self.low:g} to {self.high:g}" + ("" if self.unit == "1" else f", in {self.unit}")
 
 

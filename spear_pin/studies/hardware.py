@@ -28,7 +28,7 @@ RTOL = 1e-7  # of runs by the hundred: a hop is then right to a micrometre
 @typed
 @dataclass(frozen=True)
 class Rig:
-    """What drives SPEAR-II's joints and reads them.
+    """Hardware that drives SPEAR-II's joints and reads them.
 
     Attributes:
         hip: its motor (source: Faulhaber).

@@ -1,4 +1,4 @@
-"""What one asks of a hop: height, force, energy per cycle, and how much of the push the spring does."""
+"""Figures of a hop: height, force, energy per cycle, and how much of the push the spring does."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ class Instrument:
         require("Instrument.drift", self.drift, lambda v: abs(v) < np.inf, "a finite number, in V/s")
 
     def voltage(self, t: Array, angle: Array, rng: np.random.Generator) -> Array:
-        """What is written down of an angle, in V."""
+        """Voltage that is written down for an angle, in V."""
         exact = self.calibration.volts_per_rad * angle + self.calibration.offset
         read = exact + self.drift * t + self.noise * rng.normal(size=t.size)
         return np.asarray(self.quantum * np.round(read / self.quantum) if self.quantum else read)

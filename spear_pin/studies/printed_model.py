@@ -110,7 +110,7 @@ def stator_coupling(angle: float = ANGLE) -> tuple[float, float]:
 
 
 def rotor_in_mass_matrix() -> tuple[float, float]:
-    """What the rotors add to the diagonal of D at hip and knee, in kg·m², by the kinetic energies (3.12) and (3.13)."""
+    """Rotors' part of the diagonal of D at hip and knee, in kg·m², by the kinetic energies (3.12) and (3.13)."""
     robot = load("spear_ii")
     added, q = [], np.zeros(robot.nq)
     for joint, name in (("hip", "hip_rotor"), ("knee", "knee_rotor")):

@@ -149,7 +149,7 @@ def equilibrium(leg: PinnedLeg, knee: PassiveKnee) -> float:
 
 @typed
 def resting_at(leg: PinnedLeg, knee: PassiveKnee, rest: float) -> PassiveKnee:
-    """The same knee with the spring's zero such that the leg rests at an angle, in rad: RA read so."""
+    """Knee with the spring's zero such that the leg rests at an angle, in rad: RA read so."""
     require("stiffness", knee.stiffness, lambda k: k > 0, "a number > 0, in N·m/rad")
     return replace(knee, zero=rest + float(leg.gravity(rest)) / knee.stiffness)
 
@@ -265,7 +265,7 @@ def gear_study(
     engaged: PassiveKnee = WITH_MOTOR,
     disengaged: PassiveKnee = WITHOUT_MOTOR,
 ) -> list[GearRow]:
-    """The same release with other gear ratios, as in Fig. 4.6.
+    """One release with each gear ratio, as in Fig. 4.6.
 
     Args:
         ratios: turns of the rotor per turn of the knee; None without motor.

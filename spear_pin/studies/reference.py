@@ -81,7 +81,7 @@ def hops() -> Trajectory:
 
 @cache
 def hardware_hop() -> Gait:
-    """The same on motors, gears and a battery."""
+    """Hop of that flight time on motors, gears and a battery."""
     robot = load("spear_ii", locked=["boom_x"])
     system = with_hardware(hopping(robot, HoppingLaw(stance_torque=9.4)), Rig().on(robot))
     return find_gait(system, ["stance_torque"], {"flight_time": FLIGHT_TIME})
@@ -135,7 +135,7 @@ def estimated(depth: float, motor_on: bool) -> PassiveKnee:
 
 @cache
 def fitted(depth: float, motor_on: bool) -> Estimate:
-    """What is estimated from five synthetic releases of a row of Table 4.1, smoothed as the source's were."""
+    """Estimate from five synthetic releases of a row of Table 4.1, smoothed as the source's were."""
     leg, knee = spear_ii(15.0 if motor_on else None), estimated(depth, motor_on)
     rng = np.random.default_rng(round(1e3 * depth) + motor_on)
     trials = [synthetic_trial(leg, knee, depth, NOISE, rng) for _ in range(RELEASES)]
@@ -169,7 +169,7 @@ def _stride_run(name: str, stiffness: float) -> Run:
 
 
 def stride(name: str = SHOWN, stiffness: float = Q_SPEAR.stiffness) -> Trajectory:
-    """The same, sampled."""
+    """Samples of that stride."""
     return _stride(name, stiffness)
 
 
@@ -185,7 +185,7 @@ def knee_points(stiffness: float = Q_SPEAR.stiffness, name: str = SHOWN) -> Poin
 
 @cache
 def knees() -> dict[float, Points]:
-    """The same by stiffness, of Fig. 5.6."""
+    """Operating points of the knee motors by stiffness, of Fig. 5.6."""
     return {stiffness: knee_points(stiffness) for stiffness in STIFFNESSES}
 
 
@@ -209,6 +209,6 @@ def hip_drive(ratio: float) -> Drive:
 
 @cache
 def bound_costs() -> Costs:
-    """What the bound costs with the motors assumed for 600 W."""
+    """Cost of the bound with the motors assumed for 600 W."""
     drives = [Drive(motor("assumed_600w"), gearbox("gp_52_c_15"), BUS)] * 4
     return costs(bound().system, simulate(bound().system, bound().state, 1, progress=False), drives)

@@ -35,7 +35,7 @@ MOST = 1e30  # of stiffness, damping and friction: with more, forces are no numb
 @typed
 @dataclass(frozen=True)
 class PassiveKnee:
-    """What acts on the knee while no motor does: -k (θ - θ₀) - b θ̇ - τ_c sign θ̇, in N·m.
+    """Torque on the knee while no motor acts: -k (θ - θ₀) - b θ̇ - τ_c sign θ̇, in N·m.
 
     In the push test the spring stays engaged, its zero is an angle of its own, and it is taken to pull
     both ways.
@@ -317,7 +317,7 @@ class _Kink:
 
 
 def _events(flow: _Flow) -> list[_Turn | _Limit | _Kink]:
-    """What is looked for during a piece: turns first."""
+    """Events to look for during a piece: turns first."""
     events: list[_Turn | _Limit | _Kink] = [_Turn(flow.dry, -flow.direction), _Limit(flow.leg.span)]
     if flow.knee.unilateral:
         events.append(_Kink(flow.knee.zero, -1.0 if flow.pulls else 1.0))

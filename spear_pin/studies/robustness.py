@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Robustness:
-    """What became of each draw.
+    """Outcome of each draw.
 
     Attributes:
         drawn: the numbers of each draw, (n,) each, by name.

@@ -152,7 +152,7 @@ def shank_about_com_by_table_2_4() -> float:
 
 
 def shipped_leg() -> LegDesign:
-    """What SPEAR-II's URDF makes of its column of Table 2.4: thigh about the hip, shank about the knee; no width."""
+    """Column of Table 2.4 as SPEAR-II's URDF has it: thigh about the hip, shank about the knee; no width."""
     robot = load("spear_ii")
     hip, knee = (robot.model.getJointId(joint) for joint in ("hip", "knee"))
     links = [robot.model.inertias[index] for index in (hip, knee)]
@@ -197,7 +197,7 @@ def biped_over_monopod() -> float:
 
 
 def torso_share() -> float:
-    """What each leg of the standing quadruped bears of the torso, in kg."""
+    """Mass of the torso that each leg of the standing quadruped bears, in kg."""
     return Q_SPEAR.torso_mass / LEGS
 
 

@@ -86,12 +86,12 @@ def mean(column: str, motor: bool) -> float:
 
 
 def motor_effect(column: str) -> float:
-    """What the motor adds to a column of Table 4.1 in the mean."""
+    """Difference that the motor makes to a column of Table 4.1 in the mean."""
     return mean(column, True) - mean(column, False)
 
 
 def motor_effect_in_deviations() -> float:
-    """What the motor adds to the stiffness, by inverse variances, over its standard deviation."""
+    """Difference that the motor makes to the stiffness, by inverse variances, over its standard deviation."""
     (engaged, first), (disengaged, second) = weighted_stiffness(True), weighted_stiffness(False)
     return (engaged - disengaged) / float(np.hypot(first, second))
 
@@ -121,7 +121,7 @@ def weighted_stiffness(motor: bool) -> tuple[float, float]:
 
 
 def deviation_ratios(duration: float = 3.0, rate: float = 1000.0) -> list[Ratios]:
-    """What the two readings of RA make of the ratios of the standard deviations of Table 4.1.
+    """Ratios of the standard deviations of Table 4.1, as printed and by the two readings of RA.
 
     For least squares with white residuals, the start known, the release followed for `duration` seconds.
     """

@@ -85,7 +85,7 @@ def sample(ranges: Mapping[str, tuple[float, float]], n: int, method: str = "sob
 
 @dataclass(frozen=True)
 class Job:
-    """What is asked at some points, in a form that goes to another process.
+    """Job of solving at some points, in a form that goes to another process.
 
     Attributes:
         kind: of the system.
@@ -112,7 +112,7 @@ class Job:
     rtol: float
 
     def take(self, points: slice | NDArray[np.int64]) -> Job:
-        """The same at some of its points."""
+        """The job at some of its points."""
         return replace(self, points={name: values[points] for name, values in self.points.items()})
 
     def system(self, **varied: float) -> HybridSystem:
@@ -155,7 +155,7 @@ class Job:
 
 
 def shape_of(system: HybridSystem) -> dict[str, tuple[int, ...]]:
-    """What a row has, and how many numbers of it."""
+    """Contents of a row, and how many numbers of each."""
     robot, section = system.robot, system.of_phase(system.section_phase)[0]
     closed = sum(mode != OPEN for mode in section.contacts)
     multipliers = robot.nq + robot.nv - 2 * closed - len(system.cyclic)  # with sliding toes; fewer if they stick
@@ -248,7 +248,7 @@ def _solve(index: int, job: Job) -> tuple[int, Rows]:
 
 
 def _job(system: HybridSystem, points: Mapping[str, ArrayLike], vary: tuple[str, ...], target: Any, rtol: float) -> Job:
-    """What was asked, checked; points of one robot stand together."""
+    """Job as it was asked for, checked; points of one robot stand together."""
     if system.kind not in KINDS or not built_as_named(system):
         raise BadValue("system", system.kind, f"one of {', '.join(KINDS)}, made by the builder of that name")
     check_lanes(system)

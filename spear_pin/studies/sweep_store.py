@@ -61,7 +61,7 @@ def size(n: int, chunk: int, index: int) -> int:
 
 
 def description(job: Job, chunk: int, n: int) -> dict[str, Any]:
-    """What was asked, in JSON's terms, so that two sweeps can be told apart."""
+    """Description of what was asked, in JSON's terms, so that two sweeps can be told apart."""
     return {
         "format": FORMAT,
         "version": spear_pin.__version__,

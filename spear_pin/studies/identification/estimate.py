@@ -73,7 +73,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Estimate:
-    """What was estimated, and how far to trust it.
+    """Estimated parameters, and how far to trust them.
 
     Attributes:
         parameters: those of the knee first.

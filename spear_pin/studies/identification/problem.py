@@ -77,7 +77,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Setting:
-    """What the model of one trial needs.
+    """Inputs that the model of one trial needs.
 
     Attributes:
         leg: with its rotor.
@@ -262,7 +262,7 @@ def _check(
 def _bounds(
     leg: PinnedLeg, name: str, bounds: Mapping[str, tuple[float, float]], static_rest: bool
 ) -> tuple[float, float]:
-    """What bounds a quantity: its own, the leg's and the user's."""
+    """Bounds of a quantity: its own, the leg's and the user's."""
     low, high = QUANTITIES[name].bounds
     if name == "initial_angle" or (name == "rest_angle" and static_rest):
         low, high = leg.span

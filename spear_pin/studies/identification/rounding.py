@@ -1,4 +1,4 @@
-"""What the steps add, in which an encoder or a converter counts, to the error bars of an estimate.
+"""Addition to the error bars of an estimate by the steps in which an encoder or a converter counts.
 
 An angle that moves on by many steps from sample to sample, or trembles by more than one, has errors of rounding like
 white noise. One that creeps, turns or rests has errors that stay, which residuals hide: the fit follows them.

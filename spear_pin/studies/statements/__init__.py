@@ -1,4 +1,4 @@
-"""What the source states in its chapters 2 to 6, as data, and what checking it finds; to add one, add an entry."""
+"""Statements of the source in its chapters 2 to 6, as data, and findings on them; to add one, add an entry."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What this package had to assume because the source does not print it; statements name what they rest on."""
+"""Assumptions of this package, for what the source does not print; statements name those that they rest on."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Other:
-    """What could have been assumed instead.
+    """Alternative that could have been assumed instead.
 
     Attributes:
         label: in words.

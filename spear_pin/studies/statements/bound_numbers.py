@@ -102,7 +102,7 @@ def peak_over_hop() -> tuple[float, float]:
 
 
 def peak_reduction(stiffness: float = OWN_SPRING) -> tuple[float, float]:
-    """What a spring takes off the largest torque of a knee motor in stance, in N·m."""
+    """Reduction by a spring of the largest torque of a knee motor in stance, in N·m."""
     bare, sprung = knee_points(0.0).peak, knee_points(stiffness).peak
     return float(bare[0] - sprung[0]), float(bare[1] - sprung[1])
 

@@ -1,4 +1,4 @@
-"""What a number has to meet for a statement to hold, in words and as a test; both from the same limits."""
+"""Criteria that numbers have to meet for a statement to hold, in words and as a test; both from the same limits."""
 
 from __future__ import annotations
 

@@ -135,13 +135,13 @@ def hops_completed() -> float:
 
 
 def regained_share() -> float:
-    """What the batteries get back of a hop's energy over what they give."""
+    """Energy of a hop that the batteries get back, over what they give."""
     flow = hop_energy()
     return flow.total("regained") / flow.total("given")
 
 
 def motor_losses_share() -> float:
-    """What is lost in windings and gears over what the batteries give on balance."""
+    """Energy lost in windings and gears over what the batteries give on balance."""
     flow = hop_energy()
     return (flow.losses["joule"] + flow.losses["gearbox"]) / flow.battery
 

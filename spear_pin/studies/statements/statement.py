@@ -30,7 +30,7 @@ Study: TypeAlias = "Callable[[], Value] | partial[Value]"
 
 @dataclass(frozen=True)
 class Statement:
-    """What the source states, and how it is checked.
+    """Statement of the source, and how it is checked.
 
     Attributes:
         id: that it is called by.
@@ -64,17 +64,17 @@ class Statement:
 
     @property
     def command(self) -> str:
-        """What to type to have the numbers again; empty where there is no study."""
+        """Line to type to have the numbers again; empty where there is no study."""
         return "" if self.study is None else command_of(self.study)
 
     @property
     def assumptions(self) -> tuple[Assumption, ...]:
-        """What the numbers rest on."""
+        """Assumptions that the numbers rest on."""
         return tuple(assumption for assumption in ASSUMPTIONS if assumption.id in self.assumes)
 
     @property
     def others(self) -> tuple[Other, ...]:
-        """What the numbers are looked at with besides what is assumed; nothing where there is nothing to judge."""
+        """Alternatives that the numbers are looked at with, too; none where there is nothing to judge."""
         if self.unknown or self.built or self.criterion is None:
             return ()
         return tuple(other for assumption in self.assumptions for other in assumption.others)
@@ -97,7 +97,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Finding:
-    """What checking a statement finds.
+    """Result of checking a statement.
 
     Attributes:
         id: of the statement.
@@ -152,7 +152,7 @@ def _value(data: Any) -> Any:
 
 
 def _numbers(study: Callable[..., Any]) -> Value:
-    """What a study finds as plain numbers, of NumPy's too; each finite."""
+    """Numbers that a study finds as plain ones, NumPy's too; each finite."""
     value = study()
     numbers = tuple(map(float, value)) if isinstance(value, tuple) else float(value)
     if not all(map(math.isfinite, numbers if isinstance(numbers, tuple) else (numbers,))):

@@ -144,7 +144,7 @@ def quadruped() -> Rows:
 
 
 def shipped_quadruped() -> dict[str, float | None]:
-    """What Q-SPEAR's URDF makes of Table 5.1, of one leg; None where a URDF says nothing."""
+    """Table 5.1 as Q-SPEAR's URDF has it, of one leg; None where a URDF says nothing."""
     robot = load("q_spear")
     torso, thigh, shank = (
         robot.model.inertias[robot.model.getJointId(name)] for name in ("pitch", "posterior_hip", "posterior_knee")
