@@ -1,4 +1,4 @@
-"""What the hybrid layer costs, as ratios in one run: `python -m benchmarks.cost`, JSON on stdout.
+"""Cost of the hybrid layer, as ratios in one run: `python -m benchmarks.cost`, JSON on stdout.
 
 The stance right-hand side with its ledger against a bare `pin.forwardDynamics` on the same model, and
 one hop against a bare `solve_ivp` loop on a lean hand-written right-hand side (`benchmarks/lean.py`).

@@ -50,7 +50,7 @@ def drive(name: str) -> Drive:
 
 
 def measured(gait: Gait, solution: Solution) -> Row:
-    """What the table of families gives of a gait; the effort, in N²m²s/m, is of the pairs."""
+    """Row of the table of families for a gait; the effort, in N²m²s/m, is of the pairs."""
     return {
         "effort": 100.0 * solution.objective,
         "knee_peak": points(gait).peak.tolist(),

@@ -50,7 +50,7 @@ def one(level: str, seed: int, hops: int) -> Outcome:
 
 
 def summary(outcomes: list[Outcome], hops: int) -> dict[str, Any]:
-    """What became of the runs of one level."""
+    """Outcome of the runs of one level."""
     apexes = [apex for each in outcomes if each.reason == "complete" for apex in each.apexes]
     return {
         "runs": len(outcomes),

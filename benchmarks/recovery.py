@@ -41,7 +41,7 @@ def stabilised(gait: Gait, scheme: str, weight: float = 0.2) -> Gait:
 
 
 def recoveries(gait: Gait, strides: int = STRIDES) -> Iterator[dict[str, Any]]:
-    """What becomes of each push in each flight."""
+    """Outcome of each push in each flight."""
     for phase in airborne(gait):
         moment = midway(gait, phase)
         for part, name, size, unit in PUSHES:

@@ -41,7 +41,7 @@ def main() -> NoReturn:
             raise SystemExit(128 + received[0])
 
     def ignored(unraisable: sys.UnraisableHookArgs) -> None:
-        """What Python ignores, printed unless it is that."""
+        """Print an exception that Python ignores, unless a signal has been received."""
         if not received:
             sys.__unraisablehook__(unraisable)
 

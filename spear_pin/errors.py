@@ -1,4 +1,4 @@
-"""What the package raises: one base class, each kind carrying the offending value and the valid ones."""
+"""Errors that the package raises: one base class, each kind carrying the offending value and the valid ones."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class NoGait(SpearError):
 
 
 class Infeasible(SpearError):
-    """What was asked cannot be met, as far as a local search tells; names what stands in the way."""
+    """A request cannot be met, as far as a local search tells; names what stands in the way."""
 
     def __init__(self, constraint: str, violation: float, unit: str) -> None:
         self.constraint, self.violation, self.unit = constraint, violation, unit

@@ -34,7 +34,7 @@ def atomic(path: str | Path) -> Iterator[Path]:
 
 
 def parse_json(text: str) -> Any:
-    """What a JSON text says: its numbers finite, no key twice in an object.
+    """Value of a JSON text: its numbers finite, no key twice in an object.
 
     Raises:
         ValueError: it is no such text, or nested too deep to be read.

@@ -25,7 +25,7 @@ T = TypeVar("T", bound=Callable[..., Any])
 
 
 class Kind(NamedTuple):
-    """What an annotation accepts, how it reads, and whether it is a number, of which functions say more themselves."""
+    """Values an annotation accepts, its words, and whether it is a number, of which functions say more themselves."""
 
     accepts: Callable[[Any], bool]
     words: str

@@ -44,7 +44,7 @@ def simulated(hopper, accuracy: float):
 
 
 def bare(hopper):
-    """The same by DOP853."""
+    """A function that runs the hop from a state by DOP853."""
 
     def run(y: Array) -> Array:
         t, half = 0.0, 0.5 / hopper.law.frequency

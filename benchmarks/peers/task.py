@@ -1,4 +1,4 @@
-"""What is computed: cycles from a few states on the section, and where they end at the finest tolerance."""
+"""Tasks to compute: cycles from a few states on the section, and where they end at the finest tolerance."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def bound(lanes: int = STATES, shipped: str = "long_stride") -> Task:
 
 @cache
 def bound_on(lanes: int = STATES) -> Task:
-    """The same a stride later: outputs are zero to rounding, as they are on the gait."""
+    """The bounding stride from states a stride later: outputs are zero to rounding, as they are on the gait."""
     off = bound(lanes)
     later = simulate_many(off.gait.system, off.q, off.v, 1, 1e-10)
     complete = later.reason == "complete"

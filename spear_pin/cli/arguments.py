@@ -37,7 +37,7 @@ class Parser(argparse.ArgumentParser):
         raise SystemExit(2)
 
     def _print_message(self, message: str, file: Any = None) -> None:
-        """What help and version come from; argparse's own does not tell when that cannot be written."""
+        """Print help and version; argparse's own does not tell when that cannot be written."""
         complain(message.removesuffix("\n")) if file is sys.stderr else emit(message)
 
 

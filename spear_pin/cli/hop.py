@@ -110,7 +110,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _rig(arguments: argparse.Namespace) -> Rig | None:
-    """What drives the joints, if it was asked for."""
+    """Hardware that drives the joints, if it was asked for."""
     from spear_pin.hybrid.hardware import Sensing
     from spear_pin.studies.hardware import Rig
 
@@ -150,7 +150,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
 
 
 def _touches(summary: dict[str, Any]) -> str:
-    """What else there was than hops, in words."""
+    """Re-touches beside the hops, in words."""
     again = summary["retouches"]
     return f", beside them {again} re-touch{'es' if again > 1 else ''}" if again else ""
 

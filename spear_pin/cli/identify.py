@@ -173,7 +173,7 @@ def _figures(estimate: Estimate) -> dict[str, Any]:
 
 
 def _held(estimate: Estimate) -> dict[str, float]:
-    """What was not estimated, in the first release."""
+    """Quantities that were not estimated, in the first release."""
     knee, rotor = estimate.knees[0], estimate.rotors[0]
     everything = dict(zip(KNOWN, (knee.stiffness, knee.damping, knee.coulomb, knee.zero, rotor), strict=True))
     estimated = {parameter.name for parameter in estimate.parameters}

@@ -1,4 +1,4 @@
-"""What the commands print, and what they show while they work."""
+"""Output of the commands, and what they show while they work."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def draw(pictures: Mapping[Path, Callable[[Path], object]]) -> None:
 
 
 def shows(played: TrajectoryLike) -> list[tuple[str, str]]:
-    """What a page shows, where that is a part only, as a row of a command's text."""
+    """Row of a command's text that says what a page shows, where that is a part only."""
     from spear_pin.viz.motion import Part
 
     return [("page", f"shows {played.said}")] if isinstance(played, Part) else []

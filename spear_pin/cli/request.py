@@ -1,4 +1,4 @@
-"""What a command asks of a bounding gait: a shipped gait's request, and the options that change it."""
+"""Request of a command for a bounding gait: a shipped gait's request, and the options that change it."""
 
 from __future__ import annotations
 
