@@ -73,7 +73,7 @@ class Bands:
         self._run(0.3)
 
     def loop(self, stored: float, returned: float) -> None:
-        """What the spring takes from the leg and gives back."""
+        """Draw the energy that the spring takes from the leg and gives back."""
         down, up = self._thick(returned), self._thick(stored)
         if not up:
             return

@@ -141,7 +141,7 @@ class Browser:
         return answer["result"].get("value")
 
     def capture(self) -> bytes:
-        """What the page looks like, as a PNG."""
+        """Picture of the page as it looks, a PNG."""
         return base64.b64decode(self.send("Page.captureScreenshot", page=True, format="png")["data"])
 
     def send(self, method: str, *, page: bool = False, **params: Any) -> dict[str, Any]:

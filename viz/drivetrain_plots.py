@@ -43,7 +43,7 @@ LIMITS = {HEATING: 1.0, MARGIN: 0.0}
 
 
 def drivetrain(rows: Sequence[KneeDrive]) -> Figure:
-    """What each motor takes of battery and winding over the gear ratio, what is to spare, and what the rotor costs.
+    """Demand of each motor on battery and winding over the gear ratio, what is to spare, and what the rotor costs.
 
     A point is filled where the drive can do the hop, hollow where it is outside its envelope or the hop is
     unstable; a cross at the bottom is a ratio without a gait. The side beyond a limit is grey. The

@@ -60,7 +60,7 @@ def page(engine: Engine) -> str:
 
 
 def answer(view: str, hops: Hops) -> dict[str, Any]:
-    """What the page shows of hops: playback, series to plot, figures."""
+    """Hops as the page shows them: playback, series to plot, figures."""
     motion, scene = _scene(hops)
     multipliers = hops.gait.multipliers.tolist() if hops.gait is not None else []
     return {
@@ -80,7 +80,7 @@ def answer(view: str, hops: Hops) -> dict[str, Any]:
 
 
 def series(trajectory: Trajectory) -> dict[str, list[float]]:
-    """What is plotted over t, in s: height in m, forces in N, torques on the knee in N·m."""
+    """Series plotted over t, in s: height in m, forces in N, torques on the knee in N·m."""
     knee = trajectory.actuated.index("knee")
     motor, spring = trajectory.u[:, knee], trajectory.spring[:, trajectory.spring_joints.index("knee")]
     height = trajectory.q[:, trajectory.coordinates.index("boom_z")]
@@ -97,7 +97,7 @@ def series(trajectory: Trajectory) -> dict[str, list[float]]:
 
 
 def _opening(engine: Engine) -> dict[str, Any]:
-    """What the page begins with: its knobs, the stage, the default hop to compare with."""
+    """Data that the page begins with: its knobs, the stage, the default hop to compare with."""
     hops = settled(Knobs(), engine)
     _, scene = _scene(hops)
     return {
@@ -129,7 +129,7 @@ def _scene(hops: Hops) -> tuple[Motion, Scene]:
 
 
 def _changes(scene: Scene) -> list[c.Command]:
-    """What differs between hops; what is looked at from where, and whatever would need a shader again, stays."""
+    """Commands that differ between hops; what is looked at from where, and what would need a shader again, stays."""
     world = [command for command in scene.commands if command["path"].startswith(WORLD)]
     return [command for command in world if command["type"] != "set_object" or _is_mark(command)]
 

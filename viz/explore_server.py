@@ -35,7 +35,7 @@ POLICY = (
 
 @dataclass(frozen=True)
 class Answer:
-    """What is sent back."""
+    """Response that is sent back."""
 
     status: HTTPStatus
     kind: str

@@ -1,4 +1,4 @@
-"""What is drawn besides the robot: the springs while engaged, the ground forces, the paths of the toes."""
+"""Marks drawn besides the robot: the springs while engaged, the ground forces, the paths of the toes."""
 
 from __future__ import annotations
 

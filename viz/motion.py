@@ -27,7 +27,7 @@ class EventLike(Protocol):
 
 @runtime_checkable
 class TrajectoryLike(Protocol):
-    """What can be played.
+    """Motion that can be played.
 
     Attributes:
         t: (n,) times, in s, nondecreasing; an event has two samples, before and after.

@@ -82,7 +82,7 @@ def page(robot: Robot, trajectory: TrajectoryLike, *, title: str = "") -> str:
 def shortened(
     robot: Robot, trajectory: TrajectoryLike, piece: Callable[[TrajectoryLike, float], Part] = last
 ) -> TrajectoryLike:
-    """What a page can show of a trajectory: all of it, or a part, with some `PART_RATE` frames a second.
+    """Trajectory as far as a page can show it: all of it, or a part, with some `PART_RATE` frames a second.
 
     Args:
         robot: the robot that moves.

@@ -55,7 +55,7 @@ def record_release(leg: PinnedLeg, knee: PassiveKnee, release: Release, path: st
 
 
 def playback(leg: PinnedLeg, knee: PassiveKnee, release: Release) -> TrajectoryLike:
-    """What a page shows of a release: the hand's hold, and as much of the motion as a page holds."""
+    """Playback of a release: the hand's hold, and as much of the motion as a page holds."""
     q = leg.configuration(release.angle).T
     held = float(release.angle[0])
     sinking = float(leg.configuration.derivative().at(held)[0])  # of the hip, in m/rad

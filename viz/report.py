@@ -30,7 +30,7 @@ SVG = "svg"
 
 @dataclass(frozen=True)
 class Selection:
-    """What a report is of, in the order of the source.
+    """Contents of a report, in the order of the source.
 
     Attributes:
         statements: of all chapters.
@@ -50,7 +50,7 @@ class Selection:
 
 @dataclass(frozen=True)
 class Report:
-    """What was found, by id.
+    """Results of a report, by id.
 
     Attributes:
         selection: what it is of.
@@ -153,7 +153,7 @@ def _try(report: Report, name: str, results: dict[str, Any], make_one: Callable[
 
 
 def _finding(statement: Statement, cache: Cache | None) -> Finding:
-    """What checking a statement finds; a failure is not kept."""
+    """Finding on a statement by checking it; a failure is not kept."""
     kept = None if cache is None else cache.get(statement.id)
     if kept is not None:
         return Finding.of(json.loads(kept))

@@ -1,4 +1,4 @@
-"""What the figures of the report show: the plots with the runs that they are of."""
+"""Figures of the report: the plots with the runs that they are of."""
 
 from __future__ import annotations
 

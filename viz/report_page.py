@@ -222,7 +222,7 @@ def _statement(statement: Statement, finding: Finding) -> str:
 
 
 def _footing(assumes: Iterable[str], command: str) -> str:
-    """What something rests on, and how it is made again."""
+    """Assumptions that something rests on, and the command that makes it again."""
     parts = ""
     if links := ", ".join(f'<a href="#assumption-{name}">{name.replace("-", " ")}</a>' for name in assumes):
         parts += f'<p class="assumes">Assumes {links}</p>'

@@ -21,7 +21,7 @@ def badge(verdict: Verdict) -> str:
 
 
 def rules() -> str:
-    """What each verdict says, but for failures, which are none."""
+    """Meaning of each verdict, but for failures, which are none."""
     return "".join(f"<p>{badge(verdict)} {rule}</p>" for verdict, rule in RULES.items() if verdict != "failed")
 
 
@@ -35,7 +35,7 @@ def assumptions() -> str:
 
 
 def _consequence(assumption: Assumption) -> str:
-    """What an assumption does to the verdicts that rest on it."""
+    """Effect of an assumption on the verdicts that rest on it."""
     if assumption.others:
         labels = ", ".join(other.label for other in assumption.others)
         return f"What rests on it is looked at with others, too: {labels}."

@@ -1,4 +1,4 @@
-"""What a gait survives, over each of the numbers drawn at random; in the style of `plots`."""
+"""Survival of a gait over each of the numbers drawn at random; in the style of `plots`."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ FOLLOW_WINDOW = 0.5
 
 @dataclass(frozen=True)
 class Scene:
-    """What to send to a viewer.
+    """Scene to send to a viewer.
 
     Attributes:
         commands: objects, places and properties.

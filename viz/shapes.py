@@ -1,4 +1,4 @@
-"""What the links look like: boxes, cylinders and spheres of the URDF, bones where it has none."""
+"""Shapes of the links: boxes, cylinders and spheres of the URDF, bones where it has none."""
 
 from __future__ import annotations
 

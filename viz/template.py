@@ -1,4 +1,4 @@
-"""What pages that hold everything themselves are filled with: files of this package, meshcat's viewer, data."""
+"""Contents of pages that hold everything themselves: files of this package, meshcat's viewer, data."""
 
 from __future__ import annotations
 

@@ -130,7 +130,7 @@ def _frame_times(trajectory: TrajectoryLike, fps: float, speed: float) -> NDArra
 
 @contextmanager
 def _camera(robot: Robot, trajectory: TrajectoryLike, size: Size, title: str) -> Iterator[Callable[[float], bytes]]:
-    """What takes the picture, a PNG, of a time in s from the start."""
+    """Function that takes the picture, a PNG, of a time in s from the start."""
     if not all(LEAST_SIDE <= side <= MOST_SIDE for side in size):
         raise BadValue("size", size, f"width and height of {LEAST_SIDE} to {MOST_SIDE} pixels")
     text = page(robot, trajectory, title=title)
@@ -150,7 +150,7 @@ def _camera(robot: Robot, trajectory: TrajectoryLike, size: Size, title: str) ->
 
 @contextmanager
 def _encoder(program: str, path: Path, fps: float) -> Iterator[Callable[[bytes], None]]:
-    """What adds a PNG to a film; ffmpeg ends with the block, killed if that fails."""
+    """Function that adds a PNG to a film; ffmpeg ends with the block, killed if that fails."""
     command = [
         *(program, "-loglevel", "error", "-y", "-f", "image2pipe", "-c:v", "png", "-framerate", repr(float(fps))),
         *("-i", "-", "-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
