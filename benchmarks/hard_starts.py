@@ -13,8 +13,8 @@ import json
 import multiprocessing
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,7 @@ from tqdm import tqdm
 
 from spear_pin import Contact, Gait
 from spear_pin.gaits.bounding import bounding
+from spear_pin.hybrid.automaton import SHORTEST_FLIGHT
 from spear_pin.hybrid.record import Options, Run
 from spear_pin.hybrid.run import run
 from tests.random_starts import outcomes
@@ -78,16 +79,17 @@ def drawn(seed: int) -> Start:
     return Start(seed, name, float(chance.uniform(0.2, 1.2)), tuple(q.tolist()), tuple(v.tolist()))
 
 
-def followed(start: Start) -> Run:
-    """The run from a start."""
+def followed(start: Start, shortest_flight: float = SHORTEST_FLIGHT) -> Run:
+    """The run from a start; a stride whose flight is shorter than so many seconds is none."""
     system = gait_of(start.gait).system
     system = bounding(system.robot, system.law, system.spring, Contact(start.friction))
+    system = replace(system, shortest_flight=shortest_flight)
     return run(system, (np.array(start.q), np.array(start.v)), STRIDES, Options(RTOL))
 
 
-def ending(start: Start) -> tuple[Start, str, str, bool]:
+def ending(start: Start, shortest_flight: float) -> tuple[Start, str, str, bool]:
     """Why the run from a start ended, where, and whether a toe was torn off the ground in it."""
-    result = followed(start)
+    result = followed(start, shortest_flight)
     return start, result.reason, result.detail, any(event.name.startswith("painleve:") for event in result.events)
 
 
@@ -103,11 +105,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.hard_starts", description=__doc__.splitlines()[0])
     parser.add_argument("--own", type=int, default=300, metavar="N", help="bounding starts drawn here (default: 300)")
     parser.add_argument("--hops", type=int, default=2000, metavar="N", help="hop starts (default: 2000)")
+    parser.add_argument(
+        "--shortest-flight",
+        type=float,
+        default=SHORTEST_FLIGHT,
+        metavar="S",
+        help=f"of a bound's toe, in s; 0: strides of which the toe hardly left the ground count, too, so that runs end "
+        f"sooner (default: {SHORTEST_FLIGHT})",
+    )
     parser.add_argument("--processes", type=int, default=2, metavar="N", help="at the same time (default: 2)")
     given = parser.parse_args()
     kept, own = recorded(), [drawn(seed) for seed in range(given.own)]
     with multiprocessing.get_context("spawn").Pool(given.processes) as pool:
-        found = list(tqdm(pool.imap(ending, [*kept, *own], chunksize=4), total=len(kept) + len(own), unit="start"))
+        ended = pool.imap(partial(ending, shortest_flight=given.shortest_flight), [*kept, *own], chunksize=4)
+        found = list(tqdm(ended, total=len(kept) + len(own), unit="start"))
     for title, part in (("bounding, kept", found[: len(kept)]), ("bounding, drawn", found[len(kept) :])):
         if part:
             table(title, [reason for _, reason, _, _ in part])
