@@ -8,6 +8,7 @@ motion on the switching surface, in which the toe never leaves the ground, howev
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,20 +19,21 @@ from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
 RETOUCH = "retouch"
 
 
-def retouches(system: HybridSystem, reset: Reset, aloft: NDArray[np.float64]) -> Any:
+def retouches(system: HybridSystem, reset: Reset, aloft: Sequence[Any] | NDArray[np.float64]) -> Any:
     """Whether all the toes that strike at an event touch again only.
 
     Args:
         system: the system.
         reset: of the event.
-        aloft: how long ago each toe was on the ground, in s, (ntoes,) or (ntoes, n).
+        aloft: how long ago each toe was on the ground, in s: numbers, or arrays (n,) of lanes.
 
     Returns:
         a truth value, or (n,) of them.
     """
-    if not reset.impact:
-        return np.zeros(aloft.shape[1:], bool)
-    return aloft[[system.robot.toes.index(toe) for toe in reset.impact]].max(axis=0) < system.shortest_flight
+    again = aloft[0] > -np.inf if reset.impact else aloft[0] < -np.inf
+    for toe in reset.impact:
+        again = again & (aloft[system.robot.toes.index(toe)] < system.shortest_flight)
+    return again
 
 
 def flight_times(system: HybridSystem) -> tuple[float, float]:

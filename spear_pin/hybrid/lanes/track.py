@@ -112,7 +112,7 @@ class Track:
                 if key not in self._struck:
                     self._struck[key] = struck_toes(system, domain, reset)
                 toes = self._struck[key]
-                if len(toes) > 1 or retouches(system, reset, last - np.array(grounded)):
+                if len(toes) > 1 or retouches(system, reset, [last - time for time in grounded]):
                     return None
                 y = self._compiled.impact(toes[0])(y, parameters)
             if reset.latch is not None:
