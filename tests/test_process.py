@@ -9,21 +9,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.wrong_calls.processes import INTERRUPTED
+
 ROOT = Path(__file__).parents[1]
 SPEAR = [sys.executable, "-m", "spear_pin"]
 NUMBERS = pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=lambda number: number.name)
-# sends itself a signal when a module begins to be imported, or a file gets its name
-INTERRUPTED = """
-import os, runpy, sys
-number, event, name, *sys.argv[1:] = sys.argv[1:]
-def watch(what, arguments):
-    global event
-    if what == event and name in str(arguments[0]):
-        event = None
-        os.kill(os.getpid(), int(number))
-sys.addaudithook(watch)
-runpy.run_module("spear_pin", run_name="__main__", alter_sys=True)
-"""
 
 
 def heeds_interrupts():

@@ -9,6 +9,8 @@ motion on the switching surface, in which the toe never leaves the ground, howev
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
+from operator import and_
 from typing import Any
 
 import numpy as np
@@ -28,12 +30,10 @@ def retouches(system: HybridSystem, reset: Reset, aloft: Sequence[Any] | NDArray
         aloft: how long ago each toe was on the ground, in s: numbers, or arrays (n,) of lanes.
 
     Returns:
-        a truth value, or (n,) of them.
+        a truth value, or (n,) of them; False where none strikes.
     """
-    again = aloft[0] > -np.inf if reset.impact else aloft[0] < -np.inf
-    for toe in reset.impact:
-        again = again & (aloft[system.robot.toes.index(toe)] < system.shortest_flight)
-    return again
+    hardly = (aloft[system.robot.toes.index(toe)] < system.shortest_flight for toe in reset.impact)
+    return reduce(and_, hardly) if reset.impact else False
 
 
 def flight_times(system: HybridSystem) -> tuple[float, float]:

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spear_pin import find_gait, hopping, load, simulate, simulate_many
+from spear_pin import Gait, find_gait, hopping, load, simulate, simulate_many
 from spear_pin.hybrid.automaton import SHORTEST_FLIGHT, Reset
-from spear_pin.hybrid.cycles import RETOUCH, flight_times, retouches
+from spear_pin.hybrid.cycles import RETOUCH, counts_to, flight_times, retouches
 from spear_pin.hybrid.filippov import CHATTER
 from spear_pin.hybrid.hardware import Sensing
 from spear_pin.hybrid.parameters import with_parameters
@@ -138,4 +138,23 @@ class TestRule:
         reset = Reset(impact=impact)
         assert bool(retouches(self.system, reset, np.array(aloft))) is expected
         many = retouches(self.system, reset, np.tile(np.array(aloft)[:, None], 64))
-        assert many.shape == (64,) and (many == expected).all()
+        assert np.shape(many) == ((64,) if impact else ()) and np.all(many == expected)
+
+
+class TestTimeInTheAir:
+    """Of a re-touch it counts to the phase that goes on, if no other toe bore meanwhile."""
+
+    @pytest.mark.parametrize(
+        ("domain", "event", "again", "phase"),
+        [
+            ("flight_1", "anterior_touchdown", False, "flight_1"),
+            ("flight_1", "anterior_touchdown", True, "anterior_stance"),
+            ("flight_1", "posterior_return", True, "posterior_stance"),
+            ("anterior_stance", "posterior_touchdown", False, "anterior_stance"),
+            ("anterior_stance", "posterior_touchdown", True, "anterior_stance"),
+        ],
+    )
+    def test_counts_to(self, domain, event, again, phase):
+        left = next(each for each in Gait.load("long_stride").system.domains if each.name == domain)
+        reset = next(guard.reset for guard in left.guards if guard.name == event)
+        assert counts_to(left, reset, again) == phase

@@ -253,7 +253,7 @@ class Lanes:
             return
         now = self.began[group.lanes] + group.t
         self.grounded[np.array(domain.on_ground, int)[:, None], group.lanes] = now
-        touching = retouches(self.system, reset, now - self.grounded[:, group.lanes])
+        touching = np.broadcast_to(retouches(self.system, reset, now - self.grounded[:, group.lanes]), len(group))
         for again in np.unique(touching):
             self.carry_out(domain, guard, reset, group.take(touching == again), bool(again))
 
