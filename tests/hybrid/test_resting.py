@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,9 +11,11 @@ from scipy.integrate import solve_ivp
 from benchmarks.hard_starts import RTOL, STRIDES, followed, gait_of, recorded
 from spear_pin import Contact, Trajectory, simulate
 from spear_pin.gaits.bounding import bounding
+from spear_pin.hybrid import resting
 from spear_pin.hybrid.contact import OPEN, SLIP_BACKWARD, SLIP_FORWARD, STICK
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.filippov import CHATTER, Sliding, Unloaded
+from spear_pin.hybrid.modes import torn_off
 from spear_pin.hybrid.reasons import NUMERICAL
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
@@ -128,6 +131,55 @@ class TestTornOff:
             assert force_in(system, segment, OPEN, i, y)[1].toe_acceleration(toe)[1] > 0.0
             following = next(e for e in result.events if e.time == event.time and e.name.endswith("lift_off"))
             assert following.name == f"{toe.removesuffix('_toe')}_lift_off"
+
+
+class FakeFlow:
+    """A flow of one toe, of which only its mode and its force count."""
+
+    def __init__(self, mode, force):
+        self.domain = SimpleNamespace(contacts=(mode,))
+        self.system = SimpleNamespace(robot=SimpleNamespace(toes=("toe",)))
+        self.force = lambda toe: (0.0, force)
+
+    def __call__(self, t, y):
+        return y
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "toes"),
+    [
+        ((STICK, 174.0), (SLIP_FORWARD, -3.0), ["toe"]),
+        ((STICK, 174.0), (SLIP_FORWARD, 3.0), []),  # it slips
+        ((STICK, 1e-6), (SLIP_FORWARD, -3.0), []),  # its force has faded: a lift-off as any
+        ((SLIP_BACKWARD, 174.0), (SLIP_FORWARD, -3.0), []),
+        ((STICK, 174.0), (OPEN, 0.0), []),
+    ],
+)
+def test_which_toes_are_torn_off(before, after, toes):
+    assert torn_off(FakeFlow(*before), FakeFlow(*after), 0.0, np.zeros(2)) == toes
+
+
+def test_the_motion_with_the_most_toes_bearing_is_taken_then_that_with_the_fewest_leaving(monkeypatch):
+    """In this order they are asked, the first that is consistent being taken."""
+    system, flow, pieces = crossing()
+    y = pieces[0].state(np.array([pieces[0].begin]))[:, 0]
+    asked = []
+
+    def none(system, flow, y, kinds, far):
+        asked.append(sorted(kinds.values()))
+
+    monkeypatch.setattr(resting, "_motion", none)
+    assert resting.resting(system, flow, y) is None
+    once = [list(key) for key in dict.fromkeys(map(tuple, asked))]
+    bears, alternates, leaves = resting.BEARS, resting.ALTERNATES, resting.LEAVES
+    assert once == [
+        [bears, bears],
+        [bears, alternates],
+        [bears, leaves],
+        [alternates, alternates],
+        [alternates, leaves],
+        [leaves, leaves],
+    ]
 
 
 def ended(segment):
