@@ -178,16 +178,20 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/strikes",
+        ["hybrid/test_ledger"],
+        {"impact left out of the ledger": (" - impact.loss", "")},
+    ),
+    *mistakes_in(
         "hybrid/run",
         ["hybrid/test_equations_of_motion", "hybrid/test_torques", "hybrid/test_ledger", "hybrid/test_periodic"],
         {
-            "impact not applied": ("v = impact.v", "v = v.copy()"),
+            "impact not applied": ("v, impulse, work", "_, impulse, work"),
             "nothing is latched anew": (
                 "held = {**held, **reset.latch(q.tolist(), v.tolist(), held, self.system.law)}",
                 "held = {**reset.latch(q.tolist(), v.tolist(), held, self.system.law), **held}",
             ),
             "release left out of the ledger": ("-self._spring_energy(reset)", "0.0"),
-            "impact left out of the ledger": ("- impact.loss", ""),
             "absolute tolerance ten thousand times looser": ("0.01 * options.rtol", "100.0 * options.rtol"),
         },
     ),

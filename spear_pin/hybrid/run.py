@@ -16,16 +16,15 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
-from spear_pin.hybrid.contact import OPEN, Impact, JointImpact, joint_impact, landed, plastic_impact
 from spear_pin.hybrid.cycles import RETOUCH, counts_to, retouches
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import going_on, sliding
 from spear_pin.hybrid.hardware import HARDWARE_TOLERANCE
 from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn_off
-from spear_pin.hybrid.phases import rise
 from spear_pin.hybrid.record import BOOKED, FINEST, Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.resting import resting
+from spear_pin.hybrid.strikes import struck_by, struck_toes
 from spear_pin.hybrid.trajectory import Event
 
 Array = NDArray[np.float64]
@@ -67,22 +66,6 @@ def run(
     with np.errstate(all="ignore"):
         runner.go(on_segment or kept)
     return runner.run
-
-
-def struck_toes(system: HybridSystem, domain: Domain, reset: Reset) -> list[str]:
-    """The toes that take part in an impact: those that strike, and those on the ground before and after it.
-
-    One that alternates is on the ground.
-    """
-    if not reset.impact:
-        return []
-    entered = system.of_phase(reset.phase or domain.phase)[0]
-    stay = {
-        toe
-        for toe, before, after in zip(system.robot.toes, domain.contacts, entered.contacts, strict=True)
-        if (before != OPEN and after != OPEN) or toe in domain.alternating
-    }
-    return [toe for toe in system.robot.toes if toe in stay or toe in reset.impact]
 
 
 class _Runner:
@@ -234,21 +217,11 @@ class _Runner:
         impulse = np.zeros((len(self.robot.toes), 2))
         if reset.release:
             work["released"] = -self._spring_energy(reset)
-        struck = struck_toes(self.system, domain, reset)
         held = self.flow.held
-        if struck:
-            mass_matrix = self.robot.mass_matrix(q)
-            jacobian = np.concatenate([self.robot.toe_jacobian(q, toe) for toe in struck])
-            toes = [self.robot.toes.index(toe) for toe in struck]
-            v, impulse[toes, 1] = landed(mass_matrix, jacobian, v, [toe in reset.impact for toe in struck])
-            strike = plastic_impact if len(struck) == 1 else joint_impact
-            impact: Impact | JointImpact = strike(mass_matrix, jacobian, v, self.system.contact.friction)
-            work["impact"] = 0.5 * float(impulse[toes, 1] @ (jacobian @ (before + v))[1::2]) - impact.loss
-            impulse[toes] += impact.impulse
-            v = impact.v
-            if isinstance(impact, JointImpact):
-                rises = np.where(impact.leaves, (jacobian @ v)[1::2], 0.0).tolist()
-                held = {**held, **dict(zip(map(rise, struck), rises, strict=True))}
+        if struck := struck_toes(self.system, domain, reset):
+            strike = struck_by(self.system, struck, reset, q, v)
+            v, impulse, work["impact"] = strike.v, strike.impulse, strike.work
+            held = {**held, **strike.rises}
         self.y = np.concatenate([q, v, self.y[nq + nv :]])
         if reset.latch is not None:
             try:

@@ -27,7 +27,8 @@ from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.phases import AT_REST, ON_GROUND, rise
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.record import Options
-from spear_pin.hybrid.run import AT_ONCE, CYCLE_EVENTS, INSTANT, run, struck_toes
+from spear_pin.hybrid.run import AT_ONCE, CYCLE_EVENTS, INSTANT, run
+from spear_pin.hybrid.strikes import struck_toes
 
 Array = NDArray[np.float64]
 FEW = 16  # lanes that are faster one by one
