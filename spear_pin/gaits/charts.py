@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
-from spear_pin.hybrid.phases import AT_REST
+from spear_pin.hybrid.rules.footing import AT_REST
 from spear_pin.model.planar import Planar
 
 Array = NDArray[np.float64]

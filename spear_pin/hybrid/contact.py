@@ -16,6 +16,7 @@ from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
 CONTACTS = OPEN, STICK, SLIP_FORWARD, SLIP_BACKWARD = "open", "stick", "slip+", "slip-"
+SIGN = {SLIP_FORWARD: 1.0, SLIP_BACKWARD: -1.0}
 RESTING = 1e-9  # m/s: a toe that approaches more slowly does not strike, whatever friction might make of it
 AGREES, ROUNDING = 1e-9, 1e-12  # of the toes' speed, and in m/s: by so much a joint impact may violate its law
 

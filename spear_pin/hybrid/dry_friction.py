@@ -19,7 +19,8 @@ from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import Domain, Guard, GuardValue, HybridSystem, Reset, Rub
 from spear_pin.hybrid.contact import OPEN, STICK
 from spear_pin.hybrid.parameters import changed
-from spear_pin.hybrid.phases import AT_REST, LET_GO, rate
+from spear_pin.hybrid.phases import rate
+from spear_pin.hybrid.rules.footing import AT_REST, LET_GO
 from spear_pin.model.robot import Robot
 
 SIGNS = (0.0, 1.0, -1.0)  # at rest it is held if it can be

@@ -27,7 +27,7 @@ from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.hardware import blended
 from spear_pin.hybrid.modes import choose, fitting
-from spear_pin.hybrid.phases import AT_REST
+from spear_pin.hybrid.rules.footing import AT_REST
 
 Array = NDArray[np.float64]
 CHATTER = "chatter"

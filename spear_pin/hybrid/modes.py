@@ -10,17 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.hybrid.automaton import Held, HybridSystem, Rub
-from spear_pin.hybrid.contact import OPEN, STICK
+from spear_pin.hybrid.automaton import Held, HybridSystem
+from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.pinocchio import Flow
-from spear_pin.hybrid.phases import AT_REST, LET_GO, ON_GROUND, SIGN, UNLOADED
+from spear_pin.hybrid.phases import ON_GROUND
 from spear_pin.hybrid.record import Moment
+from spear_pin.hybrid.rules.footing import AT_REST, closed_toes, fitness, footing, torn_off, turns
 from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
 F = TypeVar("F", bound=Flow)
-BORE = 1e-3  # N: well above what is left of a force that fades to nothing
-STARTS_TO_SLIDE = 1e-3  # m/s²: on the cone's edge a sliding toe begins with no acceleration
 
 
 def choose(system: HybridSystem, phase: str, held: Held, t: float, y: Array) -> Flow:
@@ -34,49 +33,25 @@ def choose(system: HybridSystem, phase: str, held: Held, t: float, y: Array) -> 
 
 
 def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
-    """The first of some flows whose modes are consistent, or the one whose guard says why none is.
-
-    Where toes begin to slide from rest within what is tolerated, it is the one that pushes them off best: with next
-    to no force on a toe both ways may pass.
-    """
-    fits: list[tuple[float, F]] = []
-    moving: list[tuple[F, list[str]]] = []
-    turning: list[F] = []
+    """Of some flows the one that fits best, by `rules.footing.fitness`."""
+    best, found = None, -math.inf
     for flow in flows:
-        rates = [float(y[system.robot.nq + system.robot.index(rub.joint)]) for rub in flow.domain.rubs]
-        if not all(_turns(rub, rate) for rub, rate in zip(flow.domain.rubs, rates, strict=True)):
+        rubs = [(rub, float(y[system.robot.nq + system.robot.index(rub.joint)])) for rub in flow.domain.rubs]
+        if not all(turns(rub, rate) for rub, rate in rubs):
             continue
         flow(t, y)
-        closed = [
-            (toe, mode) for toe, mode in zip(system.robot.toes, flow.domain.contacts, strict=True) if mode != OPEN
-        ]
-        if all(_moves(flow, toe, mode) for toe, mode in closed):
-            failing = [toe for toe, mode in closed if not _keeps(system, flow, toe, mode)]
-            if not all(_rubs_on(flow, rub, rate) for rub, rate in zip(flow.domain.rubs, rates, strict=True)):
-                turning.append(flow)
-                continue
-            if not failing:
-                push = min((_push(flow, toe, mode) for toe, mode in closed), default=math.inf)
-                if push == math.inf:
-                    return flow
-                fits.append((push, flow))
-            moving.append((flow, failing))
-    if fits:
-        return max(fits, key=lambda pair: pair[0])[1]
-    # where a toe has to be held down, the others had better be in their right modes: it leaves, not they
-    only = [flow for flow, failing in moving if all(_pulled(flow, toe) for toe in failing)]
-    pulled = [flow for flow, failing in moving if any(_pulled(flow, toe) for toe in failing)]
-    ill_posed = [flow for flow, _ in moving if flow.ill_posed]
-    return (only + pulled[:1] + ill_posed + [flow for flow, _ in moving] + turning)[0]
+        feet = [(mode, footing(flow, toe, mode)) for toe, mode in closed_toes(system.robot.toes, flow.domain)]
+        fits = fitness(feet, [(rub, flow.rubbing(rub)) for rub, _ in rubs])
+        if fits == math.inf:
+            return flow
+        if best is None or fits > found:
+            best, found = flow, fits
+    assert best is not None  # of the modes of dry friction one fits any rate
+    return best
 
 
-def torn_off(before: Flow, after: Flow, t: float, y: Array) -> list[str]:
-    """Toes that stuck and bore, and have to leave because the slip that would begin is a Painlevé paradox.
-
-    On the cone's edge, the force that lets the toe stick is the one of slip to that side as well. Where that has no
-    positive pivot, the force only grows with the toe's acceleration into the ground: beyond the edge such slip would
-    turn back at once. Slip to the other side would pull at the toe. Lifting off is all that is consistent: without
-    force the toe accelerates upward.
+def torn(before: Flow, after: Flow, t: float, y: Array) -> list[str]:
+    """Toes that stuck and bore, and have to leave, by `rules.footing.torn_off`.
 
     Args:
         before: motion in which they stick.
@@ -86,11 +61,7 @@ def torn_off(before: Flow, after: Flow, t: float, y: Array) -> list[str]:
     """
     before(t, y), after(t, y)
     modes = zip(before.system.robot.toes, before.domain.contacts, after.domain.contacts, strict=True)
-    return [
-        toe
-        for toe, one, other in modes
-        if one == STICK and other in SIGN and before.force(toe)[1] > BORE and after.force(toe)[1] <= 0.0
-    ]
+    return [toe for toe, one, other in modes if torn_off(one, before.force(toe)[1], other, after.force(toe)[1])]
 
 
 def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
@@ -141,44 +112,3 @@ def _heights(robot: Robot, q: Any, v: Any) -> dict[str, float]:
         if height < -ON_GROUND:
             raise BadValue(f"height of {toe}", height, "at or above the ground, at 0 m")
     return heights
-
-
-def _moves(flow: Flow, toe: str, mode: str) -> bool:
-    """Whether a toe's sliding fits its mode."""
-    sliding = flow.toe_velocity(toe)[0]
-    return abs(sliding) <= AT_REST or (mode != STICK and sliding * SIGN[mode] > 0.0)
-
-
-def _keeps(system: HybridSystem, flow: Flow, toe: str, mode: str) -> bool:
-    """Whether the forces keep a toe in its mode."""
-    tangential, normal = flow.force(toe)
-    if flow.ill_posed or not normal > 0.0:
-        return False
-    if mode == STICK:  # on the cone's edge, within the slip guard's tolerance, it is about to slide
-        return abs(tangential) < system.contact.friction * normal - UNLOADED
-    return _push(flow, toe, mode) > -STARTS_TO_SLIDE
-
-
-def _push(flow: Flow, toe: str, mode: str) -> float:
-    """Acceleration along its mode of a toe that begins to slide, in m/s²; infinite if it does not begin."""
-    if mode == STICK or abs(flow.toe_velocity(toe)[0]) > AT_REST:
-        return math.inf
-    return flow.toe_acceleration(toe)[0] * SIGN[mode]
-
-
-def _turns(rub: Rub, rate: float) -> bool:
-    """Whether a joint's rate fits the mode of its dry friction."""
-    return abs(rate) <= AT_REST if rub.sign == 0 else not rub.sign * rate < -AT_REST
-
-
-def _rubs_on(flow: Flow, rub: Rub, rate: float) -> bool:
-    """Whether the forces keep a joint at rest, or moving as it does."""
-    if rub.sign == 0:
-        return abs(flow.holding(rub.joint)) < rub.force - LET_GO
-    acceleration = float(flow.a[flow.system.robot.index(rub.joint)])
-    return abs(rate) > AT_REST or rub.sign * acceleration > -STARTS_TO_SLIDE
-
-
-def _pulled(flow: Flow, toe: str) -> bool:
-    """Whether a toe on the ground would have to be held down."""
-    return not flow.ill_posed and flow.force(toe)[1] <= 0.0

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from spear_pin.errors import NoGait
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
-from spear_pin.hybrid.phases import AT_REST
 from spear_pin.hybrid.record import Options, Run, State
+from spear_pin.hybrid.rules.footing import AT_REST
 from spear_pin.hybrid.run import run
 
 Array = NDArray[np.float64]

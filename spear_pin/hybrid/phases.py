@@ -8,14 +8,11 @@ from itertools import product
 from typing import Any
 
 from spear_pin.hybrid.automaton import Domain, Guard, GuardValue, Mount, Reset
-from spear_pin.hybrid.contact import OPEN, SLIP_BACKWARD, SLIP_FORWARD, STICK
+from spear_pin.hybrid.contact import OPEN, SIGN, SLIP_BACKWARD, SLIP_FORWARD, STICK
+from spear_pin.hybrid.rules.footing import AT_REST, UNLOADED
 
-SIGN = {SLIP_FORWARD: 1.0, SLIP_BACKWARD: -1.0}
 ON_GROUND = 1e-8  # m: more than integration leaves of the constraint, less than any foot clearance
-AT_REST = 1e-7  # m/s
 ON_REST = 1e-9  # rad: more than what an event's time is off by
-LET_GO = 1e-9  # N, N·m: of dry friction; where a robot comes to rest its friction often is all but exhausted
-UNLOADED = 1e-5  # N: near Painlevé's paradox rounding is amplified a hundredfold and more
 
 
 def height(frame: str) -> GuardValue:

@@ -13,7 +13,8 @@ from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import BEYOND, Sliding, alternating, entered, latched
-from spear_pin.hybrid.phases import AT_REST, ON_GROUND
+from spear_pin.hybrid.phases import ON_GROUND
+from spear_pin.hybrid.rules.footing import AT_REST
 
 Array = NDArray[np.float64]
 BEARS, ALTERNATES, LEAVES = range(3)

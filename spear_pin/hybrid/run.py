@@ -21,7 +21,7 @@ from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import going_on, sliding
 from spear_pin.hybrid.hardware import HARDWARE_TOLERANCE
-from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn_off
+from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn
 from spear_pin.hybrid.record import BOOKED, FINEST, Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.resting import resting
 from spear_pin.hybrid.strikes import struck_by, struck_toes
@@ -246,7 +246,7 @@ class _Runner:
         stays = None if reset.phase is not None else going_on(self.system, self.flow, held, self.y)
         flow = stays or choose(self.system, phase, held, self.t, self.y)
         if reset == Reset():
-            for toe in torn_off(self.flow, flow, self.t, self.y):
+            for toe in torn(self.flow, flow, self.t, self.y):
                 self._record(f"painleve:{toe}", self.t, self.y)
         self._move_to(flow)
         if guard.name == self.system.section and not again:

@@ -111,7 +111,7 @@ class TestOtherToe:
 class FakeFlow:
     """What a flow says of its toes: sliding speeds, forces and accelerations."""
 
-    ill_posed = False
+    friction_coefficient = 0.8
 
     def __init__(self, domain, toes):
         self.domain, self.toes = domain, toes
@@ -127,6 +127,9 @@ class FakeFlow:
 
     def toe_acceleration(self, toe):
         return self.toes[toe][2], 0.0
+
+    def pivot(self, toe):
+        return 1.0
 
 
 class TestModes:

@@ -15,7 +15,7 @@ from spear_pin.hybrid import resting
 from spear_pin.hybrid.contact import OPEN, SLIP_BACKWARD, SLIP_FORWARD, STICK
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.filippov import CHATTER, Sliding, Unloaded
-from spear_pin.hybrid.modes import torn_off
+from spear_pin.hybrid.modes import torn
 from spear_pin.hybrid.reasons import NUMERICAL
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
@@ -125,9 +125,9 @@ class TestTornOff:
             assert normal > 1.0 and abs(inside(system, (tangential, normal))) < 1e-4
             that_way = SLIP_BACKWARD if tangential > 0.0 else SLIP_FORWARD
             other_way = SLIP_FORWARD if tangential > 0.0 else SLIP_BACKWARD
-            assert force_in(system, segment, that_way, i, y)[1].ill_posed
+            assert force_in(system, segment, that_way, i, y)[1].pivot(toe) <= 0.0
             pulled, flow = force_in(system, segment, other_way, i, y)
-            assert pulled[1] < 0.0 and not flow.ill_posed
+            assert pulled[1] < 0.0 < flow.pivot(toe)
             assert force_in(system, segment, OPEN, i, y)[1].toe_acceleration(toe)[1] > 0.0
             following = next(e for e in result.events if e.time == event.time and e.name.endswith("lift_off"))
             assert following.name == f"{toe.removesuffix('_toe')}_lift_off"
@@ -156,7 +156,7 @@ class FakeFlow:
     ],
 )
 def test_which_toes_are_torn_off(before, after, toes):
-    assert torn_off(FakeFlow(*before), FakeFlow(*after), 0.0, np.zeros(2)) == toes
+    assert torn(FakeFlow(*before), FakeFlow(*after), 0.0, np.zeros(2)) == toes
 
 
 def test_the_motion_with_the_most_toes_bearing_is_taken_then_that_with_the_fewest_leaving(monkeypatch):

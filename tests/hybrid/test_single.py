@@ -7,13 +7,14 @@ from spear_pin import Gait
 from spear_pin.hybrid.contact import plastic_impact
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.layout import flattened, shape_of
-from spear_pin.hybrid.engines.single import AHEAD, KEEPS, LEAVES, NONE, UNCLEAR, Entry
+from spear_pin.hybrid.engines.single import AHEAD, NONE, UNCLEAR, Entry
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.entry import choose
 from spear_pin.hybrid.lanes.groups import Group, alone, spread
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.periodic import chart
+from spear_pin.hybrid.rules.footing import LEAVES
 
 pytestmark = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
 
@@ -61,12 +62,11 @@ def test_chooses_as_for_many(hop):
                 domain.name: single_of(numbers, domain, held).enter(0.0, y, parameters)
                 for domain in system.of_phase(phase)
             }
-            keeping = [(e.push, -i, name) for i, (name, e) in enumerate(entries.items()) if e and e.contacts == KEEPS]
-            leaving = [(name, LEAVES) for name, e in entries.items() if e and e.contacts == LEAVES]
-            fits = [(max(keeping)[-1], KEEPS)] if keeping else leaving[:1]
-            assert [name for name, _ in fits] == [ready.domain.name for ready, _, _ in found]
-            for each in fits:
-                chosen[each] = chosen.get(each, 0) + 1
+            fitting = [(entry.fitness, -i, name) for i, (name, entry) in enumerate(entries.items()) if entry]
+            fits = sorted(fitting)[-1:]
+            assert [name for *_, name in fits] == [ready.domain.name for ready, _, _ in found]
+            for fitness, _, name in fits:
+                chosen[name, fitness == LEAVES] = chosen.get((name, fitness == LEAVES), 0) + 1
     assert len(chosen) >= 6, chosen
 
 

@@ -71,6 +71,11 @@ class Alternating:
         """Values of the domain's guards."""
         return [guard.value(*self._arguments) for guard in self._domain.guards]
 
+    @property
+    def friction_coefficient(self) -> Any:
+        """μ of the ground."""
+        return self._flight.friction_coefficient
+
     def height(self, frame: str) -> Any:
         """Height of a frame above the ground, in m."""
         return self._flight.height(frame)

@@ -14,11 +14,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Row
-from spear_pin.hybrid.contact import OPEN, STICK, constrained
+from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Row, Rub
+from spear_pin.hybrid.contact import OPEN, SIGN, STICK, constrained
 from spear_pin.hybrid.engines.elimination import torques_for
 from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
-from spear_pin.hybrid.phases import SIGN
+from spear_pin.hybrid.rules.footing import Rubbing
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.robot import WORLD_ALIGNED
 
@@ -180,6 +180,11 @@ class Flow:
         """Force of the dry friction that held a joint at rest in the last call, in N or N·m."""
         return float(self._holding[self._stuck.index(self.system.robot.index(joint))])
 
+    def rubbing(self, rub: Rub) -> Rubbing:
+        """Numbers of a joint with dry friction in the last call."""
+        index = self.system.robot.index(rub.joint)
+        return Rubbing(float(self.v[index]), float(self.a[index]), 0.0 if rub.sign else self.holding(rub.joint))
+
     def value(self, guard: Guard, t: float, y: Array) -> float:
         """A guard's value, not a number where it has none; the flow has to have been called with the same (t, y)."""
         nv = self._nv
@@ -233,11 +238,6 @@ class Flow:
     def pivot(self, toe: str) -> float:
         """Effective inverse mass of the normal force of a slipping toe in the last call, in 1/kg."""
         return self._pivots[toe]
-
-    @property
-    def ill_posed(self) -> bool:
-        """Whether some slipping toe's pivot was not positive in the last call (Painlevé)."""
-        return any(not self._pivots.get(toe, 1.0) > 0.0 for toe, _ in self._slips)
 
     def normal_force(self, toe: str, u: Sequence[float]) -> float:
         """F_z that the motor torques `u` would give here with the toes on the ground at rest, in N: affine in `u`.

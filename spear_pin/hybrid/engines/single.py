@@ -9,37 +9,33 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.contact import RESTING, STICK, routh
+from spear_pin.hybrid.contact import RESTING, routh
 from spear_pin.hybrid.engines.elimination import dot, factorize, plus, substitute, times
 from spear_pin.hybrid.engines.layout import Structure, symbols
 from spear_pin.hybrid.engines.taylor import BENT, FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, require
-from spear_pin.hybrid.modes import STARTS_TO_SLIDE
-from spear_pin.hybrid.phases import AT_REST, SIGN, UNLOADED
+from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness, footing
 
 Array = NDArray[np.float64]
 AHEAD = 1e-6  # s: a step that takes guards off zero
 MOVES = 1e-14  # of a guard's change within it, in its unit
 NONE, UNCLEAR = -1, -2  # events on entering a domain
-KEEPS, LEAVES, UNFIT = 0, 1, 2  # what a domain's contacts do
-OF_TOE = 4  # numbers of each closed toe
+OF_TOE = len(Footing._fields)
 
 
 class Entry(NamedTuple):
     """A domain that a state may enter.
 
     Attributes:
-        contacts: `KEEPS` if its modes of contact hold, `LEAVES` if those that do not would have to pull at the toe.
+        fitness: how well it fits, by `rules.footing.fitness`; `LEAVES` at least.
         t: time at which motion begins, in s.
         y: state there.
         event: the guard that falls at once, `NONE` or `UNCLEAR`.
-        push: least acceleration of a toe that begins to slide, in m/s²; infinite if none does.
     """
 
-    contacts: int
+    fitness: float
     t: float
     y: Array
     event: int
-    push: float
 
 
 class Single:
@@ -66,7 +62,7 @@ class Single:
         self._kinks = slice(kinks, self._later), slice(kinks_later, self._state_later)
 
     def enter(self, t: float, y: Array, parameters: Array) -> Entry | None:
-        """Where motion that enters the domain at a state begins, None if its contacts do not fit.
+        """Where motion that enters the domain at a state begins, None if its modes do not fit.
 
         It begins there or, off the guards that rise from zero, a moment later.
 
@@ -79,41 +75,24 @@ class Single:
         answer = self._function(y, pars=given, time=t) if self._timed else self._function(y, pars=given)
         values = answer.tolist()
         if not math.isfinite(sum(values)):
-            return Entry(KEEPS, t, y, UNCLEAR, math.inf)
-        contacts, push = self._contacts(values)
-        if contacts == UNFIT:
+            return Entry(math.inf, t, y, UNCLEAR)
+        fits: float = fitness([(mode, Footing._make(values[i : i + OF_TOE])) for mode, i in self._toes])
+        if not fits >= LEAVES:
             return None
         waiting = [i for i, tolerance in self._happening if values[i] <= tolerance]
         if not (waiting or any(abs(kink) <= BENT for kink in values[self._kinks[0]])):
-            return Entry(contacts, t, y, NONE, push)
+            return Entry(fits, t, y, NONE)
         later, guards = self._later, self.domain.guards
         for i in waiting:
             change = values[later + i] - values[i]
             if values[i] < -guards[i].tolerance or change < -MOVES:
-                return Entry(contacts, t, y, i, push)
+                return Entry(fits, t, y, i)
             if change <= MOVES:
-                return Entry(contacts, t, y, UNCLEAR, push)
+                return Entry(fits, t, y, UNCLEAR)
         clear = all(values[later + i] > 0.0 for i, _ in self._happening) and all(values[self._kinks[1]])
         if not clear:
-            return Entry(contacts, t, y, UNCLEAR, push)
-        return Entry(contacts, t + AHEAD, answer[self._state_later :], NONE, push)
-
-    def _contacts(self, values: list[float]) -> tuple[int, float]:
-        """Whether every closed toe moves as its mode says and its forces keep it there, and how it is pushed off."""
-        contacts, well_posed, push = KEEPS, True, math.inf
-        for mode, i in self._toes:
-            speed, normal, second, third = values[i : i + OF_TOE]
-            if mode == STICK:
-                moves, stays = abs(speed) <= AT_REST, second > 0.0 and third > 0.0
-            else:
-                moves, stays = speed >= -AT_REST, second > 0.0 and (third > 0.0 or speed > AT_REST)
-                well_posed = well_posed and second > 0.0
-                push = min(push, third - STARTS_TO_SLIDE) if speed <= AT_REST else push
-            if not moves or not (stays or normal <= 0.0):
-                return UNFIT, push
-            if not (stays and normal > 0.0):
-                contacts = LEAVES
-        return contacts if well_posed else UNFIT, push
+            return Entry(fits, t, y, UNCLEAR)
+        return Entry(fits, t + AHEAD, answer[self._state_later :], NONE)
 
     def run(self, t: float, y: Array, until: float, parameters: Array) -> tuple[float, Array, int]:
         """Integrate up to the first event, or a time, as `Compiled.run`."""
@@ -139,24 +118,9 @@ def entering(code: Compiled) -> Any:
     k2 = code.field(t + 0.5 * AHEAD, [x + 0.5 * AHEAD * k for x, k in zip(y, k1, strict=True)]).slopes
     state = [x + AHEAD * k for x, k in zip(y, k2, strict=True)]  # what that leaves out is no more than rounding
     later = code.field(t + AHEAD, state)
-    toes = [number for toe, mode in code.closed for number in _foothold(code, toe, mode)]
-    outputs = [*code.here.guards, *toes, *code.here.kinks, *later.guards, *later.kinks, *state]
+    feet = [number for toe, mode in code.closed for number in footing(code.here.motion, toe, mode)]
+    outputs = [*code.here.guards, *feet, *code.here.kinks, *later.guards, *later.kinks, *state]
     return require().cfunc([require().expression(0.0) + output for output in outputs], y)
-
-
-def _foothold(code: Compiled, toe: str, mode: str) -> list[Any]:
-    """A closed toe's speed along its mode, and three numbers that are positive where forces keep it there.
-
-    Of a sliding one the last counts only while it is at rest.
-    """
-    motion = code.here.motion
-    tangential, normal = motion.force(toe)
-    speed, acceleration = motion.toe_velocity(toe)[0], motion.toe_acceleration(toe)[0]
-    if mode == STICK:
-        bound = code.numbers.friction * normal - UNLOADED
-        return [speed, normal, bound - tangential, bound + tangential]
-    sign = SIGN[mode]
-    return [sign * speed, normal, motion.pivot(toe), sign * acceleration + STARTS_TO_SLIDE]
 
 
 class Impact:

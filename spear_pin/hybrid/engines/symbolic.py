@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 from spear_pin.hybrid.automaton import Domain, HybridSystem, Mount, Row
-from spear_pin.hybrid.contact import OPEN, STICK
+from spear_pin.hybrid.contact import OPEN, SIGN, STICK
 from spear_pin.hybrid.engines.elimination import (
     Matrix,
     dot,
@@ -25,7 +25,6 @@ from spear_pin.hybrid.engines.elimination import (
     times,
 )
 from spear_pin.hybrid.engines.layout import Numbers, with_fields
-from spear_pin.hybrid.phases import SIGN
 from spear_pin.model.planar import Planar
 from spear_pin.model.spring import Spring
 

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import MissingExtra
 from spear_pin.hybrid.automaton import Domain, HybridSystem
-from spear_pin.hybrid.contact import OPEN, STICK
 from spear_pin.hybrid.engines.alternating import Alternating
 from spear_pin.hybrid.engines.elimination import solve
 from spear_pin.hybrid.engines.layout import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
+from spear_pin.hybrid.rules.footing import Footing, closed_toes, fitness, footing
 from spear_pin.model.planar import Planar
 
 try:
@@ -58,19 +58,13 @@ class Point:
         slopes: dy/dt, (2 nv, n).
         guards: their values, (g, n).
         kinks: what changes sign where a law is not smooth, (k, n).
-        sliding: forward speed of each closed toe, (c, n).
-        forces: F_x and F_z on each closed toe, (c, 2, n).
-        accelerations: forward acceleration of each closed toe, (c, n).
-        pivots: of each closed toe, (c, n); 1 where it sticks.
+        feet: numbers of `rules.footing.Footing` of each closed toe, (c, 6, n).
     """
 
     slopes: Array
     guards: Array
     kinks: Array
-    sliding: Array
-    forces: Array
-    accelerations: Array
-    pivots: Array
+    feet: Array
 
     def take(self, chosen: Any) -> Point:
         """At some of the states."""
@@ -123,9 +117,7 @@ class Compiled:
     def __init__(self, system: HybridSystem, domain: Domain, held: Values, code: Code) -> None:
         hy = require()
         self.nv, self.guards = system.robot.nv, len(domain.guards)
-        self.closed = [
-            (toe, mode) for toe, mode in zip(system.robot.toes, domain.contacts, strict=True) if mode != OPEN
-        ]
+        self.closed = closed_toes(system.robot.toes, domain)
         self.state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates])
         planar, self.numbers, kept = symbols(system, Planar(system.robot), held, hy.par)
 
@@ -157,10 +149,8 @@ class Compiled:
     def _function(self) -> Any:
         """All of `Point`."""
         slopes, guards, kinks, motion = self.here
-        outputs = [*slopes, *guards, *kinks]
-        for toe, mode in self.closed:
-            outputs += [motion.toe_velocity(toe)[0], *motion.force(toe), motion.toe_acceleration(toe)[0]]
-            outputs.append(1.0 if mode == STICK else motion.pivot(toe))
+        feet = [number for toe, mode in self.closed for number in footing(motion, toe, mode)]
+        outputs = [*slopes, *guards, *kinks, *feet]
         return require().cfunc([_expression(output) for output in outputs], self.state)
 
     @cached_property
@@ -185,9 +175,8 @@ class Compiled:
             given["time"] = np.ascontiguousarray(t)
         values = function(np.ascontiguousarray(y), **given)
         counts = 2 * self.nv, self.guards, self.kinks
-        slopes, guards, kinks, toes = np.split(values, np.cumsum(counts))
-        toes = toes.reshape(len(self.closed), 5, n)
-        return Point(slopes, guards, kinks, toes[:, 0], toes[:, 1:3], toes[:, 3], toes[:, 4])
+        slopes, guards, kinks, feet = np.split(values, np.cumsum(counts))
+        return Point(slopes, guards, kinks, feet.reshape(len(self.closed), len(Footing._fields), n))
 
     def run(self, t: Array, y: Array, until: Array, parameters: Array) -> tuple[Array, Array, NDArray[np.int64]]:
         """Integrate up to the first guard that falls through zero, or a time.
@@ -252,10 +241,10 @@ class Ready:
     domain: Domain
     compiled: Compiled
 
-    @property
-    def closed(self) -> list[tuple[str, str]]:
-        """Toes on the ground, with their modes."""
-        return self.compiled.closed
+    def fitness(self, point: Point) -> Array:
+        """How well the domain fits each of many states at which it was evaluated, (n,), by `rules.footing.fitness`."""
+        feet = [(mode, Footing(*foot)) for (_, mode), foot in zip(self.compiled.closed, point.feet, strict=True)]
+        return np.broadcast_to(np.asarray(fitness(feet), np.float64), point.slopes.shape[1:])
 
     def at(self, t: Array, y: Array, parameters: Array) -> Point:
         """As `Compiled.at`."""

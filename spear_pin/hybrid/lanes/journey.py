@@ -24,9 +24,10 @@ from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.sliding import Came, slide
 from spear_pin.hybrid.lanes.track import Track
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.phases import AT_REST, ON_GROUND, rise
+from spear_pin.hybrid.phases import ON_GROUND, rise
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.rules.footing import AT_REST
 from spear_pin.hybrid.run import AT_ONCE, CYCLE_EVENTS, INSTANT, run
 from spear_pin.hybrid.strikes import struck_toes
 

@@ -13,7 +13,7 @@ from spear_pin.hybrid.filippov import BEYOND, MOST_AT_ONCE, alternation, chatter
 from spear_pin.hybrid.lanes.entry import at_once, choose
 from spear_pin.hybrid.lanes.groups import Group, along
 from spear_pin.hybrid.lanes.numbers import Numbers
-from spear_pin.hybrid.phases import AT_REST
+from spear_pin.hybrid.rules.footing import AT_REST
 
 ENDS = (0, 1)  # which guards of `chatter` are its ends
 Came = tuple[Domain, Reset]  # from where a phase was entered, and by which reset

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.cycles import retouches
 from spear_pin.hybrid.engines.layout import flattened, shape_of
-from spear_pin.hybrid.engines.single import KEEPS, NONE, UNCLEAR, Entry, Single
+from spear_pin.hybrid.engines.single import NONE, UNCLEAR, Entry, Single
 from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT
 from spear_pin.hybrid.lanes.groups import Held
 from spear_pin.hybrid.lanes.numbers import Numbers
@@ -83,7 +83,7 @@ class Track:
             entered = self._enter(domains, t, y, held, shape, parameters)
             if entered is None:
                 return None
-            ready, (_, t, y, end, _) = entered
+            ready, (_, t, y, end) = entered
             domain = ready.domain
             switch = domain.switch
             if end == UNCLEAR or (end >= 0 and t <= AT_ONCE and domain.guards[end].leaves):
@@ -136,23 +136,18 @@ class Track:
     def _enter(
         self, domains: Iterable[Domain], t: float, y: Array, held: Held, shape: Any, parameters: Array
     ) -> tuple[Single, Entry] | None:
-        """The first domain whose contacts keep, of those in which a toe begins to slide the one that pushes best.
-
-        If there is none, the first in which they leave.
-        """
-        best, leaving = None, None
+        """The domain that fits best, if one does."""
+        best = None
         for domain in domains:
             ready = self._compiled.single(domain, held, shape)
             entry = ready.enter(t, y, parameters)
             if entry is None:
                 continue
-            if entry.contacts != KEEPS:
-                leaving = leaving or (ready, entry)
-            elif entry.push == math.inf:
+            if entry.fitness == math.inf:
                 return ready, entry
-            elif best is None or entry.push > best[1].push:
+            if best is None or entry.fitness > best[1].fitness:
                 best = ready, entry
-        return best or leaving
+        return best
 
     def _given(self, held: Held) -> tuple[Any, Array]:
         """The shape of what is held, and the run-time parameters."""
