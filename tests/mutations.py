@@ -172,9 +172,28 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/events",
         ["hybrid/test_events"],
+        {"grazing overlooked": ("<= 0.05 * max(before, middle, end)", "<= -1.0")},
+    ),
+    *mistakes_in(
+        "hybrid/rules/entry",
+        ["hybrid/rules/test_entry", "hybrid/test_events"],
         {
-            "grazing overlooked": ("<= 0.05 * max(before, middle, end)", "<= -1.0"),
-            "a guard that rises from zero is an event": ("or change < -CHANGE", "or abs(change) > CHANGE"),
+            "a guard that rises from zero is an event": ("| (change < -CHANGE)", "| (abs(change) > CHANGE)"),
+            "a guard that stays on zero ends its phase only if it falls": (
+                " | ((change <= CHANGE) & guard.leaves)",
+                "",
+            ),
+            "what is only observed is an event at once": ("-math.inf if guard.observes else guard", "guard"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/rules/footing",
+        ["hybrid/rules/test_footing"],
+        {
+            "a toe sticks outside the cone": ("abs(foot.tangential) <", "foot.tangential <"),
+            "slip that would turn back": (" | (foot.speed > AT_REST)", " | True"),
+            "Painlevé's paradox fits": ("holds & posed & keeps", "holds & keeps"),
+            "a toe is held down": ("stays & (foot.normal > 0.0)", "stays"),
         },
     ),
     *mistakes_in(
@@ -332,8 +351,8 @@ MUTATIONS = [
         "hybrid/engines/single",
         ["hybrid/test_track"],
         {
-            "lane alone: a guard that stays on zero": ("if change <= MOVES", "if False"),
-            "lane alone: a kink that stays on zero": (" and all(values[self._kinks[1]])", ""),
+            "lane alone: a guard that stays on zero": ("if stays(guards[i], values[i], change)", "if False"),
+            "lane alone: a kink that stays on zero": (", values[self._kinks[1]])", ", [])"),
         },
     ),
     *mistakes_in(
@@ -346,7 +365,7 @@ MUTATIONS = [
                 "phase, past, t, switches = reset.phase, past + t, 0.0, 0",
                 "phase, past, t = reset.phase, past + t, 0.0",
             ),
-            "lane alone: the first mode that fits": ("elif entry.push == math.inf", "elif entry.push > -math.inf"),
+            "lane alone: the first mode that fits": ("if entry.fitness == math.inf", "if entry.fitness > -math.inf"),
         },
     ),
     *mistakes_in(

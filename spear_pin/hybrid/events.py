@@ -15,11 +15,10 @@ import scipy
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.engines.pinocchio import Flow
+from spear_pin.hybrid.rules.entry import NONE, ahead, at_once, stays
 
 Array = NDArray[np.float64]
 Interpolant = Callable[[float], Array]
-GLIMPSES = (1e-7, 1e-6, 1e-5)  # s: how far a guard on zero is followed to tell whether it rises or falls
-CHANGE = 1e-14  # of a guard's value, in its unit: less is rounding
 
 
 class _Undefined(Exception):
@@ -29,9 +28,7 @@ class _Undefined(Exception):
 class Watch:
     """The guards of one domain, followed step by step.
 
-    A guard can only be crossed once it has been positive. One that is on zero when the domain is
-    entered is an event at once if it falls from there, and waits to become positive if it rises. One
-    that stays there is an event if it ends the phase, and none within it.
+    A guard can only be crossed once it has been positive, see `rules.entry`.
 
     Attributes:
         at_once: index of the guard that is an event on entering, or None.
@@ -43,13 +40,8 @@ class Watch:
         self._values = self._at(t, y)
         self._armed = [value > guard.tolerance for value, guard in zip(self._values, self._guards, strict=True)]
         self.undefined = any(math.isnan(value) for value in self._values)
-        waiting = [
-            i
-            for i, (value, armed) in enumerate(zip(self._values, self._armed, strict=True))
-            if not (armed or self._guards[i].observes or math.isnan(value))
-        ]
-        change = self._change(t, y) if waiting else []
-        self.at_once = next((i for i in waiting if self._falls(i, change[i])), None)
+        found = int(at_once(self._guards, np.array([self._values]).T, lambda h: self._later(t, y, h))[0])
+        self.at_once = None if found == NONE else found
 
     def step(
         self,
@@ -102,33 +94,12 @@ class Watch:
         self._flow.visit(t, y)
         return [self._flow.value(guard, t, y) for guard in self._guards]
 
-    def _falls(self, i: int, change: float) -> bool:
-        """Whether a guard on zero is an event; one that stays there is none within a phase, where nothing moves."""
-        guard = self._guards[i]
-        return self._values[i] < -guard.tolerance or change < -CHANGE or (guard.leaves and change <= CHANGE)
-
     def _stays(self, i: int, middle: float, end: float) -> bool:
         before, guard = self._values[i], self._guards[i]
-        same = max(abs(middle - before), abs(end - before)) <= CHANGE
-        return same and before >= -guard.tolerance and not guard.leaves
+        return bool(all(stays(guard, before, value - before) for value in (middle, end)) and not guard.leaves)
 
-    def _change(self, t: float, y: Array) -> list[float]:
-        """How each guard's value changes from here, over the shortest time in which it does at all."""
-        change = [0.0] * len(self._values)
-        for h in GLIMPSES:
-            ahead = self._at(t + h, self._ahead(t, y, h))
-            for i, (now, later) in enumerate(zip(self._values, ahead, strict=True)):
-                if abs(change[i]) <= CHANGE:
-                    change[i] = later - now
-        return change
-
-    def _ahead(self, t: float, y: Array, h: float) -> Array:
-        """One Runge-Kutta step: a toe at rest leaves by its acceleration or jerk."""
-        k1 = self._flow(t, y)
-        k2 = self._flow(t + 0.5 * h, y + 0.5 * h * k1)
-        k3 = self._flow(t + 0.5 * h, y + 0.5 * h * k2)
-        k4 = self._flow(t + h, y + h * k3)
-        return y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    def _later(self, t: float, y: Array, h: float) -> Array:
+        return np.array([self._at(t + h, ahead(self._flow, t, y, h))]).T
 
     def _locate(self, i: int, nodes: list[tuple[float, float]], solution: Interpolant) -> float | None:
         """When guard i first falls through zero, given (time, value) at both ends and halfway, there an estimate."""

@@ -7,13 +7,14 @@ from spear_pin import Gait
 from spear_pin.hybrid.contact import plastic_impact
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.layout import flattened, shape_of
-from spear_pin.hybrid.engines.single import AHEAD, NONE, UNCLEAR, Entry
+from spear_pin.hybrid.engines.single import AHEAD, UNCLEAR, Entry
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.entry import choose
 from spear_pin.hybrid.lanes.groups import Group, alone, spread
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.periodic import chart
+from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.footing import LEAVES
 
 pytestmark = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.contact import RESTING, routh
 from spear_pin.hybrid.engines.elimination import dot, factorize, plus, substitute, times
 from spear_pin.hybrid.engines.layout import Structure, symbols
-from spear_pin.hybrid.engines.taylor import BENT, FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, require
+from spear_pin.hybrid.engines.taylor import FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, require
+from spear_pin.hybrid.rules.entry import NONE, bent, clear, falls, stays, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness, footing
 
 Array = NDArray[np.float64]
 AHEAD = 1e-6  # s: a step that takes guards off zero
-MOVES = 1e-14  # of a guard's change within it, in its unit
-NONE, UNCLEAR = -1, -2  # events on entering a domain
+UNCLEAR = -2  # an event on entering a domain that is, or may be, one only later than `AHEAD`
 OF_TOE = len(Footing._fields)
 
 
@@ -52,7 +52,7 @@ class Single:
         self._pars, self._timed = self._function.nparams, self._function.is_time_dependent
         self._limit, self._meaning = int(require().taylor_outcome.time_limit), code.meaning.tolist()
         guards = self.domain.guards
-        self._happening = [(i, guard.tolerance) for i, guard in enumerate(guards) if not guard.observes]
+        self._thresholds = [each for each in enumerate(thresholds(guards)) if each[1] > -math.inf]
         # where things are in what the function returns, see `entering`
         self._toes = [(mode, len(guards) + OF_TOE * i) for i, (_, mode) in enumerate(code.closed)]
         kinks = len(guards) + OF_TOE * len(code.closed)
@@ -79,18 +79,17 @@ class Single:
         fits: float = fitness([(mode, Footing._make(values[i : i + OF_TOE])) for mode, i in self._toes])
         if not fits >= LEAVES:
             return None
-        waiting = [i for i, tolerance in self._happening if values[i] <= tolerance]
-        if not (waiting or any(abs(kink) <= BENT for kink in values[self._kinks[0]])):
+        waiting = [i for i, threshold in self._thresholds if values[i] <= threshold]
+        if not (waiting or any(map(bent, values[self._kinks[0]]))):
             return Entry(fits, t, y, NONE)
         later, guards = self._later, self.domain.guards
         for i in waiting:
             change = values[later + i] - values[i]
-            if values[i] < -guards[i].tolerance or change < -MOVES:
-                return Entry(fits, t, y, i)
-            if change <= MOVES:
+            if stays(guards[i], values[i], change):
                 return Entry(fits, t, y, UNCLEAR)
-        clear = all(values[later + i] > 0.0 for i, _ in self._happening) and all(values[self._kinks[1]])
-        if not clear:
+            if falls(guards[i], values[i], change):
+                return Entry(fits, t, y, i)
+        if not clear(guards, values[later : later + len(guards)], values[self._kinks[1]]):
             return Entry(fits, t, y, UNCLEAR)
         return Entry(fits, t + AHEAD, answer[self._state_later :], NONE)
 

@@ -34,7 +34,6 @@ Values = Mapping[str, Any]
 TIME_LIMIT = -1  # ends of an arc that no guard ended
 FAILED = -2
 KINK = -3
-BENT = 1e-9  # what changes sign at a kink is on zero within this, in its unit
 CACHE = 2**28  # bytes of compiled code that heyoka may keep on disk
 MOST = 64  # compiled domains that are kept, some 10 MB each
 STEPS = 5000  # an arc takes some tens

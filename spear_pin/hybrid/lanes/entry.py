@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.engines.taylor import BENT, Point, Ready
-from spear_pin.hybrid.events import CHANGE, GLIMPSES
+from spear_pin.hybrid.engines.taylor import Point, Ready
 from spear_pin.hybrid.lanes.groups import Flags, Group, Indices
 from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.rules.entry import NONE, at_once, bent, clear, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES
 
 Array = NDArray[np.float64]
@@ -45,42 +45,27 @@ def choose(numbers: Numbers, phase: str, group: Group) -> tuple[list[tuple[Ready
     return chosen, group.take(~(best >= LEAVES))
 
 
-def at_once(numbers: Numbers, ready: Ready, group: Group, point: Point) -> tuple[Indices, Flags]:
-    """Of each lane the guard that is an event on entering a domain, or -1, and whether something is on zero there."""
-    tolerances = np.array([guard.tolerance for guard in ready.domain.guards])[:, None]
-    waiting = (point.guards <= tolerances) & _happening(ready)
-    on_zero: Flags = np.asarray(waiting.any(axis=0) | (np.abs(point.kinks) <= BENT).any(axis=0))
-    found = np.full(len(group), -1)
-    if not on_zero.any():
-        return found, on_zero
-    some, now, waiting = group.take(on_zero), point.guards[:, on_zero], waiting[:, on_zero]
-    change = np.zeros_like(now)
-    for h in GLIMPSES:
-        later = numbers.at(ready, numbers.ahead(ready, some, h)).guards
-        change = np.where(np.abs(change) <= CHANGE, later - now, change)
-        if (np.abs(change) > CHANGE)[waiting].all():
-            break
-    leaving = np.array([guard.leaves for guard in ready.domain.guards])[:, None]
-    falls = waiting & ((now < -tolerances) | (change < -CHANGE) | (leaving & (change <= CHANGE)))
-    found[on_zero] = np.where(falls.any(axis=0), falls.argmax(axis=0), -1)
-    return found, on_zero
+def first_event(numbers: Numbers, ready: Ready, group: Group, point: Point) -> tuple[Indices, Flags]:
+    """Of each lane the guard that is an event on entering a domain, or `NONE`, and whether something is on zero."""
+    waiting = (point.guards <= np.array(thresholds(ready.domain.guards))[:, None]).any(axis=0)
+    found = np.full(len(group), NONE)
+    if waiting.any():
+        some = group.take(waiting)
+        later = lambda h: numbers.at(ready, numbers.ahead(ready, some, h)).guards  # noqa: E731
+        found[waiting] = at_once(ready.domain.guards, point.guards[:, waiting], later)
+    return found, waiting | bent(point.kinks).any(axis=0)
 
 
 def away(numbers: Numbers, ready: Ready, group: Group) -> tuple[list[Group], Group]:
     """Lanes a moment later, where no guard is on zero any more, and those that do not get there."""
-    clear = []
+    gone = []
     for h in AWAY:
         if not len(group):
             break
         later = numbers.ahead(ready, group, h)
         point = numbers.at(ready, later)
-        free = ((point.guards > 0.0) | ~_happening(ready)).all(axis=0) & (np.abs(point.kinks) > 0.0).all(axis=0)
+        free = clear(ready.domain.guards, point.guards, point.kinks) & np.ones(len(group), bool)
         if free.any():
-            clear.append(later.take(free))
+            gone.append(later.take(free))
         group = group.take(~free)
-    return clear, group
-
-
-def _happening(ready: Ready) -> Flags:
-    """Which guards are more than observed, (g, 1)."""
-    return np.array([not guard.observes for guard in ready.domain.guards])[:, None]
+    return gone, group

@@ -18,7 +18,7 @@ from spear_pin.hybrid.contact import OPEN, RESTING, joint_impact, routh
 from spear_pin.hybrid.cycles import counts_to, retouches
 from spear_pin.hybrid.engines.layout import shape_of
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Point, Ready
-from spear_pin.hybrid.lanes.entry import at_once, away, choose
+from spear_pin.hybrid.lanes.entry import away, choose, first_event
 from spear_pin.hybrid.lanes.groups import Group, Indices, alone, along, finite, merged, spread, stacked
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.sliding import Came, slide
@@ -179,7 +179,7 @@ class Lanes:
         defined = np.isfinite(point.guards).all(axis=0) & np.isfinite(group.y).all(axis=0)
         self.give_up(group.take(~defined))
         group, point = group.take(defined), point.take(defined)
-        first, on_zero = at_once(self.numbers, ready, group, point)
+        first, on_zero = first_event(self.numbers, ready, group, point)
         if not on_zero.all():
             self.fly(ready, group.take(~on_zero))
         for index in np.unique(first[first >= 0]).tolist():

@@ -16,6 +16,7 @@ from spear_pin.hybrid.engines.layout import with_fields
 from spear_pin.hybrid.engines.taylor import Code, Point, Ready
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, Indices, collected, spread, take
+from spear_pin.hybrid.rules.entry import ahead
 
 Array = NDArray[np.float64]
 OTHERS = ("stiffness", "damping", "friction")  # numbers beside the law's in which lanes may differ
@@ -81,14 +82,10 @@ class Numbers:
         """The group after one Runge-Kutta step."""
         parameters = self.parameters(group)
 
-        def slope(c: float, k: Array) -> Array:
-            return ready.at(group.t + c * h, group.y + c * h * k, parameters).slopes
+        def slope(t: Array, y: Array) -> Array:
+            return ready.at(t, y, parameters).slopes
 
-        k1 = slope(0.0, np.zeros_like(group.y))
-        k2 = slope(0.5, k1)
-        k3 = slope(0.5, k2)
-        k4 = slope(1.0, k3)
-        return replace(group, t=group.t + h, y=group.y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4))
+        return replace(group, t=group.t + h, y=ahead(slope, group.t, group.y, h))
 
     def latch(self, group: Group, reset: Reset) -> Group:
         """Group after an event's latch, which is for all lanes at once if it is plain arithmetic, else lane by lane."""

@@ -10,7 +10,7 @@ import numpy as np
 from spear_pin.hybrid.automaton import Alternation, Domain, Reset
 from spear_pin.hybrid.engines.taylor import Point, Ready
 from spear_pin.hybrid.filippov import BEYOND, MOST_AT_ONCE, alternation, chatter, within
-from spear_pin.hybrid.lanes.entry import at_once, choose
+from spear_pin.hybrid.lanes.entry import choose, first_event
 from spear_pin.hybrid.lanes.groups import Group, along
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.rules.footing import AT_REST
@@ -65,7 +65,7 @@ def _at_once_after(
     while waiting:
         follow, group = waiting.pop()
         for ready, part, point in choose(numbers, reset.phase, group)[0] if len(group) else ():
-            first, _ = at_once(numbers, ready, part, point)
+            first, _ = first_event(numbers, ready, part, point)
             for index in np.unique(first):
                 own = part.take(first == index)
                 then = None if index < 0 else ready.domain.guards[index].reset
@@ -83,7 +83,7 @@ def _begin(numbers: Numbers, between: Alternation, group: Group) -> Iterator[tup
             return
         ready = numbers.compiled(chatter(between, beyond), group)
         point = numbers.at(ready, group)
-        first, _ = at_once(numbers, ready, group, point)
+        first, _ = first_event(numbers, ready, group, point)
         share = 1.0 + beyond - point.guards[0]
         slides = ~np.isin(first, ENDS) & within(share, beyond)
         if slides.any():

@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.cycles import retouches
 from spear_pin.hybrid.engines.layout import flattened, shape_of
-from spear_pin.hybrid.engines.single import NONE, UNCLEAR, Entry, Single
+from spear_pin.hybrid.engines.single import UNCLEAR, Entry, Single
 from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT
 from spear_pin.hybrid.lanes.groups import Held
 from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.run import AT_ONCE, INSTANT
 from spear_pin.hybrid.strikes import struck_toes
 

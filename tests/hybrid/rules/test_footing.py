@@ -74,7 +74,7 @@ def in_words(feet):
 def test_of_many_as_of_each(modes, n):
     rng = np.random.default_rng(n)
     seen = set()
-    for _ in range(600 // n + 5):
+    for _ in range(2560 // n):
         feet = [(mode, drawn(rng, n)) for mode in modes]
         found = np.broadcast_to(fitness(feet), n)
         for i in range(n):
