@@ -133,17 +133,24 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/contact",
-        ["hybrid/test_impact", "hybrid/test_contact"],
+        ["hybrid/test_contact"],
+        {"a constraint without its drift": ("approach[:, 0] += drift", "approach[:, 0] += 0.0 * drift")},
+    ),
+    *mistakes_in(
+        "hybrid/rules/impact",
+        ["hybrid/rules/test_impact"],
         {
-            "friction speeds up what slides in an impact": ("-friction * direction", "friction * direction"),
-            "a toe that stops always sticks": ("(slide == 0.0) & (np.abs(a_tn) <= friction * a_tt)", "slide == 0.0"),
+            "friction speeds up what slides in an impact": (
+                ">= 0.0, -friction, friction)",
+                ">= 0.0, friction, -friction)",
+            ),
+            "a toe that stops always sticks": ("stopped & (abs(a_tn) <= friction * a_tt)", "stopped"),
             "loss of an impact without the half": ("loss = -0.5 *", "loss = -1.0 *"),
-            "a constraint without its drift": ("approach[:, 0] += drift", "approach[:, 0] += 0.0 * drift"),
         },
     ),
     *mistakes_in(
-        "hybrid/contact",
-        ["hybrid/test_joint_impact", "hybrid/test_double_stance"],
+        "hybrid/rules/impact",
+        ["hybrid/rules/test_joint_impact", "hybrid/test_double_stance"],
         {
             "joint impact: friction speeds up": (
                 "unit[2 * i + 1] - mode * friction * unit[2 * i]",

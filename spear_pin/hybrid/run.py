@@ -24,7 +24,8 @@ from spear_pin.hybrid.hardware import HARDWARE_TOLERANCE
 from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn
 from spear_pin.hybrid.record import BOOKED, FINEST, Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.resting import resting
-from spear_pin.hybrid.strikes import struck_by, struck_toes
+from spear_pin.hybrid.rules.impact import struck_toes
+from spear_pin.hybrid.strikes import struck_by
 from spear_pin.hybrid.trajectory import Event
 
 Array = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Impacts of an automaton's events: which toes take part, and what the impact does to the state."""
+"""What the impact of an event does to a robot's state."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
-from spear_pin.hybrid.contact import OPEN, Impact, JointImpact, joint_impact, landed, plastic_impact
+from spear_pin.hybrid.automaton import HybridSystem, Reset
 from spear_pin.hybrid.phases import rise
+from spear_pin.hybrid.rules.impact import Impact, JointImpact, joint_impact, landed, plastic_impact
 
 Array = NDArray[np.float64]
 
@@ -31,28 +31,12 @@ class Strike(NamedTuple):
     rises: Mapping[str, float]
 
 
-def struck_toes(system: HybridSystem, domain: Domain, reset: Reset) -> list[str]:
-    """The toes that take part in an impact: those that strike, and those on the ground before and after it.
-
-    One that alternates is on the ground.
-    """
-    if not reset.impact:
-        return []
-    entered = system.of_phase(reset.phase or domain.phase)[0]
-    stay = {
-        toe
-        for toe, before, after in zip(system.robot.toes, domain.contacts, entered.contacts, strict=True)
-        if (before != OPEN and after != OPEN) or toe in domain.alternating
-    }
-    return [toe for toe in system.robot.toes if toe in stay or toe in reset.impact]
-
-
 def struck_by(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Array, v: Array) -> Strike:
-    """Effect of the impact in which some toes take part, by `contact.plastic_impact` or `contact.joint_impact`.
+    """Effect of the impact in which some toes take part, by `plastic_impact` or `joint_impact`.
 
     Args:
         system: the system.
-        struck: the toes, as of `struck_toes`.
+        struck: the toes, as of `rules.impact.struck_toes`.
         reset: of the event.
         q: configuration.
         v: velocity before.

@@ -9,8 +9,9 @@ import sympy as sp
 
 from spear_pin import Contact, HoppingLaw, Spring, hopping, load, simulate
 from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
-from spear_pin.hybrid.contact import OPEN, STICK, joint_impact, plastic_impact
+from spear_pin.hybrid.contact import OPEN, STICK
 from spear_pin.hybrid.phases import contact_domains, fall, rise, stays, touchdown
+from spear_pin.hybrid.rules.impact import joint_impact, plastic_impact
 
 ROBOT = load("q_spear")
 TOES = POSTERIOR, ANTERIOR = ROBOT.toes

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait
-from spear_pin.hybrid.contact import plastic_impact
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.layout import flattened, shape_of
 from spear_pin.hybrid.engines.single import AHEAD, UNCLEAR, Entry
@@ -16,6 +15,7 @@ from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.footing import LEAVES
+from spear_pin.hybrid.rules.impact import plastic_impact
 
 pytestmark = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
 

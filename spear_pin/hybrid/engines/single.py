@@ -9,17 +9,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.contact import RESTING, routh
-from spear_pin.hybrid.engines.elimination import dot, factorize, plus, substitute, times
+from spear_pin.hybrid.engines.elimination import dot, factorize, substitute
 from spear_pin.hybrid.engines.layout import Structure, symbols
 from spear_pin.hybrid.engines.taylor import FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, require
 from spear_pin.hybrid.rules.entry import NONE, bent, clear, falls, stays, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness, footing
+from spear_pin.hybrid.rules.impact import routh
 
 Array = NDArray[np.float64]
 AHEAD = 1e-6  # s: a step that takes guards off zero
 UNCLEAR = -2  # an event on entering a domain that is, or may be, one only later than `AHEAD`
 OF_TOE = len(Footing._fields)
+OF_IMPACT = 6  # numbers that `Impact` reads, ahead of the responses
 
 
 class Entry(NamedTuple):
@@ -139,24 +140,17 @@ class Impact:
         (x, z), v = terms.jacobians[toe], state[nv:]
         along, up = (substitute(factorize(terms.mass_matrix), row) for row in (x, z))
         a_tt, a_tn, a_nn, slide, approach = dot(x, along), dot(x, up), dot(z, up), dot(x, v), dot(z, v)
-        determinant = a_tt * a_nn - a_tn * a_tn
-        tangential = (a_tn * approach - a_nn * slide) / determinant
-        normal = (a_tn * slide - a_tt * approach) / determinant
-        sticking = [plus(w, plus(times(tangential, a), times(normal, b))) for w, a, b in zip(v, along, up, strict=True)]
-        outputs = [a_tt, a_tn, a_nn, slide, approach, numbers.friction, *sticking, *along, *up]
+        outputs = [a_tt, a_tn, a_nn, slide, approach, numbers.friction, *along, *up]
         self._function = hy.cfunc([hy.expression(0.0) + value for value in outputs], state)
 
     def __call__(self, y: Array, parameters: Array) -> Array:
-        """The state afterwards, by Routh's method as in `contact.plastic_impact`."""
+        """The state afterwards, by Routh's method."""
         values, nv = self._function(y, pars=parameters[: self._function.nparams]), self._nv
-        a_tt, a_tn, a_nn, slide, approach, friction = values[:6].tolist()
+        a_tt, a_tn, a_nn, slide, approach, friction = values[:OF_IMPACT].tolist()
+        (tangential, normal), _ = routh(((a_tt, a_tn), (a_tn, a_nn)), (slide, approach), friction)
+        along, up = values[OF_IMPACT : OF_IMPACT + nv], values[OF_IMPACT + nv :]
         after = y.copy()
-        if _sticks(a_tt, a_tn, a_nn, slide, approach, friction):
-            after[nv:] = values[6 : 6 + nv]
-        else:
-            matrix = np.array([[a_tt, a_tn], [a_tn, a_nn]])[..., None]
-            impulse, _ = routh(matrix, np.array([[slide], [approach]]), friction)
-            after[nv:] += impulse[:, 0] @ values[6 + nv :].reshape(2, nv)
+        after[nv:] += tangential * along + normal * up
         return after
 
 
@@ -164,13 +158,3 @@ class Impact:
 def impact(structure: Structure, toe: str) -> Impact:
     """An impact compiled, once for each structure."""
     return Impact(structure, toe)
-
-
-def _sticks(a_tt: float, a_tn: float, a_nn: float, slide: float, approach: float, friction: float) -> bool:
-    """Whether sliding stops before the impact ends, and the toe then sticks: J v⁺ = 0."""
-    if approach >= -RESTING or slide == 0.0 or abs(a_tn) > friction * a_tt:
-        return False
-    ratio = -friction if slide > 0.0 else friction
-    slide_rate, approach_rate = a_tn + a_tt * ratio, a_nn + a_tn * ratio
-    stops = slide * slide_rate < 0.0
-    return stops and (approach_rate <= 0.0 or -slide / slide_rate <= -approach / approach_rate)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset, Switch
-from spear_pin.hybrid.contact import OPEN, RESTING, joint_impact, routh
+from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.cycles import counts_to, retouches
 from spear_pin.hybrid.engines.layout import shape_of
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Point, Ready
@@ -28,8 +28,8 @@ from spear_pin.hybrid.phases import ON_GROUND, rise
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.rules.footing import AT_REST
+from spear_pin.hybrid.rules.impact import RESTING, joint_impact, routh, struck_toes
 from spear_pin.hybrid.run import AT_ONCE, CYCLE_EVENTS, INSTANT, run
-from spear_pin.hybrid.strikes import struck_toes
 
 Array = NDArray[np.float64]
 FEW = 16  # lanes that are faster one by one
@@ -308,7 +308,7 @@ class Lanes:
             response = np.linalg.solve(D, J.transpose(0, 2, 1))
             before = (J @ v.T[:, :, None])[:, :, 0].T
             impulse, _ = routh((J @ response).transpose(1, 2, 0), before, friction)
-            after = v + (response @ impulse.T[:, :, None])[:, :, 0].T
+            after = v + (response @ np.transpose(impulse)[:, :, None])[:, :, 0].T
         return replace(group, y=np.concatenate([q, after]), held=held)
 
     def close_cycle(self, group: Group, reset: Reset) -> Group:

@@ -22,8 +22,8 @@ from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT
 from spear_pin.hybrid.lanes.groups import Held
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.rules.entry import NONE
+from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.run import AT_ONCE, INSTANT
-from spear_pin.hybrid.strikes import struck_toes
 
 Array = NDArray[np.float64]
 EVENTS = 50  # of a cycle

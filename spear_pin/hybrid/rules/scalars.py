@@ -12,3 +12,15 @@ def where(condition: Any, one: Any, other: Any) -> Any:
     if isinstance(condition, np.ndarray):
         return np.where(condition, one, other)
     return one if condition else other
+
+
+def nowhere(condition: Any) -> bool:
+    """Whether a condition holds in no lane."""
+    return not (condition.any() if isinstance(condition, np.ndarray) else condition)
+
+
+def quotient(condition: Any, dividend: Any, divisor: Any, otherwise: float) -> Any:
+    """The quotient where a condition holds and another value elsewhere, where the divisor may be zero."""
+    if not isinstance(condition, np.ndarray):
+        return dividend / divisor if condition else otherwise
+    return np.divide(dividend, divisor, out=np.full(condition.shape, otherwise), where=condition)

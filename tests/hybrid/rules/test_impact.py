@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from spear_pin.hybrid.contact import plastic_impact
+from spear_pin.hybrid.rules.impact import plastic_impact
 from tests.hybrid.impacts import impacts, inverse_mass, many, rod
 
 

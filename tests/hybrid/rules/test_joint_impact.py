@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from spear_pin import load
-from spear_pin.hybrid.contact import joint_impact, landed, plastic_impact
+from spear_pin.hybrid.rules.impact import joint_impact, landed, plastic_impact
 from tests.hybrid.impacts import MODERATE, impacts, inverse_mass, many
 
 

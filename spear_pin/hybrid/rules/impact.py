@@ -1,0 +1,242 @@
+"""Plastic impacts with Coulomb friction: of one toe, of several, and which toes take part in an event's."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
+from spear_pin.hybrid.contact import OPEN
+from spear_pin.hybrid.rules.scalars import nowhere, quotient, where
+
+Array = NDArray[np.float64]
+RESTING = 1e-9  # m/s: a toe that approaches more slowly does not strike, whatever friction might make of it
+AGREES, ROUNDING = 1e-9, 1e-12  # of the toes' speed, and in m/s: by so much a joint impact may violate its law
+
+
+@dataclass(frozen=True)
+class Impact:
+    """A plastic impact.
+
+    Attributes:
+        v: velocity afterwards, (nv,).
+        impulse: Λ = (Λ_x, Λ_z) on the toe, in N·s.
+        loss: kinetic energy lost, in J: -½ Λᵀ (J v⁺ + J v⁻).
+        slides: whether the toe still slides afterwards.
+    """
+
+    v: Array
+    impulse: Array
+    loss: float
+    slides: bool
+
+
+@dataclass(frozen=True)
+class JointImpact:
+    """A plastic impact that several toes take part in.
+
+    Attributes:
+        v: velocity afterwards, (nv,).
+        impulse: Λ_x and Λ_z on each toe, in N·s, (m, 2).
+        loss: kinetic energy lost, in J: -½ Σ Λᵀ (J v⁺ + J v⁻).
+        slides: for each toe, whether it stays on the ground and slides.
+        leaves: for each toe, whether the impact lifts it off.
+    """
+
+    v: Array
+    impulse: Array
+    loss: float
+    slides: tuple[bool, ...]
+    leaves: tuple[bool, ...]
+
+
+def struck_toes(system: HybridSystem, domain: Domain, reset: Reset) -> list[str]:
+    """The toes that take part in an impact: those that strike, and those on the ground before and after it.
+
+    One that alternates is on the ground.
+    """
+    if not reset.impact:
+        return []
+    entered = system.of_phase(reset.phase or domain.phase)[0]
+    stay = {
+        toe
+        for toe, before, after in zip(system.robot.toes, domain.contacts, entered.contacts, strict=True)
+        if (before != OPEN and after != OPEN) or toe in domain.alternating
+    }
+    return [toe for toe in system.robot.toes if toe in stay or toe in reset.impact]
+
+
+def plastic_impact(D: Array, J: Array, v: Array, friction: float) -> Impact:
+    """Impact of one toe on the ground with zero normal restitution, by Routh's method.
+
+    The normal impulse grows until the toe no longer approaches; meanwhile the toe slides with
+    Coulomb friction, and once its sliding stops it sticks if the cone allows, |a_tn| ≤ μ a_tt with
+    a = J D⁻¹ Jᵀ, or else slides back. Where sliding stops before the impact ends and the toe then
+    sticks, this is D (v⁺ - v⁻) = Jᵀ Λ with J v⁺ = 0, and Λ lies inside the cone. A Λ that does so
+    does not suffice: where |a_tn| > μ a_tt, the toe slides back all the same.
+
+    Args:
+        D: mass matrix, (nv, nv).
+        J: toe Jacobian, rows x and z, (2, nv).
+        v: velocity before, (nv,).
+        friction: coefficient of friction.
+    """
+    response = np.linalg.solve(D, J.T)
+    A, before = J @ response, J @ v
+    impulse, slides = routh(A.tolist(), before.tolist(), friction)
+    Lambda = np.array(impulse)
+    after = v + response @ Lambda
+    loss = -0.5 * float(Lambda @ (before + J @ after))
+    return Impact(after, Lambda, loss, slides)
+
+
+def routh(A: Any, before: Any, friction: Any) -> tuple[tuple[Any, Any], Any]:
+    """Impulse of a plastic impact of one toe, by Routh's method as in `plastic_impact`.
+
+    Args:
+        A: J D⁻¹ Jᵀ, rows of numbers, or (2, 2, n).
+        before: J v before, numbers, or (2, n).
+        friction: coefficient of friction.
+
+    Returns:
+        the impulse, tangential and normal, and whether the toe still slides afterwards.
+    """
+    (a_tt, a_tn), (_, a_nn) = A
+    slide, approach = before
+    tangential, normal = 0.0 * slide, 0.0 * approach
+    for _ in range(3):  # slide, then stick or slide back
+        goes_on = approach < -RESTING
+        if nowhere(goes_on):
+            break
+        stopped = slide == 0.0
+        sticks = stopped & (abs(a_tn) <= friction * a_tt)
+        slips = where(where(stopped, a_tn, slide) >= 0.0, -friction, friction)
+        ratio = where(sticks, quotient(sticks & (a_tt > 0.0), -a_tn, a_tt, 0.0), slips)
+        slide_rate, approach_rate = a_tn + a_tt * ratio, a_nn + a_tn * ratio
+        to_end = quotient(approach_rate > 0.0, -approach, approach_rate, math.inf)
+        to_stop = quotient(slide * slide_rate < 0.0, -slide, slide_rate, math.inf)
+        more = where(goes_on, where(to_stop < to_end, to_stop, to_end), 0.0)
+        tangential, normal = tangential + where(goes_on, ratio * more, 0.0), normal + more
+        slide = where(goes_on, where(sticks | (to_stop <= to_end), 0.0, slide + slide_rate * more), slide)
+        approach = where(goes_on, where(to_end <= to_stop, 0.0, approach + approach_rate * more), approach)
+    return (tangential, normal), slide != 0.0
+
+
+def joint_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact:
+    """Plastic impact on several toes at once, by Moreau's law with zero restitution.
+
+    With u = J v⁺ the toes' velocities afterwards, for each toe 0 ≤ Λ_z ⊥ u_z ≥ 0, and it sticks with
+    |Λ_x| ≤ μ Λ_z or slides with Λ_x = -μ sgn(u_x) Λ_z. So Λᵀ u ≤ 0, and with A = J D⁻¹ Jᵀ the loss is
+    ½ Λᵀ A Λ - Λᵀ u ≥ 0. There always is such an impulse, if not always just one. Every combination of
+    open, sticking and sliding toes is tried: the one with the most sticking toes is taken, of those
+    the one with the most on the ground, then the first in order; if rounding leaves none that
+    satisfies the law to `AGREES`, the one that violates it least. Where the rows of sticking toes
+    depend on each other, their impulse is the smallest.
+
+    It compares velocities before and after only. Where a single toe sticks in the end, this is
+    `plastic_impact`; where its sliding turns round on the way, the two may differ.
+
+    Args:
+        D: mass matrix, (nv, nv).
+        J: Jacobians of the toes, rows x and z of each, (2 m, nv).
+        v: velocity before, (nv,).
+        friction: coefficient of friction.
+    """
+    response = np.linalg.solve(D, J.T)
+    A, before = J @ response, J @ v
+    weight = np.trace(A) / len(A)  # impulses count as the velocities that they cause
+    allowed = max(AGREES * float(np.abs(before).max()), ROUNDING)
+    m = len(J) // 2
+    least, modes, impulse = math.inf, (_OPEN,) * m, np.zeros(len(J))
+    for candidate in _combinations(m):
+        trial = _impulse(A, before, candidate, friction)
+        violation = _violation(before + A @ trial, trial, candidate, friction, weight)
+        if violation < least:
+            least, modes, impulse = violation, candidate, trial
+        if violation <= allowed:
+            break
+    after = v + response @ impulse
+    work = 0.5 * float(impulse @ (before + J @ after))
+    return JointImpact(
+        after,
+        impulse.reshape(-1, 2),
+        -work,
+        tuple(mode in _SIDES for mode in modes),
+        tuple(mode == _OPEN for mode in modes),
+    )
+
+
+def landed(D: Array, J: Array, v: Array, lands: Sequence[bool]) -> tuple[Array, Array]:
+    """Stop toes that rise, but are back on the ground within an instant, before the impact: they rise no more.
+
+    So end the bounces, ever shorter, of toes that lift each other off.
+
+    Args:
+        D: mass matrix, (nv, nv).
+        J: Jacobians of the toes on the ground, rows x and z of each, (2 m, nv).
+        v: velocity before, (nv,).
+        lands: which of them touch down.
+
+    Returns:
+        the velocity, (nv,), and the vertical impulses that took the toes' speed, (m,).
+    """
+    normal = J[1::2]
+    rising = np.where(lands, normal @ v, 0.0)
+    if not (rising > RESTING).any():
+        return v, np.zeros(len(normal))
+    response = np.linalg.solve(D, normal.T)
+    impulse = np.linalg.solve(normal @ response, -np.maximum(rising, 0.0))
+    return v + response @ impulse, impulse
+
+
+_STICK, _OPEN = 0, 2
+_SIDES = (1, -1)  # a toe that slides forward, or backward
+
+
+@cache
+def _combinations(m: int) -> tuple[tuple[int, ...], ...]:
+    """Combinations of the modes that m toes may have, in order of preference."""
+    modes = product((_STICK, *_SIDES, _OPEN), repeat=m)
+    return tuple(sorted(modes, key=lambda each: (-each.count(_STICK), each.count(_OPEN))))
+
+
+def _impulse(A: Array, before: Array, modes: tuple[int, ...], friction: float) -> Array:
+    """The impulse by which the toes do what they are said to, whether or not the law allows it."""
+    rows: list[int] = []
+    directions: list[Array] = []
+    unit = np.eye(len(A))
+    for i, mode in enumerate(modes):
+        if mode == _STICK:
+            rows += [2 * i, 2 * i + 1]
+            directions += [unit[2 * i], unit[2 * i + 1]]
+        elif mode in _SIDES:
+            rows.append(2 * i + 1)
+            directions.append(unit[2 * i + 1] - mode * friction * unit[2 * i])
+    if not rows:
+        return np.zeros(len(A))
+    G = np.array(directions).T
+    found = np.linalg.lstsq(A[rows] @ G, -before[rows], rcond=None)[0]
+    return np.asarray(G @ found, np.float64)
+
+
+def _violation(u: Array, impulse: Array, modes: tuple[int, ...], friction: float, weight: float) -> float:
+    """By how much the law is violated, in m/s: by velocities u afterwards, or by impulses."""
+    worst = 0.0
+    for i, mode in enumerate(modes):
+        slide, rise = u[2 * i : 2 * i + 2].tolist()
+        tangential, normal = impulse[2 * i : 2 * i + 2].tolist()
+        if mode == _OPEN:
+            worst = max(worst, -rise)
+        elif mode == _STICK:
+            outside = max(abs(tangential) - friction * normal, -normal)
+            worst = max(worst, abs(slide), abs(rise), weight * outside)
+        else:
+            worst = max(worst, -mode * slide, abs(rise), -weight * normal)
+    return worst
