@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.cycles import flight_times
+from spear_pin.hybrid.rules.cycles import flight_times
 
 FLIGHT = "flight_time"  # the measure that what closes a cycle bounds
 

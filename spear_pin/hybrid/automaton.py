@@ -257,7 +257,7 @@ class HybridSystem:
         measures: quantities of one cycle that a gait can be asked for.
         phase_limit: longest a phase may last, in s.
         shortest_flight: in s; a toe that comes down sooner after it left the ground re-touches and closes no cycle, see
-            `spear_pin.hybrid.cycles`.
+            `spear_pin.hybrid.rules.cycles`.
         hardware: between law and joints, see `spear_pin.hybrid.hardware`; None: ideal motors.
         changes: what was made of the system that `build` makes of other numbers, too; see `parameters.changed`.
         made: fields as they were when it was made, by which those are known that were replaced in it; and by whom,

@@ -16,11 +16,10 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from spear_pin.errors import BadValue, require
-from spear_pin.hybrid.automaton import Domain, Guard, GuardValue, HybridSystem, Reset, Rub
+from spear_pin.hybrid.automaton import Domain, HybridSystem, Rub
 from spear_pin.hybrid.contact import OPEN, STICK
 from spear_pin.hybrid.parameters import changed
-from spear_pin.hybrid.phases import rate
-from spear_pin.hybrid.rules.footing import AT_REST, LET_GO
+from spear_pin.hybrid.rules.guards import rubbing_guards
 from spear_pin.model.robot import Robot
 
 SIGNS = (0.0, 1.0, -1.0)  # at rest it is held if it can be
@@ -77,7 +76,7 @@ def _modes(domain: Domain, robot: Robot, forces: Mapping[str, float]) -> list[Do
     for signs in product(SIGNS, repeat=len(forces)):
         rubs = tuple(Rub(joint, float(forces[joint]), sign) for joint, sign in zip(forces, signs, strict=True))
         names = [domain.name, *(f"{rub.joint} held" for rub in rubs if rub.sign == 0)]
-        ends = (guard for rub in rubs for guard in _ends(rub, robot))
+        ends = (guard for rub in rubs for guard in rubbing_guards(rub, robot.index(rub.joint)))
         # what else happens at the same instant, such as the apex, comes first
         guards = (*domain.guards, *ends)
         modes.append(replace(domain, name=" ".join(names), rubs=(*domain.rubs, *rubs), guards=guards))
@@ -87,15 +86,3 @@ def _modes(domain: Domain, robot: Robot, forces: Mapping[str, float]) -> list[Do
 def _constraints(domain: Domain) -> int:
     """How many its contacts are."""
     return sum(0 if mode == OPEN else 2 if mode == STICK else 1 for mode in domain.contacts)
-
-
-def _ends(rub: Rub, robot: Robot) -> tuple[Guard, ...]:
-    """A joint that moves comes to rest; one that is held is let go to either side."""
-    if rub.sign:
-        return (Guard(f"rest:{rub.joint}", rate(robot.index(rub.joint), rub.sign), Reset(), tolerance=AT_REST),)
-    return tuple(Guard(f"let_go:{rub.joint}", _to_spare(rub, side), Reset(), tolerance=LET_GO) for side in (1.0, -1.0))
-
-
-def _to_spare(rub: Rub, side: float) -> GuardValue:
-    """Margin of dry friction over that which holds the joint, towards one side, in N or N·m."""
-    return lambda t, q, v, held, p, dyn, ops: rub.force - side * dyn.holding(rub.joint)

@@ -15,7 +15,7 @@ import scipy
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.engines.pinocchio import Flow
-from spear_pin.hybrid.rules.entry import NONE, ahead, at_once, stays
+from spear_pin.hybrid.rules.entry import ahead, at_once, stays
 
 Array = NDArray[np.float64]
 Interpolant = Callable[[float], Array]
@@ -31,7 +31,7 @@ class Watch:
     A guard can only be crossed once it has been positive, see `rules.entry`.
 
     Attributes:
-        at_once: index of the guard that is an event on entering, or None.
+        at_once: index of the guard that is an event on entering, or `rules.entry.NONE`.
         undefined: whether some guard had no value where it was last looked at.
     """
 
@@ -40,8 +40,7 @@ class Watch:
         self._values = self._at(t, y)
         self._armed = [value > guard.tolerance for value, guard in zip(self._values, self._guards, strict=True)]
         self.undefined = any(math.isnan(value) for value in self._values)
-        found = int(at_once(self._guards, np.array([self._values]).T, lambda h: self._later(t, y, h))[0])
-        self.at_once = None if found == NONE else found
+        self.at_once = int(at_once(self._guards, np.array([self._values]).T, lambda h: self._later(t, y, h))[0])
 
     def step(
         self,

@@ -21,19 +21,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid import shares
-from spear_pin.hybrid.automaton import Alternation, Crossing, Domain, Guard, GuardValue, Held, HybridSystem, Reset
+from spear_pin.hybrid.automaton import Alternation, Crossing, Domain, Guard, Held, HybridSystem, Reset
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.hardware import blended
 from spear_pin.hybrid.modes import choose, fitting
-from spear_pin.hybrid.rules.footing import AT_REST
+from spear_pin.hybrid.rules.entry import NONE
+from spear_pin.hybrid.rules.footing import still
+from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.surface import BEYOND, MOST_AT_ONCE, alternation, begins, chatter, leads_round
 
 Array = NDArray[np.float64]
-CHATTER = "chatter"
-MOST_AT_ONCE = 8  # events within a phase before it is left
-ON_EDGE = 1e-6  # of a share: where a force fades to zero, the motion begins with one law's share all but whole
-BEYOND = (0.0, 1e-4, 1e-3, 1e-2)  # of a share: tried in turn
 
 
 class Unloaded(Flow):
@@ -63,9 +62,9 @@ class Sliding(Flow):
     def _derivative(self, t: float, y: Array) -> Array:
         nv = self._nv
         before, self.shares = self.shares, (math.nan,) * len(self.domain.alternating)
-        self.hold(latched(self.system, self._kept, y, *self._latches))
+        self.hold(held_after(self.system, self._kept, y, *self._latches))
         for flow, resets in self._turns:
-            flow.hold(latched(self.system, self._kept, y, *resets))
+            flow.hold(held_after(self.system, self._kept, y, *resets))
         slopes = [*(flow(0.0, y) for flow, _ in self._turns), super()._derivative(0.0, y)]
         flows = [*(flow for flow, _ in self._turns), self]
         accelerations = [[flow.toe_acceleration(toe)[1] for toe in self.domain.alternating] for flow in flows]
@@ -113,48 +112,6 @@ def flow_of(system: HybridSystem, domain: Domain, held: Held) -> Flow:
     return Sliding(system, domain, held) if domain.alternating else Flow(system, domain, held)
 
 
-def chatter(between: Alternation | Crossing, beyond: float = 0.0) -> Domain:
-    """The domain of motion between others; it ends when a toe's switch can stay as it is.
-
-    It belongs to the phase in which the toes are in the air, whose other events may happen in it: they bear nothing
-    and their springs are not engaged.
-
-    Args:
-        between: the domains.
-        beyond: how far beyond 0 and 1 a share may go.
-    """
-    surfaces = ((between, between),) if isinstance(between, Alternation) else between.surfaces
-    airborne, toes, guards = surfaces[0][0].airborne, set[str](), list[Guard]()
-    for i, (alone, beside) in enumerate(surfaces):
-        lands, leaves = _name(beside.airborne, beside.touch), _name(alone.grounded, alone.leave)
-        others = surfaces[1 - i][0].touching if len(surfaces) == 2 else ()  # it alternates on: it has just touched
-        guards += [
-            Guard(lands, _to_spare(i, 1.0, beyond), _after(others, beside.touch), tolerance=ON_EDGE),
-            Guard(leaves, _to_spare(i, 0.0, beyond), alone.leave, tolerance=ON_EDGE),
-        ]
-        toes.add(alone.toe)
-    lasting = [guard for guard in airborne.guards if guard.reset is None or not toes & {*guard.reset.impact}]
-    made = replace(airborne, name=CHATTER, guards=(*guards, *lasting))
-    return replace(made, between=between) if isinstance(between, Alternation) else replace(made, crossing=between)
-
-
-def _after(others: Sequence[Reset], reset: Reset) -> Reset:
-    """A reset that latches what others do first."""
-    latches = [each.latch for each in (*others, reset) if each.latch is not None]
-
-    def latch(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
-        for each in latches:
-            held = {**held, **each(q, v, held, p)}
-        return held
-
-    return replace(reset, latch=latch) if others else reset
-
-
-def _to_spare(i: int, end: float, beyond: float) -> GuardValue:
-    """Distance of a toe's share from 0 or 1."""
-    return lambda t, q, v, held, p, dyn, ops: end + (1.0 - 2.0 * end) * dyn.shares[i] + beyond
-
-
 def sliding(system: HybridSystem, flow: Flow, guard: Guard, came: tuple[Domain, Reset], y: Array) -> Sliding | None:
     """Motion on the switching surface, if the phase that `guard` leads to would be left at once for this one again.
 
@@ -169,10 +126,11 @@ def sliding(system: HybridSystem, flow: Flow, guard: Guard, came: tuple[Domain, 
     between = alternation(system, (flow.domain, came[0]), (guard.reset, came[1]))
     nq, nv = system.robot.nq, system.robot.nv
     q, v = y[:nq], y[nq : nq + nv]
-    if between is None or abs(system.robot.toe_jacobian(q, between.toe)[1] @ v) > AT_REST:
+    if between is None or not still(system.robot.toe_jacobian(q, between.toe)[1] @ v):
         return None
     follow, left, held = entered(system, flow.held, y, between.touch)
-    if left is not between.leave or entered(system, held, y, left)[1] is not between.touch:
+    again = None if left is None else entered(system, held, y, left)[1]
+    if not leads_round(between, left, again):
         return None
     return alternating(system, replace(between, follow=follow), flow.held, y)
 
@@ -190,17 +148,11 @@ def alternating(
     for beyond in far:
         flows = (Sliding(system, chatter(mode, beyond), held) for mode in _modes(system, between))
         result = fitting(system, flows, 0.0, y)
-        ends = Watch(result, 0.0, y).at_once
+        event = Watch(result, 0.0, y).at_once
         result(0.0, y)
-        if (ends is None or ends >= 2 * len(result.shares)) and all(within(share, beyond) for share in result.shares):
+        if begins(event, result.shares, beyond):
             return result
     return None
-
-
-def within(share: Any, beyond: float) -> Any:
-    """Whether motion with a share can begin; where the share may go beyond its ends, it has to be well inside."""
-    margin = ON_EDGE if beyond == 0.0 else -0.1 * beyond
-    return (share > -beyond - margin) & (share < 1.0 + beyond + margin)
 
 
 def _modes(system: HybridSystem, between: Alternation | Crossing) -> Iterator[Alternation | Crossing]:
@@ -217,46 +169,20 @@ def _modes(system: HybridSystem, between: Alternation | Crossing) -> Iterator[Al
 def entered(system: HybridSystem, held: Held, y: Array, reset: Reset) -> tuple[tuple[Reset, ...], Reset | None, Held]:
     """Resets that come at once after a reset: those within the phase, the one that leaves it; and what is held then."""
     assert reset.phase is not None
-    held = latched(system, held, y, reset)
+    held = held_after(system, held, y, reset)
     follow: list[Reset] = []
     while len(follow) < MOST_AT_ONCE:
         flow = choose(system, reset.phase, held, 0.0, y)
         index = Watch(flow, 0.0, y).at_once
-        then = None if index is None else flow.domain.guards[index].reset
+        then = None if index == NONE else flow.domain.guards[index].reset
         if then is None or then.phase is not None:
             return tuple(follow), then, held
         follow.append(then)
-        held = latched(system, held, y, then)
+        held = held_after(system, held, y, then)
     return tuple(follow), None, held
 
 
-def latched(system: HybridSystem, held: Held, y: Array, *resets: Reset) -> Held:
-    """Values held after resets."""
-    q, v = y[: system.robot.nq].tolist(), y[system.robot.nq : system.robot.nq + system.robot.nv].tolist()
-    for reset in resets:
-        if reset.latch is not None:
-            held = {**held, **reset.latch(q, v, held, system.law)}
-    return held
-
-
-def alternation(system: HybridSystem, domains: Sequence[Domain], resets: Sequence[Reset]) -> Alternation | None:
-    """Alternation of two domains that lead into each other: None unless just one has a toe on the ground.
-
-    Args:
-        system: the system.
-        domains: the two domains.
-        resets: the reset by which each of them is left.
-    """
-    for (grounded, airborne), (leave, touch) in ((domains, resets), (domains[::-1], resets[::-1])):
-        closed = [
-            toe
-            for toe, on, off in zip(system.robot.toes, grounded.contacts, airborne.contacts, strict=True)
-            if on != OPEN and off == OPEN
-        ]
-        if len(closed) == 1 and airborne.between is None:
-            return Alternation(grounded, airborne, touch, leave, closed[0])
-    return None
-
-
-def _name(domain: Domain, reset: Reset) -> str:
-    return next(guard.name for guard in domain.guards if guard.reset is reset)
+def held_after(system: HybridSystem, held: Held, y: Array, *resets: Reset) -> Held:
+    """Values held after resets at a state."""
+    nq, nv = system.robot.nq, system.robot.nv
+    return latched(held, resets, y[:nq].tolist(), y[nq : nq + nv].tolist(), system.law)

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import Held, HybridSystem
-from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.pinocchio import Flow
-from spear_pin.hybrid.phases import ON_GROUND
 from spear_pin.hybrid.record import Moment
-from spear_pin.hybrid.rules.footing import AT_REST, closed_toes, fitness, footing, torn_off, turns
+from spear_pin.hybrid.rules.footing import closed_toes, fitness, footing, torn_off, turns
+from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
 from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
@@ -78,18 +78,13 @@ def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
         raise BadValue("state", state, "a pair (q, v)")
     heights = _heights(robot, *state)
     q, v = np.asarray(state[0], dtype=float), np.asarray(state[1], dtype=float)
-    stance = system.section_phase
-    closed = [toe for toe, mode in zip(robot.toes, system.of_phase(stance)[0].contacts, strict=True) if mode != OPEN]
-    rests = all(heights[toe] <= ON_GROUND and abs(robot.toe_jacobian(q, toe)[1] @ v) <= 10 * AT_REST for toe in closed)
-    held: Held = {}
-    flight, lands = system.landing
-    for latch in (system.reset_into(flight).latch, lands.latch if rests else None):
-        if latch is not None:
-            try:
-                held = {**held, **latch(q.tolist(), v.tolist(), held, system.law)}
-            except ArithmeticError:
-                raise BadValue("state", state, "one from which the control law has a value") from None
-    return (stance if rests else flight), held
+    closed = [toe for toe, _ in closed_toes(robot.toes, system.of_phase(system.section_phase)[0])]
+    rising = {toe: float(robot.toe_jacobian(q, toe)[1] @ v) for toe in closed}
+    phase, resets = start(system, all(rests(heights[toe], rising[toe], STATE_AT_REST) for toe in closed))
+    try:
+        return phase, latched({}, resets, q.tolist(), v.tolist(), system.law)
+    except ArithmeticError:
+        raise BadValue("state", state, "one from which the control law has a value") from None
 
 
 def resuming_phase(system: HybridSystem, moment: Moment) -> tuple[str, Held]:
@@ -109,6 +104,6 @@ def _heights(robot: Robot, q: Any, v: Any) -> dict[str, float]:
     robot.bias(q, v)  # checks both
     heights = {toe: float(robot.toe_position(q, toe)[1]) for toe in robot.toes}
     for toe, height in heights.items():
-        if height < -ON_GROUND:
+        if below_ground(height):
             raise BadValue(f"height of {toe}", height, "at or above the ground, at 0 m")
     return heights

@@ -12,9 +12,10 @@ from spear_pin.hybrid.automaton import Alternation, Crossing, Domain, Guard, Hel
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
-from spear_pin.hybrid.filippov import BEYOND, Sliding, alternating, entered, latched
-from spear_pin.hybrid.phases import ON_GROUND
-from spear_pin.hybrid.rules.footing import AT_REST
+from spear_pin.hybrid.filippov import Sliding, alternating, entered, held_after
+from spear_pin.hybrid.rules.entry import NONE
+from spear_pin.hybrid.rules.start import rests
+from spear_pin.hybrid.rules.surface import BEYOND
 
 Array = NDArray[np.float64]
 BEARS, ALTERNATES, LEAVES = range(3)
@@ -36,8 +37,7 @@ def resting(system: HybridSystem, flow: Flow, y: Array, tried: Sequence[Domain] 
     toes = [
         toe
         for toe in system.robot.toes
-        if system.robot.toe_position(q, toe)[1] <= ON_GROUND
-        and abs(system.robot.toe_jacobian(q, toe)[1] @ v) <= AT_REST
+        if rests(system.robot.toe_position(q, toe)[1], system.robot.toe_jacobian(q, toe)[1] @ v)
     ]
     choices = product((BEARS, ALTERNATES, LEAVES), repeat=len(toes))
     ordered = sorted(choices, key=lambda kinds: (-kinds.count(BEARS), kinds.count(LEAVES)))
@@ -64,14 +64,14 @@ def _motion(system: HybridSystem, flow: Flow, y: Array, kinds: dict[str, int], f
             surface = _surface(system, held, y, toe, bearing - {toe})
             if surface is None:
                 return None
-            held = latched(system, held, y, *surface.touching)
+            held = held_after(system, held, y, *surface.touching)
     between = _between(system, held, y, [toe for toe, kind in kinds.items() if kind == ALTERNATES], bearing)
     found = None if between is None else alternating(system, between, held, y, far)
     if found is None:
         return None
     index = Watch(found, 0.0, y).at_once
     found(0.0, y)  # a moment ahead it has latched what holds there
-    then = None if index is None else found.domain.guards[index]
+    then = None if index == NONE else found.domain.guards[index]
     return found if then is None or not then.leaves or then.ends == "overload" else None
 
 
@@ -88,7 +88,7 @@ def _between(
     if alone[0] is None or alone[1] is None:
         return None
     beside = [
-        _surface(system, latched(system, held, y, *surface.touching), y, toe, bearing | {surface.toe})
+        _surface(system, held_after(system, held, y, *surface.touching), y, toe, bearing | {surface.toe})
         for toe, surface in ((first, alone[1]), (second, alone[0]))
     ]
     if beside[0] is None or beside[1] is None:

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
-from spear_pin.hybrid.cycles import RETOUCH, counts_to, retouches
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import going_on, sliding
@@ -24,16 +23,26 @@ from spear_pin.hybrid.hardware import HARDWARE_TOLERANCE
 from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn
 from spear_pin.hybrid.record import BOOKED, FINEST, Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.resting import resting
+from spear_pin.hybrid.rules.cycles import (
+    INSTANT,
+    INSTANT_EVENTS,
+    RETOUCH,
+    counts_to,
+    crowded,
+    due,
+    left_at_once,
+    retouches,
+    too_many,
+    whole,
+)
+from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes
+from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.strikes import struck_by
 from spear_pin.hybrid.trajectory import Event
 
 Array = NDArray[np.float64]
 
-INSTANT = 1e-7  # s: events closer together than this count as one instant
-AT_ONCE = 1e-9  # s: a phase shorter than this was left as soon as it was entered
-INSTANT_EVENTS = 20  # so many in one instant are a Zeno point
-CYCLE_EVENTS = 1000
 CREEP = 50  # steps of two toes' motion within an instant: where their shares cease to exist they have infinite rates
 NOTHING = 1e-12  # J: a spring that was latched in this instant
 MAX_STEP = 0.05  # s
@@ -123,7 +132,7 @@ class _Runner:
 
     def _segment(self, segment: Segment) -> None:
         watch = Watch(self.flow, self.t, self.y)
-        if watch.at_once is not None:
+        if watch.at_once != NONE:
             y = self.y
             segment.pieces.append(Piece(self.t, self.t, lambda times: np.tile(y[:, None], len(times))))
             guard = self.flow.domain.guards[watch.at_once]
@@ -135,9 +144,8 @@ class _Runner:
                 self._move_to(chatter)
             return
         limit = self.system.phase_limit
-        switch = self.flow.domain.switch
-        due = switch.time(self.switches + 1, self.system.law) if switch else math.inf
-        bound = min(due, limit)
+        switch, scheduled = self.flow.domain.switch, due(self.flow.domain, self.switches, self.system.law)
+        bound = min(scheduled, limit)
         if bound <= self.t:
             self._overdue()
             return
@@ -186,7 +194,7 @@ class _Runner:
             if watch.undefined:
                 self._break_off("not_finite")
                 return
-        if switch is not None and self.t >= due:
+        if switch is not None and self.t >= scheduled:
             self.switches += 1
             self._happen(Guard(switch.name, _never, switch.reset))
         else:
@@ -224,12 +232,11 @@ class _Runner:
             v, impulse, work["impact"] = strike.v, strike.impulse, strike.work
             held = {**held, **strike.rises}
         self.y = np.concatenate([q, v, self.y[nq + nv :]])
-        if reset.latch is not None:
-            try:
-                held = {**held, **reset.latch(q.tolist(), v.tolist(), held, self.system.law)}
-            except ArithmeticError:
-                self._end("not_finite", f"what {guard.name} latches at t = {now:.6g} s")
-                return
+        try:
+            held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law)
+        except ArithmeticError:
+            self._end("not_finite", f"what {guard.name} latches at t = {now:.6g} s")
+            return
         event = Event(RETOUCH if again else guard.name, now, domain.name, q.copy(), before, v.copy(), impulse, work)
         self.run.events.append(event)
         for name, energy in work.items():
@@ -268,7 +275,7 @@ class _Runner:
 
         Where phases follow each other round and round in an instant, on all surfaces that there are.
         """
-        if self.came is None or self.t > AT_ONCE or guard.reset is None or guard.reset.phase is None:
+        if self.came is None or guard.reset is None or not left_at_once(guard, self.t):
             return None
         found: Flow | None = None
         if guard.reset.phase == self.came[0].phase:
@@ -306,8 +313,8 @@ class _Runner:
         return self._spring_energy(Reset(release=let_go)) > NOTHING
 
     def _close_cycle(self) -> None:
-        if self.on_section and sum(self.spent.values()) < INSTANT:
-            return  # two crossings in one instant bound no cycle
+        if self.on_section and not whole(sum(self.spent.values())):
+            return
         work = np.array([*self.y[-self.nw :], *(self.booked[name] for name in BOOKED)])
         energy = self._energy()
         if self.on_section:
@@ -349,15 +356,12 @@ class _Runner:
 
     def _too_many(self, now: float) -> str:
         """Why the run ends, if this event is one too many in an instant or in a cycle."""
-        if now - self.last_event < INSTANT:
-            self.instant_events += 1
-        else:
-            self.instant_events, self.instant, self.tried = 0, [], []
+        self.instant_events = crowded(self.instant_events, now - self.last_event)
+        if not self.instant_events:
+            self.instant, self.tried = [], []
         self.cycle_events += 1
         self.last_event = now
-        if self.instant_events >= INSTANT_EVENTS:
-            return "zeno"
-        return "no_cycle" if self.cycle_events >= CYCLE_EVENTS else ""
+        return too_many(self.instant_events, self.cycle_events)
 
     def _energy(self) -> float:
         """Stored energy: kinetic, gravity, engaged springs."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import HybridSystem, Reset
-from spear_pin.hybrid.phases import rise
+from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.impact import Impact, JointImpact, joint_impact, landed, plastic_impact
 
 Array = NDArray[np.float64]

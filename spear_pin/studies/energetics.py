@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.cycles import RETOUCH
+from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive

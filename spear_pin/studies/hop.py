@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.gaits.gait import Gait
-from spear_pin.hybrid.cycles import RETOUCH
-from spear_pin.hybrid.filippov import CHATTER
+from spear_pin.hybrid.rules.cycles import RETOUCH
+from spear_pin.hybrid.rules.surface import CHATTER
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 

@@ -9,9 +9,10 @@ from spear_pin import Contact, HoppingLaw, hopping, load
 from spear_pin.hybrid.automaton import Alternation
 from spear_pin.hybrid.contact import OPEN, SLIP_BACKWARD, SLIP_FORWARD, STICK
 from spear_pin.hybrid.engines.pinocchio import Flow
-from spear_pin.hybrid.filippov import CHATTER, Sliding, Unloaded, chatter
+from spear_pin.hybrid.filippov import Sliding, Unloaded
 from spear_pin.hybrid.modes import choose, fitting
 from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.rules.surface import CHATTER, chatter
 from spear_pin.hybrid.run import run
 from tests import random_starts
 from tests.hybrid.test_double_stance import ANTERIOR, POSTERIOR, ROBOT, TOES, dropped, standing

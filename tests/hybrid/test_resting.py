@@ -14,10 +14,11 @@ from spear_pin.gaits.bounding import bounding
 from spear_pin.hybrid import resting
 from spear_pin.hybrid.contact import OPEN, SLIP_BACKWARD, SLIP_FORWARD, STICK
 from spear_pin.hybrid.engines.pinocchio import Flow
-from spear_pin.hybrid.filippov import CHATTER, Sliding, Unloaded
+from spear_pin.hybrid.filippov import Sliding, Unloaded
 from spear_pin.hybrid.modes import torn
 from spear_pin.hybrid.reasons import NUMERICAL
 from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.rules.surface import CHATTER
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.shares import weights
 from spear_pin.hybrid.simulate import sample

@@ -5,7 +5,7 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.layout import flattened, shape_of
+from spear_pin.hybrid.engines.layout import flattened
 from spear_pin.hybrid.engines.single import AHEAD, UNCLEAR, Entry
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.compilation import compilation
@@ -113,7 +113,7 @@ def first_held(numbers, gait):
 
 
 def single_of(numbers, domain, held):
-    return numbers.compilation.single(domain, held, shape_of(held))
+    return numbers.compilation.single(domain, held)
 
 
 def flat(held):

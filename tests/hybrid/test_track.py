@@ -8,7 +8,7 @@ import pytest
 from spear_pin.hybrid.automaton import Guard, Reset, Switch
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.layout import flattened, shape_of
+from spear_pin.hybrid.engines.layout import flattened
 from spear_pin.hybrid.engines.single import UNCLEAR
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes import journey
@@ -66,7 +66,7 @@ def entered(system, gait):
     """What the first domain of the stance is at the gait's state."""
     numbers = Numbers(system, {}, Code(1e-12))
     _, held = starting_phase(system, gait.state)
-    single = numbers.compilation.single(system.domains[0], held, shape_of(held))
+    single = numbers.compilation.single(system.domains[0], held)
     parameters = np.array([*numbers.constants(0), *flattened(held.values())])
     return single.enter(0.0, np.concatenate(gait.state), parameters)
 

@@ -11,8 +11,8 @@ from spear_pin import find_gait, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.hybrid.contact import Contact
-from spear_pin.hybrid.cycles import RETOUCH
 from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.model.spring import Spring
 from spear_pin.studies.explore import NEAR, default_state, settled, transient
 from spear_pin.studies.explore_engines import REFERENCE, TAYLOR, best_engine

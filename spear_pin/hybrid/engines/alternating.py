@@ -7,10 +7,11 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
-from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
+from spear_pin.hybrid.automaton import Domain, HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.layout import Numbers
 from spear_pin.hybrid.engines.symbolic import Motion
+from spear_pin.hybrid.rules.latching import latched
 from spear_pin.model.planar import Planar
 
 
@@ -47,16 +48,9 @@ class Alternating:
         between = domain.between
         assert between is not None
 
-        def latched(*resets: Reset) -> Mapping[str, Any]:
-            now = held
-            for reset in resets:
-                if reset.latch is not None:
-                    now = {**now, **reset.latch(q, v, now, numbers.law)}
-            return now
-
         unloaded = replace(between.grounded, contacts=between.airborne.contacts)
         bearing = [toe for toe, mode in zip(system.robot.toes, between.grounded.contacts, strict=True) if mode != OPEN]
-        leaves, touches = latched(between.leave), latched(between.touch, *between.follow)
+        leaves, touches = (latched(held, resets, q, v, numbers.law) for resets in ([between.leave], between.touching))
         self._flight = Motion(system, between.airborne, planar, 0.0, q, v, leaves, numbers, ops)
         self._stance = Motion(system, unloaded, planar, 0.0, q, v, touches, numbers, ops, bearing)
         self._domain, self._arguments = domain, (0.0, q, v, leaves, numbers.law, self, ops)

@@ -20,7 +20,6 @@ Array = NDArray[np.float64]
 AHEAD = 1e-6  # s: a step that takes guards off zero
 UNCLEAR = -2  # an event on entering a domain that is, or may be, one only later than `AHEAD`
 OF_TOE = len(Footing._fields)
-OF_IMPACT = 6  # numbers that `Impact` reads, ahead of the responses
 
 
 class Entry(NamedTuple):
@@ -77,7 +76,7 @@ class Single:
         values = answer.tolist()
         if not math.isfinite(sum(values)):
             return Entry(math.inf, t, y, UNCLEAR)
-        fits: float = fitness([(mode, Footing._make(values[i : i + OF_TOE])) for mode, i in self._toes])
+        fits = math.inf if not self._toes else fitness([(mode, values[i : i + OF_TOE]) for mode, i in self._toes])
         if not fits >= LEAVES:
             return None
         waiting = [i for i, threshold in self._thresholds if values[i] <= threshold]
@@ -145,12 +144,12 @@ class Impact:
 
     def __call__(self, y: Array, parameters: Array) -> Array:
         """The state afterwards, by Routh's method."""
-        values, nv = self._function(y, pars=parameters[: self._function.nparams]), self._nv
-        a_tt, a_tn, a_nn, slide, approach, friction = values[:OF_IMPACT].tolist()
-        (tangential, normal), _ = routh(((a_tt, a_tn), (a_tn, a_nn)), (slide, approach), friction)
-        along, up = values[OF_IMPACT : OF_IMPACT + nv], values[OF_IMPACT + nv :]
-        after = y.copy()
-        after[nv:] += tangential * along + normal * up
+        nv, after = self._nv, y.copy()
+        numbers = self._function(y, pars=parameters[: self._function.nparams]).tolist()
+        a_tt, a_tn, a_nn, slide, approach, friction, *responses = numbers
+        (x, z), _ = routh(((a_tt, a_tn), (a_tn, a_nn)), (slide, approach), friction)
+        parts = zip(y[nv:].tolist(), responses[:nv], responses[nv:], strict=True)
+        after[nv:] = [rate + x * along + z * up for rate, along, up in parts]
         return after
 
 

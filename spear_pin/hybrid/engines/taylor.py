@@ -242,7 +242,7 @@ class Ready:
 
     def fitness(self, point: Point) -> Array:
         """How well the domain fits each of many states at which it was evaluated, (n,), by `rules.footing.fitness`."""
-        feet = [(mode, Footing(*foot)) for (_, mode), foot in zip(self.compiled.closed, point.feet, strict=True)]
+        feet = [(mode, foot) for (_, mode), foot in zip(self.compiled.closed, point.feet, strict=True)]
         return np.broadcast_to(np.asarray(fitness(feet), np.float64), point.slopes.shape[1:])
 
     def at(self, t: Array, y: Array, parameters: Array) -> Point:

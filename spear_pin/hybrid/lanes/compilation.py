@@ -53,9 +53,9 @@ class Compilation:
             self._domains[key] = Ready(domain, taylor.compiled(structure, self._code))
         return self._domains[key]
 
-    def single(self, domain: Domain, held: Held, shape: Any) -> Single:
-        """A domain, compiled for one lane, with the shape of what is held."""
-        key = id(domain), shape
+    def single(self, domain: Domain, held: Held) -> Single:
+        """A domain, compiled for one lane and for what is held."""
+        key = id(domain), layout.shape_of(held)
         if key not in self._singles:
             self._singles[key] = Single(self.domain(domain, held))
         return self._singles[key]

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset, Switch
 from spear_pin.hybrid.contact import OPEN
-from spear_pin.hybrid.cycles import counts_to, retouches
 from spear_pin.hybrid.engines.layout import shape_of
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Point, Ready
 from spear_pin.hybrid.lanes.entry import away, choose, first_event
@@ -24,12 +23,13 @@ from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.sliding import Came, slide
 from spear_pin.hybrid.lanes.track import Track
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.phases import ON_GROUND, rise
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.record import Options
-from spear_pin.hybrid.rules.footing import AT_REST
+from spear_pin.hybrid.rules.cycles import CYCLE_EVENTS, counts_to, crowded, due, left_at_once, retouches, whole
+from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.impact import RESTING, joint_impact, routh, struck_toes
-from spear_pin.hybrid.run import AT_ONCE, CYCLE_EVENTS, INSTANT, run
+from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
+from spear_pin.hybrid.run import run
 
 Array = NDArray[np.float64]
 FEW = 16  # lanes that are faster one by one
@@ -101,26 +101,24 @@ class Lanes:
     def begin(self) -> None:
         """Sort the lanes into the phases where they begin."""
         system, n = self.system, self.start.shape[1]
-        flight, lands = system.landing
-        stance = system.section_phase
         terms = self.numbers.planar.terms(list(self.start[: self.nv]), list(self.start[self.nv :]), np)
         heights = np.array([np.broadcast_to(terms.positions[toe][1], n) for toe in system.robot.toes])
-        below = (heights < -ON_GROUND).any(axis=0)
+        below = below_ground(heights).any(axis=0)
         for lane in np.flatnonzero(below):
             self.finish(np.array([lane]), "below_ground", f"at {heights[:, lane].min():.3g} m")
-        contacts = system.of_phase(stance)[0].contacts
-        closed = [i for i, mode in enumerate(contacts) if mode != OPEN]
-        sinking = [abs(along(terms.jacobians[system.robot.toes[i]][1], self.start[self.nv :])) for i in closed]
-        rests = (heights[closed] <= ON_GROUND).all(axis=0) & (np.array(sinking) <= 10 * AT_REST).all(axis=0)
-        for phase, chosen in ((stance, rests & ~below), (flight, ~rests & ~below)):
+        standing = ~below
+        for i in system.of_phase(system.section_phase)[0].on_ground:
+            rising = along(terms.jacobians[system.robot.toes[i]][1], self.start[self.nv :])
+            standing &= rests(heights[i], rising, STATE_AT_REST)
+        for stands, chosen in ((True, standing), (False, ~standing & ~below)):
             lanes = np.flatnonzero(chosen)
             if not len(lanes):
                 continue
             group = Group(lanes, np.zeros(len(lanes)), self.start[:, lanes].copy(), {})
-            group = self.numbers.latch(group, system.reset_into(flight))
-            if phase == stance:
-                group = self.numbers.latch(group, lands)
-            self.on_section[lanes] = phase == stance
+            phase, resets = start(system, stands)
+            for reset in resets:
+                group = self.numbers.latch(group, reset)
+            self.on_section[lanes] = stands
             self.go_on(phase, group, None)
 
     def go_on(self, phase: str, group: Group, came: Came | None) -> None:
@@ -185,7 +183,7 @@ class Lanes:
         for index in np.unique(first[first >= 0]).tolist():
             part, reset = group.take(first == index), domain.guards[index].reset
             if came is not None and reset is not None and reset.phase == came[0].phase:
-                just = part.t <= AT_ONCE
+                just = left_at_once(domain.guards[index], part.t)
                 self.happen(domain, index, part.take(~just))
                 part = self.slide(ready, index, came, part.take(just))
             self.happen(domain, index, part)
@@ -215,8 +213,7 @@ class Lanes:
         if domain.switch is not None:
             for n in np.unique(self.switches[group.lanes]):
                 chosen = self.switches[group.lanes] == n
-                law = self.numbers.law(group.lanes[chosen])
-                until[chosen] = np.minimum(domain.switch.time(int(n) + 1, law), limit)
+                until[chosen] = np.minimum(due(domain, int(n), self.numbers.law(group.lanes[chosen])), limit)
         late = until <= group.t
         self.give_up(group.take(late))
         group, until = group.take(~late), until[~late]
@@ -314,7 +311,7 @@ class Lanes:
     def close_cycle(self, group: Group, reset: Reset) -> Group:
         """The section is crossed; returns the lanes that go on."""
         lanes, counts = group.lanes, self.on_section[group.lanes]
-        instant = counts & (sum(spent[lanes] for spent in self.spent.values()) < INSTANT)
+        instant = counts & ~whole(np.sum([spent[lanes] for spent in self.spent.values()], axis=0))
         self.give_up(group.take(instant))
         self.cycles[lanes[counts & ~instant]] += 1
         for phase, spent in self.spent.items():
@@ -352,7 +349,7 @@ class Lanes:
         """Count an event; returns those lanes that have not had too many in an instant or a cycle."""
         lanes = group.lanes
         now = self.began[lanes] + group.t
-        self.crowd[lanes] = np.where(now - self.last[lanes] < INSTANT, self.crowd[lanes] + 1, 0)
+        self.crowd[lanes] = crowded(self.crowd[lanes], now - self.last[lanes])
         self.events[lanes] += 1
         self.last[lanes] = now
         many = (self.crowd[lanes] >= CROWD) | (self.events[lanes] >= CYCLE_EVENTS)

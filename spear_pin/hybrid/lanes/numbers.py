@@ -17,6 +17,7 @@ from spear_pin.hybrid.engines.taylor import Code, Point, Ready
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, Indices, collected, spread, take
 from spear_pin.hybrid.rules.entry import ahead
+from spear_pin.hybrid.rules.latching import latched
 
 Array = NDArray[np.float64]
 OTHERS = ("stiffness", "damping", "friction")  # numbers beside the law's in which lanes may differ
@@ -93,8 +94,8 @@ class Numbers:
             return group
         n, q, v = len(group), group.y[: self.nv], group.y[self.nv :]
         try:
-            new = reset.latch(list(q), list(v), group.held, self.law(group.lanes))
-            return replace(group, held={**group.held, **{name: spread(value, n) for name, value in new.items()}})
+            held = latched(group.held, [reset], list(q), list(v), self.law(group.lanes))
+            return replace(group, held={name: spread(value, n) for name, value in held.items()})
         except (TypeError, ValueError, ArithmeticError):
             found = [self._latch_alone(group, reset, i) for i in range(n)]
             pattern = next((one for one in found if one is not None), {"undefined": 0.0})

@@ -9,13 +9,12 @@ import numpy as np
 
 from spear_pin.hybrid.automaton import Alternation, Domain, Reset
 from spear_pin.hybrid.engines.taylor import Point, Ready
-from spear_pin.hybrid.filippov import BEYOND, MOST_AT_ONCE, alternation, chatter, within
 from spear_pin.hybrid.lanes.entry import choose, first_event
 from spear_pin.hybrid.lanes.groups import Group, along
 from spear_pin.hybrid.lanes.numbers import Numbers
-from spear_pin.hybrid.rules.footing import AT_REST
+from spear_pin.hybrid.rules.footing import still
+from spear_pin.hybrid.rules.surface import BEYOND, MOST_AT_ONCE, alternation, begins, chatter, leads_round
 
-ENDS = (0, 1)  # which guards of `chatter` are its ends
 Came = tuple[Domain, Reset]  # from where a phase was entered, and by which reset
 
 
@@ -41,12 +40,10 @@ def slide(
     sinking = along(numbers.planar.terms(list(q), list(v), np).jacobians[between.toe][1], v)
     slides = np.zeros(len(group), bool)
     found = []
-    resting = group.take(np.abs(np.broadcast_to(sinking, len(group))) <= AT_REST)
+    resting = group.take(np.broadcast_to(still(sinking), len(group)))
     for left, follow, landed in _at_once_after(numbers, between.touch, resting):
-        if left is not between.leave:
-            continue
-        for again, _, lifted in _at_once_after(numbers, left, landed):
-            if again is between.touch:
+        for again, _, lifted in () if left is None else _at_once_after(numbers, left, landed):
+            if leads_round(between, left, again):
                 part = group.take(np.isin(group.lanes, lifted.lanes))
                 for each in _begin(numbers, replace(between, follow=follow), part):
                     slides |= np.isin(group.lanes, each[1].lanes)
@@ -85,7 +82,7 @@ def _begin(numbers: Numbers, between: Alternation, group: Group) -> Iterator[tup
         point = numbers.at(ready, group)
         first, _ = first_event(numbers, ready, group, point)
         share = 1.0 + beyond - point.guards[0]
-        slides = ~np.isin(first, ENDS) & within(share, beyond)
+        slides = begins(first, [share], beyond)
         if slides.any():
             yield ready, group.take(slides), point.take(slides)
         group = group.take(~slides)

@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import Domain, Guard, Reset, Switch
-from spear_pin.hybrid.cycles import retouches
 from spear_pin.hybrid.engines.layout import flattened, shape_of
 from spear_pin.hybrid.engines.single import UNCLEAR, Entry, Single
 from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT
 from spear_pin.hybrid.lanes.groups import Held
 from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.rules.cycles import crowded, due, left_at_once, retouches, whole
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes
-from spear_pin.hybrid.run import AT_ONCE, INSTANT
+from spear_pin.hybrid.rules.latching import latched
 
 Array = NDArray[np.float64]
 EVENTS = 50  # of a cycle
@@ -64,6 +64,7 @@ class Track:
         self._compiled, self._system, self._nv = numbers.compilation, numbers.system, numbers.nv
         self._law, self._constants = numbers.law_of(lane), numbers.constants(lane)
         self._struck: dict[tuple[int, int], list[str]] = {}
+        self._singles: dict[Any, dict[int, Single]] = {}  # by the shape of what is held, and the domain
         self._phases = {phase: self._system.of_phase(phase) for phase in self._system.phases}
 
     def lap(self, phase: str, y: Array, held: Held, ago: list[float]) -> Lap | None:
@@ -79,30 +80,29 @@ class Track:
         grounded = [-seconds for seconds in ago]
         t, switches, past, last, crowd = 0.0, 0, 0.0, -math.inf, 0
         spent, observed = dict.fromkeys(system.phases, 0.0), {}
-        domains, (shape, parameters) = self._phases[phase], self._given(held)
+        domains, (singles, parameters) = self._phases[phase], self._given(held)
         for _ in range(EVENTS):
-            entered = self._enter(domains, t, y, held, shape, parameters)
+            entered = self._enter(domains, t, y, held, singles, parameters)
             if entered is None:
                 return None
             ready, (_, t, y, end) = entered
             domain = ready.domain
-            switch = domain.switch
-            if end == UNCLEAR or (end >= 0 and t <= AT_ONCE and domain.guards[end].leaves):
+            if end == UNCLEAR or (end >= 0 and left_at_once(domain.guards[end], t)):
                 return None
-            at = math.inf if switch is None else switch.time(switches + 1, self._law)
+            at = due(domain, switches, self._law)
             until = min(at, system.phase_limit)
             if end == NONE:
                 t, y, end = ready.run(t, y, until, parameters)
             if end == KINK:
                 domains = (domain,)
                 continue
-            event: Guard | Switch | None = switch if end == TIME_LIMIT and until == at else None
+            event: Guard | Switch | None = domain.switch if end == TIME_LIMIT and until == at else None
             if end >= 0:
                 event = domain.guards[end]
                 if event.observes:
                     observed[event.name], domains = y, (domain,)
                     continue
-            crowd = crowd + 1 if past + t - last < INSTANT else 0
+            crowd = crowded(crowd, past + t - last)
             if event is None or event.reset is None or crowd == FEW_AT_ONCE:
                 return None
             last, reset = past + t, event.reset
@@ -120,27 +120,29 @@ class Track:
             if reset.latch is not None:
                 now = y.tolist()
                 try:
-                    held = {**held, **reset.latch(now[: self._nv], now[self._nv :], held, self._law)}
+                    held = latched(held, [reset], now[: self._nv], now[self._nv :], self._law)
                 except ArithmeticError:
                     return None
-                shape, parameters = self._given(held)
+                singles, parameters = self._given(held)
             if reset.phase is not None:
                 spent[phase] += t
                 phase, past, t, switches = reset.phase, past + t, 0.0, 0
             domains = self._phases[phase]
             if event.name == system.section:
-                whole = reset.phase is not None and past > INSTANT
                 ago = [past - time for time in grounded]
-                return Lap(y, held, spent, observed, phase, (domain, reset), ago) if whole else None
+                closes = reset.phase is not None and whole(past)
+                return Lap(y, held, spent, observed, phase, (domain, reset), ago) if closes else None
         return None
 
     def _enter(
-        self, domains: Iterable[Domain], t: float, y: Array, held: Held, shape: Any, parameters: Array
+        self, domains: Iterable[Domain], t: float, y: Array, held: Held, singles: dict[int, Single], parameters: Array
     ) -> tuple[Single, Entry] | None:
         """The domain that fits best, if one does."""
         best = None
         for domain in domains:
-            ready = self._compiled.single(domain, held, shape)
+            ready = singles.get(id(domain))
+            if ready is None:
+                ready = singles[id(domain)] = self._compiled.single(domain, held)
             entry = ready.enter(t, y, parameters)
             if entry is None:
                 continue
@@ -150,6 +152,6 @@ class Track:
                 best = ready, entry
         return best
 
-    def _given(self, held: Held) -> tuple[Any, Array]:
-        """The shape of what is held, and the run-time parameters."""
-        return shape_of(held), np.array(self._constants + flattened(held.values()))
+    def _given(self, held: Held) -> tuple[dict[int, Single], Array]:
+        """Domains compiled for what is held, as far as they were asked for, and the run-time parameters."""
+        return self._singles.setdefault(shape_of(held), {}), np.array(self._constants + flattened(held.values()))

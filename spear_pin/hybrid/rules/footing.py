@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Protocol
 
 from spear_pin.hybrid.automaton import Domain, Rub
 from spear_pin.hybrid.contact import OPEN, SIGN, STICK
-from spear_pin.hybrid.rules.scalars import where
+from spear_pin.hybrid.rules.scalars import everywhere, where
 
 AT_REST = 1e-7  # m/s
 UNLOADED = 1e-5  # N: near Painlevé's paradox rounding is amplified a hundredfold and more
@@ -91,12 +91,17 @@ def footing(dynamics: Dynamics, toe: str, mode: str) -> Footing:
     return Footing(sign * speed, tangential, normal, grip, sign * acceleration, pivot)
 
 
+def still(speed: Any) -> Any:
+    """Whether a toe is at rest along a direction in which it moves at a speed, in m/s."""
+    return abs(speed) <= AT_REST
+
+
 def turns(rub: Rub, rate: Any) -> Any:
     """Whether a joint's rate fits a mode of its dry friction."""
     return abs(rate) <= AT_REST if rub.sign == 0 else rub.sign * rate >= -AT_REST
 
 
-def fitness(feet: Sequence[tuple[str, Footing]], joints: Sequence[tuple[Rub, Rubbing]] = ()) -> Any:
+def fitness(feet: Sequence[tuple[str, Sequence[Any]]], joints: Sequence[tuple[Rub, Rubbing]] = ()) -> Any:
     """How well a domain fits a state: of those of a phase the one that fits best is taken, of equals the first.
 
     Where its modes fit and the forces keep them, it is the least acceleration, in m/s², at which a toe begins to slide,
@@ -107,23 +112,23 @@ def fitness(feet: Sequence[tuple[str, Footing]], joints: Sequence[tuple[Rub, Rub
     where velocities do not fit.
 
     Args:
-        feet: mode and footing of each toe on the ground.
+        feet: mode of each toe on the ground, and its footing or the numbers of one in their order.
         joints: mode and numbers of each joint with dry friction.
 
     Returns:
         a number, or an array (n,) where footings are arrays.
     """
     fits, posed, keeps, leaves, some, holds, push = True, True, True, True, False, True, math.inf
-    for mode, foot in feet:
+    for mode, (speed, tangential, normal, grip, acceleration, pivot) in feet:
         if mode == STICK:
-            fits = fits & (abs(foot.speed) <= AT_REST)
-            stays = abs(foot.tangential) < foot.grip - UNLOADED  # on the cone's edge it is about to slide
+            fits = fits & (abs(speed) <= AT_REST)
+            stays = abs(tangential) < grip - UNLOADED  # on the cone's edge it is about to slide
         else:
-            fits = fits & (foot.speed >= -AT_REST)
-            posed = posed & (foot.pivot > 0.0)
-            stays = (foot.acceleration > -STARTS_TO_SLIDE) | (foot.speed > AT_REST)
-            push = where((foot.speed <= AT_REST) & (foot.acceleration < push), foot.acceleration, push)
-        pulled, stays = foot.normal <= 0.0, stays & (foot.normal > 0.0)
+            fits = fits & (speed >= -AT_REST)
+            posed = posed & (pivot > 0.0)
+            stays = (acceleration > -STARTS_TO_SLIDE) | (speed > AT_REST)
+            push = where((speed <= AT_REST) & (acceleration < push), acceleration, push)
+        pulled, stays = normal <= 0.0, stays & (normal > 0.0)
         keeps, leaves, some = keeps & stays, leaves & (stays | pulled), some | pulled
     for rub, joint in joints:
         fits = fits & turns(rub, joint.rate)
@@ -132,8 +137,11 @@ def fitness(feet: Sequence[tuple[str, Footing]], joints: Sequence[tuple[Rub, Rub
         else:
             goes_on = (abs(joint.rate) > AT_REST) | (rub.sign * joint.acceleration > -STARTS_TO_SLIDE)
             holds = holds & goes_on
+    good = fits & posed & keeps & holds
+    if everywhere(good):
+        return push
     reason = where(holds, where(posed, where(leaves, LEAVES, where(some, SOME_LEAVE, MOVES)), ILL_POSED), TURNS)
-    return where(fits, where(holds & posed & keeps, push, reason), UNFIT)
+    return where(good, push, where(fits, reason, UNFIT))
 
 
 def torn_off(mode: str, bore: Any, next_mode: str, bears: Any) -> Any:

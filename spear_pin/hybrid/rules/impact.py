@@ -110,23 +110,24 @@ def routh(A: Any, before: Any, friction: Any) -> tuple[tuple[Any, Any], Any]:
     """
     (a_tt, a_tn), (_, a_nn) = A
     slide, approach = before
-    tangential, normal = 0.0 * slide, 0.0 * approach
-    for _ in range(3):  # slide, then stick or slide back
-        goes_on = approach < -RESTING
-        if nowhere(goes_on):
-            break
-        stopped = slide == 0.0
-        sticks = stopped & (abs(a_tn) <= friction * a_tt)
-        slips = where(where(stopped, a_tn, slide) >= 0.0, -friction, friction)
-        ratio = where(sticks, quotient(sticks & (a_tt > 0.0), -a_tn, a_tt, 0.0), slips)
-        slide_rate, approach_rate = a_tn + a_tt * ratio, a_nn + a_tn * ratio
-        to_end = quotient(approach_rate > 0.0, -approach, approach_rate, math.inf)
-        to_stop = quotient(slide * slide_rate < 0.0, -slide, slide_rate, math.inf)
-        more = where(goes_on, where(to_stop < to_end, to_stop, to_end), 0.0)
-        tangential, normal = tangential + where(goes_on, ratio * more, 0.0), normal + more
-        slide = where(goes_on, where(sticks | (to_stop <= to_end), 0.0, slide + slide_rate * more), slide)
-        approach = where(goes_on, where(to_end <= to_stop, 0.0, approach + approach_rate * more), approach)
-    return (tangential, normal), slide != 0.0
+    strikes = approach < -RESTING
+    if nowhere(strikes):
+        return (0.0 * slide, 0.0 * slide), slide != 0.0
+    # it slides until it stops, or the impact ends
+    grip = where(slide > 0.0, -friction, friction)
+    slide_rate, approach_rate = a_tn + a_tt * grip, a_nn + a_tn * grip
+    to_end = quotient(approach_rate > 0.0, -approach, approach_rate, math.inf)
+    to_stop = quotient(slide * slide_rate < 0.0, -slide, slide_rate, where(slide == 0.0, 0.0, math.inf))
+    stops = to_stop <= to_end
+    first = where(stops, to_stop, to_end)
+    # then it sticks, or slides back
+    sticks = abs(a_tn) <= friction * a_tt
+    turn = where(a_tn > 0.0, -friction, friction)
+    back = quotient(sticks & (a_tt > 0.0), -a_tn, a_tt, where(sticks, 0.0, turn))
+    second = where(stops, -(approach + approach_rate * first) / (a_nn + a_tn * back), 0.0)
+    slides = where(stops, (second > 0.0) & (abs(a_tn) > friction * a_tt), True)
+    tangential, normal = grip * first + back * second, first + second
+    return (where(strikes, tangential, 0.0), where(strikes, normal, 0.0)), where(strikes, slides, slide != 0.0)
 
 
 def joint_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact:

@@ -19,8 +19,13 @@ def nowhere(condition: Any) -> bool:
     return not (condition.any() if isinstance(condition, np.ndarray) else condition)
 
 
-def quotient(condition: Any, dividend: Any, divisor: Any, otherwise: float) -> Any:
+def everywhere(condition: Any) -> bool:
+    """Whether a condition holds in every lane."""
+    return bool(condition.all() if isinstance(condition, np.ndarray) else condition)
+
+
+def quotient(condition: Any, dividend: Any, divisor: Any, otherwise: Any) -> Any:
     """The quotient where a condition holds and another value elsewhere, where the divisor may be zero."""
     if not isinstance(condition, np.ndarray):
         return dividend / divisor if condition else otherwise
-    return np.divide(dividend, divisor, out=np.full(condition.shape, otherwise), where=condition)
+    return np.divide(dividend, divisor, out=np.broadcast_to(otherwise, condition.shape).copy(), where=condition)

@@ -7,12 +7,26 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, find_gait, hopping, load, simulate, simulate_many
-from spear_pin.hybrid.automaton import SHORTEST_FLIGHT, Reset
-from spear_pin.hybrid.cycles import RETOUCH, counts_to, flight_times, retouches
-from spear_pin.hybrid.filippov import CHATTER
+from spear_pin.hybrid.automaton import SHORTEST_FLIGHT, Reset, Switch
 from spear_pin.hybrid.hardware import Sensing
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.rules.cycles import (
+    AT_ONCE,
+    CYCLE_EVENTS,
+    INSTANT,
+    INSTANT_EVENTS,
+    RETOUCH,
+    counts_to,
+    crowded,
+    due,
+    flight_times,
+    left_at_once,
+    retouches,
+    too_many,
+    whole,
+)
+from spear_pin.hybrid.rules.surface import CHATTER
 from spear_pin.hybrid.run import run
 from spear_pin.studies.hardware import Rig, on_rig
 from spear_pin.studies.hop import durations
@@ -158,3 +172,31 @@ class TestTimeInTheAir:
         left = next(each for each in Gait.load("long_stride").system.domains if each.name == domain)
         reset = next(guard.reset for guard in left.guards if guard.name == event)
         assert counts_to(left, reset, again) == phase
+
+
+class TestTime:
+    @pytest.mark.parametrize("n", [1, 64])
+    def test_events_of_an_instant(self, n):
+        before, since = np.arange(n), np.where(np.arange(n) % 2, INSTANT, 0.5 * INSTANT)
+        expected = [0 if i % 2 else i + 1 for i in range(n)]
+        assert crowded(before, since).tolist() == expected
+        assert [crowded(int(i), float(t)) for i, t in zip(before, since, strict=True)] == expected
+
+    def test_too_many(self):
+        counts = [(INSTANT_EVENTS - 1, CYCLE_EVENTS - 1), (INSTANT_EVENTS, CYCLE_EVENTS), (0, CYCLE_EVENTS)]
+        assert [too_many(*count) for count in counts] == ["", "zeno", "no_cycle"]
+
+    def test_crossings_in_one_instant_bound_no_cycle(self):
+        assert whole(np.array([0.5 * INSTANT, INSTANT, 1.0])).tolist() == [False, True, True]
+        assert [whole(seconds) for seconds in (0.5 * INSTANT, INSTANT)] == [False, True]
+
+    def test_what_is_left_at_once(self, gait):
+        guards = {guard.name: guard for guard in gait.system.of_phase("stance")[0].guards}
+        assert left_at_once(guards["lift_off"], np.array([0.0, AT_ONCE, 2.0 * AT_ONCE])).tolist() == [True, True, False]
+        assert not left_at_once(guards["slip"], 0.0) and not left_at_once(guards["fall:knee"], 0.0)
+
+    def test_due(self, gait):
+        law = SimpleNamespace(period=0.25)
+        domain = replace(gait.system.domains[0], switch=Switch("beat", lambda n, p: n * p.period, Reset()))
+        assert [due(domain, n, law) for n in range(3)] == [0.25, 0.5, 0.75]
+        assert due(replace(domain, switch=None), 0, law) == np.inf

@@ -1,4 +1,6 @@
-"""End of a cycle: the section's event, unless a toe that strikes there has hardly been in the air.
+"""Time within a phase, an instant and a cycle: what is due, what is too much, what closes a cycle.
+
+The section's event closes a cycle, unless a toe that strikes there has hardly been in the air.
 
 A toe that comes down again within `HybridSystem.shortest_flight` after it left the ground has not flown: it re-touches.
 What the automaton makes of it stays the same, for a foot switch closes all the same; but the event is named `RETOUCH`,
@@ -8,6 +10,7 @@ motion on the switching surface, in which the toe never leaves the ground, howev
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import reduce
 from operator import and_
@@ -16,9 +19,55 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
+from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
+from spear_pin.hybrid.rules.scalars import where
 
 RETOUCH = "retouch"
+INSTANT = 1e-7  # s: events closer together than this count as one instant
+AT_ONCE = 1e-9  # s: a phase shorter than this was left as soon as it was entered
+INSTANT_EVENTS = 20  # so many in one instant are a Zeno point
+CYCLE_EVENTS = 1000
+
+
+def due(domain: Domain, switches: int, law: Any) -> Any:
+    """Time since the phase began, in s, at which its next scheduled switch is due; infinite if there is none.
+
+    Args:
+        domain: the domain.
+        switches: how many have been in this phase.
+        law: parameters of the control law.
+    """
+    return math.inf if domain.switch is None else domain.switch.time(switches + 1, law)
+
+
+def crowded(before: Any, since: Any) -> Any:
+    """How many events there have been in an instant before this one.
+
+    Args:
+        before: the same of the last event.
+        since: time since that, in s.
+    """
+    return where(since < INSTANT, before + 1, 0)
+
+
+def too_many(crowd: int, events: int) -> str:
+    """Why a run ends by the number of its events, if it does.
+
+    Args:
+        crowd: as of `crowded`.
+        events: of the cycle, with the present one.
+    """
+    return "zeno" if crowd >= INSTANT_EVENTS else "no_cycle" if events >= CYCLE_EVENTS else ""
+
+
+def left_at_once(guard: Guard, t: Any) -> Any:
+    """Whether a phase is left for another as soon as it was entered, t seconds ago: it may be chatter."""
+    return (t <= AT_ONCE) & (guard.reset is not None and guard.reset.phase is not None)
+
+
+def whole(seconds: Any) -> Any:
+    """Whether crossings of the section, so many seconds apart, bound a cycle; two in one instant do not."""
+    return seconds >= INSTANT
 
 
 def retouches(system: HybridSystem, reset: Reset, aloft: Sequence[Any] | NDArray[np.float64]) -> Any:

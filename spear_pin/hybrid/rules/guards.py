@@ -1,0 +1,114 @@
+"""Guards of contacts, falls and springs: what events there are, and how near to zero counts as on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from spear_pin.hybrid.automaton import Guard, GuardValue, Mount, Reset, Rub
+from spear_pin.hybrid.contact import SIGN, STICK
+from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, UNLOADED
+
+ON_GROUND = 1e-8  # m: more than integration leaves of the constraint, less than any foot clearance
+ON_REST = 1e-9  # rad: more than what an event's time is off by
+
+
+def height(frame: str) -> GuardValue:
+    """Height of a frame above the ground, in m."""
+    return lambda t, q, v, held, p, dyn, ops: dyn.height(frame)
+
+
+def normal_force(toe: str) -> GuardValue:
+    """F_z of a toe, in N."""
+    return lambda t, q, v, held, p, dyn, ops: dyn.force(toe)[1]
+
+
+def cone_margin(toe: str, side: float) -> GuardValue:
+    """μ F_z + side F_x, in N: zero where the toe begins to slide to that side, (3.18)."""
+    return lambda t, q, v, held, p, dyn, ops: dyn.friction_coefficient * dyn.force(toe)[1] + side * dyn.force(toe)[0]
+
+
+def slip_speed(toe: str, side: float) -> GuardValue:
+    """Sliding speed of a toe to one side, in m/s."""
+    return lambda t, q, v, held, p, dyn, ops: side * dyn.toe_velocity(toe)[0]
+
+
+def pivot(toe: str) -> GuardValue:
+    """J_z D⁻¹ (J_z - μ s J_x)ᵀ of a slipping toe, in 1/kg: not positive means Painlevé's paradox."""
+    return lambda t, q, v, held, p, dyn, ops: dyn.pivot(toe)
+
+
+def rate(index: int, side: float = 1.0) -> GuardValue:
+    """A coordinate's rate, times `side`."""
+    return lambda t, q, v, held, p, dyn, ops: side * v[index]
+
+
+def rise(toe: str) -> str:
+    """Name in `held` of the speed at which a toe was lifted off by the last impact of several, in m/s."""
+    return f"{toe}_rise"
+
+
+def stays(toe: str) -> GuardValue:
+    """Positive unless the impact by which the phase was entered lifts the toe off."""
+    return lambda t, q, v, held, p, dyn, ops: 10.0 * AT_REST - held.get(rise(toe), 0.0)
+
+
+def touchdown(toe: str, reset: Reset, name: str = "touchdown") -> Guard:
+    """The toe reaches the ground from above."""
+    return Guard(name, height(toe), reset, tolerance=ON_GROUND)
+
+
+def fall(frames: Sequence[str]) -> tuple[Guard, ...]:
+    """The run ends when one of these frames reaches the ground."""
+    return tuple(Guard(f"fall:{frame}", height(frame), ends="fall", tolerance=ON_GROUND) for frame in frames)
+
+
+def spring_switches(mount: Mount, index: int) -> tuple[Guard, ...]:
+    """A unilateral spring goes slack, or taut again, when the joint passes the latched angle."""
+    if not mount.spring.unilateral:
+        return ()
+
+    def deflection(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+        return (2.0 * held[mount.taut] - 1.0) * mount.side * (q[index] - held[mount.rest])
+
+    toggle = Reset(latch=lambda q, v, held, p: {mount.taut: 1.0 - held[mount.taut]})
+    return (Guard("spring_switch", deflection, toggle, tolerance=ON_REST),)
+
+
+def to_spare(rub: Rub, side: float) -> GuardValue:
+    """Margin of dry friction over that which holds the joint, towards one side, in N or N·m."""
+    return lambda t, q, v, held, p, dyn, ops: rub.force - side * dyn.holding(rub.joint)
+
+
+def contact_guards(toe: str, mode: str, name: str, lift_off: Reset) -> list[Guard]:
+    """Events of a toe on the ground: lift-off, slip or stick, and the end of the slip equation's validity.
+
+    Args:
+        toe: the toe.
+        mode: its mode of contact.
+        name: of its lift-off.
+        lift_off: what happens then.
+    """
+    leave = Guard(name, normal_force(toe), lift_off, tolerance=UNLOADED)
+    if mode == STICK:
+        margins = [cone_margin(toe, side) for side in SIGN.values()]
+        return [leave, *(Guard("slip", margin, Reset(), tolerance=UNLOADED) for margin in margins)]
+    ill_posed = Guard("painleve", pivot(toe), ends="painleve")
+    return [ill_posed, leave, Guard("stick", slip_speed(toe, SIGN[mode]), Reset(), tolerance=AT_REST)]
+
+
+def lifted_off(toe: str, name: str, lift_off: Reset) -> Guard:
+    """Lift-off at once of a toe that the impact by which the phase is entered lifts off, while another stays."""
+    return Guard(name, stays(toe), lift_off, tolerance=AT_REST)
+
+
+def rubbing_guards(rub: Rub, index: int) -> tuple[Guard, ...]:
+    """Events of dry friction: a joint that moves comes to rest; one that is held is let go to either side.
+
+    Args:
+        rub: mode of the joint.
+        index: of its coordinate.
+    """
+    if rub.sign:
+        return (Guard(f"rest:{rub.joint}", rate(index, rub.sign), Reset(), tolerance=AT_REST),)
+    return tuple(Guard(f"let_go:{rub.joint}", to_spare(rub, side), Reset(), tolerance=LET_GO) for side in (1.0, -1.0))

@@ -1,0 +1,42 @@
+"""Start of a run from a state alone: in which phase it lies, and what is held there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from spear_pin.hybrid.automaton import HybridSystem, Reset
+from spear_pin.hybrid.rules.footing import AT_REST
+from spear_pin.hybrid.rules.guards import ON_GROUND
+
+STATE_AT_REST = 10.0 * AT_REST  # m/s: of a state that is given
+
+
+def below_ground(height: Any) -> Any:
+    """Whether a toe at a height, in m, is below the ground."""
+    return height < -ON_GROUND
+
+
+def rests(height: Any, rising: Any, at_rest: float = AT_REST) -> Any:
+    """Whether a toe is on the ground and moves neither up nor down.
+
+    Args:
+        height: of the toe, in m.
+        rising: its vertical speed, in m/s.
+        at_rest: up to which speed it is at rest, in m/s.
+    """
+    return (height <= ON_GROUND) & (abs(rising) <= at_rest)
+
+
+def start(system: HybridSystem, standing: bool) -> tuple[str, tuple[Reset, ...]]:
+    """The phase in which a run begins, and the resets whose latches say what is held there.
+
+    It is as if the phase had just begun: that which follows the section if all toes that are on the ground in it rest
+    there by `STATE_AT_REST`, else flight before the section.
+
+    Args:
+        system: the system.
+        standing: whether they rest there.
+    """
+    flight, lands = system.landing
+    into_flight = system.reset_into(flight)
+    return (system.section_phase, (into_flight, lands)) if standing else (flight, (into_flight,))
