@@ -197,10 +197,10 @@ MUTATIONS = [
         "hybrid/rules/footing",
         ["hybrid/rules/test_footing"],
         {
-            "a toe sticks outside the cone": ("abs(foot.tangential) <", "foot.tangential <"),
-            "slip that would turn back": (" | (foot.speed > AT_REST)", " | True"),
-            "Painlevé's paradox fits": ("holds & posed & keeps", "holds & keeps"),
-            "a toe is held down": ("stays & (foot.normal > 0.0)", "stays"),
+            "a toe sticks outside the cone": ("abs(tangential) <", "tangential <"),
+            "slip that would turn back": ("-STARTS_TO_SLIDE) | (speed > AT_REST)", "-STARTS_TO_SLIDE) | True"),
+            "Painlevé's paradox fits": ("fits & posed & keeps & holds", "fits & keeps & holds"),
+            "a toe is held down": ("stays & (normal > 0.0)", "stays"),
         },
     ),
     *mistakes_in(

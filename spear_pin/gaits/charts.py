@@ -37,11 +37,11 @@ class Section:
     def geometry(self, q: Array) -> tuple[Array, Array]:
         """Heights of the closed toes, (n, k), and their Jacobians, (n, k, 2, nv), of configurations (n, nv)."""
         n, rows = len(q), list(np.ascontiguousarray(q.T))
-        terms = self.planar.terms(rows, [0.0] * self.nv, np)
+        feet = self.planar.feet(rows, [0.0] * self.nv, np)
         heights, jacobians = np.empty((n, len(self.toes))), np.empty((n, len(self.toes), 2, self.nv))
         for i, toe in enumerate(self.toes):
-            heights[:, i] = terms.positions[toe][1]
-            for axis, row in enumerate(terms.jacobians[toe]):
+            heights[:, i] = feet.positions[toe][1]
+            for axis, row in enumerate(feet.jacobians[toe]):
                 for j, value in enumerate(row):
                     jacobians[:, i, axis, j] = value
         return heights, jacobians

@@ -9,10 +9,10 @@ Vectors lie in the x-z plane; angles turn x towards z, so that pitch is positive
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -49,6 +49,20 @@ class Body:
     armature: float
 
 
+class Feet(NamedTuple):
+    """Kinematics of the toes at a state.
+
+    Attributes:
+        positions: x and z of each toe.
+        jacobians: J of each toe, two rows of nv.
+        drifts: J̇ v of each toe.
+    """
+
+    positions: dict[str, Vector]
+    jacobians: dict[str, list[list[Any]]]
+    drifts: dict[str, Vector]
+
+
 @dataclass(frozen=True)
 class Terms:
     """The equations of motion at a state: D v̇ + bias = B u + Σ Jᵀ F, (3.16).
@@ -56,9 +70,7 @@ class Terms:
     Attributes:
         mass_matrix: D, nv rows of nv.
         bias: C v + G, nv.
-        positions: x and z of each toe.
-        jacobians: J of each toe, two rows of nv.
-        drifts: J̇ v of each toe.
+        positions, jacobians, drifts: as of `Feet`.
     """
 
     mass_matrix: list[list[Any]]
@@ -108,67 +120,71 @@ class Planar:
             ops: has `sin` and `cos` for them.
         """
         joints = self._joints(q, v, ops)
-        mass_matrix = [[0.0] * self.nv for _ in range(self.nv)]
-        bias: list[Any] = [0.0] * self.nv
-        # of what each joint carries: mass, moment of mass about the joint, inertia about it, and the
-        # force and torque there that the motion at v̇ = 0 needs
-        carried: list[list[Any]] = [[0.0, ZERO, 0.0, ZERO, 0.0] for _ in self.bodies]
-        for i in reversed(range(self.nv)):
-            body, joint = self.bodies[i], joints[i]
-            mass, moment, inertia, force, torque = carried[i]
-            com = _scaled(body.mass, _turned(body.com, joint.cosine, joint.sine))
-            fall = joint.acceleration[0], joint.acceleration[1] + self.gravity
-            pull = _added(_scaled(body.mass, fall), _scaled(-joint.spin * joint.spin, com))
-            mass = mass + body.mass
-            moment = _added(moment, com)
-            inertia = inertia + body.inertia + body.mass * _dot(body.com, body.com)  # as long however it turns
-            force, torque = _added(force, pull), torque + _cross(com, fall)
-            bias[i] = body.turns * torque if body.turns else _dot(joint.axis, force)
-            j, further, lever = i, inertia, ZERO
-            while j >= 0:
-                other, turns = joints[j], self.bodies[j].turns
-                if body.turns and turns:
-                    value = body.turns * turns * further
-                elif body.turns:
-                    value = body.turns * _cross(moment, other.axis)
-                elif turns:
-                    value = turns * _cross(_added(moment, _scaled(mass, lever)), joint.axis)
-                else:
-                    along = _dot(joint.axis, other.axis)
-                    value = along if _vanishes(along) else mass * along
-                mass_matrix[i][j] = mass_matrix[j][i] = value
-                further, lever = further + _dot(moment, other.arm), _added(lever, other.arm)
-                j = self.bodies[j].parent
-            mass_matrix[i][i] = mass_matrix[i][i] + body.armature
-            if body.parent >= 0:
-                arm, above = joint.arm, carried[body.parent]
-                length = _dot(body.placement, body.placement) if body.turns else _dot(arm, arm)
-                above[0] = above[0] + mass
-                above[1] = _added(above[1], _added(moment, _scaled(mass, arm)))
-                above[2] = above[2] + inertia + 2.0 * _dot(moment, arm) + mass * length
-                above[3] = _added(above[3], force)
-                above[4] = above[4] + torque + _cross(arm, force)
-        positions, jacobians, drifts = {}, {}, {}
-        for toe, (i, offset) in self.toes.items():
-            joint = joints[i] if i >= 0 else _WORLD
-            lever = _turned(offset, joint.cosine, joint.sine)
-            positions[toe] = position = _added(joint.origin, lever)
-            drifts[toe] = _added(joint.acceleration, _scaled(-joint.spin * joint.spin, lever))
-            jacobians[toe] = [[0.0] * self.nv, [0.0] * self.nv]
-            while i >= 0:
-                column: Vector = joints[i].axis
-                if self.bodies[i].turns:
-                    from_joint = (position[0] - joints[i].origin[0], position[1] - joints[i].origin[1])
-                    column = _scaled(self.bodies[i].turns, (-from_joint[1], from_joint[0]))
-                jacobians[toe][0][i], jacobians[toe][1][i] = column
-                i = self.bodies[i].parent
-        return Terms(mass_matrix, bias, positions, jacobians, drifts)
+        feet = self._feet(joints)
+        return Terms(*self._dynamics(joints), feet.positions, feet.jacobians, feet.drifts)
+
+    def feet(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Feet:
+        """Kinematics of the toes alone, arguments as of `terms`."""
+        return self._feet(self._joints(q, v, ops))
 
     def position(self, frame: str, q: Sequence[Any], ops: Any) -> Vector:
         """Position of any frame of the robot's model, x and z, in m."""
         i, offset = self.frames[frame]
         joint = self._joints(q, [0.0] * self.nv, ops)[i] if i >= 0 else _WORLD
         return _added(joint.origin, _turned(offset, joint.cosine, joint.sine))
+
+    def _dynamics(self, joints: Sequence[_Joint]) -> tuple[list[list[Any]], list[Any]]:
+        """Mass matrix and bias, by composite bodies: from the limbs to the trunk."""
+        mass_matrix = [[0.0] * self.nv for _ in range(self.nv)]
+        bias: list[Any] = [0.0] * self.nv
+        loads = [NOTHING] * self.nv
+        for i in reversed(range(self.nv)):
+            body, joint = self.bodies[i], joints[i]
+            load = _with_body(loads[i], body, joint, self.gravity)
+            bias[i] = body.turns * load.torque if body.turns else _dot(joint.axis, load.force)
+            for j, value in self._couplings(i, load, joints):
+                mass_matrix[i][j] = mass_matrix[j][i] = value
+            mass_matrix[i][i] = mass_matrix[i][i] + body.armature
+            if body.parent >= 0:
+                loads[body.parent] = _hung(loads[body.parent], load, body, joint.arm)
+        return mass_matrix, bias
+
+    def _couplings(self, i: int, load: _Load, joints: Sequence[_Joint]) -> Iterator[tuple[int, Any]]:
+        """Entries of the mass matrix that couple a joint, which carries a load, with itself and those it hangs on."""
+        axis, turns, j, inertia, lever = joints[i].axis, self.bodies[i].turns, i, load.inertia, ZERO
+        while j >= 0:
+            other, also = joints[j], self.bodies[j].turns
+            if turns and also:
+                yield j, turns * also * inertia
+            elif turns:
+                yield j, turns * _cross(load.moment, other.axis)
+            elif also:
+                yield j, also * _cross(_added(load.moment, _scaled(load.mass, lever)), axis)
+            else:
+                along = _dot(axis, other.axis)
+                yield j, along if _vanishes(along) else load.mass * along
+            inertia, lever = inertia + _dot(load.moment, other.arm), _added(lever, other.arm)
+            j = self.bodies[j].parent
+
+    def _feet(self, joints: Sequence[_Joint]) -> Feet:
+        positions, jacobians, drifts = {}, {}, {}
+        for toe, (i, offset) in self.toes.items():
+            joint = joints[i] if i >= 0 else _WORLD
+            lever = _turned(offset, joint.cosine, joint.sine)
+            positions[toe] = position = _added(joint.origin, lever)
+            drifts[toe] = _added(joint.acceleration, _scaled(-joint.spin * joint.spin, lever))
+            rows = jacobians[toe] = [[0.0] * self.nv, [0.0] * self.nv]
+            while i >= 0:
+                rows[0][i], rows[1][i] = self._column(i, joints[i], position)
+                i = self.bodies[i].parent
+        return Feet(positions, jacobians, drifts)
+
+    def _column(self, i: int, joint: _Joint, position: Vector) -> Vector:
+        """Velocity of a point for each unit of a joint's rate."""
+        turns = self.bodies[i].turns
+        if not turns:
+            return joint.axis
+        return _scaled(turns, (joint.origin[1] - position[1], position[0] - joint.origin[0]))
 
     def _joints(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> list[_Joint]:
         joints: list[_Joint] = []
@@ -207,6 +223,49 @@ class _Joint:
     spin: Any
     acceleration: Vector
     axis: Vector
+
+
+class _Load(NamedTuple):
+    """Bodies that a joint carries, as they are felt there.
+
+    `moment` is of their mass about the joint, `inertia` about it; `force` and `torque` are those that their motion
+    needs at v̇ = 0.
+    """
+
+    mass: Any
+    moment: Vector
+    inertia: Any
+    force: Vector
+    torque: Any
+
+
+NOTHING = _Load(0.0, ZERO, 0.0, ZERO, 0.0)
+
+
+def _with_body(load: _Load, body: Body, joint: _Joint, gravity: float) -> _Load:
+    """A joint's load together with the body that it moves."""
+    com = _scaled(body.mass, _turned(body.com, joint.cosine, joint.sine))
+    fall = joint.acceleration[0], joint.acceleration[1] + gravity
+    pull = _added(_scaled(body.mass, fall), _scaled(-joint.spin * joint.spin, com))
+    return _Load(
+        load.mass + body.mass,
+        _added(load.moment, com),
+        load.inertia + body.inertia + body.mass * _dot(body.com, body.com),  # as long however it turns
+        _added(load.force, pull),
+        load.torque + _cross(com, fall),
+    )
+
+
+def _hung(above: _Load, load: _Load, body: Body, arm: Vector) -> _Load:
+    """What a joint carries together with the load of one that hangs on it at an arm."""
+    length = _dot(body.placement, body.placement) if body.turns else _dot(arm, arm)
+    return _Load(
+        above.mass + load.mass,
+        _added(above.moment, _added(load.moment, _scaled(load.mass, arm))),
+        above.inertia + load.inertia + 2.0 * _dot(load.moment, arm) + load.mass * length,
+        _added(above.force, load.force),
+        above.torque + load.torque + _cross(arm, load.force),
+    )
 
 
 _WORLD = _Joint(0.0, 1.0, 0.0, ZERO, ZERO, 0.0, ZERO, ZERO)

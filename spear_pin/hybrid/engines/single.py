@@ -56,7 +56,7 @@ class Single:
         # where things are in what the function returns, see `entering`
         self._toes = [(mode, len(guards) + OF_TOE * i) for i, (_, mode) in enumerate(code.closed)]
         kinks = len(guards) + OF_TOE * len(code.closed)
-        self._later = kinks + code.kinks
+        self._later, self._bends = kinks + code.kinks, code.kinks > 0
         kinks_later = self._later + len(guards)
         self._state_later = kinks_later + code.kinks
         self._kinks = slice(kinks, self._later), slice(kinks_later, self._state_later)
@@ -80,7 +80,7 @@ class Single:
         if not fits >= LEAVES:
             return None
         waiting = [i for i, threshold in self._thresholds if values[i] <= threshold]
-        if not (waiting or any(map(bent, values[self._kinks[0]]))):
+        if not (waiting or (self._bends and any(map(bent, values[self._kinks[0]])))):
             return Entry(fits, t, y, NONE)
         later, guards = self._later, self.domain.guards
         for i in waiting:
@@ -89,7 +89,7 @@ class Single:
                 return Entry(fits, t, y, UNCLEAR)
             if falls(guards[i], values[i], change):
                 return Entry(fits, t, y, i)
-        if not clear(guards, values[later : later + len(guards)], values[self._kinks[1]]):
+        if not clear([values[later + i] for i, _ in self._thresholds], values[self._kinks[1]]):
             return Entry(fits, t, y, UNCLEAR)
         return Entry(fits, t + AHEAD, answer[self._state_later :], NONE)
 

@@ -58,13 +58,13 @@ def first_event(numbers: Numbers, ready: Ready, group: Group, point: Point) -> t
 
 def away(numbers: Numbers, ready: Ready, group: Group) -> tuple[list[Group], Group]:
     """Lanes a moment later, where no guard is on zero any more, and those that do not get there."""
-    gone = []
+    gone, happening = [], np.isfinite(thresholds(ready.domain.guards))
     for h in AWAY:
         if not len(group):
             break
         later = numbers.ahead(ready, group, h)
         point = numbers.at(ready, later)
-        free = clear(ready.domain.guards, point.guards, point.kinks) & np.ones(len(group), bool)
+        free = clear(point.guards[happening], point.kinks) & np.ones(len(group), bool)
         if free.any():
             gone.append(later.take(free))
         group = group.take(~free)

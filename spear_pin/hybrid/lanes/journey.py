@@ -101,14 +101,14 @@ class Lanes:
     def begin(self) -> None:
         """Sort the lanes into the phases where they begin."""
         system, n = self.system, self.start.shape[1]
-        terms = self.numbers.planar.terms(list(self.start[: self.nv]), list(self.start[self.nv :]), np)
-        heights = np.array([np.broadcast_to(terms.positions[toe][1], n) for toe in system.robot.toes])
+        feet = self.numbers.planar.feet(list(self.start[: self.nv]), list(self.start[self.nv :]), np)
+        heights = np.array([np.broadcast_to(feet.positions[toe][1], n) for toe in system.robot.toes])
         below = below_ground(heights).any(axis=0)
         for lane in np.flatnonzero(below):
             self.finish(np.array([lane]), "below_ground", f"at {heights[:, lane].min():.3g} m")
         standing = ~below
         for i in system.of_phase(system.section_phase)[0].on_ground:
-            rising = along(terms.jacobians[system.robot.toes[i]][1], self.start[self.nv :])
+            rising = along(feet.jacobians[system.robot.toes[i]][1], self.start[self.nv :])
             standing &= rests(heights[i], rising, STATE_AT_REST)
         for stands, chosen in ((True, standing), (False, ~standing & ~below)):
             lanes = np.flatnonzero(chosen)
@@ -133,17 +133,22 @@ class Lanes:
         """Run the cycles of one lane that need no second look."""
         lane, n, y, held = int(group.lanes[0]), 0, group.y[:, 0], alone(group.held)
         spent: Mapping[str, float] = {}
+        start, fresh, began = y, 0, float(self.began[lane])
+        wanted = self.wanted - int(self.cycles[lane])
         ago = (self.began[lane] - self.grounded[:, lane]).tolist()
-        while self.cycles[lane] + n < self.wanted and (lap := self._tracks[lane].lap(phase, y, held, ago)) is not None:
+        while n < wanted and (lap := self._tracks[lane].lap(phase, y, held, ago)) is not None:
             ago = lap.ago
             n, y, held, spent, phase, came = n + 1, lap.y, lap.held, lap.spent, lap.phase, lap.came
             if came[1] is self._fresh:
-                self.start[:, lane], self.before[lane] = y, self.cycles[lane] + n
-            self.began[lane] += sum(spent.values())
+                start, fresh = y, n
+            began += sum(spent.values())
             for name, state in lap.observed.items():
                 self.observed[name][:, lane] = state
         if n:
-            self.grounded[:, lane] = self.began[lane] - np.array(ago)
+            if fresh:
+                self.start[:, lane], self.before[lane] = start, self.cycles[lane] + fresh
+            self.began[lane] = began
+            self.grounded[:, lane] = began - np.array(ago)
             self.end[:, lane] = y
             self.cycles[lane] += n
             for name, seconds in spent.items():

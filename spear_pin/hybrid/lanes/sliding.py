@@ -37,7 +37,7 @@ def slide(
     if between is None:
         return [], group
     q, v = group.y[: numbers.nv], group.y[numbers.nv :]
-    sinking = along(numbers.planar.terms(list(q), list(v), np).jacobians[between.toe][1], v)
+    sinking = along(numbers.planar.feet(list(q), list(v), np).jacobians[between.toe][1], v)
     slides = np.zeros(len(group), bool)
     found = []
     resting = group.take(np.broadcast_to(still(sinking), len(group)))

@@ -63,6 +63,7 @@ class Track:
     def __init__(self, numbers: Numbers, lane: int) -> None:
         self._compiled, self._system, self._nv = numbers.compilation, numbers.system, numbers.nv
         self._law, self._constants = numbers.law_of(lane), numbers.constants(lane)
+        self._parameters = np.array(self._constants)
         self._struck: dict[tuple[int, int], list[str]] = {}
         self._singles: dict[Any, dict[int, Single]] = {}  # by the shape of what is held, and the domain
         self._phases = {phase: self._system.of_phase(phase) for phase in self._system.phases}
@@ -153,5 +154,12 @@ class Track:
         return best
 
     def _given(self, held: Held) -> tuple[dict[int, Single], Array]:
-        """Domains compiled for what is held, as far as they were asked for, and the run-time parameters."""
-        return self._singles.setdefault(shape_of(held), {}), np.array(self._constants + flattened(held.values()))
+        """Domains compiled for what is held, as far as they were asked for, and the run-time parameters.
+
+        These are overwritten by the next call.
+        """
+        now, parameters = flattened(held.values()), self._parameters
+        if len(parameters) != len(self._constants) + len(now):
+            self._parameters = parameters = np.array(self._constants + now)
+        parameters[len(self._constants) :] = now
+        return self._singles.setdefault(shape_of(held), {}), parameters

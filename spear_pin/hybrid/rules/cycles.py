@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
-from spear_pin.hybrid.rules.scalars import where
 
 RETOUCH = "retouch"
 INSTANT = 1e-7  # s: events closer together than this count as one instant
@@ -47,7 +46,7 @@ def crowded(before: Any, since: Any) -> Any:
         before: the same of the last event.
         since: time since that, in s.
     """
-    return where(since < INSTANT, before + 1, 0)
+    return (since < INSTANT) * (before + 1)
 
 
 def too_many(crowd: int, events: int) -> str:

@@ -33,18 +33,16 @@ def bent(kink: Any) -> Any:
     return abs(kink) <= BENT
 
 
-def clear(guards: Sequence[Guard], values: Iterable[Any], kinks: Iterable[Any]) -> Any:
-    """Whether no guard and no kink is on zero, so that a step can begin there; those only observed do not count.
+def clear(values: Iterable[Any], kinks: Iterable[Any]) -> Any:
+    """Whether no guard and no kink is on zero, so that a step can begin there.
 
     Args:
-        guards: the domain's.
-        values: of the guards.
+        values: of the guards that are more than observed.
         kinks: what changes sign where the law is not smooth.
     """
     free: Any = True
-    for guard, value in zip(guards, values, strict=True):
-        if not guard.observes:
-            free = free & (value > 0.0)
+    for value in values:
+        free = free & (value > 0.0)
     for kink in kinks:
         free = free & (abs(kink) > 0.0)
     return free

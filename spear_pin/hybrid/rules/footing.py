@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Protocol
 
 from spear_pin.hybrid.automaton import Domain, Rub
 from spear_pin.hybrid.contact import OPEN, SIGN, STICK
-from spear_pin.hybrid.rules.scalars import everywhere, where
+from spear_pin.hybrid.rules.scalars import everywhere, nowhere, where
 
 AT_REST = 1e-7  # m/s
 UNLOADED = 1e-5  # N: near Painlevé's paradox rounding is amplified a hundredfold and more
@@ -140,6 +140,8 @@ def fitness(feet: Sequence[tuple[str, Sequence[Any]]], joints: Sequence[tuple[Ru
     good = fits & posed & keeps & holds
     if everywhere(good):
         return push
+    if nowhere(fits):
+        return UNFIT
     reason = where(holds, where(posed, where(leaves, LEAVES, where(some, SOME_LEAVE, MOVES)), ILL_POSED), TURNS)
     return where(good, push, where(fits, reason, UNFIT))
 

@@ -7,7 +7,19 @@ import numpy as np
 import pytest
 
 from spear_pin.hybrid.automaton import Guard, Reset
-from spear_pin.hybrid.rules.entry import BENT, CHANGE, GLIMPSES, NONE, ahead, at_once, bent, clear, falls, stays
+from spear_pin.hybrid.rules.entry import (
+    BENT,
+    CHANGE,
+    GLIMPSES,
+    NONE,
+    ahead,
+    at_once,
+    bent,
+    clear,
+    falls,
+    stays,
+    thresholds,
+)
 
 LEAVING, WITHIN, ENDING, OBSERVED = (
     Guard("lift_off", None, Reset(phase="flight"), tolerance=1e-5),
@@ -66,11 +78,11 @@ def test_numbers_as_arrays(guard):
 
 
 def test_clear():
-    guards = [LEAVING, OBSERVED]
-    cases = [((1.0, -1.0), (1.0,)), ((0.0, 1.0), (1.0,)), ((1.0, 1.0), (0.0,)), ((1.0, 1.0), (math.nan,))]
-    assert [bool(clear(guards, *case)) for case in cases] == [True, False, False, False]
+    cases = [((1.0, 2.0), (-1.0,)), ((0.0, 1.0), (1.0,)), ((1.0, 1.0), (0.0,)), ((1.0, 1.0), (math.nan,))]
+    assert [bool(clear(*case)) for case in cases] == [True, False, False, False]
+    assert np.isfinite(thresholds([LEAVING, OBSERVED])).tolist() == [True, False]
     values, kinks = (np.array(list(numbers)).T for numbers in zip(*cases, strict=True))
-    np.testing.assert_array_equal(clear(guards, values, kinks), [True, False, False, False])
+    np.testing.assert_array_equal(clear(values, kinks), [True, False, False, False])
     assert bent(BENT) and bent(-BENT) and not bent(2.0 * BENT)
 
 
