@@ -250,7 +250,8 @@ class HybridSystem:
         spring: parameters of the springs.
         contact: parameters of the ground.
         domains: those of one phase together, sticking before slipping.
-        section: name of the event that closes a cycle, see `shortest_flight`; empty for a system that is not run.
+        section: name of the event that closes a cycle, see `shortest_flight`; empty for none:
+            such a system runs from a moment until it ends.
         cyclic: coordinates on which nothing depends: translation along the ground.
         build: makes the same system from other (robot, law, spring, contact).
         guess: a state (q, v) on the section to search from.

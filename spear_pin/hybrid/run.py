@@ -63,7 +63,7 @@ def run(
     Args:
         system: robot, law and ground.
         state: (q, v), or a moment of another run.
-        cycles: number of whole cycles.
+        cycles: number of whole cycles; of a system without a section none closes, and it runs until it ends.
         options: how it is computed.
         on_cycle: told the number of cycles after each of them.
         on_segment: takes each segment when it is over; without it a motion that is kept is in the result.
@@ -109,7 +109,7 @@ class _Runner:
         self.instant_events, self.cycle_events, self.last_event = 0, 0, -math.inf
         self.instant: list[Reset] = []  # into other phases, of the present instant
         self.tried: list[Domain] = []  # motion of toes at rest that began in it
-        self.on_section = phase == system.section_phase and begun == 0.0
+        self.on_section = bool(system.section) and phase == system.section_phase and begun == 0.0
         self.flow = choose(system, phase, held, self.t, self.y)
         self.run = Run((q, v), (q, v), held, self.flow.domain)
         self.energy, self.inductive = self._energy(), self._inductive()

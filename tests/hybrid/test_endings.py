@@ -9,6 +9,7 @@ import pytest
 from spear_pin import Contact, HoppingLaw, hopping, simulate
 from spear_pin.hybrid.automaton import Guard, Reset
 from spear_pin.hybrid.reasons import REASONS
+from spear_pin.hybrid.record import Moment
 
 
 def finite(trajectory):
@@ -46,6 +47,26 @@ class TestEndings:
         trajectory = simulate(system, system.guess())
         self.ends(trajectory, "no_event")
         assert trajectory.t[-1] == pytest.approx(system.phase_limit)
+
+    def test_end_of_a_joints_range(self, hop):
+        """A guard of one's own, which stops the knee."""
+        stop = Guard("stop", lambda t, q, v, held, p, dyn, ops: 1.15 - q[-1], ends="limit")
+        domains = tuple(replace(domain, guards=(*domain.guards, stop)) for domain in hop.system.domains)
+        trajectory = simulate(replace(hop.system, domains=domains), hop.state)
+        self.ends(trajectory, "limit")
+        assert trajectory.q[-1, -1] == pytest.approx(1.15, abs=1e-12) == trajectory.q[:, -1].max()
+
+    def test_without_a_section(self, hop):
+        """The same motion, of which no cycle closes."""
+        q, v = hop.state
+        held = {"knee_touchdown": q[-1], "taut": 1.0, "flexing": 1.0, "compressing": 1.0, "limited": 0.0}
+        start = Moment(q, v, "stance", held)
+        usual = simulate(hop.system, start, cycles=2)
+        endless = simulate(replace(hop.system, section=""), start, max_evaluations=usual.evaluations + 500)
+        self.ends(endless, "evaluation_cap")
+        assert (usual.cycles, endless.cycles) == (2, 0)
+        for event, same in zip(usual.events, endless.events, strict=False):
+            assert event.name == same.name and event.time == pytest.approx(same.time, abs=1e-8)
 
     def test_painleve(self, free_robot):
         """A leg dragged ahead of the hip on ground that is too rough: the slip equation loses its solution."""
