@@ -152,7 +152,7 @@ class Domain:
     Attributes:
         name: its name.
         phase: the phase it belongs to; phases have clocks and durations, slip being part of stance.
-        contacts: for each toe of the robot, "open", "stick", "slip+" or "slip-".
+        contacts: for each toe of the robot, "open", "stick", "slip+", "slip-", or "pinned": at rest whatever it takes.
         law: motor torques, one per actuated joint.
         mounts: the springs that are engaged.
         rubs: dry friction of joints, see `spear_pin.hybrid.dry_friction`.

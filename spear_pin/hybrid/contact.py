@@ -11,7 +11,7 @@ from spear_pin.errors import require
 from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
-CONTACTS = OPEN, STICK, SLIP_FORWARD, SLIP_BACKWARD = "open", "stick", "slip+", "slip-"
+CONTACTS = OPEN, STICK, SLIP_FORWARD, SLIP_BACKWARD, PINNED = "open", "stick", "slip+", "slip-", "pinned"
 SIGN = {SLIP_FORWARD: 1.0, SLIP_BACKWARD: -1.0}
 
 

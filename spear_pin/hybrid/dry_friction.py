@@ -17,7 +17,7 @@ from itertools import product
 
 from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import Domain, HybridSystem, Rub
-from spear_pin.hybrid.contact import OPEN, STICK
+from spear_pin.hybrid.contact import OPEN, SIGN
 from spear_pin.hybrid.parameters import changed
 from spear_pin.hybrid.rules.guards import rubbing_guards
 from spear_pin.model.robot import Robot
@@ -85,4 +85,4 @@ def _modes(domain: Domain, robot: Robot, forces: Mapping[str, float]) -> list[Do
 
 def _constraints(domain: Domain) -> int:
     """How many its contacts are."""
-    return sum(0 if mode == OPEN else 2 if mode == STICK else 1 for mode in domain.contacts)
+    return sum(0 if mode == OPEN else 1 if mode in SIGN else 2 for mode in domain.contacts)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import Held, HybridSystem
+from spear_pin.hybrid.contact import PINNED
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.record import Moment
 from spear_pin.hybrid.rules.footing import closed_toes, fitness, footing, torn_off, turns
@@ -40,7 +41,8 @@ def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
         if not all(turns(rub, rate) for rub, rate in rubs):
             continue
         flow(t, y)
-        feet = [(mode, footing(flow, toe, mode)) for toe, mode in closed_toes(system.robot.toes, flow.domain)]
+        closed = closed_toes(system.robot.toes, flow.domain)
+        feet = [(mode, footing(flow, toe, mode)) for toe, mode in closed if mode != PINNED]  # a pin bears anything
         fits = fitness(feet, [(rub, flow.rubbing(rub)) for rub, _ in rubs])
         if fits == math.inf:
             return flow

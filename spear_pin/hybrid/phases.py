@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import product
 
 from spear_pin.hybrid.automaton import Domain, Guard, Reset
-from spear_pin.hybrid.contact import OPEN, SIGN, SLIP_BACKWARD, SLIP_FORWARD, STICK
+from spear_pin.hybrid.contact import SIGN, SLIP_BACKWARD, SLIP_FORWARD, STICK
 from spear_pin.hybrid.rules.guards import contact_guards, lifted_off
 from spear_pin.hybrid.rules.guards import fall as fall
 from spear_pin.hybrid.rules.guards import height as height
@@ -35,15 +35,15 @@ def contact_domains(
             toe, and then the event of "front_toe" is named "front_lift_off".
         first: guards that win a tie with those of the contacts.
     """
-    choices = [(STICK, SLIP_FORWARD, SLIP_BACKWARD) if mode == STICK else (OPEN,) for mode in domain.contacts]
-    closed = [toe for toe, mode in zip(toes, domain.contacts, strict=True) if mode != OPEN]
+    choices = [(STICK, SLIP_FORWARD, SLIP_BACKWARD) if mode == STICK else (mode,) for mode in domain.contacts]
+    closed = [toe for toe, mode in zip(toes, domain.contacts, strict=True) if mode == STICK]
     leave = {toe: _lift_off(toe, lift_off) for toe in closed}
     lifted = [lifted_off(toe, *leave[toe]) for toe in closed if len(closed) > 1]
     domains = []
     for contacts in product(*choices):
         guards: list[Guard] = []
         for toe, mode in zip(toes, contacts, strict=True):
-            guards += contact_guards(toe, mode, *leave[toe]) if mode != OPEN else []
+            guards += contact_guards(toe, mode, *leave[toe]) if toe in closed else []
         slips = [
             mode if len(closed) == 1 else f"{_leg(toe)} {mode}"
             for toe, mode in zip(toes, contacts, strict=True)

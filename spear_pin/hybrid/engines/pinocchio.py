@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Row, Rub
-from spear_pin.hybrid.contact import OPEN, SIGN, STICK, constrained
+from spear_pin.hybrid.contact import OPEN, SIGN, constrained
 from spear_pin.hybrid.engines.elimination import torques_for
 from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
 from spear_pin.hybrid.rules.footing import Rubbing
@@ -317,13 +317,13 @@ class Flow:
         inverse_pivots = np.diag(np.linalg.inv(schur))
         row = 0
         for toe, mode in self._closed:
-            if mode == STICK:
+            if mode not in SIGN:
                 self._forces[toe] = float(multiplier[row]), float(multiplier[row + 1])
             else:
                 normal = float(multiplier[row])
                 self._forces[toe] = -friction * SIGN[mode] * normal, normal
                 self._pivots[toe] = 1.0 / float(inverse_pivots[row])
-            row += 2 if mode == STICK else 1
+            row += 1 if mode in SIGN else 2
         self._holding = multiplier[row:]
         return a
 
@@ -333,7 +333,7 @@ class Flow:
         A, G, drift = [], [], []
         rows, drifts = self._rows([toe for toe, _ in self._closed])
         for (_, mode), jacobian, toe_drift in zip(self._closed, rows, drifts, strict=True):
-            if mode == STICK:
+            if mode not in SIGN:
                 A += [jacobian[0], jacobian[1]]
                 G += [jacobian[0], jacobian[1]]
                 drift += toe_drift.tolist()
