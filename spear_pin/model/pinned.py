@@ -70,7 +70,7 @@ class PinnedLeg:
     """The one-degree-of-freedom model of the push test.
 
     Attributes:
-        robot: the leg, its boom locked along the ground.
+        robot: the leg, its boom locked along the ground, its toe free.
         joint: name of the coordinate that is left, the knee's.
         span: least and largest angle, in rad, the joint's limits.
         rotor: inertia of the joint's rotor, reflected to it, in kg·m²; part of the effective inertia.
@@ -104,9 +104,12 @@ class PinnedLeg:
             BadValue: the inertia is not a finite number >= 0.
         """
         require("inertia", inertia, lambda value: value >= 0, "a number >= 0, in kg·m²")
+        if inertia == self.rotor:
+            return self
         coefficients = self.motion.coefficients.copy()
         coefficients[0, 0] += inertia - self.rotor
-        return replace(self, rotor=float(inertia), motion=Series(self.span, coefficients))
+        robot = _with_armature(self.robot, self.robot.index(self.joint), inertia)
+        return replace(self, robot=robot, rotor=float(inertia), motion=Series(self.span, coefficients))
 
     def effective_inertia(self, angle: ArrayLike) -> Array:
         """Sᵀ D S, in kg·m², rotors included."""
@@ -115,6 +118,12 @@ class PinnedLeg:
     def gravity(self, angle: ArrayLike) -> Array:
         """Sᵀ G, in N·m: the knee's torque that holds the leg. Negative: the weight flexes the knee."""
         return np.asarray(self.motion(angle)[2])
+
+    def acceleration(self, angle: ArrayLike, rate: ArrayLike, torque: ArrayLike) -> Array:
+        """θ̈ under a torque on the joint, in rad/s²."""
+        inertia, centrifugal, gravity = self.motion(angle)
+        acting = torque - self.drag(angle)[0] * np.asarray(rate) - gravity
+        return np.asarray((acting - centrifugal * np.square(rate)) / inertia)
 
     def hip_height(self, angle: ArrayLike) -> Array:
         """Height of the slider, the first coordinate, in m: for SPEAR-II that of the hip above the toe, y of (4.2)."""
@@ -157,6 +166,23 @@ def pin_toe(robot: Robot, joint: str = "knee") -> PinnedLeg:
             parts = np.split(coefficients[:, :needed], (3, 6, 7))
             return PinnedLeg(robot, joint, span, float(robot.model.armature[row]), *(Series(span, p) for p in parts))
     raise BadValue(f"limits of {joint}", span, "angles at which the toe can be below the hip")
+
+
+def _with_armature(robot: Robot, row: int, inertia: float) -> Robot:
+    model = robot.model.copy()
+    armature = model.armature.copy()
+    armature[row] = inertia
+    model.armature = armature
+    return Robot(
+        model,
+        name=robot.name,
+        toes=robot.toes,
+        actuated=robot.actuated,
+        locked=robot.locked,
+        source=robot.source,
+        varied=robot.varied,
+        added=robot.added,
+    )
 
 
 def _rows(robot: Robot, row: int, angles: Array) -> Array:

@@ -117,7 +117,7 @@ class TestByHand:
     def test_other_rotors(self, spear, robot, rotor):
         leg, push = spear.with_rotor(rotor), Push(rotor=rotor)
         values = {"knee_ratio": (rotor / 1.2e-4) ** 0.5} if rotor else {"knee_rotor": 0.0}
-        for other in (leg, pin_toe(vary(robot, **values))):
+        for other in (leg, pin_toe(leg.robot), pin_toe(vary(robot, **values))):
             assert other.rotor == pytest.approx(rotor, rel=1e-14, abs=0)
             close(other.effective_inertia(ANGLES), by_hand("inertia", push), 1e-12)
             close(other.motion(ANGLES), leg.motion(ANGLES), 1e-12)
