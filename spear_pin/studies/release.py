@@ -1,90 +1,53 @@
-"""The release of Section 4.1 in time: the pinned leg let go, from event to event, with its sensitivities.
+"""The release of Section 4.1 in time: the pinned leg let go, as a hybrid system, with its sensitivities.
 
-    (Sᵀ D S) θ̈ + ½ (Sᵀ D S)' θ̇² + Sᵀ G = -k (θ - θ₀) - b θ̇ - τ_c sign θ̇
+A hand holds the leg; at its release the spring is engaged and the knee swings, whose torque is
 
-Dry friction changes its sign, and a spring that only pulls its stiffness, at events, so that each piece in
-between is smooth; where the knee stands still, dry friction holds what it can.
+    -k (θ - θ₀) - b θ̇ - τ_c sign θ̇
+
+on the robot that the URDF describes, its toe pinned. It is run as any other: springs that go slack, dry friction and
+a motor that begins to brake are events.
 """
 
 from __future__ import annotations
 
-import math
-from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName, require
+from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Mount, Reset
+from spear_pin.hybrid.contact import PINNED, Contact
+from spear_pin.hybrid.dry_friction import DryFriction
+from spear_pin.hybrid.phases import AT_REST, rate, spring_switches
+from spear_pin.hybrid.record import Moment, Options, Run
+from spear_pin.hybrid.run import run
 from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
+from spear_pin.model.robot import Robot
+from spear_pin.model.spring import Spring
+from spear_pin.studies.passive_knee import PassiveKnee as PassiveKnee
+from spear_pin.studies.variation import PARAMETERS as PARAMETERS
+from spear_pin.studies.variation import Step, derivatives
 
 Array = NDArray[np.float64]
 
-# what a motion can be derived by: the numbers of the passive knee, the reflected rotor inertia, the start
-PARAMETERS = ("stiffness", "damping", "coulomb", "zero", "rotor", "initial_angle")
 RTOL = 1e-10
-MAX_STEP = 0.05  # s, a fifth of a swing or less: at loose tolerances the error estimate may miss one
 WORK, WORK_PER_SECOND = 20_000, 2_000  # right-hand sides: twenty times what a release takes
-PIECES = 10_000  # smooth pieces of a motion, at most
-MOST = 1e30  # of stiffness, damping and friction: with more, forces are no numbers
-
-
-@typed
-@dataclass(frozen=True)
-class PassiveKnee:
-    """Torque on the knee while no motor acts: -k (θ - θ₀) - b θ̇ - τ_c sign θ̇, in N·m.
-
-    In the push test the spring stays engaged, its zero is an angle of its own, and it is taken to pull
-    both ways.
-
-    Attributes:
-        stiffness: k_rot, in N·m/rad (default: source Table 4.1, with motor, 10 cm).
-        damping: b, in N·m·s/rad (default: source Table 4.1, with motor, 10 cm).
-        coulomb: τ_c, in N·m; the source has none.
-        zero: θ₀, the angle at which the spring is slack, in rad (default: RA of Table 4.1, read so).
-        unilateral: whether the spring pulls only beyond its zero, as a chain does.
-        braking: what a motor without command adds to b beyond a rate, in N·m·s/rad (see `power_off`).
-        braking_from: that rate, in rad/s.
-    """
-
-    stiffness: float = 48.25
-    damping: float = 1.03
-    coulomb: float = 0.0
-    zero: float = 1.0
-    unilateral: bool = False
-    braking: float = 0.0
-    braking_from: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Check the fields."""
-        require(
-            "PassiveKnee.stiffness",
-            self.stiffness,
-            lambda k: 0 <= k <= MOST,
-            f"a number >= 0, at most {MOST:g} N·m/rad",
-        )
-        require(
-            "PassiveKnee.damping", self.damping, lambda b: 0 <= b <= MOST, f"a number >= 0, at most {MOST:g} N·m·s/rad"
-        )
-        for name, unit in (("stiffness", "N·m/rad"), ("damping", "N·m·s/rad"), ("coulomb", "N·m")):
-            expected = f"a number >= 0, at most {MOST:g}, in {unit}"
-            require(f"PassiveKnee.{name}", getattr(self, name), lambda number: 0 <= number <= MOST, expected)
-        require("PassiveKnee.braking", self.braking, lambda b: b >= 0, "a number >= 0, in N·m·s/rad")
-        require("PassiveKnee.braking_from", self.braking_from, lambda r: r >= 0, "a number >= 0, in rad/s")
-        require("PassiveKnee.zero", self.zero, lambda z: abs(z) < np.inf, "an angle, in rad")
-
-    def braking_torque(self, rate: ArrayLike) -> Array:
-        """Of the motor, against the motion beyond a rate, in N·m."""
-        beyond = np.maximum(np.abs(rate) - self.braking_from, 0.0)
-        return np.asarray(-self.braking * np.sign(rate) * beyond)
-
-    def spring_torque(self, angle: ArrayLike) -> Array:
-        """-k (θ - θ₀), in N·m."""
-        stretch = np.asarray(angle) - self.zero
-        return np.asarray(-self.stiffness * (np.maximum(stretch, 0.0) if self.unilateral else stretch))
+AGAIN = 1e-6  # s: a turn so soon after another is the same, to the integration's error
+SHORTEST = 1e-3  # s: of a motion that is wanted at its beginning only
+# how a run of a release ends, in its own words
+ENDS = {
+    "no_event": "complete",
+    "stuck": "complete",
+    "evaluation_cap": "work",
+    "no_cycle": "pieces",
+    "zeno": "pieces",
+}
 
 
 @dataclass(frozen=True)
@@ -99,7 +62,8 @@ class Motion:
         turns: times at which the knee stands still between two swings, in s.
         extrema: θ at them, in rad.
         reason: "complete"; or what ended it, the angle being held from there on: "limit" of the joint,
-            "step_size", "pieces", or "work", more of it than a release takes: forces are too stiff.
+            "step_size", "not_finite", "pieces", too many of them, or "work", more than a release takes: forces are too
+            stiff.
     """
 
     angle: Array
@@ -112,6 +76,65 @@ class Motion:
 
 
 @typed
+def released(leg: PinnedLeg, knee: PassiveKnee, duration: float = 1.5, dry: bool | None = None) -> HybridSystem:
+    """The leg, let go as soon as a run begins in the phase "pushed", and swinging.
+
+    It has no section: a run ends when the duration is over, where dry friction holds the knee, or at the joint's limit.
+
+    Args:
+        leg: the pinned leg, with its rotor.
+        knee: what acts on its knee.
+        duration: of the motion, in s.
+        dry: whether dry friction is among it, be it of zero; None: if there is any.
+    """
+    robot, row, (low, high) = leg.robot, leg.robot.index(leg.joint), leg.span
+    still, conducts = (0.0,) * robot.nu, knee.braking > 0.0 and knee.braking_from > 0.0
+
+    def build(robot: Robot, law: PassiveKnee, spring: Spring, contact: Contact) -> HybridSystem:
+        return released(replace(leg, robot=robot), _with_spring(law, spring), duration, dry)
+
+    def engage(q: Sequence[float], v: Sequence[float], held: Held, p: PassiveKnee) -> Held:
+        taut = not p.unilateral or q[row] > p.zero
+        return {"zero": p.zero, "taut": float(taut), "brakes": float(not conducts)}
+
+    def idle(t: Any, q: Any, v: Any, held: Any, p: PassiveKnee, dyn: Any, ops: Any) -> Sequence[Any]:
+        if not p.braking:
+            return still
+        return [p.braking_torque(v[row], ops.maximum) if joint == leg.joint else 0.0 for joint in robot.actuated]
+
+    mount = Mount(leg.joint, knee.spring, rest="zero", taut="taut")
+    hand = Guard("release", lambda *_: -1.0, Reset(latch=engage, phase="swing"))
+    guards = (
+        Guard("limit", lambda t, q, v, held, p, dyn, ops: q[row] - low, ends="limit"),
+        Guard("limit", lambda t, q, v, held, p, dyn, ops: high - q[row], ends="limit"),
+        *spring_switches(mount, row),
+        *((_brake_switch(row),) if conducts else ()),
+        Guard("turn", rate(row), tolerance=AT_REST),
+        Guard("turn", rate(row, -1.0), tolerance=AT_REST),
+    )
+    system = HybridSystem(
+        kind="release",
+        robot=robot,
+        law=knee,
+        spring=knee.spring,
+        contact=Contact(),
+        domains=(
+            Domain("pushed", "pushed", (PINNED,), idle, guards=(hand,)),
+            Domain("swing", "swing", (PINNED,), idle, mounts=(mount,), guards=guards),
+        ),
+        section="",
+        cyclic=(),
+        build=build,
+        guess=lambda: (_placed(leg, high), np.zeros(robot.nv)),
+        phase_limit=duration,
+    )
+    if not (knee.coulomb > 0.0 if dry is None else dry):
+        return system
+    rubbing = DryFriction({leg.joint: knee.coulomb})(system).domains
+    return replace(system, domains=tuple(map(_ending_at_rest, rubbing)), made={})
+
+
+@typed
 def move(
     leg: PinnedLeg,
     knee: PassiveKnee,
@@ -120,7 +143,7 @@ def move(
     wrt: Sequence[str] = (),
     rtol: float = RTOL,
 ) -> Motion:
-    """Let the leg go at rest and integrate its motion.
+    """Let the leg go at rest and follow its motion.
 
     Args:
         leg: the pinned leg, with its rotor.
@@ -134,6 +157,38 @@ def move(
         BadValue: the angle is beyond the joint's limits, or the times do not increase from 0 on.
         UnknownName: an unknown parameter.
     """
+    at = _checked(leg, initial_angle, times, wrt, rtol)
+    duration = max(float(at[-1]), SHORTEST)
+    system = released(leg, knee, duration, knee.coulomb > 0.0 or "coulomb" in wrt)
+    start = Moment(_placed(leg, initial_angle), np.zeros(leg.robot.nv), "pushed", {})
+    work = WORK + round(WORK_PER_SECOND * duration)
+    result = run(system, start, 1, Options(rtol, max_evaluations=work, keep=True))
+    reason = ENDS.get(result.reason, result.reason)
+    row = leg.robot.index(leg.joint)
+    steps = list(_steps(result, row, leg.robot.nq))
+    bounds = [0, *np.searchsorted(at, [step.end for step in steps], side="right").tolist()]
+    last = float(steps[-1].motion(np.array([steps[-1].end]))[0, 0]) if steps else initial_angle
+    motion = np.tile([[last], [0.0]], at.size)  # it is held from there on
+    for step, (first, end) in zip(steps, pairwise(bounds), strict=True):
+        motion[:, first:end] = step.motion(at[first:end])
+    (angle, rates), moving = motion, slice(0, bounds[-1])
+    pulls, direction = (
+        np.repeat([getattr(s, name) for s in steps], np.diff(bounds)) for name in ("pulls", "direction")
+    )
+    acceleration = np.zeros(at.size)
+    torque = knee.torque(angle[moving], rates[moving], pulls, direction)
+    acceleration[moving] = leg.acceleration(angle[moving], rates[moving], torque)
+    sensitivity = derivatives(leg, knee, steps, wrt, at)
+    if reason == "limit":  # it is there whatever the parameters
+        sensitivity[bounds[-1] :] = 0.0
+    found = [(event.time, event.q[row]) for event in result.events if event.name == "turn" and event.time <= at[-1]]
+    turns = np.array(found).reshape(-1, 2)
+    turns = turns[np.diff(turns[:, 0], prepend=-np.inf) > AGAIN]
+    return Motion(angle, rates, acceleration, sensitivity, turns[:, 0], turns[:, 1], reason)
+
+
+def _checked(leg: PinnedLeg, initial_angle: float, times: ArrayLike, wrt: Sequence[str], rtol: float) -> Array:
+    """The times, if all that `move` takes is valid."""
     try:
         at = np.asarray(times, dtype=float)
     except (TypeError, ValueError):
@@ -146,179 +201,44 @@ def move(
     for name in wrt:
         if name not in PARAMETERS:
             raise UnknownName("parameter", name, PARAMETERS)
-    start = np.array([initial_angle, 0.0, *(float(name == "initial_angle") for name in wrt), *np.zeros(len(wrt))])
-    states, accelerations, turns = np.tile(start, (at.size, 1)), np.zeros(at.size), np.empty((0, 2))
-    work = Counter({"left": round(WORK + WORK_PER_SECOND * float(at[-1]))})
-    flow = _Flow(leg, knee, tuple(wrt), 0.0, not knee.unilateral or initial_angle > knee.zero, work)
-    now, state, reason = 0.0, start, "pieces"
-    for _ in range(PIECES):
-        if flow.dry and state[1] == 0.0:
-            flow, state = _restarted(flow, state)
-        held = flow.dry and flow.direction == 0.0
-        if now >= at[-1] or held:
-            if not held:
-                accelerations[at == now] = flow.acceleration(state[0], state[1])
-            reason = "complete"
-            break
-        events = _events(flow)
-        tolerances = {"rtol": rtol, "atol": 0.01 * rtol, "max_step": MAX_STEP}
-        try:
-            piece = scipy.integrate.solve_ivp(
-                flow, (now, at[-1]), state, "DOP853", dense_output=True, events=events, **tolerances
-            )
-        except _Exhausted:
-            reason = "work"
-            break
-        within = (at >= now) & (at <= piece.t[-1])
-        if within.any():
-            states[within] = piece.sol(at[within]).T
-            accelerations[within] = flow.acceleration(states[within, 0], states[within, 1])
-        found = np.column_stack([piece.t_events[0], piece.y_events[0].reshape(-1, start.size)[:, 0]])
-        turns = np.vstack([turns, found[found[:, 0] > now]])
-        now, state = float(piece.t[-1]), piece.y[:, -1].copy()
-        if piece.status == 0:
-            reason = "complete"
-            break
-        met = [e for e, t in zip(events, piece.t_events, strict=True) if e.terminal and t.size and t[-1] == now]
-        if piece.status < 0 or isinstance(met[0], _Limit):
-            reason = "limit" if met else "step_size"
-            break
-        if isinstance(met[0], _Turn):
-            state[1] = 0.0
-        else:
-            flow = replace(flow, pulls=not flow.pulls)
-    state[1] = 0.0
-    if reason == "limit":  # it is there whatever the parameters
-        state[2:] = 0.0
-    states[at > now] = state
-    angle, rate, sensitivity = states[:, 0], states[:, 1], states[:, 2 : 2 + len(wrt)]
-    return Motion(angle, rate, accelerations, sensitivity, turns[:, 0], turns[:, 1], reason)
+    return at
 
 
-class _Exhausted(Exception):
-    """More right-hand sides than a release takes."""
+def _placed(leg: PinnedLeg, angle: float) -> Array:
+    q = leg.configuration(angle)
+    q[leg.robot.index(leg.joint)] = angle  # to the last digit
+    return q
 
 
-@dataclass(frozen=True)
-class _Flow:
-    """The right-hand side of one smooth piece: (θ, θ̇), then ∂θ/∂p and ∂θ̇/∂p of each parameter.
-
-    Attributes:
-        leg: with its rotor.
-        knee: what acts on it.
-        wrt: the parameters.
-        direction: of the motion as dry friction sees it, -1, 0 or 1.
-        pulls: whether the spring does.
-        work: how many calls are left.
-    """
-
-    leg: PinnedLeg
-    knee: PassiveKnee
-    wrt: tuple[str, ...]
-    direction: float
-    pulls: bool
-    work: Counter[str]
-
-    @property
-    def dry(self) -> bool:
-        """Whether the direction of the motion matters."""
-        return self.knee.coulomb > 0.0 or "coulomb" in self.wrt
-
-    def __call__(self, t: float, state: Array) -> Array:
-        self.work["left"] -= 1
-        if self.work["left"] < 0:
-            raise _Exhausted
-        angle, rate, *sensitivities = state.tolist()  # floats: with numbers so few, an array costs more
-        terms = self.leg.motion_with_slopes.at(angle).tolist()
-        inertia, centrifugal, gravity, inertia_slope, centrifugal_slope, gravity_slope, drag, drag_slope = terms
-        knee, stiffness = self.knee, self.knee.stiffness * self.pulls
-        stretch = angle - knee.zero
-        torque = -stiffness * stretch - (knee.damping + drag) * rate - knee.coulomb * self.direction
-        beyond = max(abs(rate) - knee.braking_from, 0.0)
-        torque -= math.copysign(knee.braking * beyond, rate)
-        acceleration = (torque - gravity - centrifugal * rate * rate) / inertia
-        if not self.wrt:
-            return np.array([rate, acceleration])
-        forcing = {
-            "stiffness": -stretch * self.pulls,
-            "damping": -rate,
-            "coulomb": -self.direction,
-            "zero": stiffness,
-            "rotor": -acceleration,
-            "initial_angle": 0.0,
-        }
-        by_angle = -stiffness - gravity_slope - (drag_slope + centrifugal_slope * rate) * rate
-        by_angle -= acceleration * inertia_slope
-        by_rate = -knee.damping - drag - knee.braking * (beyond > 0.0) - 2.0 * centrifugal * rate
-        of_angle, of_rate = sensitivities[: len(self.wrt)], sensitivities[len(self.wrt) :]
-        rows = zip(self.wrt, of_angle, of_rate, strict=True)
-        return np.array(
-            [rate, acceleration, *of_rate]
-            + [(by_angle * angle_p + by_rate * rate_p + forcing[name]) / inertia for name, angle_p, rate_p in rows]
-        )
-
-    def acceleration(self, angle: Array, rate: Array) -> Array:
-        """θ̈ at many samples."""
-        inertia, centrifugal, gravity = self.leg.motion(angle)
-        knee = self.knee
-        torque = -knee.stiffness * self.pulls * (angle - knee.zero) - knee.coulomb * self.direction
-        torque = torque - (knee.damping + self.leg.drag(angle)[0]) * rate + knee.braking_torque(rate)
-        return np.asarray((torque - gravity - centrifugal * rate**2) / inertia)
+def _with_spring(knee: PassiveKnee, spring: Spring) -> PassiveKnee:
+    return replace(knee, stiffness=spring.stiffness, damping=spring.damping, unilateral=spring.unilateral)
 
 
-def _restarted(flow: _Flow, state: Array) -> tuple[_Flow, Array]:
-    """Where the knee stands still: the direction in which it goes on, 0 if dry friction holds it.
+def _brake_switch(row: int) -> Guard:
+    """The motor begins to brake, or ceases to, where the rate passes the threshold."""
 
-    The acceleration jumps there, and with it ∂θ̇/∂p, in the same ratio, for the time of the turn depends on p.
-    """
-    knee, angle = flow.knee, float(state[0])
-    torque = float(knee.spring_torque(angle) - flow.leg.gravity(angle))
-    direction = float(np.sign(torque)) if abs(torque) > knee.coulomb else 0.0
-    state = state.copy()
-    if flow.direction:
-        before, after = (torque - knee.coulomb * way for way in (flow.direction, direction))
-        state[2 + len(flow.wrt) :] *= after / before if direction else 0.0
-    return replace(flow, direction=direction), state
+    def beyond(t: Any, q: Any, v: Any, held: Any, p: PassiveKnee, dyn: Any, ops: Any) -> Any:
+        return (1.0 - 2.0 * held["brakes"]) * (p.braking_from - ops.maximum(v[row], -v[row]))
+
+    return Guard("brake_switch", beyond, Reset(latch=lambda q, v, held, p: {"brakes": 1.0 - held["brakes"]}))
 
 
-@dataclass(frozen=True)
-class _Turn:
-    """The knee stands still; with dry friction a new piece begins there."""
-
-    terminal: bool
-    direction: float
-
-    def __call__(self, t: float, state: Array) -> float:
-        return float(state[1])
+def _ending_at_rest(domain: Domain) -> Domain:
+    """A swing that dry friction holds is over: nothing will free it."""
+    if domain.phase == "pushed" or all(rub.sign for rub in domain.rubs):
+        return domain
+    return replace(domain, guards=(Guard("rest", lambda *_: -1.0, ends="stuck"),))
 
 
-@dataclass(frozen=True)
-class _Limit:
-    """The end of the joint's range."""
+def _steps(result: Run, row: int, nq: int) -> Iterator[Step]:
+    """The steps of the swing, in time."""
 
-    span: tuple[float, float]
-    terminal: bool = True
-    direction: float = -1.0
+    def motion(state: Callable[[Array], Array], times: Array) -> Array:
+        return np.asarray(state(times)[[row, nq + row]])
 
-    def __call__(self, t: float, state: Array) -> float:
-        return float(min(state[0] - self.span[0], self.span[1] - state[0]))
-
-
-@dataclass(frozen=True)
-class _Kink:
-    """The zero of a spring that only pulls."""
-
-    zero: float
-    direction: float
-    terminal: bool = True
-
-    def __call__(self, t: float, state: Array) -> float:
-        return float(state[0] - self.zero)
-
-
-def _events(flow: _Flow) -> list[_Turn | _Limit | _Kink]:
-    """Events to look for during a piece: turns first."""
-    events: list[_Turn | _Limit | _Kink] = [_Turn(flow.dry, -flow.direction), _Limit(flow.leg.span)]
-    if flow.knee.unilateral:
-        events.append(_Kink(flow.knee.zero, -1.0 if flow.pulls else 1.0))
-    return events
+    for segment in result.segments:
+        direction, held = sum(rub.sign for rub in segment.domain.rubs), segment.held
+        for piece in segment.pieces:
+            if piece.end > piece.begin:
+                follow = partial(motion, piece.state)
+                yield Step(piece.begin, piece.end, follow, held["taut"], held["brakes"], direction)
