@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import require
 from spear_pin.model.spring import Spring
-from spear_pin.studies.release import PassiveKnee
+from spear_pin.studies.passive_knee import PassiveKnee
 
 SOFTNESS = 0.01  # K2 / K1: an assumption, the source says K2 ≪ K1
 
@@ -33,6 +35,6 @@ def torques(angles: ArrayLike, latched: float = 0.0, softness: float = SOFTNESS)
         latched: at which the key engages, in rad; S2 is slack at zero.
         softness: K2 / K1.
     """
-    stiffness, theta = Spring().stiffness, np.asarray(angles, dtype=float)
-    soft = softness * stiffness
-    return stiffness * np.maximum(theta - latched, 0.0), soft * off_stiffness(softness) * theta
+    spring, theta = Spring(), np.asarray(angles, dtype=float)
+    series = replace(spring, stiffness=softness * spring.stiffness * off_stiffness(softness))
+    return -spring.torque(np.maximum(theta - latched, 0.0)), -series.torque(theta)
