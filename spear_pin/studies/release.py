@@ -23,8 +23,9 @@ from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Mount, Reset
 from spear_pin.hybrid.contact import PINNED, Contact
 from spear_pin.hybrid.dry_friction import DryFriction
-from spear_pin.hybrid.phases import AT_REST, rate, spring_switches
+from spear_pin.hybrid.phases import rate, spring_switches
 from spear_pin.hybrid.record import Moment, Options, Run
+from spear_pin.hybrid.rules.footing import AT_REST
 from spear_pin.hybrid.run import run
 from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
