@@ -295,10 +295,10 @@ MUTATIONS = [
         ["model/test_planar"],
         {
             "planar: half of Coriolis on a slide": ("_scaled(2.0 * spin * v[i],", "_scaled(spin * v[i],"),
-            "planar: gravity upward": ("joint.acceleration[1] + self.gravity", "joint.acceleration[1] - self.gravity"),
+            "planar: gravity upward": ("joint.acceleration[1] + gravity", "joint.acceleration[1] - gravity"),
             "planar: rotors left out": ("mass_matrix[i][i] + body.armature", "mass_matrix[i][i]"),
-            "planar: Steiner's mixed term halved": ("2.0 * _dot(moment, arm)", "_dot(moment, arm)"),
-            "planar: torque of what hangs below left out": ("+ torque + _cross(arm, force)", "+ torque"),
+            "planar: Steiner's mixed term halved": ("2.0 * _dot(load.moment, arm)", "_dot(load.moment, arm)"),
+            "planar: torque of what hangs below left out": ("+ load.torque + _cross(arm, load.force)", "+ load.torque"),
         },
     ),
     *mistakes_in(
@@ -379,10 +379,10 @@ MUTATIONS = [
         "hybrid/lanes/journey",
         ["hybrid/test_track"],
         {
-            "lane alone: time stands still": ("self.began[lane] += sum(spent.values())", "pass"),
+            "lane alone: time stands still": ("began += sum(spent.values())", "pass"),
             "lane alone: repeated from its beginning": (
-                "if came[1] is self._fresh:\n                self.start[:, lane]",
-                "if False:\n                self.start[:, lane]",
+                "if came[1] is self._fresh:\n                start, fresh",
+                "if False:\n                start, fresh",
             ),
         },
     ),
