@@ -9,8 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from math import comb
+from operator import mul
 from typing import Any
 
 from spear_pin.hybrid.automaton import Row
@@ -50,25 +52,39 @@ class Evolution:
 
 def dot(row: Row, vector: Sequence[Any]) -> Any:
     """A row times a vector over the coordinates."""
-    return sum(weight * vector[index] for index, weight in row)
+    total = 0.0
+    for index, weight in row:
+        total = total + weight * vector[index]
+    return total
 
 
 def bezier(alpha: Sequence[Any], s: Any) -> tuple[Any, Any, Any]:
     """Value, slope and curvature of a Bézier polynomial, given its coefficients (at least two), at s."""
-    n = len(alpha) - 1
-    # coefficients come last: polynomials at the same s share everything else
-    bases = _basis(n, s), _derived(_basis(n - 1, s)), _derived(_derived(_basis(n - 2, s)))
-    value, slope, curvature = (sum(a * b for a, b in zip(alpha, basis, strict=True)) for basis in bases)
+    return _weighted(alpha, _bases(len(alpha) - 1, s))
+
+
+def _weighted(alpha: Sequence[Any], bases: Sequence[Sequence[Any]]) -> tuple[Any, Any, Any]:
+    # coefficients come last: polynomials of one degree at the same s share everything else
+    value, slope, curvature = (sum(map(mul, alpha, basis)) for basis in bases)
     return value, slope, curvature
 
 
-def _basis(n: int, s: Any) -> list[Any]:
-    """The Bernstein polynomials of degree n."""
+def _bases(n: int, s: Any) -> tuple[list[Any], list[Any], list[Any]]:
+    """The Bernstein polynomials of degree n, their slopes and their curvatures."""
     rest, ups, downs = 1.0 - s, [1.0], [1.0]
     for _ in range(n):
         ups.append(ups[-1] * s)
         downs.append(downs[-1] * rest)
-    return [comb(n, k) * (ups[k] * downs[n - k]) for k in range(n + 1)]
+    value, lower, lowest = (
+        [count * (ups[k] * downs[m - k]) for k, count in enumerate(_counts(m))] for m in (n, n - 1, n - 2)
+    )
+    return value, _derived(lower), _derived(_derived(lowest))
+
+
+@cache
+def _counts(n: int) -> list[int]:
+    """Binomial coefficients; none for a degree below zero."""
+    return [comb(n, k) for k in range(n + 1)]
 
 
 def _derived(basis: Sequence[Any]) -> list[Any]:
@@ -85,9 +101,10 @@ def desired(outputs: Outputs, evolution: Evolution, q: Sequence[Any]) -> list[tu
     """h, dh/ds and d²h/ds² of each output."""
     s = progress(outputs, evolution, q)
     inside = s + evolution.past * (1.0 - s)
+    bases = {n: _bases(n - 1, inside) for n in dict.fromkeys(map(len, evolution.alpha))}
     evolutions = []
     for alpha in evolution.alpha:
-        value, slope, curvature = bezier(alpha, inside)
+        value, slope, curvature = _weighted(alpha, bases[len(alpha)])
         # not (1 - past) * curvature: to what is compiled, a parameter times a symbol costs next to nothing
         evolutions.append((value + slope * (s - inside), slope, curvature - evolution.past * curvature))
     return evolutions

@@ -26,7 +26,6 @@ from spear_pin.gaits.virtual_constraints import (
 )
 from spear_pin.hybrid.automaton import Domain, HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK
-from spear_pin.hybrid.engines.elimination import torques_for
 from spear_pin.hybrid.engines.pinocchio import Flow
 
 ROBOT = load("q_spear")
@@ -271,7 +270,16 @@ class TestOnSymbols:
 
     @staticmethod
     def dyn(response, solve):
-        return SimpleNamespace(imposing=lambda *asked: torques_for(response, *asked, solve))
+        """Dynamics with v̇ = a + A u of scalars of any kind."""
+        free, gains = response
+
+        def imposing(rows, wanted, motors, others):
+            fixed = [a + sum(gain[j] * torque for j, torque in others) for a, gain in zip(free, gains, strict=True)]
+            decoupling = [[sum(weight * gains[i][j] for i, weight in row) for j in motors] for row in rows]
+            missing = [a - sum(weight * fixed[i] for i, weight in row) for a, row in zip(wanted, rows, strict=True)]
+            return solve(decoupling, missing)
+
+        return SimpleNamespace(imposing=imposing)
 
     def test_zeroing(self):
         q, v, free = (sp.symbols(f"{name}0:3", real=True) for name in ("q", "v", "a"))

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
-
-from spear_pin.hybrid.automaton import Row
 
 Matrix = list[list[Any]]
 
@@ -84,31 +82,6 @@ def solve_sparse(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[
         others = [k for k in rows[i] if k != j]
         x[j] = times(rows[i][j], _less(right[i], dot([rows[i][k] for k in others], [x[k] for k in others])))
     return [x[j] for j in range(len(rows))]
-
-
-def torques_for(
-    response: tuple[Sequence[Any], Matrix],
-    rows: Sequence[Row],
-    wanted: Sequence[Any],
-    motors: Sequence[int],
-    others: Sequence[tuple[int, Any]],
-    solve: Callable[[Matrix, list[Any]], Sequence[Any]],
-) -> Sequence[Any]:
-    """Torques of some motors, as many as rows, that make rows · v̇ = wanted.
-
-    Args:
-        response: (a, A) with v̇ = a + A u.
-        rows: over the coordinates.
-        wanted: what they times v̇ shall be.
-        motors: columns of those motors.
-        others: columns and torques of the other motors.
-        solve: solves the linear system, of the decoupling matrix.
-    """
-    free, gains = response
-    free = [a + sum(gain[j] * torque for j, torque in others) for a, gain in zip(free, gains, strict=True)]
-    decoupling = [[sum(weight * gains[i][j] for i, weight in row) for j in motors] for row in rows]
-    missing = [a - sum(weight * free[i] for i, weight in row) for a, row in zip(wanted, rows, strict=True)]
-    return solve(decoupling, missing)
 
 
 def _unit(rows: Sequence[dict[int, Any]], left: Sequence[int]) -> tuple[int, int, int] | None:

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Row, Rub
-from spear_pin.hybrid.contact import OPEN, SIGN, constrained
-from spear_pin.hybrid.engines.elimination import torques_for
+from spear_pin.hybrid.contact import OPEN, SIGN, constrained, solve
 from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
 from spear_pin.hybrid.rules.footing import Rubbing
 from spear_pin.hybrid.soundness import Latched
@@ -31,7 +30,7 @@ OPS = SimpleNamespace(
     sqrt=math.sqrt,
     exp=math.exp,
     maximum=max,
-    solve=np.linalg.solve,
+    solve=solve,
 )
 
 
@@ -253,6 +252,10 @@ class Flow:
 
     def response(self) -> tuple[list[float], list[list[float]]]:
         """(a, A) with v̇ = a + A u with the toes on the ground at rest: (nv,) and nv rows of nu."""
+        free, gains = self._response()
+        return free.tolist(), gains.tolist()
+
+    def _response(self) -> tuple[Array, Array]:
         applied = self._passive - self._data.nle
         if self._has_friction:
             applied += self._viscous
@@ -262,8 +265,8 @@ class Flow:
             jacobian = np.concatenate(rows)
             forced, _, _ = constrained(self._data.M, forces, jacobian, jacobian.T, np.concatenate(drifts))
         else:
-            forced = np.linalg.solve(self._data.M, forces)
-        return forced[:, 0].tolist(), forced[:, 1:].tolist()
+            forced = solve(self._data.M, forces)
+        return forced[:, 0], forced[:, 1:]
 
     def imposing(
         self, rows: Sequence[Row], wanted: Sequence[float], motors: Sequence[int], others: Sequence[tuple[int, float]]
@@ -279,7 +282,16 @@ class Flow:
         Raises:
             numpy.linalg.LinAlgError: the decoupling matrix is singular.
         """
-        return torques_for(self.response(), rows, wanted, motors, others, OPS.solve)
+        free, gains = self._response()
+        weights = [[0.0] * self._nv for _ in rows]
+        for weight, row in zip(weights, rows, strict=True):
+            for index, value in row:
+                weight[index] += value
+        for column, torque in others:
+            free = free + torque * gains[:, column]
+        over = np.array(weights)
+        torques: list[float] = solve(over @ gains[:, motors], np.asarray(wanted) - over @ free).tolist()
+        return torques
 
     # accelerations, by what is in contact
 
@@ -288,7 +300,7 @@ class Flow:
         if self._added is None:
             a = pin.aba(self._model, self._data, self.q, self.v, applied)
         else:
-            a = np.linalg.solve(self._data.M, applied - self._data.nle)
+            a = solve(self._data.M, applied - self._data.nle)
         return a
 
     def _stick(self, applied: Array) -> Array:
