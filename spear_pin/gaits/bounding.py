@@ -30,6 +30,7 @@ from spear_pin.gaits.bounding_law import (
 from spear_pin.gaits.virtual_constraints import dot, progress, resume
 from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Law, Mount, Reset
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
+from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.phases import contact_domains, fall, spring_switches, touchdown
 from spear_pin.hybrid.record import Run
 from spear_pin.kinds import typed
@@ -148,7 +149,7 @@ def _mount(leg: Leg, spring: Spring) -> Mount:
 def _passing(phase: Phase) -> Guard:
     """The phase variable passes 1, either way."""
 
-    def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+    def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
         return (1.0 - 2.0 * held["past"]) * (1.0 - progress(phase.outputs, evolution(held), q))
 
     return Guard("end_of_constraint", value, Reset(latch=lambda q, v, held, p: {"past": 1.0 - held["past"]}))
@@ -158,10 +159,10 @@ def _knee_back(leg: Leg, reset: Reset) -> tuple[Guard, Guard]:
     """The knee passes θ̄ as it flexes, and comes back to it."""
     name = f"{leg.name}_flexed"
 
-    def flexes(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+    def flexes(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
         return held[name] + (1.0 - held[name]) * (p.knee_rest + BEYOND - leg.side * q[leg.knee])
 
-    def returns(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+    def returns(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
         return held[name] * (leg.side * q[leg.knee] - p.knee_rest) + (1.0 - held[name])
 
     flexed = Reset(latch=lambda q, v, held, p: {name: 1.0})
@@ -171,7 +172,7 @@ def _knee_back(leg: Leg, reset: Reset) -> tuple[Guard, Guard]:
 def _overload() -> Guard:
     """The decoupling matrix is all but singular, and the torques grow without bound."""
 
-    def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+    def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
         return OVERLOAD**2 - sum(torque * torque for torque in dyn.u)
 
     return Guard("overload", value, ends="overload")

@@ -13,7 +13,8 @@ from typing import Any
 
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.virtual_constraints import Evolution, Outputs, zeroing
-from spear_pin.hybrid.automaton import Law, Row
+from spear_pin.hybrid.automaton import Law
+from spear_pin.hybrid.dynamics import Dynamics, Operations, Row
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
@@ -212,7 +213,7 @@ class Phase:
     landing: Leg | None = None
 
 
-def support(leg: Leg, q: Any, held: Mapping[str, Any], p: BoundingLaw, dyn: Any) -> list[tuple[int, Any]]:
+def support(leg: Leg, q: Any, held: Mapping[str, Any], p: BoundingLaw, dyn: Dynamics) -> list[tuple[int, Any]]:
     """Motor torques of a supporting leg, (5.4)-(5.6) with corrected signs, as (column, torque).
 
     The virtual spring is shared: the motor gives what the physical one does not.
@@ -275,7 +276,7 @@ def evolution(held: Mapping[str, Any]) -> Evolution:
 def stance_law(leg: Leg, phase: Phase) -> Law:
     """Torques in single stance: (5.4)-(5.6) for the leg that bears, (5.15) for the other."""
 
-    def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Sequence[Any]:
+    def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         given = support(leg, q, held, p, dyn)
         swing = zeroing(phase.outputs, evolution(held), q, v, p.epsilon, given, dyn)
         return _ordered([*given, *zip(phase.outputs.motors, swing, strict=True)])
@@ -286,7 +287,7 @@ def stance_law(leg: Leg, phase: Phase) -> Law:
 def flight_law(phase: Phase) -> Law:
     """Torques in flight, (5.20)."""
 
-    def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Sequence[Any]:
+    def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         return zeroing(phase.outputs, evolution(held), q, v, p.epsilon, (), dyn)
 
     return law
@@ -295,7 +296,7 @@ def flight_law(phase: Phase) -> Law:
 def double_law(legs: tuple[Leg, Leg]) -> Law:
     """Torques in double stance: (5.4)-(5.6) for both legs."""
 
-    def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Sequence[Any]:
+    def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         return _ordered([*support(legs[0], q, held, p, dyn), *support(legs[1], q, held, p, dyn)])
 
     return law

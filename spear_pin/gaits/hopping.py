@@ -12,6 +12,7 @@ import numpy as np
 from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Mount, Reset, Switch
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
+from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.phases import contact_domains, fall, rate, spring_switches, touchdown
 from spear_pin.hybrid.record import Run
 from spear_pin.kinds import typed
@@ -85,7 +86,7 @@ class HoppingLaw:
                 raise BadValue("HoppingLaw.virtual_stiffness", self.virtual_stiffness, "0 with a minimum_force")
 
 
-def flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
+def flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
     """Hip and knee torque in flight, (4.9)-(4.10) with corrected signs, in N·m."""
     hip, knee = -2, -1
     hip_touchdown = 0.5 * p.knee_touchdown if p.hip_touchdown is None else p.hip_touchdown
@@ -96,13 +97,15 @@ def flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: 
     )
 
 
-def sprung_flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
+def sprung_flight_law(
+    t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operations
+) -> Sequence[Any]:
     """The flight law with a spring that stays engaged: the motor bears what that does, too."""
     hip, knee = flight_law(t, q, v, held, p, dyn, ops)
     return hip, knee - dyn.spring_torque("knee")
 
 
-def stance_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
+def stance_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
     """Hip and knee torque in stance: the square wave of (4.10), flexion positive, in N·m.
 
     `held["flexing"]` is its sign; where `held["limited"]` is 1 the torque is the one that gives the
@@ -114,7 +117,7 @@ def stance_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Any, ops: 
     return (p.hip_stance_torque, knee - p.virtual_stiffness * held["taut"] * (q[-1] - held["knee_touchdown"]))
 
 
-def limited_torque(p: HoppingLaw, dyn: Any, ops: Any) -> Any:
+def limited_torque(p: HoppingLaw, dyn: Dynamics, ops: Operations) -> Any:
     """Flexing torque, up to τ̄, at which the normal force is `minimum_force`, in N·m.
 
     It is zero where the force would be less even without flexion. Flexion is limited only where it
@@ -125,7 +128,7 @@ def limited_torque(p: HoppingLaw, dyn: Any, ops: Any) -> Any:
     return ops.maximum(-ops.maximum(-limit, -p.stance_torque), 0.0)
 
 
-def _normal_force(p: HoppingLaw, dyn: Any) -> tuple[Any, Any]:
+def _normal_force(p: HoppingLaw, dyn: Dynamics) -> tuple[Any, Any]:
     """The normal force without flexion, in N, and its change with the knee torque, in 1/m."""
     unloaded = dyn.normal_force("toe", (p.hip_stance_torque, 0.0))
     return unloaded, dyn.normal_force("toe", (p.hip_stance_torque, 1.0)) - unloaded
@@ -225,7 +228,7 @@ def _limit_guards(law: HoppingLaw) -> tuple[Guard, ...]:
     if law.minimum_force is None:
         return ()
 
-    def margin(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+    def margin(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
         # negative where τ̄ leaves too little force and less would leave more; only in the first half period
         unloaded, per_torque = _normal_force(p, dyn)
         excess = unloaded + per_torque * p.stance_torque - p.minimum_force

@@ -17,6 +17,7 @@ import numpy as np
 from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Mount, Reset, Switch
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
+from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.phases import contact_domains, fall, rate, touchdown
 from spear_pin.hybrid.record import Run
 from spear_pin.kinds import typed
@@ -71,17 +72,17 @@ class SeriesHoppingLaw:
         return 0.5 * self.knee_touchdown if self.hip_touchdown is None else self.hip_touchdown
 
 
-def flight_law(t: Any, q: Any, v: Any, held: Any, p: SeriesHoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
+def flight_law(t: Any, q: Any, v: Any, held: Any, p: SeriesHoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
     """Hip and knee torque in flight, in N·m: (4.9)-(4.10) with corrected signs, the knee's on the rotor."""
     return p.hip_gain * (p.hip_commanded - q[1]) - p.hip_damping * v[1], _holding(q, v, p, dyn)
 
 
-def stance_law(t: Any, q: Any, v: Any, held: Any, p: SeriesHoppingLaw, dyn: Any, ops: Any) -> Sequence[Any]:
+def stance_law(t: Any, q: Any, v: Any, held: Any, p: SeriesHoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
     """Hip and knee torque in stance, in N·m: the square wave of (4.10) on a rotor that holds its angle."""
     return 0.0, _holding(q, v, p, dyn) + p.stance_torque * held["flexing"]
 
 
-def _holding(q: Any, v: Any, p: SeriesHoppingLaw, dyn: Any) -> Any:
+def _holding(q: Any, v: Any, p: SeriesHoppingLaw, dyn: Dynamics) -> Any:
     return dyn.spring_torque("knee_spring") + p.knee_gain * (p.knee_touchdown - q[2]) - p.knee_damping * v[2]
 
 

@@ -15,7 +15,7 @@ from math import comb
 from operator import mul
 from typing import Any
 
-from spear_pin.hybrid.automaton import Row
+from spear_pin.hybrid.dynamics import Dynamics, Row
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def zeroing(
     v: Sequence[Any],
     epsilon: Any,
     others: Sequence[tuple[int, Any]],
-    dyn: Any,
+    dyn: Dynamics,
 ) -> Sequence[Any]:
     """Torques of the outputs' motors that give ÿ = -y/ε² - 2ẏ/ε, (5.15) and (5.20) with (5.16).
 

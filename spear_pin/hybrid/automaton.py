@@ -7,12 +7,8 @@ Args:
     q, v: configuration and velocity, sequences of scalars.
     held: what was latched at events, by name: numbers, or tuples of numbers.
     p: the law's parameters, a frozen dataclass.
-    dyn: the dynamics at (q, v): `mass_matrix`, `bias`, `jacobian(toe)`, `height(frame)`,
-        `toe_velocity(toe)`, `force(toe)`, `normal_force(toe, u)`, `pivot(toe)`, `spring_torque(joint)`,
-        `holding(joint)`, `response()` for v̇ as an affine function of u, `imposing(rows, wanted, motors, others)`
-        for the torques that make rows · v̇ = wanted, `others` being all other motors; in guards `u`, the torques.
-    ops: elementary functions for whatever scalars are used (`sin`, `cos`, `tanh`, `sqrt`, `maximum`,
-        `solve`).
+    dyn: the dynamics at (q, v), see `spear_pin.hybrid.dynamics.Dynamics`.
+    ops: elementary functions for whatever scalars are used, see `spear_pin.hybrid.dynamics.Operations`.
 
 They are pure and never branch on a value: what switches is a domain or something held.
 """
@@ -30,6 +26,7 @@ from spear_pin.hybrid.contact import SLIP_BACKWARD as SLIP_BACKWARD
 from spear_pin.hybrid.contact import SLIP_FORWARD as SLIP_FORWARD
 from spear_pin.hybrid.contact import STICK as STICK
 from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.soundness import check
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
@@ -38,12 +35,9 @@ if TYPE_CHECKING:
     from spear_pin.hybrid.hardware import Hardware
 
 Held = Mapping[str, Any]
-Law = Callable[[Any, Any, Any, Mapping[str, Any], Any, Any, Any], Sequence[Any]]
-GuardValue = Callable[[Any, Any, Any, Mapping[str, Any], Any, Any, Any], Any]
+Law = Callable[[Any, Any, Any, Held, Any, Dynamics, Operations], Sequence[Any]]
+GuardValue = Callable[[Any, Any, Any, Held, Any, Dynamics, Operations], Any]
 Latch = Callable[[Sequence[float], Sequence[float], Held, Any], Held]
-Row = Sequence[tuple[int, Any]]
-"""A row vector over the coordinates, as (index, weight) of its entries; those of the same index add up."""
-
 REPLACED = ("kind", "domains", "section", "cyclic", "measures", "guess", "phase_limit", "shortest_flight", "hardware")
 SHORTEST_FLIGHT = 0.05  # s: in free fall a rise of 3 mm, a two-hundredth of a leg of 0.6 m
 

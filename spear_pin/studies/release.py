@@ -23,6 +23,7 @@ from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Mount, Reset
 from spear_pin.hybrid.contact import PINNED, Contact
 from spear_pin.hybrid.dry_friction import DryFriction
+from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.phases import rate, spring_switches
 from spear_pin.hybrid.record import Moment, Options, Run
 from spear_pin.hybrid.rules.footing import AT_REST
@@ -98,7 +99,7 @@ def released(leg: PinnedLeg, knee: PassiveKnee, duration: float = 1.5, dry: bool
         taut = not p.unilateral or q[row] > p.zero
         return {"zero": p.zero, "taut": float(taut), "brakes": float(not conducts)}
 
-    def idle(t: Any, q: Any, v: Any, held: Any, p: PassiveKnee, dyn: Any, ops: Any) -> Sequence[Any]:
+    def idle(t: Any, q: Any, v: Any, held: Any, p: PassiveKnee, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         if not p.braking:
             return still
         return [p.braking_torque(v[row], ops.maximum) if joint == leg.joint else 0.0 for joint in robot.actuated]
@@ -218,7 +219,7 @@ def _with_spring(knee: PassiveKnee, spring: Spring) -> PassiveKnee:
 def _brake_switch(row: int) -> Guard:
     """The motor begins to brake, or ceases to, where the rate passes the threshold."""
 
-    def beyond(t: Any, q: Any, v: Any, held: Any, p: PassiveKnee, dyn: Any, ops: Any) -> Any:
+    def beyond(t: Any, q: Any, v: Any, held: Any, p: PassiveKnee, dyn: Dynamics, ops: Operations) -> Any:
         return (1.0 - 2.0 * held["brakes"]) * (p.braking_from - ops.maximum(v[row], -v[row]))
 
     return Guard("brake_switch", beyond, Reset(latch=lambda q, v, held, p: {"brakes": 1.0 - held["brakes"]}))

@@ -53,7 +53,8 @@ class Alternating:
         leaves, touches = (latched(held, resets, q, v, numbers.law) for resets in ([between.leave], between.touching))
         self._flight = Motion(system, between.airborne, planar, 0.0, q, v, leaves, numbers, ops)
         self._stance = Motion(system, unloaded, planar, 0.0, q, v, touches, numbers, ops, bearing)
-        self._domain, self._arguments = domain, (0.0, q, v, leaves, numbers.law, self, ops)
+        self._domain = domain
+        self._arguments: tuple[Any, ...] = 0.0, q, v, leaves, numbers.law, self, ops
         fall, rise = (motion.toe_acceleration(between.toe)[1] for motion in (self._flight, self._stance))
         self._share = share = fall / (fall - rise)
         self.shares = (share,)

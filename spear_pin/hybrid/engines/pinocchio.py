@@ -7,22 +7,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from types import SimpleNamespace
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Row, Rub
+from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Rub
 from spear_pin.hybrid.contact import OPEN, SIGN, constrained, solve
+from spear_pin.hybrid.dynamics import Operations, Row
 from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
 from spear_pin.hybrid.rules.footing import Rubbing
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.robot import WORLD_ALIGNED
 
 Array = NDArray[np.float64]
-OPS = SimpleNamespace(
+OPS = Operations(
     sin=math.sin,
     cos=math.cos,
     tan=math.tan,

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from spear_pin.hybrid.automaton import Domain, HybridSystem, Mount, Row
+from spear_pin.hybrid.automaton import Domain, HybridSystem, Mount
 from spear_pin.hybrid.contact import OPEN, SIGN, STICK
+from spear_pin.hybrid.dynamics import Row
 from spear_pin.hybrid.engines.elimination import (
     Matrix,
     dot,

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache, cached_property, lru_cache
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import MissingExtra
 from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.dynamics import Operations
 from spear_pin.hybrid.engines.alternating import Alternating
 from spear_pin.hybrid.engines.elimination import solve
 from spear_pin.hybrid.engines.layout import Structure, symbols
@@ -260,7 +260,7 @@ def compiled(structure: Structure, code: Code) -> Compiled:
     return Compiled(structure.system, structure.domain, structure.held, code)
 
 
-def _operations(kinks: list[Any]) -> SimpleNamespace:
+def _operations(kinks: list[Any]) -> Operations:
     """Elementary functions of expressions; where they are not smooth is added to `kinks`."""
     hy = require()
 
@@ -269,7 +269,7 @@ def _operations(kinks: list[Any]) -> SimpleNamespace:
         return b + hy.relu(a - b)
 
     functions = {name: getattr(hy, name) for name in ("sin", "cos", "tan", "tanh", "sqrt", "exp")}
-    return SimpleNamespace(**functions, maximum=maximum, solve=solve)
+    return Operations(**functions, maximum=maximum, solve=solve)
 
 
 def _expression(value: Any) -> Any:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from spear_pin.hybrid.automaton import Domain, Rub
 from spear_pin.hybrid.contact import OPEN, SIGN, STICK
+from spear_pin.hybrid.dynamics import Dynamics
 from spear_pin.hybrid.rules.scalars import everywhere, nowhere, where
 
 AT_REST = 1e-7  # m/s
@@ -53,26 +54,6 @@ class Rubbing(NamedTuple):
     rate: Any
     acceleration: Any
     holding: Any = 0.0
-
-
-class Dynamics(Protocol):
-    """Dynamics at a state, of which footings are read."""
-
-    @property
-    def friction_coefficient(self) -> Any:
-        """μ of the ground."""
-
-    def toe_velocity(self, toe: str) -> tuple[Any, Any]:
-        """Velocity of a toe, x and z, in m/s."""
-
-    def toe_acceleration(self, toe: str) -> tuple[Any, Any]:
-        """Acceleration of a toe, x and z, in m/s²."""
-
-    def force(self, toe: str) -> tuple[Any, Any]:
-        """Ground force on a toe, F_x and F_z, in N."""
-
-    def pivot(self, toe: str) -> Any:
-        """Effective inverse mass of a sliding toe's normal force, in 1/kg."""
 
 
 def closed_toes(toes: Sequence[str], domain: Domain) -> list[tuple[str, str]]:

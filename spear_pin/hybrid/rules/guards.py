@@ -7,6 +7,7 @@ from typing import Any
 
 from spear_pin.hybrid.automaton import Guard, GuardValue, Mount, Reset, Rub
 from spear_pin.hybrid.contact import SIGN, STICK
+from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, UNLOADED
 
 ON_GROUND = 1e-8  # m: more than integration leaves of the constraint, less than any foot clearance
@@ -68,7 +69,7 @@ def spring_switches(mount: Mount, index: int) -> tuple[Guard, ...]:
     if not mount.spring.unilateral:
         return ()
 
-    def deflection(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+    def deflection(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
         return (2.0 * held[mount.taut] - 1.0) * mount.side * (q[index] - held[mount.rest])
 
     toggle = Reset(latch=lambda q, v, held, p: {mount.taut: 1.0 - held[mount.taut]})
@@ -77,7 +78,11 @@ def spring_switches(mount: Mount, index: int) -> tuple[Guard, ...]:
 
 def to_spare(rub: Rub, side: float) -> GuardValue:
     """Margin of dry friction over that which holds the joint, towards one side, in N or N·m."""
-    return lambda t, q, v, held, p, dyn, ops: rub.force - side * dyn.holding(rub.joint)
+
+    def spare(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+        return rub.force - side * dyn.holding(rub.joint)  # which the reference engine has
+
+    return spare
 
 
 def contact_guards(toe: str, mode: str, name: str, lift_off: Reset) -> list[Guard]:

@@ -86,7 +86,11 @@ def _after(others: Sequence[Reset], reset: Reset) -> Reset:
 
 def _to_spare(i: int, end: float, beyond: float) -> GuardValue:
     """Distance of a toe's share from 0 or 1."""
-    return lambda t, q, v, held, p, dyn, ops: end + (1.0 - 2.0 * end) * dyn.shares[i] + beyond
+
+    def spare(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+        return end + (1.0 - 2.0 * end) * dyn.shares[i] + beyond  # shares are of motion on switching surfaces only
+
+    return spare
 
 
 def within(share: Any, beyond: float) -> Any:

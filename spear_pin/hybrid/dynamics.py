@@ -1,0 +1,96 @@
+"""What control laws and guards may ask for: the dynamics where they are evaluated, and elementary functions.
+
+Scalars are whatever the engine reckons with: numbers, arrays of many lanes, symbols.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+Row = Sequence[tuple[int, Any]]
+"""A row vector over the coordinates, as (index, weight) of its entries; those of the same index add up."""
+
+
+@dataclass(frozen=True)
+class Operations:
+    """Elementary functions of scalars, `ops` of a law.
+
+    Attributes:
+        sin, cos, tan, tanh, sqrt, exp: of one scalar.
+        maximum: of two.
+        solve: the solution of a small linear system, from rows of the matrix and the right-hand side.
+    """
+
+    sin: Callable[[Any], Any]
+    cos: Callable[[Any], Any]
+    tan: Callable[[Any], Any]
+    tanh: Callable[[Any], Any]
+    sqrt: Callable[[Any], Any]
+    exp: Callable[[Any], Any]
+    maximum: Callable[[Any, Any], Any]
+    solve: Callable[[Any, Any], Any]
+
+
+class Dynamics(Protocol):
+    """The dynamics at (q, v), `dyn` of a law.
+
+    What depends on the motors' torques (`u`, `force`, `toe_acceleration`, `pivot`) is for guards only: a law gives
+    them.
+    """
+
+    @property
+    def u(self) -> Any:
+        """Torques of the motors."""
+
+    @property
+    def friction_coefficient(self) -> Any:
+        """μ of the ground."""
+
+    @property
+    def mass_matrix(self) -> Any:
+        """D, nv rows of nv."""
+
+    @property
+    def bias(self) -> Any:
+        """C v + G, nv."""
+
+    def jacobian(self, toe: str) -> Any:
+        """J of a toe, rows x and z, of nv."""
+
+    def height(self, frame: str) -> Any:
+        """Height of a frame above the ground, in m."""
+
+    def toe_velocity(self, toe: str) -> tuple[Any, Any]:
+        """Velocity of a toe, x and z, in m/s."""
+
+    def toe_acceleration(self, toe: str) -> tuple[Any, Any]:
+        """Acceleration of a toe, x and z, in m/s²."""
+
+    def force(self, toe: str) -> tuple[Any, Any]:
+        """Ground force on a toe, F_x and F_z, in N."""
+
+    def pivot(self, toe: str) -> Any:
+        """Effective inverse mass of the normal force of a slipping toe, in 1/kg."""
+
+    def spring_torque(self, joint: str) -> Any:
+        """Torque of the joint's spring, in N·m; 0 where none is engaged."""
+
+    def normal_force(self, toe: str, u: Sequence[Any]) -> Any:
+        """F_z that motor torques would give with the toes on the ground at rest, in N: affine in them."""
+
+    def response(self) -> tuple[Sequence[Any], Sequence[Sequence[Any]]]:
+        """(a, A) with v̇ = a + A u with the toes on the ground at rest: nv, and nv rows of nu."""
+
+    def imposing(
+        self, rows: Sequence[Row], wanted: Sequence[Any], motors: Sequence[int], others: Sequence[tuple[int, Any]]
+    ) -> Sequence[Any]:
+        """Torques of some motors that make rows · v̇ = wanted with the toes on the ground at rest.
+
+        Args:
+            rows: over the coordinates.
+            wanted: what the rows times v̇ shall be.
+            motors: columns of those motors, as many as rows.
+            others: columns and torques of all other motors.
+        """
