@@ -111,3 +111,34 @@ def test_links_to_files_lead_to_the_pages_made_from_them(gallery):
         redirected(text)
         == "[a](gallery/hop.md), [b](api/spear_pin.model.robot.rst), [c](index.md), [d](model.md#contact)"
     )
+
+
+class TestArchitecture:
+    @pytest.fixture
+    def drawn(self, monkeypatch):
+        monkeypatch.syspath_prepend(str(DOCS / "_extensions"))
+        return pytest.importorskip("architecture", reason="needs the extra docs")
+
+    def test_every_module_is_on_the_plan(self, drawn):
+        files = {path.stem for path in (ROOT / "spear_pin").rglob("*.py")} | {
+            path.stem for path in (ROOT / "viz").glob("*.py")
+        }
+        named = {name for floor in drawn.floors() for room in drawn.rooms(floor) for name in room.modules}
+        assert files - {"__init__", "_version"} <= named
+        plan = drawn.floor_plan()
+        assert all(f">{floor}</text>" in plan for floor in ("cli", "viz", "studies", "gaits", "hybrid", "model"))
+        assert plan.count("asks: ") == 5, "all but the lowest"
+
+    def test_a_hop_goes_through_the_rules(self, drawn):
+        path = drawn.path_of_a_hop()
+        names = set()
+        waiting = [path]
+        while waiting:
+            call = waiting.pop()
+            names.add(call.name)
+            waiting += call.calls
+            assert call.says
+        assert path.name == "hybrid.run.run"
+        rules = ("start.start", "footing.fitness", "entry.at_once", "impact.routh", "latching.latched", "cycles.whole")
+        assert {f"hybrid.rules.{rule}" for rule in rules} <= names
+        assert {"gaits.hopping.stance_law", "gaits.hopping.flight_law", "hybrid.strikes.struck_by"} <= names
