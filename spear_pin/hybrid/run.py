@@ -15,7 +15,7 @@ import scipy
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
+from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Reset
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import going_on, sliding
@@ -24,7 +24,6 @@ from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn
 from spear_pin.hybrid.record import BOOKED, FINEST, Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.resting import resting
 from spear_pin.hybrid.rules.cycles import (
-    INSTANT,
     INSTANT_EVENTS,
     RETOUCH,
     counts_to,
@@ -43,7 +42,6 @@ from spear_pin.hybrid.trajectory import Event
 
 Array = NDArray[np.float64]
 
-CREEP = 50  # steps of two toes' motion within an instant: where their shares cease to exist they have infinite rates
 NOTHING = 1e-12  # J: a spring that was latched in this instant
 MAX_STEP = 0.05  # s
 
@@ -135,70 +133,68 @@ class _Runner:
         if watch.at_once != NONE:
             y = self.y
             segment.pieces.append(Piece(self.t, self.t, lambda times: np.tile(y[:, None], len(times))))
-            guard = self.flow.domain.guards[watch.at_once]
-            chatter = self._chatter(guard)
-            if chatter is None:
-                self._happen(guard)
-            else:
-                self._enter(chatter.domain.phase, self.flow.domain.spent_in)
-                self._move_to(chatter)
+            self._leave(self.flow.domain.guards[watch.at_once])
             return
-        limit = self.system.phase_limit
-        switch, scheduled = self.flow.domain.switch, due(self.flow.domain, self.switches, self.system.law)
-        bound = min(scheduled, limit)
-        if bound <= self.t:
+        until = min(due(self.flow.domain, self.switches, self.system.law), self.system.phase_limit)
+        if until <= self.t:
             self._overdue()
-            return
-        if watch.undefined or not np.isfinite(self.flow(self.t, self.y)).all():
+        elif watch.undefined or not np.isfinite(self.flow(self.t, self.y)).all():
             self._break_off("not_finite")
-            return
-        hardware = self.system.hardware
-        longest = MAX_STEP if hardware is None else min(MAX_STEP, hardware.max_step)
-        solver = scipy.integrate.DOP853(
-            self.flow, self.t, self.y, bound, max_step=longest, rtol=self.rtol, atol=self.atol
-        )
-        slope, taken, passed = solver.f, 0, self.t
+        else:
+            event = self._move(segment, watch, until)
+            if event is not None:
+                self._happen(event)
+
+    def _leave(self, guard: Guard) -> None:
+        """An event as soon as the domain is entered, which may be the begin of motion on a switching surface."""
+        chatter = self._chatter(guard)
+        if chatter is None:
+            self._happen(guard)
+        else:
+            self._enter(chatter.domain.phase, self.flow.domain.spent_in)
+            self._move_to(chatter)
+
+    def _move(self, segment: Segment, watch: Watch, until: float) -> Guard | None:
+        """Integrate up to the first event, which is returned, or the scheduled one; None if motion breaks off."""
+        solver = self._solver(self.t, self.y, until)
+        slope = solver.f
         while solver.status == "running":
             t0, y0 = solver.t, solver.y
             solver.step()
             if solver.status == "failed":
                 finite = np.isfinite(solver.y).all() and np.isfinite(self.flow(t0, y0)).all()
                 self._break_off("step_size" if finite else "not_finite")
-                return
-            self.t, self.y, taken = solver.t, solver.y, taken + 1
-            if self.flow.domain.crossing is not None and taken % CREEP == 0:
-                if self.t - passed < INSTANT:
-                    segment.pieces.append(Piece(t0, self.t, solver.dense_output()))
-                    self._break_off("step_size")
-                    return
-                passed = self.t
+                return None
+            self.t, self.y = solver.t, solver.y
             if self.run.evaluations + self.flow.evaluations > self.options.max_evaluations:
                 self._end("evaluation_cap", f"{self.options.max_evaluations} in {self.flow.domain.name}")
-                return
+                return None
             crossings = watch.step((t0, self.t), (y0, self.y), (slope, solver.f), solver.dense_output)
             slope = solver.f
-            solution = solver.dense_output() if self.options.keep or crossings else None
-            for time, index in crossings:
-                guard = self.flow.domain.guards[index]
-                assert solution is not None
-                state = solution(time)
-                if guard.observes:
-                    self._record(guard.name, time, state)
-                    continue
-                self.t, self.y = time, self._step_to(t0, y0, time)
-                segment.pieces.append(Piece(t0, time, solution))
-                self._happen(guard)
-                return
-            if solution is not None:
+            if crossings or self.options.keep:
+                solution = solver.dense_output()
+                for time, index in crossings:
+                    guard = self.flow.domain.guards[index]
+                    if not guard.observes:
+                        self.t, self.y = time, self._step_to(t0, y0, time)
+                        segment.pieces.append(Piece(t0, time, solution))
+                        return guard
+                    self._record(guard.name, time, solution(time))
                 segment.pieces.append(Piece(t0, self.t, solution))
             if watch.undefined:
                 self._break_off("not_finite")
-                return
-        if switch is not None and self.t >= scheduled:
-            self.switches += 1
-            self._happen(Guard(switch.name, _never, switch.reset))
-        else:
+                return None
+        switch = self.flow.domain.switch
+        if switch is None or self.t < due(self.flow.domain, self.switches, self.system.law):
             self._overdue()
+            return None
+        self.switches += 1
+        return Guard(switch.name, _never, switch.reset)
+
+    def _solver(self, t: float, y: Array, until: float) -> scipy.integrate.DOP853:
+        hardware = self.system.hardware
+        longest = MAX_STEP if hardware is None else min(MAX_STEP, hardware.max_step)
+        return scipy.integrate.DOP853(self.flow, t, y, until, max_step=longest, rtol=self.rtol, atol=self.atol)
 
     def _step_to(self, t0: float, y0: Array, time: float) -> Array:
         """One step of the method that ends on the event: more accurate than the interpolant of a longer one."""
@@ -216,49 +212,59 @@ class _Runner:
             self._end(guard.ends, f"{guard.name} at t = {self._now():.6g} s")
             return
         assert guard.reset is not None
-        reset, domain, nq, nv = guard.reset, self.flow.domain, self.robot.nq, self.robot.nv
-        now = self._now()
+        reset, domain, now = guard.reset, self.flow.domain, self._now()
         self.grounded[domain.on_ground] = now
         again = bool(retouches(self.system, reset, now - self.grounded))
-        q, v = self.y[:nq], self.y[nq : nq + nv]
-        before = v.copy()
-        work: dict[str, float] = {}
-        impulse = np.zeros((len(self.robot.toes), 2))
-        if reset.release:
-            work["released"] = -self._spring_energy(reset)
-        held = self.flow.held
-        if struck := struck_toes(self.system, domain, reset):
-            strike = struck_by(self.system, struck, reset, q, v)
-            v, impulse, work["impact"] = strike.v, strike.impulse, strike.work
-            held = {**held, **strike.rises}
-        self.y = np.concatenate([q, v, self.y[nq + nv :]])
         try:
-            held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law)
+            held = self._reset(RETOUCH if again else guard.name, reset)
         except ArithmeticError:
             self._end("not_finite", f"what {guard.name} latches at t = {now:.6g} s")
             return
-        event = Event(RETOUCH if again else guard.name, now, domain.name, q.copy(), before, v.copy(), impulse, work)
-        self.run.events.append(event)
-        for name, energy in work.items():
-            self.booked[name] += energy
         reason = self._too_many(now)
         if reason:
             among = dict.fromkeys(event.domain for event in self.run.events[-INSTANT_EVENTS:])
             self._end(reason, f"{guard.name} in {domain.name} at t = {now:.6g} s, among {', '.join(among)}")
             return
-        phase = reset.phase or domain.phase
         if reset.phase is not None:
-            self._enter(phase, counts_to(domain, reset, again))
+            self._enter(reset.phase, counts_to(domain, reset, again))
             self.came = domain, reset
             self.instant.append(reset)
+        self._choose(reset, reset.phase or domain.phase, held)
+        if guard.name == self.system.section and not again:
+            self._close_cycle()
+
+    def _reset(self, name: str, reset: Reset) -> Held:
+        """What an event does to the state, recorded and booked; returns what is held then.
+
+        Raises:
+            ArithmeticError: what it latches has no value.
+        """
+        nq, nv, held = self.robot.nq, self.robot.nv, self.flow.held
+        q, v = self.y[:nq], self.y[nq : nq + nv]
+        before, impulse = v.copy(), np.zeros((len(self.robot.toes), 2))
+        work: dict[str, float] = {}
+        if reset.release:
+            work["released"] = -self._spring_energy(reset)
+        if struck := struck_toes(self.system, self.flow.domain, reset):
+            strike = struck_by(self.system, struck, reset, q, v)
+            v, impulse, work["impact"] = strike.v, strike.impulse, strike.work
+            held = {**held, **strike.rises}
+        self.y = np.concatenate([q, v, self.y[nq + nv :]])
+        held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law)
+        domain = self.flow.domain.name
+        self.run.events.append(Event(name, self._now(), domain, q.copy(), before, v.copy(), impulse, work))
+        for flow, energy in work.items():
+            self.booked[flow] += energy
+        return held
+
+    def _choose(self, reset: Reset, phase: str, held: Held) -> None:
+        """Go on in the domain that fits after an event, on switching surfaces if it was within a phase on them."""
         stays = None if reset.phase is not None else going_on(self.system, self.flow, held, self.y)
         flow = stays or choose(self.system, phase, held, self.t, self.y)
         if reset == Reset():
             for toe in torn(self.flow, flow, self.t, self.y):
                 self._record(f"painleve:{toe}", self.t, self.y)
         self._move_to(flow)
-        if guard.name == self.system.section and not again:
-            self._close_cycle()
 
     def _enter(self, phase: str, spent_in: str) -> None:
         """Begin a phase: its clock and its switches start anew; the time since the last began counts to `spent_in`."""
