@@ -87,6 +87,19 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/automaton",
+        ["hybrid/test_torques", "hybrid/test_ledger", "gaits/test_bounding"],
+        {
+            "spring pushes the wrong way": (
+                "self.side * (angle - held[self.rest])",
+                "self.side * (held[self.rest] - angle)",
+            ),
+            "a spring's torque to the wrong side": ("(self.side * spring.torque(", "(spring.torque("),
+            "a slack spring still acts": ("return held[self.taut] * (self.side", "return (self.side"),
+            "a slack spring stores energy": ("return held[self.taut] * self.spring", "return self.spring"),
+        },
+    ),
+    *mistakes_in(
         "hybrid/engines/pinocchio",
         [
             "hybrid/test_equations_of_motion",
@@ -96,12 +109,7 @@ MUTATIONS = [
             "gaits/test_hopping",
         ],
         {
-            "spring pushes the wrong way": (
-                "taut * spring.torque(angles[index] - rest)",
-                "taut * spring.torque(rest - angles[index])",
-            ),
-            "damping drives": ("(angles[index] - rest) + drag", "(angles[index] - rest) - drag"),
-            "a slack spring still acts": ("held[m.taut], held[m.rest], m.spring)", "1.0, held[m.rest], m.spring)"),
+            "damping drives": ("self.held) + drag", "self.held) - drag"),
             "drift dropped in stance": ("drifts.append(", "drifts.append(0.0 * "),
             "spatial acceleration in stance": (
                 "pin.getFrameClassicalAcceleration(model, data",
@@ -126,7 +134,7 @@ MUTATIONS = [
             ),
             "torque in the trajectory without the damper's": (
                 "return [float(self._applied[index]) for index in self._actuated]",
-                "drag = {i: damping * float(self.v[i]) for i, _, _, damping in self._springs}\n"
+                "drag = {i: mount.spring.damping * float(self.v[i]) for i, mount in self._springs}\n"
                 "        return [float(self._applied[index]) + drag.get(index, 0.0) for index in self._actuated]",
             ),
         },

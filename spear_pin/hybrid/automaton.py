@@ -48,7 +48,7 @@ class Mount:
 
     Attributes:
         joint: the joint it spans.
-        spring: its stiffness and damping.
+        spring: its law.
         rest: name in `held` of the latched angle.
         taut: name in `held` of 1 where it pulls and 0 where it is slack.
         side: +1 if flexion is positive, -1 if negative.
@@ -59,6 +59,23 @@ class Mount:
     rest: str
     taut: str
     side: float = 1.0
+
+    def torque(self, spring: Spring, angle: Any, held: Held) -> Any:
+        """Torque on the joint at an angle, without the damper's, in N·m.
+
+        Args:
+            spring: its law, of whatever scalars.
+            angle: of the joint, in rad.
+            held: what is held.
+        """
+        return held[self.taut] * (self.side * spring.torque(self._deflection(angle, held)))
+
+    def energy(self, angle: Any, held: Held) -> Any:
+        """Energy that its spring stores, in J."""
+        return held[self.taut] * self.spring.energy(self._deflection(angle, held))
+
+    def _deflection(self, angle: Any, held: Held) -> Any:
+        return self.side * (angle - held[self.rest])
 
 
 @dataclass(frozen=True)

@@ -386,8 +386,7 @@ class _Runner:
         energy = 0.0
         for mount in self.flow.domain.mounts:
             if mount.joint in reset.release:
-                deflection = float(self.y[self.system.robot.index(mount.joint)]) - held[mount.rest]
-                energy += float(held[mount.taut] * mount.spring.energy(deflection))
+                energy += float(mount.energy(self.y[self.system.robot.index(mount.joint)], held))
         return energy
 
 

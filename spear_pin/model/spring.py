@@ -54,10 +54,10 @@ class Spring:
     # its law, of whatever scalars the fields and the arguments are
 
     def torque(self, deflection: Any) -> Any:
-        """Torque on the joint while it pulls, without the damper's, in N·m, (3.24).
+        """Torque toward flexion while it pulls, without the damper's, in N·m, (3.24).
 
         Args:
-            deflection: of the joint from the angle at which it rests, in rad.
+            deflection: how far the joint is flexed beyond the angle at which it rests, in rad.
         """
         return -self.stiffness * deflection
 
@@ -69,7 +69,7 @@ class Spring:
         """Energy that it stores while it pulls, in J: the integral of minus its torque.
 
         Args:
-            deflection: of the joint from the angle at which it rests, in rad.
+            deflection: how far the joint is flexed beyond the angle at which it rests, in rad.
         """
         return 0.5 * self.stiffness * deflection**2
 

@@ -271,14 +271,15 @@ class TestLanes:
             np.testing.assert_allclose(found.observed["apex"][i], [*apex.q, *apex.v], rtol=0, atol=1e-8)
 
     def test_share_what_is_compiled(self, hop):
-        """Robots that differ in numbers only."""
+        """Robots and springs that differ in numbers only."""
         q, v = around(hop, 0.005, 4)
         simulate_many(hop.system, q, v)
         before = taylor.compiled.cache_info().misses
-        other = hopping(vary(hop.system.robot, knee_ratio=18.0), hop.system.law)
-        found = simulate_many(other, q, v)
-        assert taylor.compiled.cache_info().misses == before
-        assert_agree(other, q, v, found)
+        geared = hopping(vary(hop.system.robot, knee_ratio=18.0), hop.system.law)
+        for other in (geared, with_parameters(hop.system, {"stiffness": 50.0, "damping": 1.2})):
+            found = simulate_many(other, q, v)
+            assert taylor.compiled.cache_info().misses == before
+            assert_agree(other, q, v, found)
 
     def test_below_ground(self, hop):
         q, v = around(hop, 0.01, 3)

@@ -39,9 +39,8 @@ SYSTEMS = hops()
 
 
 def of(system):
-    spring = system.spring
     joints = system.robot.model.damping.tolist()
-    return Numbers(system.law, spring.stiffness, spring.damping, system.contact.friction, joints)
+    return Numbers(system.law, system.spring, system.contact.friction, joints)
 
 
 def compare(system, domain, held, q, v, t=0.01):

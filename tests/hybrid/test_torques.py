@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from spear_pin import HoppingLaw, Spring, hopping, simulate
+from spear_pin.hybrid.automaton import Mount
 from tests.hybrid.motions import SPRING_DAMPING, STIFFNESS, balance, stances, terms_of
 
 # source: the controller's gains
@@ -65,6 +66,15 @@ class TestTorques:
 
 
 class TestSpring:
+    @pytest.mark.parametrize("side", [1.0, -1.0])
+    def test_pulls_back_from_flexion_of_either_sign(self, side):
+        mount = Mount("knee", Spring(stiffness=20.0), rest="rest", taut="taut", side=side)
+        flexed, held = side * 0.8, {"rest": side * 0.5, "taut": 1.0}
+        assert mount.torque(mount.spring, flexed, held) == pytest.approx(-side * 20.0 * 0.3)
+        assert mount.energy(flexed, held) == pytest.approx(0.5 * 20.0 * 0.3**2)
+        slack = {**held, "taut": 0.0}
+        assert mount.torque(mount.spring, flexed, slack) == mount.energy(flexed, slack) == 0.0
+
     def test_latches_the_knee_at_touchdown(self, hops):
         touchdowns = hops.named("touchdown")[:-1]
         assert len(touchdowns) == 10

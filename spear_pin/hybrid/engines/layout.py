@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 D = TypeVar("D")
 FLOATS = frozenset({float, np.float64})  # what most values are: asked first, as it is asked often
+OF_SPRINGS = ("stiffness", "damping")  # their numbers that are run-time parameters
 
 
 @dataclass(frozen=True)
@@ -28,15 +29,13 @@ class Numbers:
 
     Attributes:
         law: parameters of the control law.
-        stiffness: of the springs, in N·m/rad.
-        damping: of the springs, in N·m·s/rad.
+        spring: the springs' law.
         friction: of the ground.
         joints: viscous friction of each joint, in N·s/m or N·m·s/rad.
     """
 
     law: Any
-    stiffness: Any
-    damping: Any
+    spring: Spring
     friction: Any
     joints: Sequence[Any]
 
@@ -50,6 +49,11 @@ def with_fields(instance: D, values: Mapping[str, Any]) -> D:
     return other
 
 
+def others(system: HybridSystem) -> dict[str, float]:
+    """Numbers beside the law's that are run-time parameters, in their order."""
+    return {**{name: getattr(system.spring, name) for name in OF_SPRINGS}, "friction": system.contact.friction}
+
+
 def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tuple[Planar, Numbers, dict[str, Any]]:
     """The robot, the system's numbers and what is held, as run-time parameters par[0], par[1], ...
 
@@ -57,12 +61,12 @@ def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tup
     """
     counter = _Counter(par)
     law = with_fields(system.law, {f.name: counter.number(getattr(system.law, f.name)) for f in fields(system.law)})
-    spring = system.spring
-    stiffness, damping, friction = map(counter.number, (spring.stiffness, spring.damping, system.contact.friction))
+    *of_spring, friction = map(counter.number, others(system).values())
+    spring = with_fields(system.spring, dict(zip(OF_SPRINGS, of_spring, strict=True)))
     bodies = [_with_numbers(body, *map(counter.nonzero, _numbers(body))) for body in planar.bodies]
     joints = [counter.nonzero(float(b)) for b in system.robot.model.damping]
     kept = Latched({name: counter.number(value) for name, value in held.items()})
-    return planar.with_bodies(bodies), Numbers(law, stiffness, damping, friction, joints), kept
+    return planar.with_bodies(bodies), Numbers(law, spring, friction, joints), kept
 
 
 def robot_numbers(system: HybridSystem, planar: Planar) -> list[float]:
@@ -76,7 +80,7 @@ def parameters(law: Any, others: Sequence[Any], robot: Sequence[float], held: Va
 
     Args:
         law: parameters of the law, numbers or arrays of n.
-        others: stiffness, damping and friction, numbers or arrays of n.
+        others: as of `others`, numbers or arrays of n.
         robot: as of `robot_numbers`.
         held: what is held, numbers or arrays of n.
         n: number of lanes.
@@ -138,11 +142,16 @@ class Structure:
         return isinstance(other, Structure) and self.key == other.key
 
 
-def _mounted(mount: Mount, shared: Spring) -> Any:
+def _mounted(mount: Mount, common: Spring) -> Any:
     """Where a spring is, what holds it, and its own numbers where they are not the system's, which are parameters."""
     own = mount.spring
-    stiffness = None if own.stiffness == shared.stiffness else own.stiffness
-    return mount.joint, mount.rest, mount.taut, stiffness, None if own.damping == shared.damping else own.damping
+    numbers = tuple(None if name in shared(own, common) else getattr(own, name) for name in OF_SPRINGS)
+    return mount.joint, mount.rest, mount.taut, mount.side, numbers
+
+
+def shared(own: Spring, common: Spring) -> list[str]:
+    """Names of the numbers that a mount's spring has from the system's; others are its own and do not vary."""
+    return [name for name in OF_SPRINGS if getattr(own, name) == getattr(common, name)]
 
 
 class _Counter:

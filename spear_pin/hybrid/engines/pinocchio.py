@@ -94,9 +94,7 @@ class Flow:
         """Replace what is held."""
         self.held: Held = Latched(held)
         self._at: tuple[float, Array] | None = None
-        self._springs = [
-            (self.system.robot.index(m.joint), held[m.taut], held[m.rest], m.spring) for m in self.domain.mounts
-        ]
+        self._springs = [(self.system.robot.index(mount.joint), mount) for mount in self.domain.mounts]
 
     def __call__(self, t: float, y: Array) -> Array:
         """dy/dt; not a number where a law or the dynamics has no value."""
@@ -130,9 +128,9 @@ class Flow:
             self.friction = self._dry + self._viscous
             rubbed = float(self.friction @ v)
         damped = 0.0
-        for index, taut, rest, spring in self._springs:
-            drag = spring.drag(rates[index])
-            self._passive[index] = taut * spring.torque(angles[index] - rest) + drag
+        for index, mount in self._springs:
+            drag = mount.spring.drag(rates[index])
+            self._passive[index] = mount.torque(mount.spring, angles[index], self.held) + drag
             damped += drag * rates[index]
         slopes: list[float] = []
         electrical: list[float] = []
@@ -170,9 +168,9 @@ class Flow:
 
     def spring_torque(self, joint: str) -> float:
         """Torque of the joint's spring in the last call, in N·m; 0 where none is engaged."""
-        for mount, (index, taut, rest, spring) in zip(self.domain.mounts, self._springs, strict=True):
+        for index, mount in self._springs:
             if mount.joint == joint:
-                return float(taut * spring.torque(self.q[index] - rest))
+                return float(mount.torque(mount.spring, self.q[index], self.held))
         return 0.0
 
     def holding(self, joint: str) -> float:

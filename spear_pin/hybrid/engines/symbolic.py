@@ -14,6 +14,7 @@ from typing import Any
 from spear_pin.hybrid.automaton import Domain, HybridSystem, Mount
 from spear_pin.hybrid.contact import OPEN, SIGN, STICK
 from spear_pin.hybrid.dynamics import Row
+from spear_pin.hybrid.engines import layout
 from spear_pin.hybrid.engines.elimination import (
     Matrix,
     dot,
@@ -238,8 +239,10 @@ class Motion:
 
     @cached_property
     def _springs(self) -> dict[str, Any]:
-        deflections = {m.joint: self.q[self._index[m.joint]] - self.held[m.rest] for m in self.domain.mounts}
-        return {m.joint: self.held[m.taut] * self._spring(m).torque(deflections[m.joint]) for m in self.domain.mounts}
+        return {
+            mount.joint: mount.torque(self._spring(mount), self.q[self._index[mount.joint]], self.held)
+            for mount in self.domain.mounts
+        }
 
     @cached_property
     def _passive(self) -> list[Any]:
@@ -252,14 +255,8 @@ class Motion:
 
     def _spring(self, mount: Mount) -> Spring:
         """A mount's spring: the system's numbers, whatever they are, or ones of its own, which do not vary."""
-        own, shared, symbols = mount.spring, self.system.spring, self.numbers
-        return with_fields(
-            own,
-            {
-                "stiffness": symbols.stiffness if own.stiffness == shared.stiffness else own.stiffness,
-                "damping": symbols.damping if own.damping == shared.damping else own.damping,
-            },
-        )
+        shared = {name: getattr(self.numbers.spring, name) for name in layout.shared(mount.spring, self.system.spring)}
+        return with_fields(mount.spring, shared)
 
     def _at_rest(self) -> tuple[Matrix, list[Any]]:
         rows: Matrix = []

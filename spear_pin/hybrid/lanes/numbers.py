@@ -20,7 +20,7 @@ from spear_pin.hybrid.rules.entry import ahead
 from spear_pin.hybrid.rules.latching import latched
 
 Array = NDArray[np.float64]
-OTHERS = ("stiffness", "damping", "friction")  # numbers beside the law's in which lanes may differ
+OTHERS = (*layout.OF_SPRINGS, "friction")  # numbers beside the law's in which lanes may differ
 
 
 class Numbers:
@@ -36,8 +36,7 @@ class Numbers:
         self.system, self.nv, self._given = system, system.robot.nv, given
         self.compilation = compilation(system, code)
         self.planar = self.compilation.planar
-        parts = system.spring, system.spring, system.contact
-        self._others = [given.get(name, getattr(part, name)) for part, name in zip(parts, OTHERS, strict=True)]
+        self._others = [given.get(name, value) for name, value in layout.others(system).items()]
 
     def of_lane(self, lane: int) -> dict[str, float]:
         """The numbers in which a lane differs."""
@@ -60,7 +59,7 @@ class Numbers:
 
     def friction(self, lanes: Indices) -> Any:
         """The ground's friction under some lanes."""
-        return take(self._others[2], lanes)
+        return take(self._others[-1], lanes)
 
     def parameters(self, group: Group) -> Array:
         """Run-time parameters of a group, (p, n)."""

@@ -69,10 +69,12 @@ def spring_switches(mount: Mount, index: int) -> tuple[Guard, ...]:
     if not mount.spring.unilateral:
         return ()
 
-    def deflection(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return (2.0 * held[mount.taut] - 1.0) * mount.side * (q[index] - held[mount.rest])
+    side, rest, taut = mount.side, mount.rest, mount.taut  # not its numbers: a guard that sees others is another
 
-    toggle = Reset(latch=lambda q, v, held, p: {mount.taut: 1.0 - held[mount.taut]})
+    def deflection(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
+        return (2.0 * held[taut] - 1.0) * side * (q[index] - held[rest])
+
+    toggle = Reset(latch=lambda q, v, held, p: {taut: 1.0 - held[taut]})
     return (Guard("spring_switch", deflection, toggle, tolerance=ON_REST),)
 
 
