@@ -82,7 +82,10 @@ MUTATIONS = [
         "model/spring",
         ["model/test_spring"],
         {
-            "energy of a spring without the half": ("return 0.5 * self.stiffness", "return self.stiffness"),
+            "energy of a spring without the half": ("(0.5 * self.stiffness", "(self.stiffness"),
+            "energy of a hardening spring without the quarter": ("0.25 * self.hardening", "0.5 * self.hardening"),
+            "a spring that softens": ("(self.stiffness + self.hardening", "(self.stiffness - self.hardening"),
+            "a preload that pushes": ("return -(self.preload +", "return -(-self.preload +"),
             "a damper that drives": ("return -self.damping", "return self.damping"),
         },
     ),

@@ -13,6 +13,7 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import PINNED
 from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.engines.layout import OF_SPRINGS
 from spear_pin.hybrid.lanes.journey import Lanes
 from spear_pin.hybrid.lanes.numbers import OTHERS
 from spear_pin.hybrid.parameters import parameter, with_parameters
@@ -88,6 +89,7 @@ def simulate_many(
     q, v = np.array(q, dtype=float), np.array(v, dtype=float)
     given = {name: np.array(values, dtype=float) for name, values in (parameters or {}).items()}
     _check(system, q, v, given, cycles)
+    system = _varying(system, given)
     taylor.require()
     code = taylor.Code(rtol / TIMES_FINER, observe, system.robot.nv <= UNROLLED if unroll is None else unroll)
     options, parts = Options(rtol), []
@@ -130,11 +132,18 @@ def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array],
     for name, values in given.items():
         parameter(system, name)  # it says what there is
         if name not in free:
-            raise BadValue("parameters", name, "fields of the law, stiffness, damping or friction")
+            raise BadValue("parameters", name, f"fields of the law, {', '.join(OTHERS[:-1])} or {OTHERS[-1]}")
         if values.shape != (len(q),) or not np.isfinite(values).all():
             raise BadValue(f"parameters[{name!r}]", values, f"{len(q)} finite numbers")
         for value in {values.min(initial=np.inf), values.max(initial=-np.inf)} if len(q) else ():
             with_parameters(system, {name: float(value)})  # it says what is valid
+
+
+def _varying(system: HybridSystem, given: Mapping[str, Array]) -> HybridSystem:
+    """The system, with springs in which nothing is zero that lanes have: what is zero is not compiled."""
+    most = {name: float(given[name].max(initial=0.0)) for name in OF_SPRINGS if name in given}
+    zero = {name: value for name, value in most.items() if value > 0.0 and getattr(system.spring, name) == 0.0}
+    return with_parameters(system, zero)
 
 
 def _result(lanes: Lanes) -> Batch:

@@ -10,6 +10,7 @@ from spear_pin.errors import require
 from spear_pin.kinds import typed
 
 STIFFEST = 1e6  # N·m/rad: at a knee as good as rigid
+UNITS = {"stiffness": "N·m/rad", "damping": "N·m·s/rad", "hardening": "N·m/rad³", "preload": "N·m"}
 
 
 @typed
@@ -17,8 +18,9 @@ STIFFEST = 1e6  # N·m/rad: at a knee as good as rigid
 class Spring:
     """A rotational spring and damper in parallel with a joint, in action while its switch is engaged.
 
-    The torque on the joint is -k (θ - θ_td) - b θ̇, the corrected (3.24)-(3.25), θ_td being the angle
-    latched at touchdown. The physical spring is a chain in tension: it pulls only beyond θ_td.
+    The torque on the joint is -(τ₀ + k δ + k₃ δ³) - b θ̇, where δ = θ - θ_td is counted from the angle latched at
+    touchdown and positive in flexion: with τ₀ = k₃ = 0 the corrected (3.24)-(3.25). The physical spring is a chain in
+    tension: it pulls only beyond θ_td.
 
     Attributes:
         stiffness: k_rot, in N·m/rad (source: Table 4.2, with motor).
@@ -27,27 +29,26 @@ class Spring:
         rest: the angle of a spring that is never switched (a fixed parallel spring), in rad; None: switched,
             latched at touchdown and let go at lift-off. Its damper acts in stance only, as the other's. Hops take
             it, bounds do not.
+        hardening: k₃, in N·m/rad³.
+        preload: τ₀ with which it pulls as soon as it does, in N·m. A stop holds the spring as far as that stretched,
+            so that the torque jumps at the latched angle, and what it stored before it was latched is not counted.
+            Only a spring that is unilateral has one: another rests where it does not pull.
     """
 
     stiffness: float = 48.84
     damping: float = 1.3
     unilateral: bool = True
     rest: float | None = None
+    hardening: float = 0.0
+    preload: float = 0.0
 
     def __post_init__(self) -> None:
         """Check the fields."""
-        require(
-            "Spring.stiffness",
-            self.stiffness,
-            lambda k: (k >= 0) & (k <= STIFFEST),
-            f"a number from 0 to {STIFFEST:g}, in N·m/rad",
-        )
-        require(
-            "Spring.damping",
-            self.damping,
-            lambda b: (b >= 0) & (b <= STIFFEST),
-            f"a number from 0 to {STIFFEST:g}, in N·m·s/rad",
-        )
+        for name, unit in UNITS.items():
+            within = f"a number from 0 to {STIFFEST:g}, in {unit}"
+            require(f"Spring.{name}", getattr(self, name), lambda number: (number >= 0) & (number <= STIFFEST), within)
+        if not self.unilateral:
+            require("Spring.preload", self.preload, lambda torque: torque == 0, "0 of a spring that is not unilateral")
         if self.rest is not None:
             require("Spring.rest", self.rest, lambda angle: abs(angle) < math.pi, "within ±π rad, or None")
 
@@ -59,7 +60,7 @@ class Spring:
         Args:
             deflection: how far the joint is flexed beyond the angle at which it rests, in rad.
         """
-        return -self.stiffness * deflection
+        return -(self.preload + deflection * (self.stiffness + self.hardening * deflection * deflection))
 
     def drag(self, rate: Any) -> Any:
         """Torque of the damper on a joint that turns at a rate in rad/s, in N·m, (3.25)."""
@@ -71,7 +72,8 @@ class Spring:
         Args:
             deflection: how far the joint is flexed beyond the angle at which it rests, in rad.
         """
-        return 0.5 * self.stiffness * deflection**2
+        square = deflection * deflection
+        return self.preload * deflection + square * (0.5 * self.stiffness + 0.25 * self.hardening * square)
 
 
 @typed

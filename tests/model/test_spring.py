@@ -1,5 +1,6 @@
 """The law of the spring; the stiffness of the belt, by hand and by the range that the source's numbers give."""
 
+import numpy as np
 import pytest
 import sympy as sp
 from hypothesis import given
@@ -39,21 +40,40 @@ def test_bad_values(name, value):
 
 
 @pytest.mark.parametrize("value", [-1.0, 1.1e6, 1e300, float("nan"), float("inf"), "1"])
-@pytest.mark.parametrize("name", ["stiffness", "damping"])
+@pytest.mark.parametrize("name", ["stiffness", "damping", "hardening", "preload"])
 def test_a_spring_that_is_none(name, value):
     with pytest.raises(BadValue, match=f"^Spring.{name} is .*from 0 to 1e[+]06, in N"):
         Spring(**{name: value})
+
+
+@pytest.mark.parametrize("rest", [None, 0.5])
+def test_what_pushes_too_is_not_preloaded(rest):
+    with pytest.raises(BadValue, match="^Spring.preload is 2.0; expected 0 of a spring that is not unilateral"):
+        Spring(preload=2.0, unilateral=False, rest=rest)
+    assert Spring(unilateral=False, rest=rest, hardening=3.0).preload == 0.0
 
 
 def test_a_spring_may_have_a_symbol():
     assert Spring(stiffness=sp.Symbol("k")).stiffness == sp.Symbol("k")
 
 
-@given(st.floats(0.0, 1e3), st.floats(-2.0, 2.0))
-def test_energy_is_the_integral_of_what_it_takes(stiffness, deflection):
-    spring = Spring(stiffness=stiffness)
+def test_torque_by_hand():
+    spring = Spring(stiffness=40.0, hardening=100.0, preload=3.0)
+    assert spring.torque(0.0) == -3.0
+    assert spring.torque(0.2) == pytest.approx(-(3.0 + 8.0 + 0.8))
+    assert spring.energy(0.2) == pytest.approx(0.6 + 0.8 + 0.04)
+
+
+@given(st.floats(0.0, 1e3), st.floats(0.0, 1e3), st.floats(0.0, 50.0), st.floats(-2.0, 2.0))
+def test_energy_is_the_integral_of_what_it_takes(stiffness, hardening, preload, deflection):
+    spring = Spring(stiffness=stiffness, hardening=hardening, preload=preload)
     work, _ = quad(spring.torque, 0.0, deflection)
     assert spring.energy(deflection) == pytest.approx(-work, rel=1e-9, abs=1e-9)
+
+
+@given(st.floats(0.0, 1e3), st.floats(-2.0, 2.0))
+def test_without_the_others_it_is_linear_to_the_last_digit(stiffness, deflection):
+    assert Spring(stiffness=stiffness).torque(deflection) == -stiffness * deflection
 
 
 def test_its_damper_takes_energy():
@@ -62,6 +82,12 @@ def test_its_damper_takes_energy():
 
 
 def test_its_law_is_one_of_symbols_too():
-    angle = sp.Symbol("angle")
-    spring = Spring(stiffness=40.0)
-    assert sp.diff(spring.energy(angle), angle) == -spring.torque(angle)
+    angle, k, hardening, preload = sp.symbols("angle k k_3 tau_0")
+    spring = Spring(stiffness=k, hardening=hardening, preload=preload)
+    assert sp.expand(spring.torque(angle) + preload + k * angle + hardening * angle**3) == 0
+    assert sp.expand(sp.diff(spring.energy(angle), angle) + spring.torque(angle)) == 0
+
+
+def test_its_law_is_one_of_arrays_too():
+    spring, angles = Spring(hardening=50.0, preload=1.0), np.linspace(-0.5, 0.5, 5)
+    np.testing.assert_array_equal(spring.torque(angles), [spring.torque(float(angle)) for angle in angles])

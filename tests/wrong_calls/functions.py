@@ -122,7 +122,11 @@ FUNCTIONS: tuple[tuple[str, Callable[[], Mapping[str, Any]], Mapping[str, tuple[
     (
         ":Spring",
         dict,
-        {"stiffness": NOT_NEGATIVE, "damping": NOT_NEGATIVE, "unilateral": FLAG, "rest": ("x", NAN, 4.0, [], True)},
+        {
+            **dict.fromkeys(("stiffness", "damping", "hardening", "preload"), NOT_NEGATIVE),
+            "unilateral": FLAG,
+            "rest": ("x", NAN, 4.0, [], True),
+        },
     ),
     (":Contact", dict, {"friction": POSITIVE}),
     (

@@ -14,13 +14,13 @@ from spear_pin.hybrid.automaton import Domain, HybridSystem, Mount
 from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.planar import Body, Planar
-from spear_pin.model.spring import Spring
+from spear_pin.model.spring import UNITS, Spring
 
 Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 D = TypeVar("D")
 FLOATS = frozenset({float, np.float64})  # what most values are: asked first, as it is asked often
-OF_SPRINGS = ("stiffness", "damping")  # their numbers that are run-time parameters
+OF_SPRINGS = tuple(UNITS)  # their numbers that are run-time parameters where they are not zero
 
 
 @dataclass(frozen=True)
@@ -51,18 +51,20 @@ def with_fields(instance: D, values: Mapping[str, Any]) -> D:
 
 def others(system: HybridSystem) -> dict[str, float]:
     """Numbers beside the law's that are run-time parameters, in their order."""
-    return {**{name: getattr(system.spring, name) for name in OF_SPRINGS}, "friction": system.contact.friction}
+    of_springs = {name: value for name in OF_SPRINGS if (value := getattr(system.spring, name)) != 0.0}
+    return {**of_springs, "friction": system.contact.friction}
 
 
 def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tuple[Planar, Numbers, dict[str, Any]]:
     """The robot, the system's numbers and what is held, as run-time parameters par[0], par[1], ...
 
-    What is zero of the robot stays zero; what is no number stays what it is.
+    What is zero of the robot and the springs stays zero; what is no number stays what it is.
     """
     counter = _Counter(par)
     law = with_fields(system.law, {f.name: counter.number(getattr(system.law, f.name)) for f in fields(system.law)})
-    *of_spring, friction = map(counter.number, others(system).values())
-    spring = with_fields(system.spring, dict(zip(OF_SPRINGS, of_spring, strict=True)))
+    beside = {name: counter.number(value) for name, value in others(system).items()}
+    friction = beside.pop("friction")
+    spring = with_fields(system.spring, beside)
     bodies = [_with_numbers(body, *map(counter.nonzero, _numbers(body))) for body in planar.bodies]
     joints = [counter.nonzero(float(b)) for b in system.robot.model.damping]
     kept = Latched({name: counter.number(value) for name, value in held.items()})
@@ -132,7 +134,7 @@ class Structure:
         springs = tuple(_mounted(mount, spring) for mount in mounts)
         rubbing = tuple(b != 0.0 for b in system.robot.model.damping)
         law = tuple((f.name, _shape(getattr(system.law, f.name))) for f in fields(system.law))
-        parts = spring.unilateral, spring.rest, law, shape_of(self.held)
+        parts = spring.unilateral, spring.rest, tuple(others(system)), law, shape_of(self.held)
         return system.kind, type(system.law), robot, springs, rubbing, parts, domain.contacts, _identity(domain)
 
     def __hash__(self) -> int:

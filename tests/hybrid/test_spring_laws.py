@@ -1,0 +1,145 @@
+"""Springs that are not linear, in motion: both engines, the ledger, numbers by name and by lane."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, Spring, find_gait, hopping, simulate
+from spear_pin.errors import UnknownName
+from spear_pin.gaits.series_hopping import SERIES, series_hopping
+from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.parameters import parameter, rebuilt, with_parameters
+from spear_pin.hybrid.periodic import residual
+from spear_pin.model.loading import load
+from tests.hybrid.lanes import around, assert_agree, compiles
+from tests.hybrid.motions import balance, stances, terms_of
+
+HARDENING = Spring(40.0, hardening=60.0)
+PRELOADED = Spring(30.0, preload=4.0, hardening=20.0)
+SPRINGS = [HARDENING, PRELOADED]
+
+
+def with_spring(gait, spring):
+    return rebuilt(gait.system, spring=spring)
+
+
+def pull(spring, beyond):
+    """Magnitude of the torque, by hand."""
+    return np.where(beyond > 0.0, spring.preload + spring.stiffness * beyond + spring.hardening * beyond**3, 0.0)
+
+
+class TestReference:
+    @pytest.mark.parametrize("spring", SPRINGS)
+    def test_hops(self, hop, spring):
+        trajectory = simulate(with_spring(hop, spring), hop.state, 3)
+        assert trajectory.reason == "complete"
+        for part in stances(trajectory):
+            beyond = trajectory.q[part, 2] - trajectory.q[part, 2][0]
+            clear = np.abs(beyond) > 1e-9
+            expected = -pull(spring, beyond)
+            np.testing.assert_allclose(trajectory.spring[part, 0][clear], expected[clear], rtol=0, atol=1e-9)
+        np.testing.assert_allclose(trajectory.ledger.residual, 0.0, rtol=0, atol=1e-8)
+        assert balance(trajectory, terms_of(trajectory)).max() < 1e-8
+
+    def test_a_stop_bears_a_preload_that_the_leg_hardly_loads(self, hop):
+        """The torque jumps: the knee passes the latched angle, and the toe leaves the ground in that instant."""
+        trajectory = simulate(with_spring(hop, Spring(preload=3.0)), hop.state, 3)
+        slack, leaves = trajectory.named("spring_switch"), trajectory.named("lift_off")
+        assert [event.time for event in slack] == [event.time for event in leaves]
+        np.testing.assert_allclose(trajectory.ledger["released"], 0.0, rtol=0, atol=1e-12)
+
+    @pytest.mark.parametrize("spring", [Spring(80.0, 0.0, hardening=150.0), Spring(80.0, 0.0, preload=6.0)])
+    def test_bounds_on_knees_that_flex_either_way(self, spring):
+        """The motors give what the springs do not: the motion stays, the springs' torques are their law's."""
+        gait = Gait.load("long_stride")
+        own, other = (simulate(system, gait.state) for system in (gait.system, with_spring(gait, spring)))
+        np.testing.assert_allclose(other.q[-1], own.q[-1], rtol=0, atol=1e-6)
+        assert abs(other.ledger.residual).max() < 1e-7
+        for j, (joint, side) in enumerate((("posterior_knee", 1.0), ("anterior_knee", -1.0))):
+            column = other.coordinates.index(joint)
+            engaged = other.engaged[:, j]
+            name = joint.removesuffix("_knee")
+            latched = next(event for event in other.events if event.name == f"{name}_touchdown").q[column]
+            beyond = side * (other.q[:, column] - latched)
+            clear = engaged & (beyond > 1e-6)
+            assert clear.sum() > 10
+            np.testing.assert_allclose(other.spring[clear, j], -side * pull(spring, beyond[clear]), rtol=0, atol=1e-6)
+
+    def test_in_series(self):
+        """A spring that pushes, too, hardens either way."""
+        system = series_hopping(load("spear_ii_series", locked=["boom_x"]), spring=replace(SERIES, hardening=500.0))
+        trajectory = simulate(system, system.guess(), 2)
+        deflection = trajectory.q[:, 3]
+        assert deflection.min() < -1e-3 and deflection.max() > 0.1
+        expected = -48.84 * deflection - 500.0 * deflection**3
+        np.testing.assert_allclose(trajectory.spring[:, 0], expected, rtol=0, atol=1e-9)
+        assert abs(trajectory.ledger.residual).max() < 1e-7
+
+
+@compiles
+class TestLanes:
+    @pytest.mark.parametrize("spring", SPRINGS)
+    @pytest.mark.parametrize("spread", [0.01, 0.1])
+    def test_hops(self, hop, spring, spread):
+        system = with_spring(hop, spring)
+        q, v = around(hop, spread, 8)
+        found = simulate_many(system, q, v)
+        assert not found.repeated.any()
+        assert_agree(system, q, v, found)
+
+    @pytest.mark.parametrize("spring", [HARDENING, Spring(rest=0.9, preload=3.0)])
+    def test_rests_at_an_angle(self, robot, hop, spring):
+        system = hopping(robot, hop.system.law, replace(spring, rest=0.9))
+        q, v = around(hop, 0.05, 6)
+        assert_agree(system, q, v, simulate_many(system, q, v))
+
+    @pytest.mark.parametrize("name", ["stiffness", "damping", "hardening", "preload"])
+    def test_numbers_that_are_zero_but_in_lanes(self, hop, name):
+        system = with_parameters(hop.system, {name: 0.0})
+        q, v = around(hop, 0.02, 6)
+        values = {
+            name: np.linspace(0.0, {"stiffness": 60.0, "damping": 1.5, "hardening": 90.0, "preload": 5.0}[name], 6)
+        }
+        found = simulate_many(system, q, v, parameters=values)
+        assert not found.repeated.any()
+        assert_agree(system, q, v, found, parameters=values)
+
+    def test_what_is_zero_in_all_lanes_is_not_compiled(self, hop):
+        q, v = around(hop, 0.01, 4)
+        plain = simulate_many(hop.system, q, v)
+        before = taylor.compiled.cache_info().misses
+        found = simulate_many(hop.system, q, v, parameters={"hardening": np.zeros(4), "preload": np.zeros(4)})
+        assert taylor.compiled.cache_info().misses == before
+        np.testing.assert_array_equal(found.q, plain.q)
+
+    @pytest.mark.slow
+    def test_bounds(self):
+        gait = Gait.load("long_stride")
+        system = with_spring(gait, Spring(80.0, 0.0, preload=6.0))
+        q, v = around(gait, 0.003, 3)
+        values = {"hardening": np.array([0.0, 50.0, 150.0])}
+        found = simulate_many(system, q, v, parameters=values, unroll=False)
+        assert_agree(system, q, v, found, tolerance=1e-7, parameters=values)
+
+
+class TestNumbersByName:
+    def test_parameters(self, hop):
+        system = with_parameters(hop.system, {"hardening": 30.0, "preload": 2.0})
+        assert (system.spring.hardening, system.spring.preload) == (30.0, 2.0)
+        assert parameter(system, "hardening") == 30.0
+        with pytest.raises(UnknownName, match="hardening, preload"):
+            with_parameters(hop.system, {"hardenin": 1.0})
+
+    @pytest.mark.parametrize(
+        ("spring", "vary"), [(Spring(), "hardening"), (Spring(), "preload"), (Spring(hardening=10.0), "stiffness")]
+    )
+    def test_found_and_kept_in_a_file(self, hop, tmp_path, spring, vary):
+        target = {"flight_time": 0.2, "stance_time": 0.34}
+        gait = find_gait(with_spring(hop, spring), ["stance_torque", vary], target, guess=hop.state)
+        assert gait.parameters[vary] > 0.0
+        assert residual(gait.system, gait.state) <= 1e-9
+        again = Gait.load(gait.save(tmp_path / "gait.json"))
+        assert again.system.spring == gait.system.spring
+        assert residual(again.system, again.state) <= 1e-9
