@@ -85,8 +85,19 @@ MUTATIONS = [
             "energy of a spring without the half": ("(0.5 * self.stiffness", "(self.stiffness"),
             "energy of a hardening spring without the quarter": ("0.25 * self.hardening", "0.5 * self.hardening"),
             "a spring that softens": ("(self.stiffness + self.hardening", "(self.stiffness - self.hardening"),
-            "a preload that pushes": ("return -(self.preload +", "return -(-self.preload +"),
+            "a preload that pushes": ("pull = self.preload +", "pull = -self.preload +"),
+            "a table beside the stiffness": ("lambda k: k == 0, ", "lambda k: k >= 0, "),
+            "energy of a table left out": ("return energy + self._integral(deflection, ops)", "return energy"),
             "a damper that drives": ("return -self.damping", "return self.damping"),
+        },
+    ),
+    *mistakes_in(
+        "model/curve",
+        ["model/test_curve"],
+        {
+            "a curve bent beyond its points": ("(slopes[1],)", "(slopes[1], 1.0)"),
+            "pieces of a curve that do not end": ("here - after", "here"),
+            "an integral that is not from zero": ("-float(whole(0.0))", "0.0"),
         },
     ),
     *mistakes_in(
@@ -112,7 +123,7 @@ MUTATIONS = [
             "gaits/test_hopping",
         ],
         {
-            "damping drives": ("self.held) + drag", "self.held) - drag"),
+            "damping drives": ("self.held, OPS) + drag", "self.held, OPS) - drag"),
             "drift dropped in stance": ("drifts.append(", "drifts.append(0.0 * "),
             "spatial acceleration in stance": (
                 "pin.getFrameClassicalAcceleration(model, data",
@@ -231,6 +242,11 @@ MUTATIONS = [
             "release left out of the ledger": ("-self._spring_energy(reset)", "0.0"),
             "absolute tolerance ten thousand times looser": ("0.01 * options.rtol", "100.0 * options.rtol"),
         },
+    ),
+    *mistakes_in(
+        "hybrid/run",
+        ["hybrid/test_spring_laws"],
+        {"integrated across the knots of a table": (", *bends(self.flow, ends, states, solver.dense_output)", "")},
     ),
     *mistakes_in(
         "hybrid/sampling",

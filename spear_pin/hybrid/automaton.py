@@ -60,19 +60,24 @@ class Mount:
     taut: str
     side: float = 1.0
 
-    def torque(self, spring: Spring, angle: Any, held: Held) -> Any:
+    def torque(self, spring: Spring, angle: Any, held: Held, ops: Any) -> Any:
         """Torque on the joint at an angle, without the damper's, in N·m.
 
         Args:
             spring: its law, of whatever scalars.
             angle: of the joint, in rad.
             held: what is held.
+            ops: elementary functions.
         """
-        return held[self.taut] * (self.side * spring.torque(self._deflection(angle, held)))
+        return held[self.taut] * (self.side * spring.torque(self._deflection(angle, held), ops))
 
     def energy(self, angle: Any, held: Held) -> Any:
         """Energy that its spring stores, in J."""
         return held[self.taut] * self.spring.energy(self._deflection(angle, held))
+
+    def knots(self, held: Held) -> list[float]:
+        """Angles of the joint at which the law of its spring has no second derivative, in rad."""
+        return [held[self.rest] + self.side * knot for knot in self.spring.knots]
 
     def _deflection(self, angle: Any, held: Held) -> Any:
         return self.side * (angle - held[self.rest])

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -19,6 +20,8 @@ from spear_pin.hybrid.rules.entry import ahead, at_once, stays
 
 Array = NDArray[np.float64]
 Interpolant = Callable[[float], Array]
+BEND = -1  # in the place of a guard's index
+ON_KNOT = 1e-9  # rad: it has just been passed
 
 
 class _Undefined(Exception):
@@ -124,6 +127,32 @@ class Watch:
                 return _root(value, left, right)
         dip = scipy.optimize.minimize_scalar(value, bounds=(begin, end), method="bounded")
         return _root(value, begin, float(dip.x)) if dip.fun <= 0.0 else None
+
+
+def bends(
+    flow: Flow, ends: tuple[float, float], states: tuple[Array, Array], interpolate: Callable[[], Interpolant]
+) -> list[tuple[float, int]]:
+    """Times within one integration step at which the motion passes a knot of its flow, each with `BEND`.
+
+    Integrated across, it would be far less accurate than the tolerance asks for.
+
+    Args:
+        flow: the motion.
+        ends: beginning and end of the step.
+        states: y there.
+        interpolate: makes the step's interpolant.
+    """
+    found = []
+    for index, angle in flow.knots:
+        before, after = (float(y[index]) - angle for y in states)
+        if abs(before) > ON_KNOT and before * after < 0.0:
+            side, solution = math.copysign(1.0, before), interpolate()
+            found.append((_root(partial(_beyond, solution, index, angle, side), *ends), BEND))
+    return found
+
+
+def _beyond(solution: Interpolant, index: int, angle: float, side: float, t: float) -> float:
+    return side * (float(solution(t)[index]) - angle)
 
 
 def _root(value: Callable[[float], float], left: float, right: float) -> float:

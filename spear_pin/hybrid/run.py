@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Reset
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
-from spear_pin.hybrid.events import Watch
+from spear_pin.hybrid.events import BEND, Watch, bends
 from spear_pin.hybrid.filippov import going_on, sliding
 from spear_pin.hybrid.hardware import HARDWARE_TOLERANCE
 from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn
@@ -155,7 +155,10 @@ class _Runner:
             self._move_to(chatter)
 
     def _move(self, segment: Segment, watch: Watch, until: float) -> Guard | None:
-        """Integrate up to the first event, which is returned, or the scheduled one; None if motion breaks off."""
+        """Integrate up to the first event, which is returned, or the scheduled one.
+
+        None where motion breaks off, or only passes a knot of a spring's curve, from which it is integrated anew.
+        """
         solver = self._solver(self.t, self.y, until)
         slope = solver.f
         while solver.status == "running":
@@ -169,13 +172,15 @@ class _Runner:
             if self.run.evaluations + self.flow.evaluations > self.options.max_evaluations:
                 self._end("evaluation_cap", f"{self.options.max_evaluations} in {self.flow.domain.name}")
                 return None
-            crossings = watch.step((t0, self.t), (y0, self.y), (slope, solver.f), solver.dense_output)
+            ends, states = (t0, self.t), (y0, self.y)
+            crossings = watch.step(ends, states, (slope, solver.f), solver.dense_output)
+            crossings = sorted([*crossings, *bends(self.flow, ends, states, solver.dense_output)])
             slope = solver.f
             if crossings or self.options.keep:
                 solution = solver.dense_output()
                 for time, index in crossings:
-                    guard = self.flow.domain.guards[index]
-                    if not guard.observes:
+                    guard = None if index == BEND else self.flow.domain.guards[index]
+                    if guard is None or not guard.observes:
                         self.t, self.y = time, self._step_to(t0, y0, time)
                         segment.pieces.append(Piece(t0, time, solution))
                         return guard

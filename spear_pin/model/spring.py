@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
-from spear_pin.errors import require
+import numpy as np
+
+from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
+from spear_pin.model.curve import Curve, through
 
 STIFFEST = 1e6  # N·m/rad: at a knee as good as rigid
+MOST_POINTS = 30  # of a table: integration begins anew at each, and with more it is slow to compile
 UNITS = {"stiffness": "N·m/rad", "damping": "N·m·s/rad", "hardening": "N·m/rad³", "preload": "N·m"}
 
 
@@ -19,8 +24,8 @@ class Spring:
     """A rotational spring and damper in parallel with a joint, in action while its switch is engaged.
 
     The torque on the joint is -(τ₀ + k δ + k₃ δ³) - b θ̇, where δ = θ - θ_td is counted from the angle latched at
-    touchdown and positive in flexion: with τ₀ = k₃ = 0 the corrected (3.24)-(3.25). The physical spring is a chain in
-    tension: it pulls only beyond θ_td.
+    touchdown and positive in flexion: with τ₀ = k₃ = 0 the corrected (3.24)-(3.25). A table takes the place of k δ. The
+    physical spring is a chain in tension: it pulls only beyond θ_td.
 
     Attributes:
         stiffness: k_rot, in N·m/rad (source: Table 4.2, with motor).
@@ -33,6 +38,9 @@ class Spring:
         preload: τ₀ with which it pulls as soon as it does, in N·m. A stop holds the spring as far as that stretched,
             so that the torque jumps at the latched angle, and what it stored before it was latched is not counted.
             Only a spring that is unilateral has one: another rests where it does not pull.
+        table: points (δ, τ) with τ the torque against flexion, in rad and N·m, in the place of k δ, so that the
+            stiffness is 0: between them a smooth curve that rises as they do, see `curve.through`, beyond them straight
+            on. They begin with (0, 0), or are on both sides of it if the spring is not unilateral.
     """
 
     stiffness: float = 48.84
@@ -41,6 +49,7 @@ class Spring:
     rest: float | None = None
     hardening: float = 0.0
     preload: float = 0.0
+    table: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         """Check the fields."""
@@ -49,31 +58,74 @@ class Spring:
             require(f"Spring.{name}", getattr(self, name), lambda number: (number >= 0) & (number <= STIFFEST), within)
         if not self.unilateral:
             require("Spring.preload", self.preload, lambda torque: torque == 0, "0 of a spring that is not unilateral")
+        object.__setattr__(self, "table", _checked(self.table, self.unilateral))
+        if self.table:
+            require("Spring.stiffness", self.stiffness, lambda k: k == 0, "0 with a table, which takes its place")
         if self.rest is not None:
             require("Spring.rest", self.rest, lambda angle: abs(angle) < math.pi, "within ±π rad, or None")
 
     # its law, of whatever scalars the fields and the arguments are
 
-    def torque(self, deflection: Any) -> Any:
+    def torque(self, deflection: Any, ops: Any = np) -> Any:
         """Torque toward flexion while it pulls, without the damper's, in N·m, (3.24).
 
         Args:
             deflection: how far the joint is flexed beyond the angle at which it rests, in rad.
+            ops: has `maximum` for such scalars, which a table asks for.
         """
-        return -(self.preload + deflection * (self.stiffness + self.hardening * deflection * deflection))
+        pull = self.preload + deflection * (self.stiffness + self.hardening * deflection * deflection)
+        return -(pull + self._curve(deflection, ops)) if self.table else -pull
 
     def drag(self, rate: Any) -> Any:
         """Torque of the damper on a joint that turns at a rate in rad/s, in N·m, (3.25)."""
         return -self.damping * rate
 
-    def energy(self, deflection: Any) -> Any:
+    def energy(self, deflection: Any, ops: Any = np) -> Any:
         """Energy that it stores while it pulls, in J: the integral of minus its torque.
 
         Args:
             deflection: how far the joint is flexed beyond the angle at which it rests, in rad.
+            ops: as of `torque`.
         """
         square = deflection * deflection
-        return self.preload * deflection + square * (0.5 * self.stiffness + 0.25 * self.hardening * square)
+        energy = self.preload * deflection + square * (0.5 * self.stiffness + 0.25 * self.hardening * square)
+        return energy + self._integral(deflection, ops) if self.table else energy
+
+    @property
+    def knots(self) -> tuple[float, ...]:
+        """Deflections at which its law has no second derivative, in rad."""
+        return self._curve.starts[1:] if self.table else ()
+
+    @cached_property
+    def _curve(self) -> Curve:
+        return through(self.table)
+
+    @cached_property
+    def _integral(self) -> Curve:
+        return self._curve.integral()
+
+
+def _checked(table: Any, unilateral: bool) -> tuple[tuple[float, float], ...]:
+    """The points of a table, as numbers.
+
+    Raises:
+        BadValue: they are none of a spring.
+    """
+    where = "the first of them (0, 0)" if unilateral else "(0, 0) between the first and the last"
+    expected = f"up to {MOST_POINTS} points (rad, N·m) that rise in the first and do not fall in the second, {where}"
+    try:
+        points = tuple((float(angle), float(torque)) for angle, torque in table)
+    except (TypeError, ValueError):
+        raise BadValue("Spring.table", table, expected) from None
+    if not points:
+        return points
+    steps, rises = np.diff(np.array(points), axis=0).T
+    rising = (steps > 0.0).all() and (rises >= 0.0).all() and (rises <= STIFFEST * steps).all()  # which no NaN is
+    placed = points.index((0.0, 0.0)) if (0.0, 0.0) in points else None
+    fits = placed == 0 if unilateral else placed not in (None, 0, len(points) - 1)
+    if not (rising and fits and 2 <= len(points) <= MOST_POINTS and np.isfinite(points).all()):
+        raise BadValue("Spring.table", table, expected)
+    return points
 
 
 @typed

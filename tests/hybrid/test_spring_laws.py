@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 
 from spear_pin import Gait, Spring, find_gait, hopping, simulate
-from spear_pin.errors import UnknownName
+from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.series_hopping import SERIES, series_hopping
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.engines import taylor
@@ -18,7 +19,11 @@ from tests.hybrid.motions import balance, stances, terms_of
 
 HARDENING = Spring(40.0, hardening=60.0)
 PRELOADED = Spring(30.0, preload=4.0, hardening=20.0)
-SPRINGS = [HARDENING, PRELOADED]
+POINTS = ((0.0, 0.0), (0.05, 1.5), (0.15, 6.0), (0.3, 13.0), (0.6, 40.0))
+TABLED = Spring(0.0, table=POINTS)
+SPRINGS = [HARDENING, PRELOADED, TABLED, Spring(0.0, 1.0, hardening=5.0, preload=2.0, table=POINTS)]
+EITHER_WAY = ((-0.5, -30.0), (-0.1, -4.0), (0.0, 0.0), (0.1, 5.0), (0.9, 70.0))
+STRAIGHT = Spring(0.0, table=tuple((0.1 * i, 4.884 * i) for i in range(6)))  # as the hop's is
 
 
 def with_spring(gait, spring):
@@ -27,7 +32,12 @@ def with_spring(gait, spring):
 
 def pull(spring, beyond):
     """Magnitude of the torque, by hand."""
-    return np.where(beyond > 0.0, spring.preload + spring.stiffness * beyond + spring.hardening * beyond**3, 0.0)
+    elastic = spring.stiffness * beyond
+    if spring.table:
+        curve = PchipInterpolator(*np.transpose(spring.table))
+        end = spring.table[-1][0]
+        elastic = curve(np.minimum(beyond, end)) + curve(end, 1) * np.maximum(beyond - end, 0.0)
+    return np.where(beyond > 0.0, spring.preload + elastic + spring.hardening * beyond**3, 0.0)
 
 
 class TestReference:
@@ -67,13 +77,30 @@ class TestReference:
             assert clear.sum() > 10
             np.testing.assert_allclose(other.spring[clear, j], -side * pull(spring, beyond[clear]), rtol=0, atol=1e-6)
 
-    def test_in_series(self):
-        """A spring that pushes, too, hardens either way."""
-        system = series_hopping(load("spear_ii_series", locked=["boom_x"]), spring=replace(SERIES, hardening=500.0))
+    def test_a_table_of_a_linear_spring_is_one(self, hop, hops):
+        trajectory = simulate(with_spring(hop, STRAIGHT), hop.state, 11)
+        np.testing.assert_allclose(trajectory.q[-1], hops.q[-1], rtol=0, atol=1e-8)
+        np.testing.assert_allclose(trajectory.ledger["released"], hops.ledger["released"], rtol=0, atol=1e-8)
+
+    def test_integration_begins_anew_where_pieces_of_a_table_meet(self, hop):
+        """The ledger closes as it does with a linear spring."""
+        trajectory = simulate(with_spring(hop, TABLED), hop.state, 3, rtol=1e-10)
+        beyond = trajectory.q[:, 2] - trajectory.q[0, 2]
+        assert beyond.max() > 0.3  # all pieces but the last were passed
+        assert abs(trajectory.ledger.residual).max() < 1e-9
+
+    @pytest.mark.parametrize("law", [{"hardening": 500.0}, {"stiffness": 0.0, "table": EITHER_WAY}])
+    def test_in_series(self, law):
+        """A spring that pushes, too, does so by the same law."""
+        spring = replace(SERIES, **law)
+        system = series_hopping(load("spear_ii_series", locked=["boom_x"]), spring=spring)
         trajectory = simulate(system, system.guess(), 2)
         deflection = trajectory.q[:, 3]
         assert deflection.min() < -1e-3 and deflection.max() > 0.1
-        expected = -48.84 * deflection - 500.0 * deflection**3
+        if spring.table:
+            expected = -PchipInterpolator(*np.transpose(spring.table))(deflection)
+        else:
+            expected = -48.84 * deflection - 500.0 * deflection**3
         np.testing.assert_allclose(trajectory.spring[:, 0], expected, rtol=0, atol=1e-9)
         assert abs(trajectory.ledger.residual).max() < 1e-7
 
@@ -89,7 +116,21 @@ class TestLanes:
         assert not found.repeated.any()
         assert_agree(system, q, v, found)
 
-    @pytest.mark.parametrize("spring", [HARDENING, Spring(rest=0.9, preload=3.0)])
+    def test_in_series(self):
+        system = series_hopping(
+            load("spear_ii_series", locked=["boom_x"]), spring=replace(SERIES, stiffness=0.0, table=EITHER_WAY)
+        )
+        q, v = (np.array([part]) for part in system.guess())
+        assert_agree(system, q, v, simulate_many(system, q, v))
+
+    def test_a_table_is_compiled_in(self, hop):
+        """Another has other code."""
+        q, v = around(hop, 0.01, 3)
+        for stiffer in (1.0, 1.1):
+            system = with_spring(hop, Spring(0.0, table=[(angle, stiffer * torque) for angle, torque in POINTS]))
+            assert_agree(system, q, v, simulate_many(system, q, v))
+
+    @pytest.mark.parametrize("spring", [HARDENING, TABLED, Spring(preload=3.0)])
     def test_rests_at_an_angle(self, robot, hop, spring):
         system = hopping(robot, hop.system.law, replace(spring, rest=0.9))
         q, v = around(hop, 0.05, 6)
@@ -130,10 +171,13 @@ class TestNumbersByName:
         assert (system.spring.hardening, system.spring.preload) == (30.0, 2.0)
         assert parameter(system, "hardening") == 30.0
         with pytest.raises(UnknownName, match="hardening, preload"):
-            with_parameters(hop.system, {"hardenin": 1.0})
+            with_parameters(hop.system, {"table": 1.0})
+        with pytest.raises(BadValue, match="^Spring.stiffness is 3.0; expected 0 with a table"):
+            with_parameters(with_spring(hop, TABLED), {"stiffness": 3.0})
 
     @pytest.mark.parametrize(
-        ("spring", "vary"), [(Spring(), "hardening"), (Spring(), "preload"), (Spring(hardening=10.0), "stiffness")]
+        ("spring", "vary"),
+        [(Spring(), "hardening"), (Spring(), "preload"), (Spring(hardening=10.0), "stiffness"), (STRAIGHT, "preload")],
     )
     def test_found_and_kept_in_a_file(self, hop, tmp_path, spring, vary):
         target = {"flight_time": 0.2, "stance_time": 0.34}

@@ -70,10 +70,10 @@ class TestSpring:
     def test_pulls_back_from_flexion_of_either_sign(self, side):
         mount = Mount("knee", Spring(stiffness=20.0), rest="rest", taut="taut", side=side)
         flexed, held = side * 0.8, {"rest": side * 0.5, "taut": 1.0}
-        assert mount.torque(mount.spring, flexed, held) == pytest.approx(-side * 20.0 * 0.3)
+        assert mount.torque(mount.spring, flexed, held, np) == pytest.approx(-side * 20.0 * 0.3)
         assert mount.energy(flexed, held) == pytest.approx(0.5 * 20.0 * 0.3**2)
         slack = {**held, "taut": 0.0}
-        assert mount.torque(mount.spring, flexed, slack) == mount.energy(flexed, slack) == 0.0
+        assert mount.torque(mount.spring, flexed, slack, np) == mount.energy(flexed, slack) == 0.0
 
     def test_latches_the_knee_at_touchdown(self, hops):
         touchdowns = hops.named("touchdown")[:-1]

@@ -1,11 +1,15 @@
 """The law of the spring; the stiffness of the belt, by hand and by the range that the source's numbers give."""
 
+import math
+from itertools import pairwise
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import quad
+from scipy.integrate import fixed_quad
 
 from spear_pin.errors import BadValue
 from spear_pin.model.spring import Spring, belt_stiffness, rotational_stiffness
@@ -67,13 +71,79 @@ def test_torque_by_hand():
 @given(st.floats(0.0, 1e3), st.floats(0.0, 1e3), st.floats(0.0, 50.0), st.floats(-2.0, 2.0))
 def test_energy_is_the_integral_of_what_it_takes(stiffness, hardening, preload, deflection):
     spring = Spring(stiffness=stiffness, hardening=hardening, preload=preload)
-    work, _ = quad(spring.torque, 0.0, deflection)
+    work, _ = fixed_quad(spring.torque, 0.0, deflection, n=4)  # exact: of degree 3
     assert spring.energy(deflection) == pytest.approx(-work, rel=1e-9, abs=1e-9)
 
 
 @given(st.floats(0.0, 1e3), st.floats(-2.0, 2.0))
 def test_without_the_others_it_is_linear_to_the_last_digit(stiffness, deflection):
     assert Spring(stiffness=stiffness).torque(deflection) == -stiffness * deflection
+
+
+POINTS = ((0.0, 0.0), (0.1, 4.0), (0.3, 5.0), (0.6, 30.0))
+
+
+def test_a_table_takes_the_place_of_the_stiffness():
+    spring = Spring(0.0, table=POINTS)
+    for angle, torque in POINTS:
+        assert spring.torque(angle) == pytest.approx(-torque, abs=1e-12)
+    both = Spring(0.0, hardening=50.0, preload=2.0, table=POINTS)
+    assert both.torque(0.2) == pytest.approx(spring.torque(0.2) - 2.0 - 50.0 * 0.2**3)
+    with pytest.raises(BadValue, match="^Spring.stiffness is 48.84; expected 0 with a table"):
+        Spring(table=POINTS)
+
+
+@given(st.floats(-0.1, 0.8))
+def test_energy_of_a_table(deflection):
+    spring = Spring(0.0, hardening=20.0, preload=1.0, table=POINTS)
+    ends = [0.0, *(angle for angle, _ in POINTS if 0.0 < angle < deflection), deflection]
+    work = sum(fixed_quad(spring.torque, low, high, n=4)[0] for low, high in pairwise(ends))
+    assert spring.energy(deflection) == pytest.approx(-work, rel=1e-9, abs=1e-9)
+
+
+def test_a_table_on_symbols_and_arrays():
+    spring, angle, angles = Spring(0.0, preload=1.0, table=POINTS), sp.Symbol("angle"), np.linspace(-0.1, 0.8, 10)
+    torque, energy = (law(angle, SimpleNamespace(maximum=sp.Max)) for law in (spring.torque, spring.energy))
+    for value, at_once, stored in zip(angles, spring.torque(angles), spring.energy(angles), strict=True):
+        assert float(torque.subs(angle, value)) == pytest.approx(spring.torque(value), abs=1e-12) == at_once
+        assert float(energy.subs(angle, value)) == pytest.approx(spring.energy(value), abs=1e-12) == stored
+
+
+def test_points_of_any_kind_are_kept_as_numbers():
+    springs = [Spring(0.0, table=points) for points in (POINTS, [list(point) for point in POINTS], np.array(POINTS))]
+    assert len({*springs}) == 1 and springs[0].table == POINTS
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        5,
+        "ab",
+        ((0.0, 0.0),),
+        ((0.0, 0.0), (0.1,)),
+        ((0.0, 0.0), (0.2, 1.0), (0.1, 2.0)),
+        ((0.0, 0.0), (0.0, 1.0)),
+        ((0.0, 0.0), (0.1, 2.0), (0.2, 1.0)),
+        ((0.0, 1.0), (0.1, 2.0)),
+        ((0.1, 0.0), (0.2, 2.0)),
+        ((-0.1, -1.0), (0.0, 0.0), (0.2, 2.0)),
+        ((0.0, 0.0), (0.1, math.nan)),
+        ((0.0, 0.0), (math.inf, 1.0)),
+        ((0.0, 0.0), (1e-9, 1.0)),
+        tuple((0.01 * i, 0.1 * i) for i in range(31)),
+    ],
+)
+def test_tables_that_are_none(points):
+    with pytest.raises(BadValue, match=r"^Spring.table is .* \(rad, N·m\) that rise in the first .* \(0, 0\)"):
+        Spring(0.0, table=points)
+
+
+def test_a_table_of_what_pushes_too():
+    either = ((-0.2, -3.0), (0.0, 0.0), (0.2, 2.0))
+    assert Spring(0.0, unilateral=False, table=either).torque(-0.2) == pytest.approx(3.0)
+    for points in (POINTS, either[:2], ((-0.2, -3.0), (0.1, 0.5), (0.2, 2.0))):
+        with pytest.raises(BadValue, match="between the first and the last"):
+            Spring(0.0, unilateral=False, table=points)
 
 
 def test_its_damper_takes_energy():

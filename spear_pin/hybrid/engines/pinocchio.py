@@ -51,6 +51,7 @@ class Flow:
 
     It is also the `dyn` of laws and guards. After a call, `u`, `tau`, `friction`, `a` and
     `force(toe)` are those of the state it was called with; they are overwritten by the next call.
+    It is less smooth where the coordinate of an index in `knots` passes the angle beside it.
     """
 
     def __init__(self, system: HybridSystem, domain: Domain, held: Held) -> None:
@@ -95,6 +96,7 @@ class Flow:
         self.held: Held = Latched(held)
         self._at: tuple[float, Array] | None = None
         self._springs = [(self.system.robot.index(mount.joint), mount) for mount in self.domain.mounts]
+        self.knots = [(index, angle) for index, mount in self._springs for angle in mount.knots(held)]
 
     def __call__(self, t: float, y: Array) -> Array:
         """dy/dt; not a number where a law or the dynamics has no value."""
@@ -130,7 +132,7 @@ class Flow:
         damped = 0.0
         for index, mount in self._springs:
             drag = mount.spring.drag(rates[index])
-            self._passive[index] = mount.torque(mount.spring, angles[index], self.held) + drag
+            self._passive[index] = mount.torque(mount.spring, angles[index], self.held, OPS) + drag
             damped += drag * rates[index]
         slopes: list[float] = []
         electrical: list[float] = []
@@ -170,7 +172,7 @@ class Flow:
         """Torque of the joint's spring in the last call, in N·m; 0 where none is engaged."""
         for index, mount in self._springs:
             if mount.joint == joint:
-                return float(mount.torque(mount.spring, self.q[index], self.held))
+                return float(mount.torque(mount.spring, self.q[index], self.held, OPS))
         return 0.0
 
     def holding(self, joint: str) -> float:

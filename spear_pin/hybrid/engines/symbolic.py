@@ -240,7 +240,7 @@ class Motion:
     @cached_property
     def _springs(self) -> dict[str, Any]:
         return {
-            mount.joint: mount.torque(self._spring(mount), self.q[self._index[mount.joint]], self.held)
+            mount.joint: mount.torque(self._spring(mount), self.q[self._index[mount.joint]], self.held, self.ops)
             for mount in self.domain.mounts
         }
 
