@@ -14,6 +14,7 @@ from spear_pin.errors import BadValue, NoGait, SpearError
 if TYPE_CHECKING:
     from spear_pin.studies.hardware import Rig
 
+SPRING = ("stiffness", "hardening", "preload")  # options of the spring
 RIG = ("current_limit", "bandwidth", "noise", "losses", "seed")  # options of --hardware
 
 
@@ -28,6 +29,8 @@ def add(commands: Commands) -> None:
         "--frequency", type=float, default=2.56, metavar="HZ", help="of the square wave (default: 2.56)"
     )
     parser.add_argument("--stiffness", type=float, metavar="N·m/RAD", help="of the knee spring (default: 48.84)")
+    parser.add_argument("--hardening", type=float, metavar="N·m/RAD³", help="of the knee spring (default: 0)")
+    parser.add_argument("--preload", type=float, metavar="N·m", help="of the knee spring (default: 0)")
     parser.add_argument("--friction", type=float, metavar="MU", help="of the ground (default: 0.8, an assumption)")
     parser.add_argument(
         "--free-x", action="store_true", help="let the boom slide along x too; solve the hip angle for no drift"
@@ -65,7 +68,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         foot_placement=arguments.foot_placement,
         **{} if arguments.stance_torque is None else {"stance_torque": arguments.stance_torque},
     )
-    spring = Spring() if arguments.stiffness is None else Spring(stiffness=arguments.stiffness)
+    spring = Spring(**{name: value for name in SPRING if (value := getattr(arguments, name)) is not None})
     contact = Contact() if arguments.friction is None else Contact(friction=arguments.friction)
     rig = _rig(arguments)
     driven = None if rig is None else rig.on(robot)

@@ -41,6 +41,8 @@ def add_request(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--minimum-knee-torque", type=float, metavar="N·m", help="least |ū| of a motor")
     parser.add_argument("--hip-torque", type=float, metavar="N·m", help="largest torque of a hip motor")
     parser.add_argument("--stiffness", type=number_or_free, metavar="N·m/RAD", help="of a leg's knee spring, or: free")
+    parser.add_argument("--hardening", type=float, metavar="N·m/RAD³", help="of a leg's knee spring")
+    parser.add_argument("--preload", type=float, metavar="N·m", help="of a leg's knee spring")
     parser.add_argument("--knee-touchdown", type=number_or_free, metavar="DEG", help="of a landing knee, or: free")
     parser.add_argument(
         "--knee-motor", metavar="NAME", help="stay within this motor's envelope, its rotor in the knees"
@@ -77,7 +79,7 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
         raise UnknownName("objective", arguments.objective, OBJECTIVES)
     names = ("speed", "objective", "lift_off", "friction", "clearance", "minimum_stride")
     changes: dict[str, Any] = {name: getattr(arguments, name) for name in names}
-    for name in ("minimum_knee_torque", "hip_torque", "stiffness"):
+    for name in ("minimum_knee_torque", "hip_torque", "stiffness", "hardening", "preload"):
         value = getattr(arguments, name)
         if value is not None and not (0 <= value < math.inf or (value == FREE and name == "stiffness")):
             raise BadValue(f"--{name.replace('_', '-')}", value, "a finite number >= 0")

@@ -23,7 +23,6 @@ from spear_pin.gaits.transcription import Transcription, transcribe
 from spear_pin.hybrid.contact import Contact
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
-from spear_pin.model.spring import Spring
 
 Array = NDArray[np.float64]
 COARSE, FINE = 6, 10  # intervals of each phase, for a cold start and for what is polished
@@ -90,7 +89,7 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
         NoGait: there is none nearby.
     """
     law, state, stiffness = transcription.read(solution)
-    system = bounding(robot, law, Spring(stiffness=stiffness, damping=0.0), contact)
+    system = bounding(robot, law, transcription.request.spring(stiffness), contact)
     state = _on_ground(robot, ("posterior_toe",), state)
     gait = find_gait(system, [SPEED_BY], {"mean_speed": transcription.request.speed}, guess=state)
     q, v = gait.state

@@ -8,6 +8,7 @@ from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.gaits.bounding_law import STIFFNESS, BoundingLaw
 from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive
+from spear_pin.model.spring import Spring
 
 OBJECTIVES: dict[str, tuple[str, str]] = {
     "effort": ("N²m²s/m", "integral of the squared torques of the pairs, per metre"),
@@ -49,6 +50,9 @@ class Request:
         leg_touchdown: bounds on the leg angle at touchdown, in rad.
         knee_drive: motor, gearbox and bus of each knee, two a pair; None means no bound.
         hip_drive: those of each hip.
+        hardening: of the physical knee springs, in N·m/rad³.
+        preload: of them, in N·m.
+        table: of them, as of `Spring`, in the place of a stiffness.
     """
 
     speed: float = 2.5
@@ -67,6 +71,9 @@ class Request:
     leg_touchdown: tuple[float, float] = (-0.3, 0.7)
     knee_drive: Drive | None = None
     hip_drive: Drive | None = None
+    hardening: float = 0.0
+    preload: float = 0.0
+    table: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         """Check the fields."""
@@ -84,8 +91,13 @@ class Request:
         for name, unit in (("stiffness", "N·m/rad"), ("hip_torque", "N·m")):
             if getattr(self, name) is not None:
                 require(name, getattr(self, name), lambda number: number >= 0, f"a number >= 0, in {unit}, or None")
+        self.spring(STIFFNESS if self.stiffness is None else self.stiffness)  # it says what is valid
         self._check_durations()
         self._check_angles()
+
+    def spring(self, stiffness: float) -> Spring:
+        """The physical knee springs, of a pair of legs, with a stiffness in N·m/rad."""
+        return Spring(stiffness, damping=0.0, hardening=self.hardening, preload=self.preload, table=self.table)
 
     def _check_durations(self) -> None:
         """Whether a stride can be as long, and the phases as short, as is asked."""

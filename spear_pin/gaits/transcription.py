@@ -30,7 +30,6 @@ from spear_pin.gaits.virtual_constraints import Evolution, desired, dot, resume
 from spear_pin.hybrid.engines.layout import with_fields
 from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
-from spear_pin.model.spring import Spring
 
 Array = NDArray[np.float64]
 CONE = 0.98  # of the friction asked for: what the collocation's error may use up
@@ -193,10 +192,12 @@ class _Writer:
 
     def spring(self, leg: Leg, q: Any) -> Any:
         """Torque of the physical spring, smooth about its rest angle where the knee may pass that."""
-        deflection = leg.side * q[leg.knee] - self.law["knee_touchdown"]
+        deflection, preload = leg.side * q[leg.knee] - self.law["knee_touchdown"], self.request.preload
         if self.request.lift_off == "force" or self.request.knee_touchdown != KNEE_REST:
-            deflection = 0.5 * (deflection + (deflection * deflection + 1e-6) ** 0.5)
-        return leg.side * with_fields(Spring(), {"stiffness": self.stiffness}).torque(deflection)
+            distance = (deflection * deflection + 1e-6) ** 0.5
+            preload, deflection = 0.5 * preload * (1.0 + deflection / distance), 0.5 * (deflection + distance)
+        spring = with_fields(self.request.spring(0.0), {"stiffness": self.stiffness, "preload": preload})
+        return leg.side * spring.torque(deflection, SimpleNamespace(maximum=casadi().fmax))
 
     def cone(self, label: str, F: Any, scale: float, unit: str) -> None:
         """A force or impulse inside the friction cone."""

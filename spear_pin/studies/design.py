@@ -26,7 +26,6 @@ from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive, drawn_power
 from spear_pin.model.robot import Robot
-from spear_pin.model.spring import Spring
 from spear_pin.model.variants import PARAMETERS, vary
 from spear_pin.studies.bound import mean_speed, weight
 
@@ -134,8 +133,7 @@ def points(gait: Gait, part: str = "knee", stiffness: float | None = None) -> Po
 
 def sprung(system: HybridSystem, stiffness: float) -> HybridSystem:
     """A bounding system with knee springs of another stiffness a leg, in N·m/rad."""
-    spring = Spring(PAIR * stiffness, system.spring.damping, system.spring.unilateral)
-    return rebuilt(system, spring=spring)
+    return rebuilt(system, spring=replace(system.spring, stiffness=PAIR * stiffness))
 
 
 def points_of(robot: Robot, trajectory: Trajectory, part: str) -> Points:

@@ -88,6 +88,15 @@ class TestHop:
             np.abs(trajectory.force[sliding, 0, 0]), 0.9 * trajectory.force[sliding, 0, 1], rtol=1e-9, atol=1e-9
         )
 
+    def test_a_spring_that_hardens_and_is_preloaded(self, capsys, tmp_path):
+        options = ["--stance-torque", 8.2, "--hardening", 30, "--preload", 2]
+        status, _, err = run(capsys, "hop", *options, "--cycles", 1, "--out", tmp_path)
+        assert status == 0, err
+        trajectory = Trajectory.load(tmp_path / "hop.npz")
+        beyond = trajectory.q[:50, 2] - trajectory.q[0, 2]
+        expected = -(2.0 + 48.84 * beyond + 30.0 * beyond**3)
+        np.testing.assert_allclose(trajectory.spring[:50, 0], expected, rtol=0, atol=1e-9)
+
     def test_free(self, capsys, tmp_path):
         """The hip angle is solved for no drift, and foot placement stabilises it."""
         arguments = ["hop", "--free-x", "--cycles", 1, "--out", tmp_path]
@@ -160,6 +169,8 @@ class TestMistakes:
             (["--cycles", "9" * 20], "a whole number from 1 to 10000"),
             (["--rtol", "1"], "rtol"),
             (["--stiffness", "1e300"], "from 0 to 1e+06"),
+            (["--hardening", "-1"], "Spring.hardening is -1"),
+            (["--preload", "nan"], "Spring.preload is nan"),
             (["--hardware", "--bandwidth", "-1"], "bandwidth is -1"),
             (["--hardware", "--current-limit", "0"], "current_limit is 0"),
         ],

@@ -50,7 +50,7 @@ class TestSearch:
     def test_options(self, capsys, tmp_path, searched):
         options = ["--speed", 2.6, "--lift-off", "force", "--friction", 0.9, "--clearance", 0.04]
         options += ["--minimum-stride", 0.3, "--minimum-knee-torque", 12, "--hip-torque", 50, "--stiffness", 80]
-        options += ["--knee-touchdown", 45, "--hip-distance", 0.75]
+        options += ["--knee-touchdown", 45, "--hip-distance", 0.75, "--hardening", 50, "--preload", 1.5]
         result = printed(capsys, "search", "long_stride", *options, "--out", tmp_path)
         robot, request, given = searched[0]
         wanted = {
@@ -62,6 +62,8 @@ class TestSearch:
             "minimum_knee_torque": 24.0,
             "hip_torque": 100.0,
             "stiffness": 160.0,
+            "hardening": 100.0,
+            "preload": 3.0,
             "knee_touchdown": math.radians(45.0),
         }
         assert request == replace(library.REQUESTS["long_stride"], **wanted)
@@ -112,6 +114,8 @@ class TestMistakes:
             (["--stiffness", "-5"], ["--stiffness", "-5"]),
             (["--stiffness", "inf"], ["--stiffness", "inf"]),
             (["--stiffness", "soft"], ["soft", "free"]),
+            (["--hardening", "-1"], ["--hardening", "-1"]),
+            (["--preload", "inf"], ["--preload", "inf"]),
             (["--knee-touchdown", "0"], ["--knee-touchdown", "degrees"]),
             (["--knee-touchdown", "200"], ["--knee-touchdown", "200"]),
             (["--hip-distance", "0"], ["hip_distance", "in m"]),

@@ -72,6 +72,23 @@ class TestSearch:
             np.testing.assert_allclose(found, known, rtol=0, atol=1e-5)
         np.testing.assert_allclose(np.abs(gait.multipliers), np.abs(shipped.multipliers), rtol=0, atol=1e-3)
 
+    @pytest.mark.parametrize(
+        "wish",
+        [
+            {"stiffness": 80.0, "hardening": 150.0},
+            {"stiffness": 80.0, "preload": 6.0},
+            {"stiffness": 0.0, "table": ((0.0, 0.0), (0.2, 20.0), (0.4, 50.0), (0.8, 130.0))},
+        ],
+        ids=str,
+    )
+    def test_springs_that_are_not_linear(self, q_spear, coarse, wish):
+        """The simulated gait takes the effort that the optimiser reckoned with."""
+        request = Request(**wish)
+        gait, solution = search(q_spear, request, start=coarse[1])
+        assert gait.residual < 1e-9
+        assert gait.system.spring == request.spring(request.stiffness)
+        assert solution.objective == pytest.approx(SCALE * effort(gait), rel=1e-3)
+
     def test_what_is_out_of_reach_is_named(self, q_spear):
         drive = Drive(motor("ec_90_flat_260w"), Gearbox(15.0, 0.83), 48.0)
         fitted = vary(q_spear, knee_ratio=15.0, knee_rotor=drive.motor.rotor_inertia)
@@ -224,6 +241,9 @@ class TestRequest:
             ({"hip_torque": -1.0}, "hip_torque"),
             ({"stiffness": -1.0}, "N·m/rad, or None"),
             ({"virtual_stiffness": -1.0}, "N·m/rad"),
+            ({"hardening": -1.0}, "Spring.hardening"),
+            ({"preload": -1.0}, "Spring.preload"),
+            ({"table": ((0.0, 0.0), (1.0, 50.0))}, "0 with a table"),
             ({"knee_touchdown": 0.0}, "knee_touchdown"),
             ({"knee_touchdown": 2.5}, "knee_touchdown"),
             ({"leg_touchdown": (0.5, -0.2)}, "the lower one first"),

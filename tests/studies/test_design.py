@@ -8,6 +8,7 @@ import pytest
 from spear_pin import Gait, simulate
 from spear_pin.errors import BadValue, Infeasible, NoGait, UnknownName
 from spear_pin.gaits.request import Request
+from spear_pin.hybrid.parameters import rebuilt
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox, Motor
 from spear_pin.model.spring import Spring
@@ -83,6 +84,11 @@ class TestSprings:
 
     def test_the_gait_s_own_spring_is_the_default(self, gait: Gait, sweep: dict[float, Points]) -> None:
         assert np.array_equal(points(gait).torque, sweep[56.0].torque)
+
+    def test_another_stiffness_leaves_the_rest_of_the_spring(self, gait: Gait) -> None:
+        own = replace(gait.system.spring, hardening=90.0, preload=4.0)
+        stiffer = design.sprung(rebuilt(gait.system, spring=own), 70.0)
+        assert stiffer.spring == replace(own, stiffness=140.0)
 
     def test_hips_do_not_depend_on_it(self, gait: Gait) -> None:
         one, other = points(gait, "hip", 0.0), points(gait, "hip", 200.0)
