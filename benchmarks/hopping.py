@@ -14,6 +14,7 @@ from spear_pin.studies.hop import summarize
 
 ROBOT = load("spear_ii", locked=["boom_x"])
 FLIGHT = {"flight_time": 0.2}
+TABLE = ((0.0, 0.0), (0.2, 8.0), (0.5, 24.0), (0.8, 46.0))
 HEAD = ("stance torque [N·m]", "stance [s]", "apex [m]", "latched knee [rad]", "peak F_z [N]", "largest multiplier")
 
 
@@ -128,6 +129,9 @@ def main() -> None:
         ("`Spring(unilateral=False)`", {"spring": Spring(unilateral=False)}),
         ("`Spring(stiffness=51.35, damping=1.31)`", {"spring": Spring(stiffness=51.35, damping=1.31)}),
         ("`Spring(stiffness=56.0)`", {"spring": Spring(stiffness=56.0)}),
+        ("`Spring(hardening=20.0)`", {"spring": Spring(hardening=20.0)}),
+        ("`Spring(preload=2.0)`", {"spring": Spring(preload=2.0)}),
+        (f"`Spring(0.0, table={TABLE})`", {"spring": Spring(0.0, table=TABLE)}),
         *((f"`Contact(friction={mu})`", {"contact": Contact(friction=mu)}) for mu in (0.25, 0.4, 1.5)),
     ]
     rows = []

@@ -36,8 +36,9 @@ class Spring:
             it, bounds do not.
         hardening: k₃, in N·m/rad³.
         preload: τ₀ with which it pulls as soon as it does, in N·m. A stop holds the spring as far as that stretched,
-            so that the torque jumps at the latched angle, and what it stored before it was latched is not counted.
-            Only a spring that is unilateral has one: another rests where it does not pull.
+            so that the torque jumps at the latched angle, and what it stores there is not counted. A joint that comes
+            to rest on the stop knocks at it ever faster, for the chain does not give: one that does is a table that
+            begins steeply. Only a unilateral spring has a preload: another rests where it does not pull.
         table: points (δ, τ) with τ the torque against flexion, in rad and N·m, in the place of k δ, so that the
             stiffness is 0: between them a smooth curve that rises as they do, see `curve.through`, beyond them straight
             on. They begin with (0, 0), or are on both sides of it if the spring is not unilateral.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from spear_pin import Gait, Spring, find_gait, hopping, simulate
+from spear_pin import Gait, HoppingLaw, Spring, find_gait, hopping, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.series_hopping import SERIES, series_hopping
 from spear_pin.hybrid.batch import simulate_many
@@ -59,6 +59,26 @@ class TestReference:
         slack, leaves = trajectory.named("spring_switch"), trajectory.named("lift_off")
         assert [event.time for event in slack] == [event.time for event in leaves]
         np.testing.assert_allclose(trajectory.ledger["released"], 0.0, rtol=0, atol=1e-12)
+
+    @pytest.mark.parametrize(
+        ("spring", "reason"),
+        [
+            (Spring(20.0, preload=20.0), "no_cycle"),
+            (Spring(0.0, table=((0.0, 0.0), (0.01, 20.0), (0.02, 20.2), (0.6, 32.0))), "no_event"),
+        ],
+        ids=["a rigid chain", "one that gives"],
+    )
+    def test_a_leg_that_comes_to_rest_on_its_stop(self, robot, spring, reason):
+        """It knocks at it, unless the chain gives."""
+        system = hopping(robot, HoppingLaw(stance_torque=0.5), spring)
+        q, v = system.guess()
+        trajectory = simulate(system, (q, 0.1 * v))
+        assert trajectory.reason == reason
+        knocks = [event.time for event in trajectory.named("spring_switch")]
+        if reason == "no_cycle":
+            assert np.mean(np.diff(knocks[-20:])) < 0.1 * np.mean(np.diff(knocks[:20]))
+        else:
+            assert len(knocks) < 10 and abs(trajectory.v[-1]).max() < 0.1
 
     @pytest.mark.parametrize("spring", [Spring(80.0, 0.0, hardening=150.0), Spring(80.0, 0.0, preload=6.0)])
     def test_bounds_on_knees_that_flex_either_way(self, spring):
