@@ -13,7 +13,6 @@ from scipy.integrate import solve_ivp
 
 from tests.lagrangian import quadruped
 
-LAGRANGIAN = quadruped()
 FINEST = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-12}
 POSTERIOR, ANTERIOR = 0, 1
 HIPS, KNEES, SIDES = (3, 5), (4, 6), (1.0, -1.0)
@@ -152,7 +151,7 @@ class Bounder:
 
 def terms(q, v, leg=None):
     """D, C v + G, and J and J̇v of a toe (none in the air)."""
-    D, coriolis, gravity, _, _, jacobians, drifts = LAGRANGIAN.evaluate(*q.tolist(), *v.tolist())
+    D, coriolis, gravity, _, _, jacobians, drifts = quadruped().evaluate(*q.tolist(), *v.tolist())
     chosen = slice(0, 0) if leg is None else slice(2 * leg, 2 * leg + 2)
     return np.array(D), np.ravel(coriolis) + np.ravel(gravity), np.array(jacobians)[chosen], np.ravel(drifts)[chosen]
 

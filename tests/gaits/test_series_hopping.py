@@ -13,7 +13,6 @@ from spear_pin.hybrid.periodic import chart, return_map
 from tests.hybrid.by_hand import FINEST
 from tests.lagrangian import monopod
 
-LAGRANGIAN = monopod(("boom_z", "hip", "knee"))
 ROTOR = 0.027
 GAINS = (63.25, 2.6)  # of the rotor
 
@@ -65,7 +64,7 @@ class ByHand:
 
     def terms(self, y):
         """Those of the leg without the knee's rotor."""
-        D, coriolis, gravity, _, _, J, drift = LAGRANGIAN.evaluate(*y[:3], *y[4:7])
+        D, coriolis, gravity, _, _, J, drift = monopod(("boom_z", "hip", "knee")).evaluate(*y[:3], *y[4:7])
         D = np.array(D)
         D[2, 2] -= ROTOR
         return D, np.ravel(coriolis) + np.ravel(gravity), np.array(J), np.ravel(drift)
@@ -112,6 +111,7 @@ class TestAgainstTheClosedLoopByHand:
         end = np.concatenate(return_map(gait.system, begin).state)
         np.testing.assert_allclose(end, ByHand(gait.parameters["stance_torque"]).hop(begin), rtol=0, atol=1e-7)
 
+    @pytest.mark.slow
     def test_multipliers(self, gait):
         """Central differences of fourth order."""
         loop, coordinates = ByHand(gait.parameters["stance_torque"]), chart(gait.system, gait.state)

@@ -12,13 +12,12 @@ from scipy.integrate import solve_ivp
 
 from tests.lagrangian import monopod
 
-LAGRANGIAN = monopod(("boom_z", "hip", "knee"))
 FINEST = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13}
 
 
 def terms(y):
     """D, C v + G, J and J̇v at a state (z, hip, knee, and their rates)."""
-    mass_matrix, coriolis, gravity, _, _, jacobian, drift = LAGRANGIAN.evaluate(*y)
+    mass_matrix, coriolis, gravity, _, _, jacobian, drift = monopod(("boom_z", "hip", "knee")).evaluate(*y)
     return np.array(mass_matrix), np.ravel(coriolis) + np.ravel(gravity), np.array(jacobian), np.ravel(drift)
 
 
