@@ -1,9 +1,36 @@
-"""Gaits and trajectories that many tests look at, solved once a process."""
+"""Gaits and trajectories that many tests look at, solved once a process, and the rule for tests that skip."""
+
+import os
+from importlib.util import find_spec
+from pathlib import Path
 
 import pytest
 
-from spear_pin import HoppingLaw, find_gait, hopping, load, simulate
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # matrices are small, and processes as many as processors
+
+from spear_pin import Gait, HoppingLaw, find_gait, hopping, load, simulate
 from spear_pin.model.loading import ROBOTS
+
+SOLVED = Path(__file__).parent / "solved"
+
+
+def pytest_collection_modifyitems(items):
+    """A test skips where a module that its marker `extra` names is missing."""
+    for item in items:
+        needed = {module for marker in item.iter_markers("extra") for module in marker.args}
+        if missing := sorted(module for module in needed if find_spec(module) is None):
+            item.add_marker(pytest.mark.skip(reason=f"needs {', '.join(missing)}"))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item):
+    """Only what is marked `extra` runs again where the extras are: nothing else may skip, but for what is not here."""
+    report = yield
+    if report.skipped and not hasattr(report, "wasxfail") and not item.get_closest_marker("extra"):
+        *_, reason = report.longrepr
+        if not reason.endswith(" here"):
+            report.outcome, report.longrepr = "failed", f"{reason}: skips without the marker `extra`"
+    return report
 
 
 def speed_at_lift_off(run):
@@ -43,6 +70,12 @@ def hop(robot):
 def hops(hop):
     """Eleven of these hops."""
     return simulate(hop.system, hop.state, cycles=11)
+
+
+@pytest.fixture(scope="session")
+def stabilised():
+    """The long stride with event feedback, as it was found once: `tests/gaits/test_feedback.py` finds it again."""
+    return Gait.load(SOLVED / "long_stride_regulated.json")
 
 
 @pytest.fixture(scope="session")

@@ -444,7 +444,7 @@ def copy_repository(folder: Path) -> None:
 
 def first_failure(folder: Path, tests: tuple[str, ...]) -> str | None:
     """The first test that fails in the copy, or None."""
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", *tests]
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-m", "", "-p", "no:cacheprovider", *tests]
     environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
     try:
         process = subprocess.run(

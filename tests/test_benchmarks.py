@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.peers import lean_loop, lean_stride
-from benchmarks.peers.task import AGREES, STATES, Absent, bound, hop, taylor
-from spear_pin.hybrid.engines.taylor import available
+from benchmarks.peers.task import AGREES, STATES, bound, hop, taylor
 from tests.hybrid.by_hand import Hopper
 
 LANES = 8
@@ -16,10 +15,7 @@ LANES = 8
 
 @cache
 def lanes(peer):
-    try:
-        return importlib.import_module(f"benchmarks.peers.{peer}").lanes(hop(LANES))
-    except Absent as reason:
-        pytest.skip(str(reason))
+    return importlib.import_module(f"benchmarks.peers.{peer}").lanes(hop(LANES))
 
 
 class TestHop:
@@ -38,25 +34,29 @@ class TestHop:
             assert hop(LANES).error(lane.call()) < AGREES
 
     @pytest.mark.parametrize("number", [1, LANES])
-    @pytest.mark.skipif(not available(), reason="needs the extra fast")
+    @pytest.mark.extra("heyoka")
     def test_taylor(self, number):
         lane = taylor(hop(LANES), number, 1e-9)
         assert hop(LANES).error(lane.call()) < AGREES
         assert lane.note() == ""  # none was repeated by the reference engine
 
+    @pytest.mark.extra("mujoco")
     def test_mujoco_with_exact_events(self):
         finest = lanes("mujoco_exact")[-1]
         assert hop(LANES).error(finest.call()) < AGREES
 
+    @pytest.mark.extra("mujoco")
     def test_the_soft_contact_is_seen_not_to_agree(self):
         coarsest = lanes("mujoco_native")[0]
         assert hop(LANES).error(coarsest.call()) > 0.01
 
+    @pytest.mark.extra("pydrake")
     @pytest.mark.filterwarnings("ignore::DeprecationWarning")
     def test_drake(self):
         assert hop(LANES).error(lanes("drake_hop")[-1].call()) < AGREES
 
 
+@pytest.mark.slow
 def test_lean_stride():
     task = bound(STATES)
     assert task.error(lean_stride.lanes(task)[0].call()) < AGREES

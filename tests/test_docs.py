@@ -58,13 +58,13 @@ def test_the_limits_of_the_readme_are_explained():
 
 @pytest.fixture
 def gallery(monkeypatch):
-    pytest.importorskip("sphinx")
     monkeypatch.setattr(sys, "path", [str(DOCS / "_extensions"), *sys.path])
     import gallery
 
     return gallery
 
 
+@pytest.mark.extra("sphinx")
 class TestGallery:
     DRAWS = "from pathlib import Path\nPath('a.svg').write_text('<svg/>')\nprint('drawn')\n"
 
@@ -103,6 +103,7 @@ class TestGallery:
         assert {example.path for example in gallery.examples(tmp_path)} == set(EXAMPLES)
 
 
+@pytest.mark.extra("sphinx")
 def test_links_to_files_lead_to_the_pages_made_from_them(gallery):
     from links import redirected
 

@@ -101,7 +101,7 @@ READERS = [regular, load, Gait.load, Trajectory.load, lambda path: read_columns(
 class TestOnlyFilesAreRead:
     """Nobody writes to the pipe: to open it would wait for ever."""
 
-    @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+    @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
     @pytest.mark.parametrize("suffix", [".json", ".urdf", ".npz", ".csv", ".mat"])
     def test_no_pipe(self, tmp_path, reader, suffix):
         path = tmp_path / f"pipe{suffix}"

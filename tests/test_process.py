@@ -9,11 +9,18 @@ from pathlib import Path
 
 import pytest
 
+from tests.slow import slow_but
 from tests.wrong_calls.processes import INTERRUPTED
 
 ROOT = Path(__file__).parents[1]
 SPEAR = [sys.executable, "-m", "spear_pin"]
 NUMBERS = pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=lambda number: number.name)
+
+ASCII = {"PYTHONIOENCODING": "ascii"}
+LATE_OR_EARLY = (
+    *("spear_pin.cli", "argparse", "numpy.linalg", "pinocchio", "lxml"),
+    *("scipy.integrate", "spear_pin.viz.player", "matplotlib.figure"),
+)
 
 
 def heeds_interrupts():
@@ -34,9 +41,10 @@ class TestSignals:
     @pytest.mark.parametrize(
         ("event", "name"),
         [
-            *(("import", name) for name in ("spear_pin.cli", "argparse", "numpy", "numpy.linalg", "pinocchio", "lxml")),
-            *(("import", name) for name in ("scipy.integrate", "spear_pin.viz.player", "matplotlib.figure")),
-            *(("os.rename", name) for name in ("hop.html", "hop.npz", "hop.svg")),
+            ("import", "numpy"),
+            ("os.rename", "hop.html"),
+            *(pytest.param("import", name, marks=pytest.mark.slow) for name in LATE_OR_EARLY),
+            *(pytest.param("os.rename", name, marks=pytest.mark.slow) for name in ("hop.npz", "hop.svg")),
         ],
     )
     def test_nothing_is_left_and_nothing_said(self, tmp_path, number, event, name):
@@ -69,7 +77,9 @@ class TestSignals:
 
 
 class TestStreams:
-    @pytest.mark.parametrize("words", ["robots", "robots --json", "--help", "hop --help", "--version"])
+    @pytest.mark.parametrize(
+        "words", slow_but(["robots", "robots --json", "--help", "hop --help", "--version"], "robots", "--help")
+    )
     @pytest.mark.parametrize("to", [">/dev/full", ">&-"])
     def test_what_cannot_be_printed(self, tmp_path, words, to):
         process = ended(["bash", "-c", f'"$@" {to}', "bash", *SPEAR, *words.split()], tmp_path)
@@ -90,6 +100,7 @@ class TestStreams:
             assert process.returncode == status and process.stderr == b""
             assert bool(process.stdout) == (status == 0)  # an error is no result
 
+    @pytest.mark.slow
     def test_a_file_does_not_take_the_place_of_a_closed_stream(self, tmp_path):
         process = ended(["bash", "-c", '"$@" >&- 2>&- <&-', "bash", *SPEAR, "push-test"], tmp_path)
         assert process.returncode == 2
@@ -97,7 +108,11 @@ class TestStreams:
 
 
 class TestEnvironment:
-    @pytest.mark.parametrize("changed", [{"PYTHONIOENCODING": "ascii"}, {"LC_ALL": "C", "PYTHONUTF8": "0"}], ids=str)
+    @pytest.mark.parametrize(
+        "changed",
+        slow_but([ASCII, {"LC_ALL": "C", "PYTHONUTF8": "0"}], ASCII),
+        ids=str,
+    )
     def test_letters_that_the_terminal_does_not_have(self, tmp_path, changed):
         shown = ended([*SPEAR, "push-test", "--help"], tmp_path, **changed)
         assert shown.returncode == 0 and rb"N\xb7m/RAD" in shown.stdout
@@ -106,7 +121,9 @@ class TestEnvironment:
         data = ended([*SPEAR, "robots", "--json"], tmp_path, **changed)
         assert json.loads(data.stdout)["robots"]
 
-    @pytest.mark.parametrize("changed", [{"MPLBACKEND": "nope"}, {"SOURCE_DATE_EPOCH": "abc"}], ids=str)
+    @pytest.mark.parametrize(
+        "changed", slow_but([{"MPLBACKEND": "nope"}, {"SOURCE_DATE_EPOCH": "abc"}], {"MPLBACKEND": "nope"}), ids=str
+    )
     def test_what_figures_in_files_have_no_use_for(self, tmp_path, changed):
         process = ended([*SPEAR, "push-test", "--json"], tmp_path, **changed)
         assert process.returncode == 0 and process.stderr == b""

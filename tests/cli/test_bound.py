@@ -67,6 +67,7 @@ class TestBound:
         assert "Q-SPEAR bounding at 2.50 m/s" in page.read_text(encoding="utf-8")
         assert page.stat().st_size < 3_000_000
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("name", "rule"), [("least_effort", "knee is back at 40°"), ("force_lift_off", "force is zero")]
     )
@@ -77,6 +78,7 @@ class TestBound:
         assert ("in the last ms" in out) == (name == "force_lift_off")
         assert str(tmp_path / "bound.html") in out and str(tmp_path / "bound.npz") in out
 
+    @pytest.mark.slow
     def test_a_page_shows_a_part_and_says_which(self, capsys, tmp_path, monkeypatch):
         monkeypatch.setattr("spear_pin.viz.player.MOST_FRAMES", 9)
         status, out, err = run(capsys, "bound", "--cycles", 3, "--rtol", 1e-7, "--out", tmp_path)
@@ -93,6 +95,7 @@ class TestBound:
         assert status == 130 and err == "" and "1 strides (complete)" in out
         assert [path.name for path in tmp_path.iterdir()] == ["bound.npz"]
 
+    @pytest.mark.slow
     def test_a_saved_gait(self, capsys, tmp_path):
         path = Gait.load("least_effort").save(tmp_path / "mine.json")
         result = printed(capsys, "bound", "--gait", path, "--cycles", 1, "--out", tmp_path)
@@ -121,7 +124,7 @@ class TestBound:
     @pytest.mark.parametrize(
         ("speed", "start"), [(2.6, "long_stride"), (2.9, "long_stride_3.00"), (4, "long_stride_3.5")]
     )
-    @pytest.mark.parametrize("asked", ["long_stride", "long_stride_3.00"])
+    @pytest.mark.parametrize("asked", [pytest.param("long_stride", marks=pytest.mark.slow), "long_stride_3.00"])
     def test_continues_the_nearest_of_its_family(self, capsys, tmp_path, monkeypatch, asked, speed, start):
         source = library.path("long_stride")
         family = ("least_effort", "long_stride", "long_stride_3.00", "long_stride_3.5", "long_stride_x_4.00")
@@ -137,6 +140,7 @@ class TestBound:
 
 
 class TestMistakes:
+    @pytest.mark.slow
     def test_a_gait_that_does_not_bound(self, capsys, tmp_path, hop):
         path = hop.save(tmp_path / "hop.json")
         assert "'hopping'" in refused(capsys, "bound", "--gait", path, "--out", tmp_path)

@@ -82,6 +82,7 @@ class TestTrajectories:
         assert printed(capsys, *asked, "--robot", "q_spear")["files"] == [str(tmp_path / "run.png")]
         assert (tmp_path / "run.png").read_bytes()[16:24] == b"\0\0\1\x40\0\0\0\xb4"
 
+    @pytest.mark.slow
     @pytest.mark.browser
     @pytest.mark.skipif(not (chromium.find() and shutil.which("ffmpeg")), reason="no Chromium or no ffmpeg here")
     def test_a_film(self, tmp_path, bound):

@@ -97,6 +97,7 @@ class TestHop:
         expected = -(2.0 + 48.84 * beyond + 30.0 * beyond**3)
         np.testing.assert_allclose(trajectory.spring[:50, 0], expected, rtol=0, atol=1e-9)
 
+    @pytest.mark.slow
     def test_free(self, capsys, tmp_path):
         """The hip angle is solved for no drift, and foot placement stabilises it."""
         arguments = ["hop", "--free-x", "--cycles", 1, "--out", tmp_path]
@@ -118,6 +119,7 @@ class TestLongRuns:
         """Pages that hold a hop or so."""
         monkeypatch.setattr("spear_pin.viz.player.MOST_FRAMES", 20)
 
+    @pytest.mark.slow
     def test_a_page_shows_a_part_and_says_which(self, capsys, tmp_path, narrow):
         status, out, err = run(capsys, *self.SHORT, "--out", tmp_path)
         assert status == 0, err
@@ -127,10 +129,12 @@ class TestLongRuns:
         assert f"shown: {said[1]}" in page
         assert Trajectory.load(tmp_path / "hop.npz").cycles == 4
 
+    @pytest.mark.slow
     def test_as_json(self, capsys, tmp_path, narrow):
         begin, end = printed(capsys, *self.SHORT, "--out", tmp_path)["shown"]
         assert end == pytest.approx(2.257, abs=1e-2) and 0.5 < end - begin < 20 / 30
 
+    @pytest.mark.slow
     def test_a_short_one_is_shown_whole(self, capsys, tmp_path):
         result = printed(capsys, "hop", "--cycles", 1, "--rtol", 1e-7, "--out", tmp_path)
         assert result["shown"] == [0.0, pytest.approx(result["period"])]
@@ -151,6 +155,7 @@ class TestLongRuns:
         assert sorted(path.name for path in tmp_path.iterdir()) == left
         assert Trajectory.load(tmp_path / "hop.npz").complete
 
+    @pytest.mark.slow
     def test_pictures_that_fail_leave_the_samples(self, capsys, tmp_path, monkeypatch):
         def fail(*_, **__):
             raise SpearError("there is no more ink")
@@ -219,6 +224,7 @@ class TestMistakes:
 
 
 class TestHardware:
+    @pytest.mark.slow
     def test_costs_more_than_its_motors_work(self, capsys, tmp_path):
         shown = printed(capsys, "hop", "--hardware", "--stance-torque", "9.43", "--cycles", "1", "--out", tmp_path)
         energy = shown["electrical"]
@@ -238,6 +244,7 @@ class TestHardware:
         given = refused(capsys, "hop", "--hardware", "--stance-torque", "7", "--out", tmp_path)
         assert "begun at 7.00 N·m" in given
 
+    @pytest.mark.slow
     def test_noise_and_losses_reach_the_run(self, capsys, tmp_path):
         common = ["hop", "--hardware", "--stance-torque", "9.43", "--cycles", "2", "--rtol", "1e-7", "--out", tmp_path]
         runs = [

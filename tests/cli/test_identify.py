@@ -21,7 +21,15 @@ def values(estimate):
     return {row["name"]: (row["value"], row["deviation"]) for row in estimate["parameters"] if row["release"] is None}
 
 
-@pytest.mark.parametrize("smoothing", [[], ["--window", "100"], ["--window", "100", "--filter", "causal"]], ids=words)
+@pytest.mark.parametrize(
+    "smoothing",
+    [
+        [],
+        pytest.param(["--window", "100"], marks=pytest.mark.slow),
+        pytest.param(["--window", "100", "--filter", "causal"], marks=pytest.mark.slow),
+    ],
+    ids=words,
+)
 def test_truth_is_found(capsys, tmp_path, lab, smoothing):
     shown = printed(capsys, "identify", lab, *CALIBRATION, *smoothing, "--out", tmp_path)
     (estimate,) = shown["estimates"]
@@ -32,6 +40,7 @@ def test_truth_is_found(capsys, tmp_path, lab, smoothing):
     assert (tmp_path / "identify.svg").is_file()
 
 
+@pytest.mark.slow
 def test_table(capsys, tmp_path, lab):
     status, out, _ = run(capsys, "identify", lab, *CALIBRATION, "--out", tmp_path)
     assert status == 0
@@ -40,6 +49,7 @@ def test_table(capsys, tmp_path, lab):
     assert held.endswith("held at coulomb 0, rotor_inertia 0.027")
 
 
+@pytest.mark.slow
 def test_files_side_by_side_and_together(capsys, tmp_path, lab):
     assert "each file once" in refused(capsys, "identify", lab, lab, *CALIBRATION, "--out", tmp_path)
     other = tmp_path / "other.csv"
@@ -50,6 +60,7 @@ def test_files_side_by_side_and_together(capsys, tmp_path, lab):
     assert values(joined)["stiffness"][1] == pytest.approx(values(apart[0])["stiffness"][1] / np.sqrt(2), rel=0.02)
 
 
+@pytest.mark.slow
 def test_model_without_the_filter_is_biased_and_says_so(capsys, tmp_path, lab):
     shown = printed(capsys, "identify", lab, *CALIBRATION, "--window", "100", "--model-as-is", "--out", tmp_path)
     (estimate,) = shown["estimates"]
@@ -69,6 +80,7 @@ def test_counts_of_a_converter_widen_the_error_bars_and_are_said(capsys, tmp_pat
         assert abs(value - truth) < 3 * deviation < 0.02 * truth
 
 
+@pytest.mark.slow
 def test_what_was_dropped_is_said(capsys, tmp_path, lab):
     holed = tmp_path / "holed.csv"
     lines = lab.read_text(encoding="utf-8").splitlines()

@@ -24,6 +24,7 @@ def test_text(capsys, tmp_path):
     assert status == 0 and "the pin pulls never" in out and "rests at             1.2420 rad" in out
 
 
+@pytest.mark.slow
 def test_options_reach_the_model(capsys, tmp_path):
     plain = printed(capsys, "push-test", "--out", tmp_path)
     for options in (
@@ -41,6 +42,7 @@ def test_options_reach_the_model(capsys, tmp_path):
         assert other["first_extremum"] != plain["first_extremum"], options
 
 
+@pytest.mark.slow
 def test_ratios(capsys, tmp_path):
     shown = printed(capsys, "push-test", "--ratios", "none", "15", "30", "66", "--out", tmp_path)
     times = [row["first_extremum"][0] for row in shown["ratios"]]
@@ -136,6 +138,7 @@ def test_mistakes(capsys, tmp_path, monkeypatch, options, named):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_page_shows_the_beginning_of_a_long_release(capsys, tmp_path, monkeypatch):
     monkeypatch.setattr("spear_pin.viz.player.MOST_FRAMES", 100)
     result = printed(capsys, "push-test", "--duration", "20", "--out", tmp_path)

@@ -60,6 +60,7 @@ def test_list(capsys, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_list_loads_nothing_that_computes():
     heavy = {"scipy.integrate", "scipy.optimize", "scipy.signal", "scipy.stats", "heyoka", "zarr"}
     assert not heavy & loads("report", "--list")

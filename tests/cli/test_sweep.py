@@ -10,10 +10,7 @@ from spear_pin.hybrid.engines import taylor
 from spear_pin.studies import sweep_store
 from tests.cli.calls import printed, refused, run, words
 
-pytest.importorskip("heyoka")
-pytest.importorskip("joblib")
-pytest.importorskip("xarray")
-pytest.importorskip("zarr")
+pytestmark = pytest.mark.extra("heyoka", "joblib", "xarray", "zarr")
 
 OVER = ("--over", "stiffness=47:51:3", "--over", "knee_ratio=14,15")
 

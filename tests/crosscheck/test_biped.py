@@ -6,7 +6,7 @@ import pytest
 from spear_pin import simulate, simulate_many
 from tests import biped
 
-pytest.importorskip("heyoka")
+pytestmark = pytest.mark.extra("heyoka")
 
 
 def test_the_taylor_engine_runs_it_alike():

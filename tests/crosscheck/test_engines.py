@@ -42,6 +42,7 @@ def assert_close(actual, expected):
     np.testing.assert_allclose(actual, expected, rtol=0, atol=1e-9)
 
 
+@pytest.mark.extra("mujoco")
 @each_robot
 class TestMuJoCo:
     @staticmethod
@@ -63,7 +64,8 @@ class TestMuJoCo:
         return model, mujoco.MjData(model), positions, velocities
 
     def test_mass_matrix_and_bias(self, name):
-        mujoco = pytest.importorskip("mujoco")
+        import mujoco
+
         robot = load(name)
         model, data, positions, velocities = self.build(mujoco, robot, name)
         assert sorted(positions) == list(range(model.nq)) and sorted(velocities) == list(range(model.nv))
@@ -79,13 +81,15 @@ class TestMuJoCo:
             assert_close(robot.bias(q, v), change.T @ (data.qfrc_bias[velocities] + there @ rate))
 
 
+@pytest.mark.extra("pydrake")
 @each_robot
 class TestDrake:
     @staticmethod
     def build(name):
         """The plant; it reads gear ratio and rotor inertia from the drake tags by itself."""
-        plants = pytest.importorskip("pydrake.multibody.plant")
-        parsing = pytest.importorskip("pydrake.multibody.parsing")
+        from pydrake.multibody import parsing
+        from pydrake.multibody import plant as plants
+
         # it warns that it ignores <mechanicalReduction>
         logging.getLogger("drake").setLevel(logging.ERROR)
         plant = plants.MultibodyPlant(0.0)

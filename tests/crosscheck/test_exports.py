@@ -13,12 +13,14 @@ CASES = {name: lambda name=name: load(name) for name in ROBOTS} | {
     "varied": lambda: vary(load("q_spear_full"), hip_spacing=0.4, knee_ratio=20.0, torso_mass=30.0),
 }
 
+pytestmark = pytest.mark.extra("mujoco")
 each_robot = pytest.mark.parametrize("case", CASES)
 
 
 def compiled(robot):
     """MuJoCo, the model, its data, and the entries of its vectors that each number of q and of v is."""
-    mujoco = pytest.importorskip("mujoco")
+    import mujoco
+
     model = mujoco.MjModel.from_xml_string(to_mjcf(robot))
     positions, velocities = [], []
     for name, floating in joints(robot):

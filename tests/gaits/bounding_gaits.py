@@ -11,6 +11,7 @@ from spear_pin.gaits.virtual_constraints import Outputs
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
 from tests.lagrangian import Q_SPEAR_PAIR, quadruped
+from tests.slow import slow_but
 
 NAMES = [name for name in library.names() if Gait.load(name).system.kind == "bounding"]
 PHASES = ("posterior_stance", "flight_1", "anterior_stance", "flight_2")
@@ -23,7 +24,8 @@ OUTPUTS = {  # (5.9), of which phase variable
     "flight_2": Outputs(BOTH, ((0, 1.0),), (0, 1, 2, 3)),
 }
 LEGS = {"posterior": (0, 3, 4, 1.0), "anterior": (1, 5, 6, -1.0)}  # row of the toe, hip, knee, sense of flexion
-each_gait = pytest.mark.parametrize("name", NAMES)
+QUICK = ("least_effort", "force_lift_off", "long_stride")  # one of each family, whatever else takes long
+each_gait = pytest.mark.parametrize("name", slow_but(NAMES, *QUICK))
 
 
 @cache

@@ -75,6 +75,7 @@ def test_the_torso_bears_the_pitch_law_and_nothing_else(gait, strides):
     np.testing.assert_allclose(hips, np.where(bears, expected, 0.0), rtol=0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_multipliers_are_those_of_two_mirrored_steps(gait):
     """By central differences of half a stride in coordinates of one's own: its multipliers, squared."""
     robot = gait.system.robot

@@ -179,6 +179,7 @@ class TestGait:
             swing = motion.phase == f"{'anterior' if leg == 'posterior' else 'posterior'}_stance"
             assert height[swing, row].min() > 1e-3
 
+    @pytest.mark.slow
     def test_stays_for_some_strides(self, name):
         """However unstable it is, it is a gait."""
         motion = simulate(gait(name).system, gait(name).state, 3, 1e-11)

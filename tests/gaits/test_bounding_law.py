@@ -9,6 +9,7 @@ import pytest
 from spear_pin import Spring, bounding, load, simulate
 from spear_pin.errors import BadValue
 from tests.gaits.bounding_gaits import LEGS, NAMES, each_gait, gait, trajectory
+from tests.slow import slow_but
 
 
 def springs(name, stiffness):
@@ -21,7 +22,7 @@ def springs(name, stiffness):
 class TestVirtualSpring:
     """The motor gives what the physical spring does not, so the motion does not depend on that spring."""
 
-    @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+    @pytest.mark.parametrize("share", slow_but([0.0, 0.5, 1.0], 0.5))
     def test_motion_is_the_same(self, name, share):
         here = trajectory(name)
         there = simulate(springs(name, share * gait(name).system.law.virtual_stiffness), gait(name).state, 1, 1e-11)

@@ -233,6 +233,7 @@ class TestMinimumForce:
         assert trajectory.reason not in NUMERICAL
         assert np.abs(trajectory.u[trajectory.phase == "stance", 1]).max() <= law.stance_torque * (1 + 1e-9)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(("seed", "minimum_force"), [(29, 10.0), (55, 1.0), (39, 1.0), (5, 10.0), (11, 10.0)])
     def test_where_sliding_makes_flexion_load_the_toe(self, seed, minimum_force):
         """The force's change with the torque passes zero, and no torque gives the minimum there."""
@@ -272,6 +273,7 @@ class TestNominalGait:
         assert hop.system.law.stance_torque == pytest.approx(7.83, abs=0.01)
         assert hop.parameters == {"stance_torque": hop.system.law.stance_torque}
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("knee", [0.8, 1.2])
     def test_other_touchdown_angles(self, robot, knee):
         system = hopping(robot, HoppingLaw(knee_touchdown=knee))

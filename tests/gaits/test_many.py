@@ -12,7 +12,7 @@ from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import chart, multipliers
 
-compiles = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
+compiles = pytest.mark.extra("heyoka")
 WANTED = {"flight_time": 0.2}
 
 

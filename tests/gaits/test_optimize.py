@@ -26,6 +26,7 @@ from spear_pin.studies.bound import summarize
 SEED = 3
 SCALE = 0.01  # of the effort, as the optimiser counts it
 COARSE = 6  # intervals of each phase
+needs_casadi = pytest.mark.extra("casadi")
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +34,9 @@ def casadi():
     """CasADi, whose wrappers may warn when they are imported."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
-        return pytest.importorskip("casadi")
+        import casadi
+
+        return casadi
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +63,7 @@ def effort(gait):
 
 
 @pytest.mark.slow
+@needs_casadi
 class TestSearch:
     def test_from_cold_it_finds_what_ships(self, q_spear):
         gait, solution = search(q_spear, REQUESTS["least_effort"], seed=SEED)
@@ -98,6 +102,7 @@ class TestSearch:
 
 
 @pytest.mark.slow
+@needs_casadi
 class TestTranscription:
     def test_solution(self, coarse):
         transcription, solution, told = coarse
@@ -153,6 +158,7 @@ class TestTranscription:
         assert most < 0.95 * max(abs(coarse[1].values[name][0]) for name in hips)
 
 
+@needs_casadi
 class TestCollocation:
     def test_is_of_fourth_order(self, casadi):
         """On x' = -x², x(0) = 1: x(1) = 1/2, and the integral of x is ln 2."""

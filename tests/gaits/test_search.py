@@ -53,6 +53,7 @@ class TestFinds:
             owner = next(part for part in ("law", "spring", "contact") if hasattr(getattr(gait.system, part), name))
             assert getattr(getattr(gait.system, owner), name) == value
 
+    @pytest.mark.slow
     def test_a_measure_of_ones_own(self, robot):
         gait = find_gait(hopping(robot), ["stance_torque"], {apex_height: 0.61})
         assert_periodic(gait)
@@ -69,6 +70,7 @@ class TestFinds:
         np.testing.assert_allclose(trajectory.events[-1].v, hop.state[1], rtol=0, atol=1e-7)
         assert hop.durations["stance"] == pytest.approx(trajectory.named("lift_off")[0].time, abs=1e-8)
 
+    @pytest.mark.slow
     def test_begins_where_the_guess_does(self, free_robot):
         """However far the settling run went along the ground."""
         law = HoppingLaw(hip_touchdown=0.5, foot_placement=0.14, speed=0.05)
@@ -145,6 +147,7 @@ class TestNoGait:
             find_gait(hopping(robot, HoppingLaw(stance_torque=0.0)))
         self.assert_one_line(error, "does not close", "residual")
 
+    @pytest.mark.slow
     def test_is_given_up_soon(self, robot, monkeypatch):
         """No leg of this size flies for five seconds; to tell takes no more than some hundred hops."""
         evaluations = []
@@ -159,6 +162,7 @@ class TestNoGait:
             find_gait(hopping(robot), ["stance_torque"], {"flight_time": 5.0})
         assert sum(evaluations) < 250_000
 
+    @pytest.mark.slow
     def test_cycles_that_take_for_ever(self, robot, monkeypatch):
         """The integrator creeps, from the system's own guess and from one that is given; some cycles tell."""
         evaluations = []
@@ -198,10 +202,12 @@ class TestNoGait:
             find_gait(system, guess=hop.state)
         self.assert_one_line(error, "latched before the section")
 
+    @pytest.mark.slow
     def test_a_measure_of_an_event_that_never_happens(self, robot):
         with pytest.raises(SpearError, match="never"):
             find_gait(hopping(robot), ["stance_torque"], {lambda run: run.event("never").time: 0.2})
 
+    @pytest.mark.slow
     def test_a_measure_that_is_no_number(self, robot):
         with pytest.raises(NoGait) as error:
             find_gait(hopping(robot), ["stance_torque"], {lambda run: math.nan: 0.2})

@@ -313,8 +313,10 @@ class TestOnSymbols:
         y, dy = errors(self.OUTPUTS, begun, q, v)
         assert [sp.simplify(value) for value in (*y, *dy)] == [0, 0, 0, 0]
 
+    @pytest.mark.extra("casadi")
     def test_casadi(self):
-        casadi = pytest.importorskip("casadi")
+        import casadi
+
         q = [casadi.SX.sym(f"q{i}") for i in range(3)]
         alpha = (0.3, -1.0, 2.0, 0.1)
         ((value, slope, curvature),) = desired(

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.record import Options
@@ -11,7 +10,7 @@ from spear_pin.hybrid.run import run
 
 FINE = 1e-11
 
-compiles = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
+compiles = pytest.mark.extra("heyoka")
 
 
 def around(gait, spread, n, seed=0):

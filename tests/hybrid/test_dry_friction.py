@@ -205,6 +205,7 @@ class Numbers:
 
 
 class TestHop:
+    @pytest.mark.slow
     def test_of_a_gait(self):
         """Stable at 20 N with the spring's damping as it is; it needs two thirds more torque."""
         found = gait()
@@ -212,6 +213,7 @@ class TestHop:
         assert found.stable and found.residual < 1e-9
         assert found.durations["flight"] == pytest.approx(0.2, abs=1e-9)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("friction", "torque", "largest", "taken"), [(10.0, 5.082, 0.874, 4.20), (40.0, 12.266, 2.536, 12.20)]
     )
@@ -303,6 +305,7 @@ class TestHop:
         assert rising[hops.t > landing.time][1] and sinking[hops.t > landing.time].any()
         assert (hops.friction[rising, 0] == -15.0).all() and (hops.friction[sinking, 0] == 15.0).all()
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("friction", [3.0, 50.0, 120.0])
     def test_random_starts(self, friction):
         """Whatever happens, it is no failure of the numbers, and no mode alternates without end."""
@@ -315,6 +318,7 @@ class TestHop:
 
 
 class TestComposition:
+    @pytest.mark.slow
     def test_with_hardware_in_either_order(self):
         found = gait()
         hardware = Rig(sensing=Sensing(0.002, 0.05), bandwidth=500.0).on(ROBOT)

@@ -129,6 +129,7 @@ class TestIdealLimit:
         np.testing.assert_allclose(ideal.current * CONSTANT, ideal.u, rtol=1e-12, atol=1e-12)
         np.testing.assert_array_equal(ideal.current, ideal.reference)
 
+    @pytest.mark.slow
     def test_the_loop_converges_to_it_with_its_bandwidth(self, run):
         ideal = landings(run(IDEAL))
         errors = [np.abs(landings(run(replace(IDEAL, bandwidth=f))) - ideal).max() for f in (200.0, 400.0, 800.0)]
@@ -136,6 +137,7 @@ class TestIdealLimit:
         for coarse, fine in zip(errors, errors[1:], strict=False):
             assert coarse / fine == pytest.approx(2.0, abs=0.25)
 
+    @pytest.mark.slow
     def test_it_converges_to_the_quasi_static_limit_where_the_voltage_runs_out(self, run):
         weak = replace(IDEAL, battery=Battery(15.0))
         limit = landings(run(weak))
@@ -278,12 +280,14 @@ class TestSensing:
         np.testing.assert_allclose(noisy.u[flight], wanted, atol=1e-9)
         assert np.abs(wanted - noisy.u[flight] + [law.hip_gain, law.knee_gain] * angles).max() > 0.05
 
+    @pytest.mark.slow
     def test_the_same_seed_the_same_run(self, run):
         first, again = run(REAL, sensing=NOISE), run.__wrapped__(REAL, sensing=replace(NOISE))
         other = run(REAL, sensing=replace(NOISE, seed=1))
         np.testing.assert_array_equal(landings(first), landings(again))
         assert np.abs(landings(first) - landings(other)).max() > 1e-3
 
+    @pytest.mark.slow
     def test_lost_commands_leave_no_current(self, run):
         lossy = run(REAL, sensing=LOSSES)
         since = [lossy.t - b for b in LOSSES.losses_begin if b < lossy.t[-1]]
@@ -343,6 +347,7 @@ class TestSystems:
         assert changed.hardware is last
         assert (changed.law.stance_torque, changed.spring.stiffness) == (7.0, 40.0)
 
+    @pytest.mark.slow
     def test_a_gait_is_found_for_the_hardware(self, hop, robot):
         geared = with_hardware(hopping(robot), Hardware((REAL, replace(REAL, gearbox=Gearbox(15.0, 0.83)))))
         near = with_parameters(geared, {"stance_torque": 9.4})

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from spear_pin.hybrid.batch import simulate_many
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.identity import Reader
 
 
@@ -186,7 +185,7 @@ def test_containers_in_themselves():
     assert identity(lambda: gains)
 
 
-@pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
+@pytest.mark.extra("heyoka")
 class TestLanesOfAnEditedLaw:
     """A stance whose torques are added to: what is compiled follows every edit."""
 

@@ -62,6 +62,7 @@ class TestLedger:
         assert (hops.ledger["slip"] <= 0.0).all()
         assert not hops.ledger["friction"].any()
 
+    @pytest.mark.slow
     def test_slip(self, slipping):
         assert (slipping.ledger["slip"] < -1e-6).all()
         assert np.abs(slipping.ledger.residual).max() < 1e-8

@@ -99,6 +99,7 @@ class TestFixedPoint:
         shifted = q + np.array([3.0, 0.0, 0.0, 0.0])
         assert residual(free_hop.system, (shifted, v)) == pytest.approx(free_hop.residual, abs=1e-9)
 
+    @pytest.mark.slow
     def test_converges_with_the_tolerance(self, hop):
         reference = find_gait(hop.system, guess=hop.state, rtol=1e-13)
         errors = []

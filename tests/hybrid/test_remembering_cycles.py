@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, simulate_many
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.lanes import journey
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
 
-pytestmark = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
+pytestmark = pytest.mark.extra("heyoka")
 
 # in the air; the posterior leg then comes down twice before the anterior one is lifted
 Q = [0.0, 0.6628, 0.0833, 0.4354, 0.6931, -0.3957, -0.4264]

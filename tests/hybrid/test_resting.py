@@ -47,12 +47,14 @@ def crossing():
 
 
 class TestStarts:
+    @pytest.mark.slow
     @pytest.mark.parametrize(("seed", "reason"), [(46, "fall"), (54, "fall"), (100, "fall"), (145, "fall")])
     def test_go_on(self, seed, reason):
         """What used to end as `zeno`."""
         assert recorded()[seed].formerly == "zeno"
         assert followed(recorded()[seed]).reason == reason
 
+    @pytest.mark.slow
     def test_ledger_closes(self):
         _, result = kept(BOTH)
         np.testing.assert_allclose([work.sum() for work in result.work], result.change, rtol=0, atol=1e-7)
@@ -76,11 +78,13 @@ class TestBothToes:
             motors = robot.actuation_matrix @ np.array(flow.u)
             np.testing.assert_allclose(robot.mass_matrix(q) @ flow.a + robot.bias(q, v), motors, rtol=0, atol=1e-8)
 
+    @pytest.mark.slow
     def test_in_the_samples(self):
         trajectory = sample(*kept(BOTH))
         alone = (trajectory.domain == CHATTER) & ~trajectory.force.any(axis=(1, 2))
         assert alone.sum() > 50 and not trajectory.engaged[alone].any()
 
+    @pytest.mark.slow
     def test_is_the_limit_of_a_steep_blend(self):
         """Every law blended continuously by the two toes' speeds, over a layer that gets thinner."""
         system, flow, pieces = crossing()
@@ -109,6 +113,7 @@ class TestBothToes:
 
 
 class TestTornOff:
+    @pytest.mark.slow
     def test_only_leaving_is_consistent(self):
         """On the cone's edge, loaded: slip that way has no positive pivot, slip the other way would pull at the toe."""
         system, result = kept(TORN)
@@ -203,6 +208,7 @@ def force_in(system, segment, mode, i, y):
     return flow.force(toe), flow
 
 
+@pytest.mark.slow
 def test_motion_that_ceases_to_exist_leaves_no_sample_without_numbers(tmp_path):
     """The shares of two toes come together with others; the run goes on, and its file can be read."""
     motion = simulate(*system_of(78), 2, 1e-6)

@@ -17,7 +17,7 @@ from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.footing import LEAVES
 from spear_pin.hybrid.rules.impact import plastic_impact
 
-pytestmark = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
+pytestmark = pytest.mark.extra("heyoka")
 
 
 def systems(hop):

@@ -77,6 +77,7 @@ def test_shipped_systems_pass(hop, free_hop):
         replace(system)
 
 
+@pytest.mark.extra
 def test_a_law_that_reads_what_nothing_latches(hop):
     """Which only shows when it is called: by one lane, and by what compiles many."""
 

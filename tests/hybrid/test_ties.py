@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.layout import flattened
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.engines.taylor import Code
@@ -18,7 +17,7 @@ from spear_pin.hybrid.modes import choose as choose_one
 from spear_pin.hybrid.modes import starting_phase
 from spear_pin.hybrid.rules.footing import STARTS_TO_SLIDE
 
-pytestmark = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
+pytestmark = pytest.mark.extra("heyoka")
 BARELY = 1e-6  # N: too little for the toe to be said to stick
 
 

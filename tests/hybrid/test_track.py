@@ -7,7 +7,6 @@ import pytest
 
 from spear_pin.hybrid.automaton import Guard, Reset, Switch
 from spear_pin.hybrid.batch import simulate_many
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.layout import flattened
 from spear_pin.hybrid.engines.single import UNCLEAR
 from spear_pin.hybrid.engines.taylor import Code
@@ -20,7 +19,7 @@ from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
 from tests.hybrid.lanes import FINE
 
-pytestmark = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
+pytestmark = pytest.mark.extra("heyoka")
 
 
 def also(system, phase, *guards, **changes):

@@ -119,6 +119,7 @@ def test_the_loops_steady_state_is_the_quasi_static_current(one, torque, speed, 
         assert off * one.slopes(torque, speed, away)["current"] < 0.0
 
 
+@pytest.mark.slow
 @many
 @given(actuators, shares, st.floats(-50.0, 50.0))
 def test_torque_and_greatest_torque_are_those_of_the_drive(one, share, amperes):

@@ -257,8 +257,10 @@ class TestScalars:
             )
             assert max(abs(value) for value in difference) < 1e-14
 
+    @pytest.mark.extra("casadi")
     def test_casadi(self, robot):
-        casadi = pytest.importorskip("casadi")
+        import casadi
+
         q, v = casadi.SX.sym("q", robot.nq), casadi.SX.sym("v", robot.nv)
         terms = Planar(robot).terms(casadi.vertsplit(q), casadi.vertsplit(v), casadi)
         values = casadi.vertcat(*flattened(terms, robot.toes))

@@ -28,7 +28,7 @@ class TestEntities:
         text = str(refusal(write(f'{declared}{place}<link name="base"/></robot>')))
         assert "hunter2" not in text and "root:" not in text
 
-    @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+    @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
     @pytest.mark.parametrize(
         "start",
         [

@@ -5,12 +5,11 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
 from spear_pin.studies.attraction import attraction, dropped
 
-compiles = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
+compiles = pytest.mark.extra("heyoka")
 HEIGHTS, KNEES = np.linspace(0.005, 0.6, 317), np.linspace(0.1, 2.4, 317)
 
 

@@ -5,7 +5,6 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.feedback import regulated
 from spear_pin.hybrid.periodic import displacement
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
@@ -17,12 +16,8 @@ def gait() -> Gait:
     return Gait.load("long_stride")
 
 
-@pytest.fixture(scope="module")
-def stabilised(gait: Gait) -> Gait:
-    return regulated(gait, rtol=1e-8)
-
-
 class TestMoments:
+    @pytest.mark.slow
     def test_goes_on_to_where_the_gait_goes(self, gait: Gait) -> None:
         assert airborne(gait) == ("flight_1", "flight_2")
         for phase in airborne(gait):
@@ -53,10 +48,15 @@ class TestMoments:
             pushed(gait, moment, v={"roll": 1.0})
 
 
-@pytest.mark.slow
 class TestRecovery:
     @pytest.mark.parametrize(
-        ("q", "v"), [({}, {"torso_x": 0.3}), ({"pitch": -0.0349}, {}), ({}, {"torso_z": -0.15})], ids=str
+        ("q", "v"),
+        [
+            pytest.param({}, {"torso_x": 0.3}, marks=pytest.mark.slow),
+            pytest.param({"pitch": -0.0349}, {}, marks=pytest.mark.slow),
+            ({}, {"torso_z": -0.15}),
+        ],
+        ids=str,
     )
     def test_regulated_it_comes_back(self, stabilised: Gait, q: dict[str, float], v: dict[str, float]) -> None:
         found = recover(stabilised, pushed(stabilised, midway(stabilised, "flight_1"), q, v), 10, 1e-7)
@@ -65,11 +65,13 @@ class TestRecovery:
         assert (found.errors[found.strides :] <= 0.01 * found.errors[0]).all()
         assert found.errors[found.strides - 1] > 0.01 * found.errors[0] > 1e-3
 
+    @pytest.mark.slow
     def test_without_feedback_it_does_not(self, gait: Gait) -> None:
         found = recover(gait, pushed(gait, midway(gait, "flight_1"), v={"torso_x": 0.02}), 4, 1e-7)
         assert not found.recovered
         assert found.errors[-1] > 0.5 * found.errors[0] > 0.0
 
+    @pytest.mark.slow
     def test_a_hard_push_goes_through_other_domains_and_is_lost(self, stabilised: Gait) -> None:
         found = recover(stabilised, pushed(stabilised, midway(stabilised, "flight_1"), v={"torso_z": -1.2}), 4, 1e-7)
         assert not found.recovered

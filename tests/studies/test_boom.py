@@ -56,6 +56,7 @@ def test_bad_encoder(values):
         Encoder(**values)
 
 
+@pytest.mark.slow
 def test_apexes_of_eleven_hops():
     """Twelve bits hide what the noise does; fourteen just show it."""
     robot = on_rotary_boom(load("spear_ii", locked=["boom_x"]), BOOM)

@@ -154,6 +154,7 @@ class TestEnvelope:
 
 
 class TestCost:
+    @pytest.mark.slow
     def test_by_hand(self, gait: Gait, sweep: dict[float, Points]) -> None:
         """Without losses in the gears: V i with i = u / (N kt) at the terminals; nothing given back is stored."""
         drive = Drive(motor("ec_90_flat_260w"), Gearbox(15.0), 48.0)
@@ -201,6 +202,7 @@ class TestStudies:
         with pytest.raises(UnknownName, match="hip_width"):
             family(gait.system.robot, Request(), "hip_width", (0.6,))
 
+    @pytest.mark.slow
     def test_designs_get_the_motor_s_rotor_and_ratio(self, gait: Gait, searches: list[tuple]) -> None:
         drives = {"large": Drive(motor("ec_90_flat_260w"), Gearbox(15.0, 0.83), 48.0)}
         found = list(codesign(gait.system.robot, Request(), drives, (8.0, 20.0), "given"))
@@ -219,6 +221,7 @@ class TestStudies:
         (given,) = codesign(gait.system.robot, Request(speed=10.0), drives, (8.0,))
         assert given.gait is None and np.isnan(given.cost) and "mean speed" in given.reason
 
+    @pytest.mark.slow
     def test_smallest_violation_tries_each_seed(self, gait: Gait, searches: list[tuple]) -> None:
         drive = Drive(motor("ec_90_flat_260w"), Gearbox(15.0, 0.83), 48.0)
         seen: list[float] = []
@@ -239,11 +242,11 @@ class TestStudies:
 @pytest.fixture(scope="module")
 def start(gait: Gait):
     """The solution of a cold search."""
-    pytest.importorskip("casadi")
     return design.search(gait.system.robot, Request())[1]
 
 
 @pytest.mark.slow
+@pytest.mark.extra("casadi")
 class TestOptimised:
     def test_one_member_of_a_family(self, gait: Gait, start) -> None:
         (member,) = family(gait.system.robot, Request(), "friction", (0.58,), start)

@@ -101,6 +101,7 @@ class TestOwnKnee:
         real = on_rig(own.gait, Rig(battery=Battery(24.0), current_limit=1.01 * own.peak_current), 1, progress=False)
         np.testing.assert_allclose(real.q[-1], free.q[-1], atol=1e-7)
 
+    @pytest.mark.slow
     def test_reflected_inertia_is_in_the_mass_matrix(self, own, light):
         q = [0.55, 0.5, 1.0]
         bare = vary(ROBOT, knee_rotor=0.0).mass_matrix(q)
@@ -112,6 +113,7 @@ class TestOwnKnee:
 
 
 class TestLaws:
+    @pytest.mark.slow
     def test_the_motion_depends_on_the_reflected_inertia_alone(self, own, light):
         for name in ("stance_torque", "apex", "impact"):
             assert getattr(light, name) == pytest.approx(getattr(own, name), rel=1e-6)
@@ -151,6 +153,7 @@ class TestFailure:
         row = judged("slow", replace(own.drive, motor=slow), replace(own.gait, system=system))
         assert row.margin == -np.inf and row.reason.endswith("above the motor's max_speed")
 
+    @pytest.mark.slow
     def test_no_gait_is_a_row_with_a_reason(self):
         """The rotor reflects 0.8 kg·m², twenty times what swings, and the gains stay."""
         heavy = replace(KNEE, rotor_inertia=2e-3)

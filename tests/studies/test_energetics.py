@@ -155,6 +155,7 @@ class TestCosts:
         with pytest.raises(BadValue, match="rise"):
             _ = found.of_height
 
+    @pytest.mark.slow
     def test_drives_are_of_one_motor_of_a_pair(self, gait, stride):
         """By hand for one joint, and by the design study, whose hips count mechanically, for the knees."""
         drive = Drive(motor("assumed_600w"), Gearbox(15.0, 0.83), 48.0)

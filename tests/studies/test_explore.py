@@ -11,7 +11,6 @@ from spear_pin import find_gait, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.hybrid.contact import Contact
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.model.spring import Spring
 from spear_pin.studies.explore import NEAR, default_state, settled, transient
@@ -19,8 +18,11 @@ from spear_pin.studies.explore_engines import REFERENCE, TAYLOR, best_engine
 from spear_pin.studies.explore_figures import figures, script
 from spear_pin.studies.explore_knobs import KNOBS, Knobs
 
-needs_heyoka = pytest.mark.skipif(not taylor.available(), reason="needs heyoka")
-ENGINES = [pytest.param(TAYLOR, marks=needs_heyoka, id="taylor"), pytest.param(REFERENCE, id="reference")]
+pytestmark = pytest.mark.extra  # heyoka runs the hops where it is installed
+ENGINES = [
+    pytest.param(TAYLOR, marks=pytest.mark.extra("heyoka"), id="taylor"),
+    pytest.param(REFERENCE, id="reference"),
+]
 STIFFER = Knobs(stiffness=54.0, knee_ratio=13.0, friction=0.6)
 RATTLING = Knobs(stiffness=60.0)  # the toe comes back at once after each touchdown
 ALTERNATING = Knobs(stiffness=97.2, stance_torque=6.8, knee_touchdown=1.1, frequency=3.0, damping=0.9)
@@ -158,6 +160,7 @@ def test_a_transient_begins_at_the_default_hop_and_says_how_it_ends():
     assert "A transient: 2 hops, " in hops.message and "knee" in hops.message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("knobs", [STIFFER, ALTERNATING, FALLING], ids=["periodic", "pattern", "falling"])
 def test_the_saved_program_computes_what_was_shown(knobs, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

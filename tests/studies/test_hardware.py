@@ -45,6 +45,7 @@ def test_gears_lower_the_hop(gait):
     assert lossy.named("apex")[-1].q[0] < 0.60 < simulate(gait.system, gait.state).named("apex")[0].q[0]
 
 
+@pytest.mark.slow
 def test_a_seed_is_a_run(gait):
     first, again, other = (outcome(gait, ROUGH, seed, 2) for seed in (3, 3, 4))
     assert first == again and first.apexes != other.apexes
@@ -58,6 +59,7 @@ def test_reasons():
     assert reasons(runs) == {"complete": 3, "fall": 1, "zeno": 1} and list(reasons(runs))[0] == "complete"
 
 
+@pytest.mark.slow
 def test_friction_of_the_slider():
     """It needs a limit on the flexion at touchdown, nearly twice the torque, and makes low and high hops alternate."""
     robot = vary(load("spear_ii", locked=["boom_x"]), boom_damping=45.0)

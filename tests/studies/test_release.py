@@ -127,6 +127,7 @@ class TestEnergy:
         stored = energy(LEG, knee, motion.angle[~inner], motion.rate[~inner])
         np.testing.assert_allclose(-np.diff(stored), taken, rtol=0, atol=1e-8)
 
+    @pytest.mark.slow
     @few
     @given(
         start=st.floats(0.0, 2.6),

@@ -5,13 +5,12 @@ import pytest
 from scipy.stats import beta
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
 from spear_pin.studies.robustness import Robustness, robustness
 
-compiles = pytest.mark.skipif(not taylor.available(), reason="needs the extra fast")
+compiles = pytest.mark.extra("heyoka")
 
 
 def test_interval_is_clopper_and_pearsons():

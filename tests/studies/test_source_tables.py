@@ -54,6 +54,7 @@ def found():
 
 
 class TestDeviationRatios:
+    @pytest.mark.slow
     def test_zero_of_the_spring_explains_the_printed(self, found):
         assert [ratios.row for ratios in found] == list(TABLE_4_1)
         for ratios in found[:3]:
@@ -70,5 +71,6 @@ class TestDeviationRatios:
         for ratios in found:  # σ_b is the same either way, σ_k not by much
             assert ratios.static_rest[1] == pytest.approx(ratios.spring_zero[1], rel=0.2)
 
+    @pytest.mark.slow
     def test_sampling_does_not_matter(self, found):
         np.testing.assert_allclose(deviation_ratios(rate=500.0)[0].spring_zero, found[0].spring_zero, rtol=0.02)

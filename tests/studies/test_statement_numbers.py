@@ -15,6 +15,7 @@ class TestBound:
         assert len(bound.phases()) == 4 and sum(bound.phases()) == pytest.approx(0.35, abs=1e-3)
         assert bound.largest_multiplier() == pytest.approx(1.067, abs=1e-3)
 
+    @pytest.mark.slow
     def test_springs(self):
         assert bound.peak_reduction() == pytest.approx((75.5 - 58.6, 82.6 - 68.3), abs=0.1)
         assert bound.hip_difference() < 1e-6
@@ -30,6 +31,7 @@ class TestBound:
         assert bound.hip_time_outside(60.0) == pytest.approx(0.16, abs=5e-3)
         assert bound.hip_over_knee() == pytest.approx((31.2 / 21.7, 7.9 / 26.3), rel=0.01)
 
+    @pytest.mark.slow
     def test_zero_dynamics(self):
         assert bound.fixed_point_residual("force_lift_off") < 1e-8
         assert bound.largest_output("least_effort") < 1e-8

@@ -21,10 +21,7 @@ from spear_pin.studies import sweep_store
 from spear_pin.studies.hardware import Rig
 from spear_pin.studies.sweep import grid, reasons, sample, sweep
 
-pytest.importorskip("heyoka")
-pytest.importorskip("joblib")
-xarray = pytest.importorskip("xarray")
-pytest.importorskip("zarr")
+pytestmark = pytest.mark.extra("heyoka", "joblib", "xarray", "zarr")
 
 ROOT = Path(__file__).parents[2]
 POINTS = grid({"stiffness": np.linspace(46.0, 52.0, 12), "knee_ratio": [15.0, 14.0]})
@@ -243,9 +240,10 @@ class TestWorkers:
         assert sweep_store.read(tmp_path / "two.zarr").identical(whole)
 
     @pytest.mark.slow
+    @pytest.mark.extra("distributed")
     @pytest.mark.filterwarnings("ignore")  # of the cluster, about ports and the lost worker
     def test_a_cluster_that_loses_a_worker(self, system, whole, tmp_path):
-        distributed = pytest.importorskip("distributed")
+        import distributed
         import joblib
 
         options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "host": "127.0.0.1"}

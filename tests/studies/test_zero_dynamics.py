@@ -22,6 +22,7 @@ def test_outputs_stay_at_zero(system):
     assert zero_dynamics.largest_output(system.robot, stride_run()) < 1e-8
 
 
+@pytest.mark.slow
 def test_what_is_off_is_noticed(system):
     flight = next(each for each in stride_run().segments if each.domain.phase == "flight_1")
     state = flight.pieces[0].state([flight.pieces[0].begin])[:, 0]

@@ -60,6 +60,7 @@ PHASES = ("posterior_stance", "flight_1", "anterior_stance", "flight_2")
 
 
 class TestPage:
+    @pytest.mark.slow
     def test_both_coils_show_while_engaged(self, robot: Robot, strides: Trajectory, recording: Recording) -> None:
         paths = joint_paths(robot.model)
         for phase in PHASES:

@@ -98,6 +98,7 @@ def test_scrubbing_moves_the_robot(browser: chromium.Browser, page: Path) -> Non
     assert coil_pixels(browser.screenshot()) > 800
 
 
+@pytest.mark.slow
 def test_a_narrow_window_still_shows_the_whole_robot(browser: chromium.Browser, tmp_path: Path) -> None:
     trajectory: SimpleNamespace = samples.bound(2)
     path = player.record(load("q_spear"), trajectory, tmp_path / "bound.html")

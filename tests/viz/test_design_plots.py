@@ -35,6 +35,7 @@ def line(axes: Axes, label: str) -> tuple[np.ndarray, np.ndarray]:
     return x[np.isfinite(y)], y[np.isfinite(y)]
 
 
+@pytest.mark.slow
 def test_compliance_shows_both_legs_with_and_without(gait: Gait):
     front, back = design_plots.compliance(gait).axes
     sweep = spring_sweep(gait, (0.0, 56.0))
@@ -49,6 +50,7 @@ def test_compliance_shows_both_legs_with_and_without(gait: Gait):
             assert spans[f"{leg}_stance"] == pytest.approx(1e3 * gait.durations[f"{leg}_stance"], abs=1e-3)
 
 
+@pytest.mark.slow
 def test_sweep_shows_each_spring_in_stance(gait: Gait):
     front, back = design_plots.stiffness_sweep(gait, (0.0, 200.0)).axes
     sweep = spring_sweep(gait, (0.0, 200.0))
@@ -61,6 +63,7 @@ def test_sweep_shows_each_spring_in_stance(gait: Gait):
         design_plots.stiffness_sweep(gait, ())
 
 
+@pytest.mark.slow
 def test_hips_show_their_root_mean_square(gait: Gait):
     given = points(gait, "hip")
     for axes, i in zip(design_plots.hip_torques(gait).axes, (1, 0), strict=True):
@@ -80,6 +83,7 @@ class TestTorqueSpeed:
             assert np.sort(ring.get_ydata()) == pytest.approx(np.sort(np.abs(given.torque[out])))
             assert out.any()
 
+    @pytest.mark.slow
     def test_every_point_is_drawn_once(self, gait: Gait):
         (axes,) = design_plots.torque_speed(gait, DRIVES).axes
         given = points(gait)
@@ -111,6 +115,7 @@ class TestTorqueSpeed:
                 design_plots.torque_speed(gait, drives)
 
 
+@pytest.mark.slow
 def test_family_shows_the_members_and_what_was_not_found(gait: Gait):
     other = Gait.load("least_effort")
     members = [Member(2.6, other, None), Member(2.5, gait, None), Member(2.7, None, None, "nothing")]
@@ -148,6 +153,7 @@ def test_basin_leaves_lost_ones_open():
         design_plots.basin_map(strides.T, axes)
 
 
+@pytest.mark.slow
 def test_every_axis_has_a_unit_and_files_are_small(gait: Gait, tmp_path):
     figures: dict[str, Figure] = {
         "compliance": design_plots.compliance(gait),

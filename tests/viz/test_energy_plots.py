@@ -134,6 +134,7 @@ class TestCostOfTransport:
         boxes = [text.get_window_extent() for text in figure.axes[0].texts]
         assert not any(box.count_overlaps(boxes[i + 1 :]) for i, box in enumerate(boxes))
 
+    @pytest.mark.slow
     def test_the_line_is_that_of_animals(self):
         (axes,) = plots.cost_of_transport(PUBLISHED).axes
         mass, cost = line(axes, "running animals (recollection)")
@@ -183,6 +184,7 @@ def test_angles_lie_against_the_clean_ones(hops, clean, gait):
     assert set(line(knee, "commanded")[1]) == {gait.system.law.knee_touchdown}
 
 
+@pytest.mark.slow
 def test_they_can_be_saved(hops, tmp_path):
     for figure in (plots.energy_flow(FLOW), plots.cost_of_transport(PUBLISHED), plots.currents(hops)):
         assert save_figure(figure, tmp_path / "figure.svg").stat().st_size > 1000

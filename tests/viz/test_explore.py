@@ -48,6 +48,7 @@ def refusal(server, path, *arguments, **options):
 
 
 class TestServer:
+    @pytest.mark.slow
     def test_it_listens_on_the_loopback_alone(self, server):
         assert server.server_address[0] == "127.0.0.1" and server.url == f"http://127.0.0.1:{server.port}/"
 
@@ -175,6 +176,7 @@ class TestAnswers:
     def test_the_same_address_gives_the_same_answer(self, server):
         assert ask(server, "/hop?damping=1.2")[2] == ask(server, "/hop?damping=1.2")[2]
 
+    @pytest.mark.slow
     def test_the_script_is_a_download(self, server):
         _, headers, body = ask(server, "/script?friction=0.5")
         assert headers["Content-Disposition"] == 'attachment; filename="explored_hop.py"'
@@ -262,6 +264,7 @@ class TestPage:
         after = browser.screenshot().astype(int)
         assert (np.abs(after - before)[70:630, 350:900].max(axis=2) > 60).sum() > 500
 
+    @pytest.mark.slow
     def test_a_move_is_timed(self, browser, server):
         """From the slider to the picture; how long that takes `benchmarks.explore` measures."""
         visit(browser, server, "#t=0.15")
@@ -283,6 +286,7 @@ class TestPage:
         })()""")
         assert asked == [2, 0.79]
 
+    @pytest.mark.slow
     def test_the_address_holds_the_state_and_goes_back_and_forward(self, browser, server):
         visit(browser, server, "#t=0.15")
         move(browser, "friction", 0.4)
@@ -310,6 +314,7 @@ class TestPage:
         assert "the run ends 2 hops after the default hop" in text(browser, "verdict")
         assert text(browser, "multipliers") == "–"
 
+    @pytest.mark.slow
     def test_the_script_is_that_of_what_is_shown_and_reset_goes_home(self, browser, server):
         visit(browser, server, "?friction=0.5#t=0.15")
         assert "friction=0.5&" in browser.run("document.getElementById('script').getAttribute('href')")

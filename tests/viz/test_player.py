@@ -75,6 +75,7 @@ def test_pages_are_small(hop_page: str) -> None:
     assert len(player.page(load("q_spear"), samples.bound()).encode()) <= 1_500_000
 
 
+@pytest.mark.slow
 def test_a_long_motion_gets_fewer_frames(spear: Robot) -> None:
     text = player.page(spear, samples.hop(hops=150, samples=40))
     assert len(text.encode()) <= player.MOST_BYTES
@@ -264,6 +265,7 @@ class TestParts:
     def test_what_fits_is_shown_whole(self, spear: Robot, hop: SimpleNamespace) -> None:
         assert player.shortened(spear, hop) is hop
 
+    @pytest.mark.slow
     def test_the_last_part_of_a_long_motion(self, spear: Robot, long: SimpleNamespace, tmp_path: Path) -> None:
         with pytest.raises(BadValue, match="`shortened` makes one"):
             player.record(spear, long, tmp_path / "long.html")

@@ -165,6 +165,7 @@ def test_a_plot_needs_samples(hops: Trajectory):
         plots.ground_force(replace(hops, t=hops.t[:1]))
 
 
+@pytest.mark.slow
 def test_a_saved_svg_needs_no_font(hops: Trajectory, gait: Gait, tmp_path: Path):
     path = plots.save_figure(plots.hop_summary(hops, gait), tmp_path / "hops.svg")
     root = ElementTree.parse(path).getroot()
@@ -206,12 +207,14 @@ def test_no_folder_no_figure(hops: Trajectory, tmp_path: Path):
         plots.save_figure(plots.ground_force(hops), tmp_path / "nowhere" / "hop.svg")
 
 
+@pytest.mark.slow
 def test_plots_leave_matplotlib_as_it_was(hops: Trajectory, tmp_path: Path):
     before = dict(matplotlib.rcParams)
     plots.save_figure(plots.hop_summary(hops), tmp_path / "hop.pdf")
     assert dict(matplotlib.rcParams) == before
 
 
+@pytest.mark.slow
 def test_importing_plots_opens_no_window():
     script = "import sys, spear_pin.viz.plots; print('matplotlib.pyplot' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)

@@ -252,6 +252,7 @@ class TestFits:
         with pytest.raises(BadValue, match="estimates"):
             push_plots.fit_summary({})
 
+    @pytest.mark.slow
     def test_long_records_make_small_files(self, tmp_path: Path):
         rng = np.random.default_rng(0)
         exact = synthetic_trial(spear_ii(), WITH_MOTOR, 0.1, 0.0, rng)

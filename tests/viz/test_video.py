@@ -56,6 +56,7 @@ def played(picture: NDArray[np.uint8]) -> float:
 @pytest.mark.browser
 @needs_chromium
 class TestStill:
+    @pytest.mark.slow
     def test_two_times_differ_and_neither_is_blank(self, tmp_path: Path) -> None:
         stance = pixels(video.still(SPEAR, HOP, tmp_path / "a.png", time=3.11, size=SIZE).read_bytes())
         flight = pixels(video.still(SPEAR, HOP, tmp_path / "b.png", time=FLIGHT, size=SIZE).read_bytes())
@@ -65,6 +66,7 @@ class TestStill:
         orange = [((p[..., 0] > 190) & (p[..., 2] < 90) & (p[..., 1] < 200))[80:, 120:].sum() for p in (stance, flight)]
         assert orange[0] > 50 and orange[1] == 0, "the coil shows in stance only"
 
+    @pytest.mark.slow
     def test_every_picture_is_of_its_own_time(self, tmp_path: Path) -> None:
         """In any order, the scene is to the pixel what the page draws when nobody waits for a browser to show it."""
         times = np.random.default_rng(2).permutation(np.linspace(0.0, 1.0, 8))
@@ -93,6 +95,7 @@ class TestStill:
 @needs_chromium
 @needs_ffmpeg
 class TestFilm:
+    @pytest.mark.slow
     def test_frames_and_duration(self, tmp_path: Path) -> None:
         told: list[tuple[int, int]] = []
         done = lambda *each: told.append(each)  # noqa: E731
@@ -153,6 +156,7 @@ class TestNothingIsLeft:
             monkeypatch.setattr(tempfile, "tempdir", None)
             yield Path(folder)
 
+    @pytest.mark.slow
     def test_when_a_frame_fails(self, tmp_path: Path, temporary: Path) -> None:
         def fail(done: int, total: int) -> None:
             raise SpearError("enough")
@@ -162,6 +166,7 @@ class TestNothingIsLeft:
         assert os.listdir(tmp_path) == os.listdir(temporary) == []
         assert processes_with(str(temporary)) == []
 
+    @pytest.mark.slow
     def test_when_it_is_interrupted(self, tmp_path: Path, temporary: Path) -> None:
         code = (
             "from tests.viz import samples; from spear_pin import load; from spear_pin.viz.video import film;"

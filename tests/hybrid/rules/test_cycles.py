@@ -102,6 +102,7 @@ class TestHop:
         assert len(last) > 900 and sum(event.name == RETOUCH for event in last) > 200
         assert last[-1].time - last[0].time > 10.0
 
+    @pytest.mark.slow
     def test_noise_makes_no_hops(self, gait):
         """Lost commands and noise have the toe touch again in one hop of this run."""
         rig = Rig(current_limit=8.0, sensing=Sensing(angle_noise=0.005, losses=5.0, seed=2))

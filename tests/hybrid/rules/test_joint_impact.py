@@ -50,6 +50,7 @@ def energy(D, v):
 
 
 class TestJointImpactProperties:
+    @pytest.mark.slow
     @many
     @given(joint_impacts())
     def test_momentum_and_loss(self, case):
@@ -114,6 +115,7 @@ class TestJointImpactProperties:
             np.testing.assert_allclose(impact.v, alone.v, rtol=0, atol=1e-9)
             np.testing.assert_allclose(impact.impulse[0], alone.impulse, rtol=1e-9, atol=1e-9)
 
+    @pytest.mark.slow
     @many
     @given(joint_impacts(frictions=[0.0]))
     def test_without_friction_is_the_nearest_motion_that_does_not_enter_the_ground(self, case):

@@ -36,7 +36,7 @@ class TestTruth:
     """Without noise, what went in comes out."""
 
     @pytest.mark.parametrize("static", [False, True])
-    @pytest.mark.parametrize("ratio", [None, 15.0])
+    @pytest.mark.parametrize("ratio", [pytest.param(None, marks=pytest.mark.slow), 15.0])
     def test_three_depths(self, ratio, static):
         leg = LEGS[ratio]
         estimate = identify(leg, [trial(depth=depth, leg=leg) for depth in DEPTHS], static_rest=static)
@@ -66,6 +66,7 @@ class TestTruth:
         with pytest.raises(UnknownName, match="'damping'; valid: stiffness, rest_angle"):
             estimate["damping"]
 
+    @pytest.mark.slow
     def test_dry_friction(self):
         estimate = identify(LEG, [trial(DRY, 0.05), trial(DRY, 0.1)], ALL)
         expected = {"stiffness": 48.0, "damping": 0.6, "coulomb": 0.5, "rest_angle": 1.0}
@@ -86,6 +87,7 @@ class TestTruth:
 class TestSmoothed:
     """What smoothing the data and not the model does to the source's estimates."""
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("kind", "stiffness", "damping", "rest"), [("centred", 0.0, 0.08, 0.0), ("causal", -0.23, 0.12, -0.05)]
     )
@@ -105,6 +107,7 @@ class TestSmoothed:
 
 
 class TestScatter:
+    @pytest.mark.slow
     @pytest.mark.parametrize("smoothing", [None, MovingAverage(25)])
     def test_covers_the_truth(self, smoothing):
         trials = [trial(VISCOUS, 0.05, 3e-3, seed, rate=250.0, hold=0.2, duration=0.8) for seed in range(20)]
@@ -120,6 +123,7 @@ class TestScatter:
         np.testing.assert_allclose(np.diag(correlation), 1.0)
         assert np.abs(correlation).max() < 1 + 1e-12
 
+    @pytest.mark.slow
     def test_more_releases_tell_more(self):
         one = identify(LEG, [trial(noise=3e-3)])
         four = identify(LEG, [trial(noise=3e-3, seed=seed) for seed in range(4)])
@@ -136,6 +140,7 @@ class TestRounded:
         """The trial as an encoder shows it whose counts lie somewhere."""
         return replace(made, angle=step * (np.round(made.angle / step + place) - place))
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("knee", [VISCOUS, SOFT, replace(VISCOUS, damping=2.0)])
     def test_error_bars_hold_and_those_of_white_noise_did_not(self, knee):
         worst = 0.0
@@ -150,6 +155,7 @@ class TestRounded:
                 worst = max(worst, off * estimate[name].inflation)
         assert worst > 3.0  # deviations of white noise
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(("noise", "smoothing"), [(0.0, None), (0.1, MovingAverage(25))])  # of a step
     def test_covers_the_truth(self, noise, smoothing):
         rng, z = np.random.default_rng(11), []
@@ -186,6 +192,7 @@ class TestRounded:
 
 
 class TestWarnings:
+    @pytest.mark.slow
     def test_dry_friction_that_is_taken_for_viscous(self):
         knee = PassiveKnee(48.0, 0.3, 1.5, 1.0)
         estimates = [identify(LEG, [trial(knee, depth, 1e-3)]) for depth in DEPTHS]
@@ -225,6 +232,7 @@ class TestWarnings:
 
 
 class TestRobust:
+    @pytest.mark.slow
     @pytest.mark.parametrize("loss", ["soft_l1", "huber", "cauchy"])
     def test_outliers(self, loss):
         clean = trial(noise=1e-3, rate=500.0)
@@ -245,6 +253,7 @@ class TestRobust:
 
 
 class TestSearch:
+    @pytest.mark.slow
     def test_integrations(self):
         counts = []
         for ratio, stiffness, damping, depth, noise in (
@@ -285,6 +294,7 @@ class TestSearch:
 class TestSmoothedBefore:
     """A record smoothed before it was cut: its last half window saw what was cut off."""
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("after", [0.5, 1.5])
     def test_short_cuts_are_not_biased(self, after):
         made = synthesize(LEG, WITH_MOTOR, 0.1, repeats=3, instrument=Instrument(noise=0.003, quantum=0.0), seed=5)

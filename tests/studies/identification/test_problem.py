@@ -11,6 +11,7 @@ from spear_pin.studies.identification.problem import KNEE, QUANTITIES, pose
 from spear_pin.studies.laboratory import synthetic_trial
 from spear_pin.studies.push_test import equilibrium, pushed_angle, spear_ii
 from spear_pin.studies.release import PassiveKnee, move
+from tests.slow import slow_but
 
 LEG = spear_ii()
 TRUTH = PassiveKnee(48.0, 0.9, 0.0, 1.02)
@@ -56,10 +57,13 @@ def by_differences(problem, x):
     return np.column_stack(columns)
 
 
+SOME = ("stiffness", "rest_angle")
+
+
 class TestJacobian:
     @pytest.mark.parametrize("smoothing", [None, MovingAverage(20), MovingAverage(15, "causal")])
     @pytest.mark.parametrize("static", [False, True])
-    @pytest.mark.parametrize("per_trial", [(), ("stiffness", "rest_angle"), KNEE])
+    @pytest.mark.parametrize("per_trial", slow_but([(), SOME, KNEE], SOME))
     def test_differences(self, static, per_trial, smoothing):
         trials = [smoothed(trial, smoothing) for trial in TRIALS]
         problem = posed(KNEE, trials, static_rest=static, per_trial=per_trial)

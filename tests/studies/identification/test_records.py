@@ -151,11 +151,17 @@ class TestRemarks:
 
 
 class TestMat:
-    @pytest.mark.parametrize("shapes", [((1, -1), (-1, 1)), ((-1, 1), (1, -1)), ((1, 1, -1), (1, -1))])
     @pytest.mark.parametrize("options", [{}, {"do_compression": True}, {"format": "4"}])
+    @pytest.mark.parametrize("shapes", [((1, -1), (-1, 1)), ((-1, 1), (1, -1))])
     def test_vectors(self, tmp_path, shapes, options):
-        if options.get("format") and len(shapes[0]) > 2:
-            pytest.skip("v4 holds matrices only")
+        self.assert_read(tmp_path, shapes, options)
+
+    @pytest.mark.parametrize("options", [{}, {"do_compression": True}])  # format 4 holds matrices only
+    def test_a_vector_in_three_dimensions(self, tmp_path, options):
+        self.assert_read(tmp_path, ((1, 1, -1), (1, -1)), options)
+
+    @staticmethod
+    def assert_read(tmp_path, shapes, options):
         path = tmp_path / "record.mat"
         savemat(path, {"t_s": T.reshape(shapes[0]), "knee_rad": ANGLE.reshape(shapes[1])}, **options)
         assert agrees(read_record(path))

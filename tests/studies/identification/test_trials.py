@@ -7,6 +7,7 @@ from spear_pin.errors import BadFile, BadValue, SpearError
 from spear_pin.studies.identification import MovingAverage, Record, Trial, cut, read_record, smoothed
 from spear_pin.studies.push_test import equilibrium, pushed_angle, spear_ii
 from spear_pin.studies.release import PassiveKnee, move
+from tests.slow import slow_but
 from tests.studies.identification.files import written
 
 KNEE = PassiveKnee()
@@ -36,7 +37,7 @@ def noisy(record, noise, seed=0):
 
 class TestFound:
     @pytest.mark.parametrize("depth", [0.05, 0.1])
-    @pytest.mark.parametrize("hold", [0.5, 1.0, 5.0])
+    @pytest.mark.parametrize("hold", slow_but([0.5, 1.0, 5.0], 1.0))
     @pytest.mark.parametrize("ratio", LEGS)
     def test_when(self, ratio, hold, depth):
         record, moments = pushed(LEGS[ratio], [depth, depth], hold)

@@ -64,6 +64,7 @@ class TestScatter:
         lengths = np.linalg.norm(np.vstack(jacobians), axis=0)
         assert found.condition == pytest.approx(np.linalg.cond(np.vstack(jacobians) / lengths), rel=1e-10)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("known", [False, True])
     @each_smoothing
     def test_many_times_over(self, name, known):
