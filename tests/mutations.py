@@ -2,7 +2,8 @@
 
 From the repository: `python -m tests.mutations`, or with words that the names of some mutations
 contain: `python -m tests.mutations spring impact`. It ends with status 1 if one survives, if a text to
-change is not found just once, or if the tests fail without any change. All of them take some minutes.
+change is not found just once, or if the tests fail without any change. All of them take some minutes. With `--quick`
+it names those that no quick test notices.
 """
 
 from __future__ import annotations
@@ -442,9 +443,9 @@ def copy_repository(folder: Path) -> None:
             shutil.copy(source, folder / name)
 
 
-def first_failure(folder: Path, tests: tuple[str, ...]) -> str | None:
-    """The first test that fails in the copy, or None."""
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-m", "", "-p", "no:cacheprovider", *tests]
+def first_failure(folder: Path, tests: tuple[str, ...], marked: str) -> str | None:
+    """The first test that fails in the copy of those that `-m` chooses, or None."""
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-m", marked, "-p", "no:cacheprovider", *tests]
     environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
     try:
         process = subprocess.run(
@@ -460,7 +461,7 @@ def first_failure(folder: Path, tests: tuple[str, ...]) -> str | None:
     return found[2] if found[1] == "FAILED" else f"the setup of {found[2]}"
 
 
-def trial(folder: Path, mutation: Mutation) -> tuple[bool, str]:
+def trial(folder: Path, mutation: Mutation, marked: str) -> tuple[bool, str]:
     """Whether a mutation is caught, and by what."""
     path = folder / mutation.file
     text = path.read_text(encoding="utf-8")
@@ -468,7 +469,7 @@ def trial(folder: Path, mutation: Mutation) -> tuple[bool, str]:
         return False, f"NOT APPLIED: {mutation.file} has the text {text.count(mutation.old)} times"
     path.write_text(text.replace(mutation.old, mutation.new), encoding="utf-8")
     try:
-        failure = first_failure(folder, mutation.tests)
+        failure = first_failure(folder, mutation.tests, marked)
     finally:
         path.write_text(text, encoding="utf-8")
     return (True, f"caught by {failure}") if failure else (False, "SURVIVED")
@@ -478,7 +479,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.mutations", description=__doc__.splitlines()[0])
     parser.add_argument("words", nargs="*", metavar="WORD", help="only mutations whose name contains one of these")
     parser.add_argument("--list", action="store_true", help="print their names only")
-    words, names_only = vars(parser.parse_args()).values()
+    parser.add_argument("--quick", action="store_true", help="by the tests alone that are not marked slow")
+    words, names_only, quick = vars(parser.parse_args()).values()
+    marked = "not slow" if quick else ""
     chosen = [m for m in MUTATIONS if not words or any(word in m.name for word in words)]
     if names_only:
         print("\n".join(mutation.name for mutation in chosen))
@@ -488,11 +491,11 @@ def main() -> int:
         folder = Path(name)
         copy_repository(folder)
         files = tuple(sorted({test for mutation in chosen for test in mutation.tests}))
-        if failure := first_failure(folder, files):
+        if failure := first_failure(folder, files, marked):
             print(f"without any change, {failure} fails")
             return 1
         for mutation in chosen:
-            caught, what = trial(folder, mutation)
+            caught, what = trial(folder, mutation, marked)
             survived += not caught
             print(f"{mutation.name:<55} {what}", flush=True)
     print(f"{len(chosen) - survived} of {len(chosen)} caught")

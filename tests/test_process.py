@@ -17,8 +17,8 @@ SPEAR = [sys.executable, "-m", "spear_pin"]
 NUMBERS = pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=lambda number: number.name)
 
 ASCII = {"PYTHONIOENCODING": "ascii"}
-LATE_OR_EARLY = (
-    *("spear_pin.cli", "argparse", "numpy.linalg", "pinocchio", "lxml"),
+IMPORTS = (
+    *("spear_pin.cli", "argparse", "numpy", "numpy.linalg", "pinocchio", "lxml"),
     *("scipy.integrate", "spear_pin.viz.player", "matplotlib.figure"),
 )
 
@@ -41,9 +41,8 @@ class TestSignals:
     @pytest.mark.parametrize(
         ("event", "name"),
         [
-            ("import", "numpy"),
             ("os.rename", "hop.html"),
-            *(pytest.param("import", name, marks=pytest.mark.slow) for name in LATE_OR_EARLY),
+            *(pytest.param("import", name, marks=pytest.mark.slow) for name in IMPORTS),
             *(pytest.param("os.rename", name, marks=pytest.mark.slow) for name in ("hop.npz", "hop.svg")),
         ],
     )

@@ -27,10 +27,12 @@ class TestFinds:
         ("vary", "target"),
         [
             ([], {}),
-            (["stiffness"], {"stance_time": 0.36}),
-            (["frequency"], {"stance_time": 0.36}),
             (["stance_torque", "knee_touchdown"], {"flight_time": 0.19, "apex_height": 0.615}),
-            (["stance_torque", "stiffness"], {"flight_time": 0.195, "stance_time": 0.36}),
+            pytest.param(["stiffness"], {"stance_time": 0.36}, marks=pytest.mark.slow),
+            pytest.param(["frequency"], {"stance_time": 0.36}, marks=pytest.mark.slow),
+            pytest.param(
+                ["stance_torque", "stiffness"], {"flight_time": 0.195, "stance_time": 0.36}, marks=pytest.mark.slow
+            ),
         ],
         ids=str,
     )

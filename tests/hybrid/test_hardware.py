@@ -20,6 +20,7 @@ from spear_pin.model.actuator import CREEP, Actuator, Thermal
 from spear_pin.model.bridge import Battery
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Gearbox
+from tests.slow import slow_but
 
 MOTOR = motor("spear_ii_knee")
 R, CONSTANT = MOTOR.resistance, 15.0 * MOTOR.torque_constant
@@ -159,7 +160,7 @@ class TestIdealLimit:
 
 
 class TestEnergy:
-    @pytest.mark.parametrize("name", CONFIGURATIONS)
+    @pytest.mark.parametrize("name", slow_but(CONFIGURATIONS, "ideal", "gearbox", "all"))
     def test_both_ledgers_close(self, run, name):
         one, sensing = CONFIGURATIONS[name]
         trajectory = run(one, sensing=sensing, rtol=1e-9)

@@ -61,6 +61,7 @@ class TestStarts:
 
 
 class TestBothToes:
+    @pytest.mark.slow
     def test_stay_on_the_ground_without_force(self):
         system, flow, pieces = crossing()
         robot = system.robot

@@ -121,11 +121,13 @@ class TestLaws:
         for name in ("peak_torque", "peak_speed", "rms_torque"):  # of samples, which are not at the same times
             assert getattr(light, name) == pytest.approx(getattr(own, name), rel=1e-3)
 
+    @pytest.mark.slow
     def test_heat_of_the_same_motion_falls_with_the_square_of_the_ratio(self, own, light):
         assert light.heat == pytest.approx(own.heat / 4.0, rel=1e-6)
         assert light.rms_current == pytest.approx(own.rms_current / 2.0, rel=1e-6)
         assert light.energy - light.heat == pytest.approx(own.energy - own.heat, rel=1e-6)
 
+    @pytest.mark.slow
     def test_but_the_speed_is_not_to_be_had(self, own, light):
         assert light.drive.no_load_speed == own.drive.no_load_speed / 2 and light.margin < 0.0 < own.margin
 

@@ -16,6 +16,7 @@ from spear_pin.studies.push_test import spear_ii
 from spear_pin.studies.release import PARAMETERS, PassiveKnee, move, released
 from tests.lagrangian import monopod
 from tests.push_by_hand import Push
+from tests.slow import slow_but
 
 LEG = spear_ii()
 START = 1.8  # a spring that only pulls from 1.1 rad on then becomes slack
@@ -218,7 +219,9 @@ class TestSensitivities:
             knee = replace(knee, **{name: getattr(knee, name) + offset})
         return move(leg, knee, start, self.TIMES, rtol=1e-13).angle
 
-    @pytest.mark.parametrize("name", [name for name in KNEES if name != "without losses"])
+    @pytest.mark.parametrize(
+        "name", slow_but([name for name in KNEES if name != "without losses"], "dry", "only pulling")
+    )
     def test_by_differences(self, name):
         knee = PassiveKnee(**KNEES[name])
         asked = [p for p in PARAMETERS if p != "coulomb" or knee.coulomb]

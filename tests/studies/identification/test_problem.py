@@ -75,7 +75,7 @@ class TestJacobian:
         assert np.quantile(off, 0.97) < 2e-3 and off.max() < 0.05
         assert (scale > 0).all()
 
-    @pytest.mark.parametrize("static", [False, True])
+    @pytest.mark.parametrize("static", slow_but([False, True], True))
     @pytest.mark.parametrize("name", [*KNEE, None])
     def test_without_dry_friction(self, static, name):
         problem = posed([name] if name else ["damping"], static_rest=static, known={"stiffness": 46.0})
