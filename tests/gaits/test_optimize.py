@@ -22,6 +22,7 @@ from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.model.variants import vary
 from spear_pin.studies.bound import summarize
+from tests.gaits.solutions import least_effort
 
 SEED = 3
 SCALE = 0.01  # of the effort, as the optimiser counts it
@@ -72,6 +73,10 @@ class TestSearch:
         assert gait.residual < 1e-9
         shipped = Gait.load("least_effort")
         assert solution.objective == pytest.approx(SCALE * effort(shipped), rel=1e-3)
+        kept = least_effort()
+        assert solution.objective == pytest.approx(kept.objective, rel=1e-6)
+        for name, numbers in kept.values.items():
+            np.testing.assert_allclose(solution.values[name], numbers, rtol=0, atol=1e-3 * max(1.0, abs(numbers).max()))
         for found, known in zip(gait.state, shipped.state, strict=True):
             np.testing.assert_allclose(found, known, rtol=0, atol=1e-5)
         np.testing.assert_allclose(np.abs(gait.multipliers), np.abs(shipped.multipliers), rtol=0, atol=1e-3)

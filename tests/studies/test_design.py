@@ -7,6 +7,7 @@ import pytest
 
 from spear_pin import Gait, simulate
 from spear_pin.errors import BadValue, Infeasible, NoGait, UnknownName
+from spear_pin.gaits.collocation import Solution
 from spear_pin.gaits.request import Request
 from spear_pin.hybrid.parameters import rebuilt
 from spear_pin.model.catalogue import motor
@@ -14,6 +15,7 @@ from spear_pin.model.motor import Drive, Gearbox, Motor
 from spear_pin.model.spring import Spring
 from spear_pin.studies import design
 from spear_pin.studies.design import Points, against, codesign, electrical_cost, family, points, smallest_violation
+from tests.gaits.solutions import least_effort
 
 REST = np.radians(40.0)
 SIDES = (1.0, -1.0)  # of posterior and anterior knee: the sign of a flexed one
@@ -240,9 +242,9 @@ class TestStudies:
 
 
 @pytest.fixture(scope="module")
-def start(gait: Gait):
+def start() -> Solution:
     """The solution of a cold search."""
-    return design.search(gait.system.robot, Request())[1]
+    return least_effort()
 
 
 @pytest.mark.slow
