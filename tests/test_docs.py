@@ -1,6 +1,7 @@
 """The documentation site: nothing public and no page is left out of it, and an example that fails says so."""
 
 import ast
+import importlib
 import os
 import re
 import sys
@@ -114,11 +115,12 @@ def test_links_to_files_lead_to_the_pages_made_from_them(gallery):
     )
 
 
+@pytest.mark.extra("sphinx")
 class TestArchitecture:
     @pytest.fixture
     def drawn(self, monkeypatch):
         monkeypatch.syspath_prepend(str(DOCS / "_extensions"))
-        return pytest.importorskip("architecture", reason="needs the extra docs")
+        return importlib.import_module("architecture")
 
     def test_every_module_is_on_the_plan(self, drawn):
         files = {path.stem for path in (ROOT / "spear_pin").rglob("*.py")} | {
