@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from spear_pin.hybrid.automaton import Domain, Rub
 from spear_pin.hybrid.contact import OPEN, SIGN, STICK
 from spear_pin.hybrid.dynamics import Dynamics
-from spear_pin.hybrid.rules.scalars import everywhere, nowhere, where
+from spear_pin.hybrid.rules.scalars import first, where
 
 AT_REST = 1e-7  # m/s
 UNLOADED = 1e-5  # N: near Painlevé's paradox rounding is amplified a hundredfold and more
@@ -118,13 +118,13 @@ def fitness(feet: Sequence[tuple[str, Sequence[Any]]], joints: Sequence[tuple[Ru
         else:
             goes_on = (abs(joint.rate) > AT_REST) | (rub.sign * joint.acceleration > -STARTS_TO_SLIDE)
             holds = holds & goes_on
-    good = fits & posed & keeps & holds
-    if everywhere(good):
-        return push
-    if nowhere(fits):
-        return UNFIT
-    reason = where(holds, where(posed, where(leaves, LEAVES, where(some, SOME_LEAVE, MOVES)), ILL_POSED), TURNS)
-    return where(good, push, where(fits, reason, UNFIT))
+    reasons = (
+        (fits & posed & keeps & holds, push),
+        (fits ^ True, UNFIT),
+        (holds ^ True, TURNS),
+        (posed ^ True, ILL_POSED),
+    )
+    return first((*reasons, (leaves, LEAVES), (some, SOME_LEAVE)), MOVES)
 
 
 def torn_off(mode: str, bore: Any, next_mode: str, bears: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,9 +20,20 @@ def nowhere(condition: Any) -> bool:
     return not (condition.any() if isinstance(condition, np.ndarray) else condition)
 
 
-def everywhere(condition: Any) -> bool:
-    """Whether a condition holds in every lane."""
-    return bool(condition.all() if isinstance(condition, np.ndarray) else condition)
+def first(choices: Sequence[tuple[Any, Any]], otherwise: Any) -> Any:
+    """The value of the first condition that holds.
+
+    Args:
+        choices: conditions with their values.
+        otherwise: the value where none holds.
+    """
+    for condition, value in choices:
+        if isinstance(condition, np.ndarray):
+            conditions, values = zip(*choices, strict=True)
+            return np.select(conditions, values, otherwise)
+        if condition:
+            return value
+    return otherwise
 
 
 def quotient(condition: Any, dividend: Any, divisor: Any, otherwise: Any) -> Any:
