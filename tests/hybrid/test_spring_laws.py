@@ -63,7 +63,7 @@ class TestReference:
     @pytest.mark.parametrize(
         ("spring", "reason"),
         [
-            (Spring(20.0, preload=20.0), "no_cycle"),
+            pytest.param(Spring(20.0, preload=20.0), "no_cycle", marks=pytest.mark.slow),
             (Spring(0.0, table=((0.0, 0.0), (0.01, 20.0), (0.02, 20.2), (0.6, 32.0))), "no_event"),
         ],
         ids=["a rigid chain", "one that gives"],
@@ -197,7 +197,12 @@ class TestNumbersByName:
 
     @pytest.mark.parametrize(
         ("spring", "vary"),
-        [(Spring(), "hardening"), (Spring(), "preload"), (Spring(hardening=10.0), "stiffness"), (STRAIGHT, "preload")],
+        [
+            (Spring(), "hardening"),
+            pytest.param(Spring(), "preload", marks=pytest.mark.slow),
+            pytest.param(Spring(hardening=10.0), "stiffness", marks=pytest.mark.slow),
+            pytest.param(STRAIGHT, "preload", marks=pytest.mark.slow),
+        ],
     )
     def test_found_and_kept_in_a_file(self, hop, tmp_path, spring, vary):
         target = {"flight_time": 0.2, "stance_time": 0.34}
