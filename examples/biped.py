@@ -18,8 +18,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from spear_pin import Contact, Spring, find_gait, load, simulate
+from spear_pin import Spring, find_gait, load, simulate
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, HybridSystem, Mount, Reset
+from spear_pin.hybrid.ground import as_ground, given
 from spear_pin.hybrid.phases import contact_domains, fall, rate, spring_switches, touchdown
 from spear_pin.viz import plots
 from spear_pin.viz.player import record
@@ -86,14 +87,15 @@ def step(robot, side, other, spring):
     return (*contact_domains(stance, robot.toes, lift_off), flight)
 
 
-def running(robot, law=None, spring=None, contact=None):
+def running(robot, law=None, spring=None, contact=None, *, ground=None):
     """The automaton."""
-    law, spring, contact = law or RunningLaw(), spring or Spring(), contact or Contact()
+    law, spring, contact = law or RunningLaw(), spring or Spring(), given(contact, ground)
 
     def guess():
         knees = law.knee_touchdown, law.knee_retracted
         q = np.array([0.0, 0.0, 0.0, 0.5 * knees[0], knees[0], 0.5 * knees[1], knees[1]])
-        q[1] = -robot.toe_position(q, "left_toe")[1]
+        x, z = robot.toe_position(q, "left_toe")
+        q[1] = as_ground(contact).under(x) - z
         v, jacobian = np.array([0.8, -0.5, *np.zeros(5)]), robot.toe_jacobian(q, "left_toe")
         v[3:5] = np.linalg.solve(jacobian[:, 3:5], -jacobian @ v)
         return q, v

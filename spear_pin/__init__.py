@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from spear_pin.gaits.search import find_gait
     from spear_pin.hybrid.batch import simulate_many
     from spear_pin.hybrid.contact import Contact
+    from spear_pin.hybrid.ground import Ground
     from spear_pin.hybrid.simulate import simulate
     from spear_pin.hybrid.trajectory import Trajectory
     from spear_pin.model.loading import load
@@ -31,6 +32,7 @@ __all__ = [
     "BoundingLaw",
     "Contact",
     "Gait",
+    "Ground",
     "HoppingLaw",
     "Robot",
     "SpearError",
@@ -51,6 +53,7 @@ _HOMES = {
     "load": "model.loading",
     "Spring": "model.spring",
     "Contact": "hybrid.contact",
+    "Ground": "hybrid.ground",
     "simulate": "hybrid.simulate",
     "simulate_many": "hybrid.batch",
     "Trajectory": "hybrid.trajectory",

@@ -160,6 +160,20 @@ MUTATIONS = [
         {"a constraint without its drift": ("approach[:, 0] += drift", "approach[:, 0] += 0.0 * drift")},
     ),
     *mistakes_in(
+        "hybrid/ground",
+        ["hybrid/test_ground"],
+        {
+            "downhill for uphill": ("ops.sin(self.slope)", "-ops.sin(self.slope)"),
+            "distance from the ground as on the level": ("self.height * ops.cos(self.slope)", "self.height"),
+            "drifts left in the world's axes": ("toe: self.axes(*drift, ops) for", "toe: drift for"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/translation",
+        ["hybrid/test_ground"],
+        {"moved along a slope without being lifted": ("math.sin(slope) * np.eye", "0.0 * np.eye")},
+    ),
+    *mistakes_in(
         "hybrid/rules/impact",
         ["hybrid/rules/test_impact"],
         {
@@ -289,8 +303,8 @@ MUTATIONS = [
             "steps of differences ten thousand times longer": ("STEP = 1e-5", "STEP = 1e-1"),
             "differences over half their width": ("/ (2.0 * h)", "/ h"),
             "residual of positions only": (
-                "np.concatenate([(after[0] - before[0])[kept], after[1] - before[1]])",
-                "(after[0] - before[0])[kept]",
+                "np.concatenate([without(translations(system), after[0] - before[0]), after[1] - before[1]])",
+                "without(translations(system), after[0] - before[0])",
             ),
         },
     ),

@@ -31,6 +31,7 @@ from spear_pin.gaits.virtual_constraints import dot, progress, resume
 from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Law, Mount, Reset
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.dynamics import Dynamics, Operations
+from spear_pin.hybrid.ground import Ground, as_ground, given
 from spear_pin.hybrid.phases import contact_domains, fall, spring_switches, touchdown
 from spear_pin.hybrid.record import Run
 from spear_pin.kinds import typed
@@ -46,7 +47,12 @@ BEYOND = 1e-3  # rad: a knee that flexed so far beyond θ̄ has something to com
 
 @typed
 def bounding(
-    robot: Robot, law: BoundingLaw, spring: Spring | None = None, contact: Contact | None = None
+    robot: Robot,
+    law: BoundingLaw,
+    spring: Spring | None = None,
+    contact: Contact | None = None,
+    *,
+    ground: Ground | None = None,
 ) -> HybridSystem:
     """The bounding automaton of Figure 5.4 with double stances and slip.
 
@@ -58,14 +64,19 @@ def bounding(
         law: parameters of the controller, for instance those of a shipped gait.
         spring: the knee springs, of a pair of legs; by default 2 · 56 N·m/rad (source: Table 5.1),
             without damping (the source gives none for the quadruped).
-        contact: the ground; by default with friction 0.8 (assumption).
+        contact: friction of level ground; by default 0.8 (assumption).
+        ground: the ground, in place of `contact`.
 
     Raises:
-        BadValue: the robot has not the coordinates, toes and motors of `q_spear`, or the springs are never let go.
+        BadValue: the robot has not the coordinates, toes and motors of `q_spear`, the springs are never let go, both
+            contact and ground are given, or the law has event feedback, which goes by the torso's height, and the
+            ground is not level at height zero.
     """
-    spring, contact = spring or Spring(STIFFNESS, damping=0.0), contact or Contact()
+    spring, contact = spring or Spring(STIFFNESS, damping=0.0), given(contact, ground)
     if spring.rest is not None:
         raise BadValue("Spring.rest", spring.rest, "None: bounding switches its springs")
+    if law.feedback and not as_ground(contact).plain:
+        raise BadValue("BoundingLaw.feedback", law.feedback, f"none on {contact}: it goes by the height of the torso")
     posterior, anterior = legs = legs_of(robot)
     mounts = {leg: _mount(leg, spring) for leg in legs}
     fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])
@@ -133,7 +144,7 @@ def bounding(
         section="posterior_touchdown",
         cyclic=("torso_x",),
         build=bounding,
-        guess=lambda: _guess(law),
+        guess=lambda: _guess(robot, law, as_ground(contact)),
         measures=_MEASURES,
         phase_limit=2.0,
     )
@@ -247,10 +258,12 @@ def _begin(
     return {"alpha": alpha, "origin": begun.origin, "span": begun.span, "past": begun.past}
 
 
-def _guess(law: BoundingLaw) -> tuple[Any, Any]:
+def _guess(robot: Robot, law: BoundingLaw, ground: Ground) -> tuple[Any, Any]:
     if not law.nominal:
         raise BadValue("BoundingLaw.nominal", law.nominal, f"the {STATES} numbers of a section state, or give a state")
-    return np.array([0.0, *law.nominal[:6]]), np.array(law.nominal[6:])
+    q, v = np.array([0.0, *law.nominal[:6]]), np.array(law.nominal[6:])
+    q[1] += ground.under(robot.toe_position(q, legs_of(robot)[0].toe)[0])
+    return q, v
 
 
 _MEASURES: Mapping[str, Callable[[Run], float]] = {

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.rules.footing import AT_REST
+from spear_pin.hybrid.translation import translations
 from spear_pin.model.planar import Planar
 
 Array = NDArray[np.float64]
@@ -32,12 +33,12 @@ class Section:
         robot, contacts = system.robot, system.of_phase(system.section_phase)[0].contacts
         self.planar, self.nv = Planar(robot), robot.nv
         self.toes = [toe for toe, mode in zip(robot.toes, contacts, strict=True) if mode != OPEN]
-        self.cyclic = [robot.index(name) for name in system.cyclic]
+        self.ground, self.translations = system.ground, translations(system)
 
     def geometry(self, q: Array) -> tuple[Array, Array]:
-        """Heights of the closed toes, (n, k), and their Jacobians, (n, k, 2, nv), of configurations (n, nv)."""
+        """Distances of the closed toes from the ground, (n, k), their Jacobians, (n, k, 2, nv), of configurations."""
         n, rows = len(q), list(np.ascontiguousarray(q.T))
-        feet = self.planar.feet(rows, [0.0] * self.nv, np)
+        feet = self.ground.seen(self.planar.feet(rows, [0.0] * self.nv, np), np)
         heights, jacobians = np.empty((n, len(self.toes))), np.empty((n, len(self.toes), 2, self.nv))
         for i, toe in enumerate(self.toes):
             heights[:, i] = feet.positions[toe][1]
@@ -53,7 +54,7 @@ class Section:
     def charts(self, q: Array, v: Array, slides: NDArray[np.bool_]) -> Charts:
         """Charts around states in all of which the same toes slide, (k,)."""
         _, jacobians = self.geometry(q)
-        fixed = np.broadcast_to(np.eye(self.nv)[self.cyclic], (len(q), len(self.cyclic), self.nv))
+        fixed = np.broadcast_to(self.translations, (len(q), *self.translations.shape))
         q_basis = null_spaces(np.concatenate([jacobians[:, :, 1], fixed], axis=1))
         return Charts(self, slides, q, v, q_basis, null_spaces(velocity_rows(jacobians, slides)))
 

@@ -21,6 +21,7 @@ from spear_pin.gaits.series_hopping import SeriesHoppingLaw, series_hopping
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dry_friction import DryFriction
+from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.hardware import Fitted
 from spear_pin.hybrid.parameters import LIMITS, PARTS, limits, parameter, rebuilt, replaced
 from spear_pin.hybrid.record import State
@@ -132,7 +133,8 @@ class Gait:
             build, law = kinds[data["kind"]]
             robot = load(data["robot"]["source"], toes=data["robot"]["toes"], locked=data["robot"]["locked"])
             robot = vary(robot, **data["robot"].get("varied", {}))
-            kinds_of_parts = zip((law, Spring, Contact), PARTS, strict=True)
+            contact = Ground if data["contact"].keys() & {"slope", "height"} else Contact
+            kinds_of_parts = zip((law, Spring, contact), PARTS, strict=True)
             system = build(robot, *(_part(kind, data[part]) for kind, part in kinds_of_parts))
             system = replace(system, **data.get("limits", {}))
             state = _numbers("state.q", data["state"]["q"], robot.nq), _numbers("state.v", data["state"]["v"], robot.nv)

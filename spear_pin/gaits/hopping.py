@@ -13,6 +13,7 @@ from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Mount, Reset, Switch
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.dynamics import Dynamics, Operations
+from spear_pin.hybrid.ground import Ground, as_ground, given
 from spear_pin.hybrid.phases import contact_domains, fall, rate, spring_switches, touchdown
 from spear_pin.hybrid.record import Run
 from spear_pin.kinds import typed
@@ -136,7 +137,12 @@ def _normal_force(p: HoppingLaw, dyn: Dynamics) -> tuple[Any, Any]:
 
 @typed
 def hopping(
-    robot: Robot, law: HoppingLaw | None = None, spring: Spring | None = None, contact: Contact | None = None
+    robot: Robot,
+    law: HoppingLaw | None = None,
+    spring: Spring | None = None,
+    contact: Contact | None = None,
+    *,
+    ground: Ground | None = None,
 ) -> HybridSystem:
     """The hopping automaton: stance (sticking or slipping) and flight.
 
@@ -147,13 +153,14 @@ def hopping(
         robot: SPEAR-II, with boom_x locked or free.
         law: parameters of the controller.
         spring: the knee spring.
-        contact: the ground.
+        contact: friction of level ground.
+        ground: the ground, in place of `contact`.
 
     Raises:
-        BadValue: law, spring or contact is none; or the robot is not a planar one with a toe "toe" and motors on "hip"
-            and "knee" last.
+        BadValue: law, spring or contact is none, both contact and ground are given, or the robot is not a planar one
+            with a toe "toe" and motors on "hip" and "knee" last.
     """
-    law, spring, contact = law or HoppingLaw(), spring or Spring(), contact or Contact()
+    law, spring, contact = law or HoppingLaw(), spring or Spring(), given(contact, ground)
     if not robot.planar or robot.toes != ("toe",) or robot.coordinates[-2:] != ("hip", "knee"):
         raise BadValue("robot", robot, "a planar robot with the toe 'toe' whose last joints are 'hip' and 'knee'")
     if robot.actuated != ("hip", "knee"):
@@ -214,7 +221,7 @@ def hopping(
         section="touchdown",
         cyclic=() if forward is None else ("boom_x",),
         build=hopping,
-        guess=lambda: _guess(robot, law),
+        guess=lambda: _guess(robot, law, as_ground(contact)),
         measures=_MEASURES,
     )
 
@@ -239,12 +246,13 @@ def _limit_guards(law: HoppingLaw) -> tuple[Guard, ...]:
     return (Guard("force_limit", margin, toggle, tolerance=1e-6),)
 
 
-def _guess(robot: Robot, law: HoppingLaw) -> tuple[Any, Any]:
+def _guess(robot: Robot, law: HoppingLaw, ground: Ground) -> tuple[Any, Any]:
     """Just after touchdown at the commanded angles, falling as from a few centimetres."""
     hip = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown
     q = np.zeros(robot.nq)
     q[robot.index("hip")], q[robot.index("knee")] = hip, law.knee_touchdown
-    q[robot.index("boom_z")] = -robot.toe_position(q, "toe")[1]
+    x, z = robot.toe_position(q, "toe")
+    q[robot.index("boom_z")] = ground.under(x) - z
     v = np.zeros(robot.nv)
     v[robot.index("boom_z")] = -0.8
     jacobian = robot.toe_jacobian(q, "toe")

@@ -17,6 +17,7 @@ from spear_pin.hybrid.batch import Batch, simulate_many
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import STEP
 from spear_pin.hybrid.record import State
+from spear_pin.hybrid.translation import without
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -225,8 +226,8 @@ def multipliers(problem: Problem, charts: Charts, values: Array) -> Spectra:
         spectrum = problem.reference(int(i), (charts.q[i], charts.v[i]), values[i])
         whole[i], found[i] = spectrum is not None, np.nan if spectrum is None else spectrum
     centre = slice(None, None, count)
-    kept = [i for i in range(problem.system.robot.nq) if i not in charts.section.cyclic]
-    moved = np.concatenate([(batch.q - q)[centre][:, kept], (batch.v - v)[centre]], axis=1)
+    shifted = without(charts.section.translations, (batch.q - q)[centre])
+    moved = np.concatenate([shifted, (batch.v - v)[centre]], axis=1)
     residual = np.where(closes[:, 0], np.abs(moved).max(axis=1), np.inf)
     durations = {phase: seconds[centre] for phase, seconds in batch.durations.items()}
     why = np.where(whole, "converged", np.where(closes[:, 0], "no_multipliers", reason[centre])).astype(object)

@@ -23,6 +23,7 @@ from spear_pin.hybrid import reasons
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import Batch, simulate_many
 from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.engines.layout import OF_GROUND
 from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.record import State
 from spear_pin.kinds import typed
@@ -144,6 +145,9 @@ def find_many(
     for name, values in given.items():
         if values.shape != (n,) or not n or not np.isfinite(values).all():
             raise BadValue(f"parameters[{name!r}]", values, "finite numbers, as many for each parameter")
+    for name in (*given, *vary):
+        if name in OF_GROUND:
+            raise BadValue("parameters", name, "none of the place of the ground, on which lanes have their section")
     if not given:
         raise BadValue("parameters", parameters, "at least one, with a number for each lane")
     wanted = _wanted(system, vary, target, n)

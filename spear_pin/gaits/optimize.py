@@ -21,6 +21,7 @@ from spear_pin.gaits.request import Request
 from spear_pin.gaits.search import find_gait
 from spear_pin.gaits.transcription import Transcription, transcribe
 from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.ground import as_ground
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
@@ -50,7 +51,7 @@ def search(
         request: what is asked.
         seed: of the initial guess of a cold search.
         start: the solution of another request to start from instead.
-        contact: the ground of the simulation; the friction that the gait may use is the request's.
+        contact: the level ground of the simulation; the friction that the gait may use is the request's.
         on_iteration: called with the optimiser's iteration, objective and largest violation.
 
     Returns:
@@ -61,6 +62,8 @@ def search(
         NoGait: the optimiser failed though every wish can be met, or what it found is no fixed point.
         MissingExtra: CasADi is not installed.
     """
+    if contact is not None and not as_ground(contact).plain:
+        raise BadValue("contact", contact, "level ground at height zero, the only one that the search knows")
     if contact is not None and contact.friction < request.friction:
         raise BadValue("contact.friction", contact.friction, f"at least the request's, {request.friction}")
     first = start or _cold(robot, request, seed, on_iteration)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import EVALUATIONS, STEP, chart, displacement, multipliers, newton, return_map
 from spear_pin.hybrid.record import Moment, Options, Run, State
 from spear_pin.hybrid.run import run
+from spear_pin.hybrid.translation import translations, without
 from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
@@ -138,7 +139,8 @@ class _Search:
 
         def unknowns(z: Array) -> tuple[HybridSystem, State]:
             values = dict(zip(self.vary, (z[d:] * scale).tolist(), strict=True))
-            return with_parameters(system, values), local.state(z[:d])
+            trial = with_parameters(system, values)
+            return trial, replace(local, system=trial).state(z[:d])  # on its own ground
 
         def function(z: Array) -> Array | None:
             try:
@@ -216,9 +218,9 @@ def _settle(system: HybridSystem) -> State:
         raise _Hopeless
     if not result.cycles:
         return guess
-    rows = [system.robot.index(name) for name in system.cyclic]
-    result.state[0][rows] = guess[0][rows]  # back to where it began
-    return result.state
+    along = translations(system)
+    q, v = result.state
+    return without(along, q) + (guess[0] - without(along, guess[0])), v  # back to where it began
 
 
 class _Hopeless(Exception):

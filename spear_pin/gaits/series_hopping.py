@@ -18,6 +18,7 @@ from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Mount, Reset, Switch
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.dynamics import Dynamics, Operations
+from spear_pin.hybrid.ground import Ground, as_ground, given
 from spear_pin.hybrid.phases import contact_domains, fall, rate, touchdown
 from spear_pin.hybrid.record import Run
 from spear_pin.kinds import typed
@@ -88,7 +89,12 @@ def _holding(q: Any, v: Any, p: SeriesHoppingLaw, dyn: Dynamics) -> Any:
 
 @typed
 def series_hopping(
-    robot: Robot, law: SeriesHoppingLaw | None = None, spring: Spring | None = None, contact: Contact | None = None
+    robot: Robot,
+    law: SeriesHoppingLaw | None = None,
+    spring: Spring | None = None,
+    contact: Contact | None = None,
+    *,
+    ground: Ground | None = None,
 ) -> HybridSystem:
     """The hopping automaton of a leg whose spring is between rotor and knee: stance and flight.
 
@@ -96,12 +102,14 @@ def series_hopping(
         robot: `load("spear_ii_series", locked=["boom_x"])`.
         law: parameters of the controller.
         spring: the series spring: it pulls and pushes, and rests at no deflection.
-        contact: the ground.
+        contact: friction of level ground.
+        ground: the ground, in place of `contact`.
 
     Raises:
-        BadValue: the robot has other coordinates, or the spring pulls only or has a rest of its own.
+        BadValue: the robot has other coordinates, the spring pulls only or has a rest of its own, or both
+            contact and ground are given.
     """
-    law, spring, contact = law or SeriesHoppingLaw(), spring or SERIES, contact or Contact()
+    law, spring, contact = law or SeriesHoppingLaw(), spring or SERIES, given(contact, ground)
     if robot.coordinates != COORDINATES or robot.actuated != ("hip", "knee") or robot.toes != ("toe",):
         raise BadValue("robot", robot, "load('spear_ii_series', locked=['boom_x']) or a variant of it")
     if spring.unilateral or spring.rest is not None:
@@ -130,15 +138,16 @@ def series_hopping(
         section="touchdown",
         cyclic=(),
         build=series_hopping,
-        guess=lambda: _guess(robot, law),
+        guess=lambda: _guess(robot, law, as_ground(contact)),
         measures=_MEASURES,
     )
 
 
-def _guess(robot: Robot, law: SeriesHoppingLaw) -> tuple[Any, Any]:
+def _guess(robot: Robot, law: SeriesHoppingLaw, ground: Ground) -> tuple[Any, Any]:
     """Just after touchdown at the commanded angles, falling as from a few centimetres, the rotor at rest."""
     q = np.array([0.0, law.hip_commanded, law.knee_touchdown, 0.0])
-    q[0] = -robot.toe_position(q, "toe")[1]
+    x, z = robot.toe_position(q, "toe")
+    q[0] = ground.under(x) - z
     v = np.array([-0.8, 0.0, 0.0, 0.0])
     jacobian = robot.toe_jacobian(q, "toe")
     v[[1, 3]] = np.linalg.solve(jacobian[:, [1, 3]], -jacobian @ v)

@@ -7,7 +7,8 @@ Args:
     q, v: configuration and velocity, sequences of scalars.
     held: what was latched at events, by name: numbers, or tuples of numbers.
     p: the law's parameters, a frozen dataclass.
-    dyn: the dynamics at (q, v), see `spear_pin.hybrid.dynamics.Dynamics`.
+    dyn: the dynamics at (q, v), see `spear_pin.hybrid.dynamics.Dynamics`; what it says of toes is along the ground and
+        normal to it.
     ops: elementary functions for whatever scalars are used, see `spear_pin.hybrid.dynamics.Operations`.
 
 They are pure and never branch on a value: what switches is a domain or something held.
@@ -27,6 +28,7 @@ from spear_pin.hybrid.contact import SLIP_FORWARD as SLIP_FORWARD
 from spear_pin.hybrid.contact import STICK as STICK
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dynamics import Dynamics, Operations
+from spear_pin.hybrid.ground import Ground, as_ground
 from spear_pin.hybrid.soundness import check
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
@@ -264,11 +266,12 @@ class HybridSystem:
         robot: the robot.
         law: parameters of the control law.
         spring: parameters of the springs.
-        contact: parameters of the ground.
+        contact: parameters of the ground, a `Ground` or the `Contact` of a level one.
         domains: those of one phase together, sticking before slipping.
         section: name of the event that closes a cycle, see `shortest_flight`; empty for none:
             such a system runs from a moment until it ends.
-        cyclic: coordinates on which nothing depends: translation along the ground.
+        cyclic: coordinates on which nothing depends: translation along x; where the ground is sloped, along it, see
+            `spear_pin.hybrid.translation`.
         build: makes the same system from other (robot, law, spring, contact).
         guess: a state (q, v) on the section to search from.
         measures: quantities of one cycle that a gait can be asked for.
@@ -303,6 +306,11 @@ class HybridSystem:
             made = {name: getattr(self, name) for name in REPLACED} | {"build": self.build, "builder": self.build}
             object.__setattr__(self, "made", made)
         check(self)
+
+    @cached_property
+    def ground(self) -> Ground:
+        """The ground."""
+        return as_ground(self.contact)
 
     @cached_property
     def phases(self) -> tuple[str, ...]:

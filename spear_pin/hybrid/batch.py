@@ -13,7 +13,7 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import PINNED
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.layout import OF_SPRINGS
+from spear_pin.hybrid.engines.layout import NONZERO
 from spear_pin.hybrid.lanes.journey import Lanes
 from spear_pin.hybrid.lanes.numbers import OTHERS
 from spear_pin.hybrid.parameters import parameter, with_parameters
@@ -140,9 +140,9 @@ def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array],
 
 
 def _varying(system: HybridSystem, given: Mapping[str, Array]) -> HybridSystem:
-    """The system, with springs in which nothing is zero that lanes have: what is zero is not compiled."""
-    most = {name: float(given[name].max(initial=0.0)) for name in OF_SPRINGS if name in given}
-    zero = {name: value for name, value in most.items() if value > 0.0 and getattr(system.spring, name) == 0.0}
+    """The system, with springs and ground in which nothing is zero that lanes have: what is zero is not compiled."""
+    most = {name: float(max(given[name], key=abs, default=0.0)) for name in NONZERO if name in given}
+    zero = {name: value for name, value in most.items() if value != 0.0 and parameter(system, name) == 0.0}
     return with_parameters(system, zero)
 
 

@@ -20,7 +20,7 @@ SIGN = {SLIP_FORWARD: 1.0, SLIP_BACKWARD: -1.0}
 @typed
 @dataclass(frozen=True)
 class Contact:
-    """The ground.
+    """Level ground at height zero; `spear_pin.Ground` says more.
 
     Attributes:
         friction: coefficient of Coulomb friction, static and kinetic (assumption; not in the source).
@@ -30,7 +30,7 @@ class Contact:
 
     def __post_init__(self) -> None:
         """Check the fields."""
-        require("Contact.friction", self.friction, lambda mu: mu > 0, "a number > 0")
+        require(f"{type(self).__name__}.friction", self.friction, lambda mu: mu > 0, "a number > 0")
 
 
 def solve(matrix: Any, right: Any) -> Array:

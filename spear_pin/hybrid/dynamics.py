@@ -57,19 +57,19 @@ class Dynamics(Protocol):
         """C v + G, nv."""
 
     def jacobian(self, toe: str) -> Any:
-        """J of a toe, rows x and z, of nv."""
+        """J of a toe, rows along the ground and normal to it, of nv."""
 
     def height(self, frame: str) -> Any:
-        """Height of a frame above the ground, in m."""
+        """Distance of a frame from the ground, along its normal, in m."""
 
     def toe_velocity(self, toe: str) -> tuple[Any, Any]:
-        """Velocity of a toe, x and z, in m/s."""
+        """Velocity of a toe, along the ground and normal to it, in m/s."""
 
     def toe_acceleration(self, toe: str) -> tuple[Any, Any]:
-        """Acceleration of a toe, x and z, in m/s²."""
+        """Acceleration of a toe, along the ground and normal to it, in m/s²."""
 
     def force(self, toe: str) -> tuple[Any, Any]:
-        """Ground force on a toe, F_x and F_z, in N."""
+        """Ground force on a toe, along the ground and normal to it, in N."""
 
     def pivot(self, toe: str) -> Any:
         """Effective inverse mass of the normal force of a slipping toe, in 1/kg."""
@@ -78,7 +78,7 @@ class Dynamics(Protocol):
         """Torque of the joint's spring, in N·m; 0 where none is engaged."""
 
     def normal_force(self, toe: str, u: Sequence[Any]) -> Any:
-        """F_z that motor torques would give with the toes on the ground at rest, in N: affine in them."""
+        """Normal force that motor torques would give with the toes on the ground at rest, in N: affine in them."""
 
     def response(self) -> tuple[Sequence[Any], Sequence[Sequence[Any]]]:
         """(a, A) with v̇ = a + A u with the toes on the ground at rest: nv, and nv rows of nu."""

@@ -44,7 +44,7 @@ class Unloaded(Flow):
 
 
 class Sliding(Flow):
-    """ẏ = Σ w f over the laws that alternate, their shares w being such that no toe of theirs accelerates vertically.
+    """ẏ = Σ w f over the laws that alternate, their shares w such that no toe of theirs accelerates off the ground.
 
     Each law acts as if its phase had just begun: what it holds is latched anew at every instant.
 
@@ -126,7 +126,7 @@ def sliding(system: HybridSystem, flow: Flow, guard: Guard, came: tuple[Domain, 
     between = alternation(system, (flow.domain, came[0]), (guard.reset, came[1]))
     nq, nv = system.robot.nq, system.robot.nv
     q, v = y[:nq], y[nq : nq + nv]
-    if between is None or not still(system.robot.toe_jacobian(q, between.toe)[1] @ v):
+    if between is None or not still(system.ground.foot(system.robot, q, between.toe)[1][1] @ v):
         return None
     follow, left, held = entered(system, flow.held, y, between.touch)
     again = None if left is None else entered(system, held, y, left)[1]

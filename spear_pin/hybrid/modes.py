@@ -17,7 +17,6 @@ from spear_pin.hybrid.record import Moment
 from spear_pin.hybrid.rules.footing import closed_toes, fitness, footing, torn_off, turns
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
-from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
 F = TypeVar("F", bound=Flow)
@@ -69,20 +68,19 @@ def torn(before: Flow, after: Flow, t: float, y: Array) -> list[str]:
 def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
     """The phase in which a state lies, and what is held there as if the phase had just begun.
 
-    A toe on the ground and not moving vertically is in the phase that follows the section; else
+    A toe on the ground that moves neither from nor into it is in the phase that follows the section; else
     the robot is in the air, in the flight before the section.
 
     Raises:
         BadValue: the state has the wrong shape, is not finite, or has a toe below the ground.
     """
-    robot = system.robot
     if not (isinstance(state, (tuple, list)) and len(state) == 2):
         raise BadValue("state", state, "a pair (q, v)")
-    heights = _heights(robot, *state)
+    feet = _feet(system, *state)
     q, v = np.asarray(state[0], dtype=float), np.asarray(state[1], dtype=float)
-    closed = [toe for toe, _ in closed_toes(robot.toes, system.of_phase(system.section_phase)[0])]
-    rising = {toe: float(robot.toe_jacobian(q, toe)[1] @ v) for toe in closed}
-    phase, resets = start(system, all(rests(heights[toe], rising[toe], STATE_AT_REST) for toe in closed))
+    closed = [feet[toe] for toe, _ in closed_toes(system.robot.toes, system.of_phase(system.section_phase)[0])]
+    standing = all(rests(height, float(jacobian[1] @ v), STATE_AT_REST) for height, jacobian in closed)
+    phase, resets = start(system, standing)
     try:
         return phase, latched({}, resets, q.tolist(), v.tolist(), system.law)
     except ArithmeticError:
@@ -98,14 +96,15 @@ def resuming_phase(system: HybridSystem, moment: Moment) -> tuple[str, Held]:
     """
     if moment.phase not in system.phases:
         raise UnknownName("phase", moment.phase, system.phases)
-    _heights(system.robot, moment.q, moment.v)
+    _feet(system, moment.q, moment.v)
     return moment.phase, moment.held
 
 
-def _heights(robot: Robot, q: Any, v: Any) -> dict[str, float]:
-    robot.bias(q, v)  # checks both
-    heights = {toe: float(robot.toe_position(q, toe)[1]) for toe in robot.toes}
-    for toe, height in heights.items():
+def _feet(system: HybridSystem, q: Any, v: Any) -> dict[str, tuple[float, Array]]:
+    """Distance of each toe from the ground, and its Jacobian."""
+    system.robot.bias(q, v)  # checks both
+    feet = {toe: system.ground.foot(system.robot, q, toe) for toe in system.robot.toes}
+    for toe, (height, _) in feet.items():
         if below_ground(height):
             raise BadValue(f"height of {toe}", height, "at or above the ground, at 0 m")
-    return heights
+    return feet

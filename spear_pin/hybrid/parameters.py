@@ -23,10 +23,10 @@ def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> Hybrid
     """
     if not values:
         return system  # as it is, with what may have been replaced in it
-    parts = {part: getattr(system, part) for part in PARTS}
+    whole, parts = _parts(system), dict[str, Any]()
     for name, value in values.items():
         owner = _owner(system, name)
-        parts[owner] = replace(parts[owner], **{name: value})
+        parts[owner] = replace(parts.get(owner, whole[owner]), **{name: value})
     return rebuilt(system, **parts)
 
 
@@ -87,18 +87,23 @@ def parameter(system: HybridSystem, name: str) -> float:
         UnknownName: no part has a numeric field of that name.
         BadValue: the field has no number in it to begin from.
     """
-    value = getattr(getattr(system, _owner(system, name)), name)
+    value = getattr(_parts(system)[_owner(system, name)], name)
     if value is None:
         raise BadValue(name, value, "a number to begin from: set it first")
     return float(value)
 
 
+def _parts(system: HybridSystem) -> dict[str, Any]:
+    """Law, spring and all that the ground may be."""
+    return dict(zip(PARTS, (system.law, system.spring, system.ground), strict=True))
+
+
 def _owner(system: HybridSystem, name: str) -> str:
     owners = {
         field.name: part
-        for part in PARTS
-        for field in fields(getattr(system, part))
-        if not isinstance(getattr(getattr(system, part), field.name), (bool, str, tuple))
+        for part, whole in _parts(system).items()
+        for field in fields(whole)
+        if not isinstance(getattr(whole, field.name), (bool, str, tuple))
     }
     if name not in owners:
         raise UnknownName("parameter", name, owners)

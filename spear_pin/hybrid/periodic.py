@@ -20,6 +20,7 @@ from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.record import Options, Run, State
 from spear_pin.hybrid.rules.footing import AT_REST
 from spear_pin.hybrid.run import run
+from spear_pin.hybrid.translation import translations, without
 
 Array = NDArray[np.float64]
 PATIENCE = 7  # iterations in which the residual has to be halved
@@ -70,9 +71,8 @@ class Chart:
 def chart(system: HybridSystem, state: State) -> Chart:
     """The chart of the section around a state on it."""
     q, v = state
-    fixed = np.eye(system.robot.nq)[[system.robot.index(name) for name in system.cyclic]]
     _, height_rows = _section_rows(system, q)
-    q_basis = scipy.linalg.null_space(np.vstack([height_rows, fixed]))
+    q_basis = scipy.linalg.null_space(np.vstack([height_rows, translations(system)]))
     return Chart(system, (q.copy(), v.copy()), q_basis, scipy.linalg.null_space(_velocity_rows(system, q, state)))
 
 
@@ -82,18 +82,17 @@ def _closed_toes(system: HybridSystem) -> list[str]:
 
 
 def _section_rows(system: HybridSystem, q: Array) -> tuple[Array, Array]:
-    """Heights of the closed toes and their gradients."""
-    toes = _closed_toes(system)
-    heights = np.array([system.robot.toe_position(q, toe)[1] for toe in toes])
-    return heights, np.array([system.robot.toe_jacobian(q, toe)[1] for toe in toes])
+    """Distances of the closed toes from the ground and their gradients."""
+    feet = [system.ground.foot(system.robot, q, toe) for toe in _closed_toes(system)]
+    return np.array([height for height, _ in feet]), np.array([jacobian[1] for _, jacobian in feet])
 
 
 def _velocity_rows(system: HybridSystem, q: Array, origin: State) -> Array:
     """Rows of the closed toes' Jacobians along which the velocity vanishes: not along a slipping toe's path."""
     rows = []
     for toe in _closed_toes(system):
-        jacobian = system.robot.toe_jacobian(q, toe)
-        slides = abs((system.robot.toe_jacobian(origin[0], toe) @ origin[1])[0]) > AT_REST
+        (_, jacobian), (_, begun) = (system.ground.foot(system.robot, at, toe) for at in (q, origin[0]))
+        slides = abs((begun @ origin[1])[0]) > AT_REST
         rows += [jacobian[1]] if slides else [jacobian[0], jacobian[1]]
     return np.array(rows)
 
@@ -104,9 +103,8 @@ def return_map(system: HybridSystem, state: State, rtol: float = 1e-10) -> Run:
 
 
 def displacement(system: HybridSystem, before: State, after: State) -> Array:
-    """P(x) - x over (q, v), cyclic coordinates left out."""
-    kept = [i for i, name in enumerate(system.robot.coordinates) if name not in system.cyclic]
-    return np.concatenate([(after[0] - before[0])[kept], after[1] - before[1]])
+    """P(x) - x over (q, v), without translation along the ground."""
+    return np.concatenate([without(translations(system), after[0] - before[0]), after[1] - before[1]])
 
 
 def residual(system: HybridSystem, state: State, rtol: float = 1e-10) -> float:

@@ -20,7 +20,7 @@ class Strike(NamedTuple):
 
     Attributes:
         v: velocity afterwards, (nv,).
-        impulse: on each toe of the robot, (ntoes, 2), in N·s.
+        impulse: on each toe of the robot, along the ground and normal to it, (ntoes, 2), in N·s.
         work: done on the mechanism, in J, never positive.
         rises: speeds at which toes are lifted off by an impact of several, in m/s, by name in `held`.
     """
@@ -43,7 +43,7 @@ def struck_by(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Arra
     """
     robot, before = system.robot, v
     mass_matrix = robot.mass_matrix(q)
-    jacobian = np.concatenate([robot.toe_jacobian(q, toe) for toe in struck])
+    jacobian = np.concatenate([system.ground.foot(robot, q, toe)[1] for toe in struck])
     toes = [robot.toes.index(toe) for toe in struck]
     impulse = np.zeros((len(robot.toes), 2))
     v, impulse[toes, 1] = landed(mass_matrix, jacobian, v, [toe in reset.impact for toe in struck])

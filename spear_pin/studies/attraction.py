@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.translation import translations, without
 from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
@@ -52,7 +53,8 @@ def attraction(
         q: configurations, (n, nq), on the section or in the air.
         v: velocities, (n, nv).
         cycles: whole ones, after which a state counts as lost.
-        near: largest difference of a coordinate or velocity, cyclic coordinates left out, in m, rad, m/s, rad/s.
+        near: largest difference of a coordinate or velocity, translation along the ground left out, in m, rad, m/s,
+            rad/s.
         on_cycle: called with the cycle and how many states are still on their way.
 
     Raises:
@@ -65,7 +67,7 @@ def attraction(
     n = len(q)
     taken, reason = np.full(n, np.nan), np.full(n, ELSEWHERE, dtype=object)
     left = np.arange(n)
-    kept = [i for i, name in enumerate(system.robot.coordinates) if name not in system.cyclic]
+    along = translations(system)
     for cycle in range(1, cycles + 1):
         if not len(left):
             break
@@ -74,7 +76,7 @@ def attraction(
         q[left], v[left] = found.q, found.v
         goes_on = found.reason == "complete"
         reason[left[~goes_on]] = found.reason[~goes_on]
-        away = np.abs(np.hstack([(found.q - gait.state[0])[:, kept], found.v - gait.state[1]])).max(axis=1)
+        away = np.abs(np.hstack([without(along, found.q - gait.state[0]), found.v - gait.state[1]])).max(axis=1)
         reached = goes_on & (away < near)
         taken[left[reached]], reason[left[reached]] = cycle, "reached"
         left = left[goes_on & ~reached]

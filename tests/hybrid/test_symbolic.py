@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spear_pin import Gait, HoppingLaw, Spring, hopping, load
+from spear_pin import Gait, Ground, HoppingLaw, Spring, hopping, load
 from spear_pin.gaits.series_hopping import series_hopping
 from spear_pin.hybrid.engines.elimination import factorize, solve, solve_sparse, substitute
 from spear_pin.hybrid.engines.layout import Numbers, with_fields
@@ -30,6 +30,7 @@ def hops():
         "hop": (hopping(locked), HOP),
         "limited": (hopping(locked, HoppingLaw(minimum_force=10.0)), HOP),
         "free": (hopping(free, placed), HOP),
+        "sloped": (hopping(free, placed, ground=Ground(0.8, 0.3, 0.2)), HOP),
         "fixed spring": (hopping(locked, spring=Spring(rest=0.8)), HOP),
         "series": (series_hopping(load("spear_ii_series", locked=["boom_x"])), SERIES),
     }
@@ -40,7 +41,7 @@ SYSTEMS = hops()
 
 def of(system):
     joints = system.robot.model.damping.tolist()
-    return Numbers(system.law, system.spring, system.contact.friction, joints)
+    return Numbers(system.law, system.spring, system.ground, joints)
 
 
 def compare(system, domain, held, q, v, t=0.01):

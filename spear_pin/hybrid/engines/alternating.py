@@ -72,20 +72,20 @@ class Alternating:
         return self._flight.friction_coefficient
 
     def height(self, frame: str) -> Any:
-        """Height of a frame above the ground, in m."""
+        """Distance of a frame from the ground, along its normal, in m."""
         return self._flight.height(frame)
 
     def toe_velocity(self, toe: str) -> tuple[Any, Any]:
-        """Velocity of a toe, x and z, in m/s."""
+        """Velocity of a toe, along the ground and normal to it, in m/s."""
         return self._flight.toe_velocity(toe)
 
     def toe_acceleration(self, toe: str) -> tuple[Any, Any]:
-        """Acceleration of a toe, x and z, in m/s²."""
+        """Acceleration of a toe, along the ground and normal to it, in m/s²."""
         x, z = self._blend(self._stance.toe_acceleration(toe), self._flight.toe_acceleration(toe))
         return x, z
 
     def force(self, toe: str) -> tuple[Any, Any]:
-        """Ground force on a toe, F_x and F_z, in N."""
+        """Ground force on a toe, along the ground and normal to it, in N."""
         x, z = self._blend(self._stance.force(toe), self._flight.force(toe))
         return x, z
 

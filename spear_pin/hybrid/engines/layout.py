@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import Domain, HybridSystem, Mount
 from spear_pin.hybrid.engines.identity import Reader
+from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.planar import Body, Planar
 from spear_pin.model.spring import UNITS, Spring
@@ -20,7 +21,8 @@ Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 D = TypeVar("D")
 FLOATS = frozenset({float, np.float64})  # what most values are: asked first, as it is asked often
-OF_SPRINGS = tuple(UNITS)  # their numbers that are run-time parameters where they are not zero
+OF_SPRINGS, OF_GROUND = tuple(UNITS), ("slope", "height")
+NONZERO = (*OF_SPRINGS, *OF_GROUND)  # numbers that are run-time parameters where they are not zero
 
 
 @dataclass(frozen=True)
@@ -30,13 +32,13 @@ class Numbers:
     Attributes:
         law: parameters of the control law.
         spring: the springs' law.
-        friction: of the ground.
+        ground: the ground.
         joints: viscous friction of each joint, in N·s/m or N·m·s/rad.
     """
 
     law: Any
     spring: Spring
-    friction: Any
+    ground: Ground
     joints: Sequence[Any]
 
 
@@ -51,24 +53,24 @@ def with_fields(instance: D, values: Mapping[str, Any]) -> D:
 
 def others(system: HybridSystem) -> dict[str, float]:
     """Numbers beside the law's that are run-time parameters, in their order."""
-    of_springs = {name: value for name in OF_SPRINGS if (value := getattr(system.spring, name)) != 0.0}
-    return {**of_springs, "friction": system.contact.friction}
+    parts = [(system.spring, OF_SPRINGS), (system.ground, OF_GROUND)]
+    nonzero = {name: value for part, names in parts for name in names if (value := getattr(part, name)) != 0.0}
+    return {"friction": system.ground.friction, **nonzero}
 
 
 def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tuple[Planar, Numbers, dict[str, Any]]:
     """The robot, the system's numbers and what is held, as run-time parameters par[0], par[1], ...
 
-    What is zero of the robot and the springs stays zero; what is no number stays what it is.
+    What is zero of the robot, the springs and the ground stays zero; what is no number stays what it is.
     """
     counter = _Counter(par)
     law = with_fields(system.law, {f.name: counter.number(getattr(system.law, f.name)) for f in fields(system.law)})
     beside = {name: counter.number(value) for name, value in others(system).items()}
-    friction = beside.pop("friction")
-    spring = with_fields(system.spring, beside)
+    spring, ground = with_fields(system.spring, beside), with_fields(system.ground, beside)
     bodies = [_with_numbers(body, *map(counter.nonzero, _numbers(body))) for body in planar.bodies]
     joints = [counter.nonzero(float(b)) for b in system.robot.model.damping]
     kept = Latched({name: counter.number(value) for name, value in held.items()})
-    return planar.with_bodies(bodies), Numbers(law, spring, friction, joints), kept
+    return planar.with_bodies(bodies), Numbers(law, spring, ground, joints), kept
 
 
 def robot_numbers(system: HybridSystem, planar: Planar) -> list[float]:

@@ -77,6 +77,8 @@ class Flow:
         self._hardware = system.hardware
         self._nx = len(system.hardware.names) if system.hardware is not None else 0
         self._nw = len(flow_names(system))
+        self._ground = system.ground
+        self._level, self._plain = self._ground.level, self._ground.plain
         self._toe_ids = {toe: robot.toe_id(toe) for toe in robot.toes}
         self._frame_ids: dict[str, int] = {}
         self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
@@ -210,28 +212,31 @@ class Flow:
         return np.array(self._data.nle)
 
     def jacobian(self, toe: str) -> Array:
-        """J of a toe, rows x and z, (2, nv)."""
-        return np.array(pin.getFrameJacobian(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED)[0:3:2])
+        """J of a toe, rows along the ground and normal to it, (2, nv)."""
+        jacobian = pin.getFrameJacobian(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED)[0:3:2]
+        return np.array(jacobian if self._level else self._ground.axes(*jacobian))
 
     def toe_velocity(self, toe: str) -> tuple[float, float]:
-        """Velocity of a toe, x and z, in m/s."""
+        """Velocity of a toe, along the ground and normal to it, in m/s."""
         x, _, z = pin.getFrameVelocity(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED).linear.tolist()
-        return x, z
+        return (x, z) if self._level else self._ground.axes(x, z)
 
     def toe_acceleration(self, toe: str) -> tuple[float, float]:
-        """Acceleration of a toe under the last call's `a`, x and z, in m/s²."""
+        """Acceleration of a toe under the last call's `a`, along the ground and normal to it, in m/s²."""
         pin.forwardKinematics(self._model, self._data, self.q, self.v, self.a)
         linear = pin.getFrameClassicalAcceleration(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED).linear
-        return float(linear[0]), float(linear[2])
+        x, z = float(linear[0]), float(linear[2])
+        return (x, z) if self._level else self._ground.axes(x, z)
 
     def height(self, frame: str) -> float:
-        """Height of a frame above the ground, in m."""
+        """Distance of a frame from the ground, along its normal, in m."""
         if frame not in self._frame_ids:
             self._frame_ids[frame] = self._model.getFrameId(frame)
-        return float(pin.updateFramePlacement(self._model, self._data, self._frame_ids[frame]).translation[2])
+        place = pin.updateFramePlacement(self._model, self._data, self._frame_ids[frame]).translation
+        return float(place[2] if self._plain else self._ground.above(place[0], place[2]))
 
     def force(self, toe: str) -> tuple[float, float]:
-        """Ground force on a toe in the last call, F_x and F_z, in N."""
+        """Ground force on a toe in the last call, along the ground and normal to it, in N."""
         return self._forces[toe]
 
     def pivot(self, toe: str) -> float:
@@ -239,7 +244,9 @@ class Flow:
         return self._pivots[toe]
 
     def normal_force(self, toe: str, u: Sequence[float]) -> float:
-        """F_z that the motor torques `u` would give here with the toes on the ground at rest, in N: affine in `u`.
+        """Normal force that the motor torques `u` would give here with the toes on the ground at rest, in N.
+
+        It is affine in `u`.
 
         A controller does not know that its foot slips; a torque that jumped with slip could not even be
         consistent with it. Nor does it know of dry friction, here and in `response`.
@@ -312,7 +319,7 @@ class Flow:
         return a
 
     def _resting(self, toes: Sequence[str], applied: Array, locks: Array | None = None) -> tuple[Array, list[float]]:
-        """Acceleration with these toes at rest and joints held, the forces F_x and F_z on them, those on the joints."""
+        """Acceleration with these toes at rest and joints held, the forces on them, and those on the joints."""
         rows, drifts = self._rows(toes)
         if locks is not None and len(locks):
             rows, drifts = [*rows, locks], [*drifts, np.zeros(len(locks))]
@@ -364,4 +371,7 @@ class Flow:
             index = self._toe_ids[toe]
             rows.append(pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[0:3:2])
             drifts.append(pin.getFrameClassicalAcceleration(model, data, index, WORLD_ALIGNED).linear[0:3:2])
-        return rows, drifts
+        if self._level:
+            return rows, drifts
+        turn = self._ground.axes
+        return [np.array(turn(*row)) for row in rows], [np.array(turn(*drift)) for drift in drifts]

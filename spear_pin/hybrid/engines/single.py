@@ -136,10 +136,10 @@ class Impact:
         state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates])
         planar, numbers, _ = symbols(system, structure.planar, {}, hy.par)
         terms = planar.terms(state[:nv], state[nv:], hy)
-        (x, z), v = terms.jacobians[toe], state[nv:]
+        (x, z), v = numbers.ground.seen(terms, hy).jacobians[toe], state[nv:]
         along, up = (substitute(factorize(terms.mass_matrix), row) for row in (x, z))
         a_tt, a_tn, a_nn, slide, approach = dot(x, along), dot(x, up), dot(z, up), dot(x, v), dot(z, v)
-        outputs = [a_tt, a_tn, a_nn, slide, approach, numbers.friction, *along, *up]
+        outputs = [a_tt, a_tn, a_nn, slide, approach, numbers.ground.friction, *along, *up]
         self._function = hy.cfunc([hy.expression(0.0) + value for value in outputs], state)
 
     def __call__(self, y: Array, parameters: Array) -> Array:

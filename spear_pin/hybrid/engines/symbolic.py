@@ -37,7 +37,7 @@ class Imposed:
 
     Attributes:
         a: acceleration, nv.
-        forces: on each toe, F_x and F_z.
+        forces: on each toe, along the ground and normal to it.
         torques: of all motors, with their columns.
     """
 
@@ -80,6 +80,7 @@ class Motion:
         robot = system.robot
         self._index = {name: i for i, name in enumerate(robot.coordinates)}
         self._terms = planar.terms(q, v, ops)
+        self._feet = numbers.ground.seen(self._terms, ops)
         self._factors = factorize(self._terms.mass_matrix)
         self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
         self._taken = [toe for toe, _ in self._closed] if at_rest is None else list(at_rest)
@@ -132,7 +133,7 @@ class Motion:
                 forces[toe] = multipliers[row], multipliers[row + 1]
                 row += 2
                 continue
-            forces[toe] = -SIGN[mode] * self.numbers.friction * multipliers[row], multipliers[row]
+            forces[toe] = -SIGN[mode] * self.numbers.ground.friction * multipliers[row], multipliers[row]
             others = [i for i in range(len(schur)) if i != row]
             pivots[toe] = _complement(schur, row, others)
             row += 1
@@ -143,7 +144,7 @@ class Motion:
     @property
     def friction_coefficient(self) -> Any:
         """μ of the ground."""
-        return self.numbers.friction
+        return self.numbers.ground.friction
 
     @property
     def mass_matrix(self) -> Matrix:
@@ -156,27 +157,27 @@ class Motion:
         return self._terms.bias
 
     def jacobian(self, toe: str) -> Matrix:
-        """J of a toe, rows x and z."""
-        return self._terms.jacobians[toe]
+        """J of a toe, rows along the ground and normal to it."""
+        return self._feet.jacobians[toe]
 
     def toe_velocity(self, toe: str) -> tuple[Any, Any]:
-        """Velocity of a toe, x and z, in m/s."""
+        """Velocity of a toe, along the ground and normal to it, in m/s."""
         x, z = self.jacobian(toe)
         return dot(x, self.v), dot(z, self.v)
 
     def toe_acceleration(self, toe: str) -> tuple[Any, Any]:
-        """Acceleration of a toe, x and z, in m/s²."""
-        (x, z), drift = self.jacobian(toe), self._terms.drifts[toe]
+        """Acceleration of a toe, along the ground and normal to it, in m/s²."""
+        (x, z), drift = self.jacobian(toe), self._feet.drifts[toe]
         return dot(x, self.a) + drift[0], dot(z, self.a) + drift[1]
 
     def height(self, frame: str) -> Any:
-        """Height of a frame above the ground, in m."""
-        if frame in self._terms.positions:
-            return self._terms.positions[frame][1]
-        return self.planar.position(frame, self.q, self.ops)[1]
+        """Distance of a frame from the ground, along its normal, in m."""
+        if frame in self._feet.positions:
+            return self._feet.positions[frame][1]
+        return self.numbers.ground.above(*self.planar.position(frame, self.q, self.ops), self.ops)
 
     def force(self, toe: str) -> tuple[Any, Any]:
-        """Ground force on a toe, F_x and F_z, in N."""
+        """Ground force on a toe, along the ground and normal to it, in N."""
         return self._solution[1].get(toe, (0.0, 0.0))
 
     def pivot(self, toe: str) -> Any:
@@ -188,7 +189,7 @@ class Motion:
         return self._springs.get(joint, 0.0)
 
     def normal_force(self, toe: str, u: Sequence[Any]) -> Any:
-        """F_z that the motor torques `u` would give with the toes on the ground at rest, in N."""
+        """Normal force that the motor torques `u` would give with the toes on the ground at rest, in N."""
         applied = list(self._passive)
         for index, torque in zip(self._motors, u, strict=True):
             applied[index] = applied[index] + torque
@@ -263,7 +264,7 @@ class Motion:
         drift: list[Any] = []
         for toe in self._taken:
             rows += self.jacobian(toe)
-            drift += self._terms.drifts[toe]
+            drift += self._feet.drifts[toe]
         return rows, drift
 
     def _constraint(self) -> tuple[Matrix, Matrix, list[Any]]:
@@ -271,13 +272,13 @@ class Motion:
         directions: Matrix = []
         drift: list[Any] = []
         for toe, mode in self._closed:
-            (x, z), own = self.jacobian(toe), self._terms.drifts[toe]
+            (x, z), own = self.jacobian(toe), self._feet.drifts[toe]
             if mode == STICK:
                 rows += [x, z]
                 directions += [x, z]
                 drift += own
             else:
-                slope = SIGN[mode] * self.numbers.friction
+                slope = SIGN[mode] * self.numbers.ground.friction
                 rows.append(z)
                 directions.append([down - slope * along for along, down in zip(x, z, strict=True)])
                 drift.append(own[1])

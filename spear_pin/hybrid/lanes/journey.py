@@ -102,6 +102,7 @@ class Lanes:
         """Sort the lanes into the phases where they begin."""
         system, n = self.system, self.start.shape[1]
         feet = self.numbers.planar.feet(list(self.start[: self.nv]), list(self.start[self.nv :]), np)
+        feet = self.numbers.ground(np.arange(n)).seen(feet, np)
         heights = np.array([np.broadcast_to(feet.positions[toe][1], n) for toe in system.robot.toes])
         below = below_ground(heights).any(axis=0)
         for lane in np.flatnonzero(below):
@@ -292,14 +293,14 @@ class Lanes:
         """An impact on some toes, of which some land; those that rise are left to the reference engine."""
         q, v = group.y[: self.nv], group.y[self.nv :]
         n, terms = len(group), self.numbers.planar.terms(list(q), list(v), np)
-        D = stacked(terms.mass_matrix, n)
-        J = np.concatenate([stacked(terms.jacobians[toe], n) for toe in toes], axis=1)
-        rises = np.any([along(terms.jacobians[toe][1], v) > RESTING for toe in lands], axis=0) & np.ones(n, bool)
+        ground = self.numbers.ground(group.lanes)
+        D, jacobians = stacked(terms.mass_matrix, n), ground.seen(terms, np).jacobians
+        J = np.concatenate([stacked(jacobians[toe], n) for toe in toes], axis=1)
+        rises = np.any([along(jacobians[toe][1], v) > RESTING for toe in lands], axis=0) & np.ones(n, bool)
         if rises.any():
             self.give_up(group.take(rises))
             return self.strike(toes, lands, group.take(~rises))
-        friction = self.numbers.friction(group.lanes)
-        held = group.held
+        friction, held = ground.friction, group.held
         if len(toes) > 1:
             each = zip(D, J, v.T, np.broadcast_to(friction, n), strict=True)
             impacts = [joint_impact(*numbers[:3], float(numbers[3])) for numbers in each]

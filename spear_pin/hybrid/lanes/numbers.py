@@ -14,13 +14,14 @@ from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
 from spear_pin.hybrid.engines import layout
 from spear_pin.hybrid.engines.layout import with_fields
 from spear_pin.hybrid.engines.taylor import Code, Point, Ready
+from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, Indices, collected, spread, take
 from spear_pin.hybrid.rules.entry import ahead
 from spear_pin.hybrid.rules.latching import latched
 
 Array = NDArray[np.float64]
-OTHERS = (*layout.OF_SPRINGS, "friction")  # numbers beside the law's in which lanes may differ
+OTHERS = (*layout.OF_SPRINGS, "friction", *layout.OF_GROUND)  # numbers beside the law's in which lanes may differ
 
 
 class Numbers:
@@ -36,7 +37,7 @@ class Numbers:
         self.system, self.nv, self._given = system, system.robot.nv, given
         self.compilation = compilation(system, code)
         self.planar = self.compilation.planar
-        self._others = [given.get(name, value) for name, value in layout.others(system).items()]
+        self._others = {name: given.get(name, value) for name, value in layout.others(system).items()}
 
     def of_lane(self, lane: int) -> dict[str, float]:
         """The numbers in which a lane differs."""
@@ -48,7 +49,7 @@ class Numbers:
 
     def constants(self, lane: int) -> list[float]:
         """A lane's run-time parameters ahead of what is held."""
-        law, others = self.law_of(lane), [float(take(value, lane)) for value in self._others]
+        law, others = self.law_of(lane), [float(take(value, lane)) for value in self._others.values()]
         return layout.flattened(
             (*(getattr(law, field.name) for field in fields(law)), *others, *self.compilation.robot)
         )
@@ -57,13 +58,13 @@ class Numbers:
         """Parameters of the law in some lanes."""
         return with_fields(self.system.law, {name: values[lanes] for name, values in self._given.items()})
 
-    def friction(self, lanes: Indices) -> Any:
-        """The ground's friction under some lanes."""
-        return take(self._others[-1], lanes)
+    def ground(self, lanes: Indices) -> Ground:
+        """The ground under some lanes, its numbers arrays where lanes may differ in them."""
+        return with_fields(self.system.ground, {name: take(value, lanes) for name, value in self._others.items()})
 
     def parameters(self, group: Group) -> Array:
         """Run-time parameters of a group, (p, n)."""
-        others = [take(value, group.lanes) for value in self._others]
+        others = [take(value, group.lanes) for value in self._others.values()]
         return layout.parameters(self.law(group.lanes), others, self.compilation.robot, group.held, len(group))
 
     def compiled(self, domain: Domain, group: Group) -> Ready:

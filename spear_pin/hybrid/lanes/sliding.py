@@ -37,7 +37,8 @@ def slide(
     if between is None:
         return [], group
     q, v = group.y[: numbers.nv], group.y[numbers.nv :]
-    sinking = along(numbers.planar.feet(list(q), list(v), np).jacobians[between.toe][1], v)
+    feet = numbers.ground(group.lanes).seen(numbers.planar.feet(list(q), list(v), np), np)
+    sinking = along(feet.jacobians[between.toe][1], v)
     slides = np.zeros(len(group), bool)
     found = []
     resting = group.take(np.broadcast_to(still(sinking), len(group)))

@@ -27,9 +27,9 @@ class Footing(NamedTuple):
 
     Attributes:
         speed: of its sliding, along the mode's direction if it slides and forward if it sticks, in m/s.
-        tangential: F_x, in N.
-        normal: F_z, in N.
-        grip: μ F_z, in N.
+        tangential: force along the ground, in N.
+        normal: force out of the ground, in N.
+        grip: μ times the normal force, in N.
         acceleration: along the mode's direction, in m/s²; of a sliding toe.
         pivot: of a sliding toe, in 1/kg; not positive means Painlevé's paradox.
     """

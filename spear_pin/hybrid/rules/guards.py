@@ -15,12 +15,12 @@ ON_REST = 1e-9  # rad: more than what an event's time is off by
 
 
 def height(frame: str) -> GuardValue:
-    """Height of a frame above the ground, in m."""
+    """Distance of a frame from the ground, along its normal, in m."""
     return lambda t, q, v, held, p, dyn, ops: dyn.height(frame)
 
 
 def normal_force(toe: str) -> GuardValue:
-    """F_z of a toe, in N."""
+    """Normal force of a toe, in N."""
     return lambda t, q, v, held, p, dyn, ops: dyn.force(toe)[1]
 
 

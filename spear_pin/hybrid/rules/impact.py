@@ -27,7 +27,7 @@ class Impact:
 
     Attributes:
         v: velocity afterwards, (nv,).
-        impulse: Λ = (Λ_x, Λ_z) on the toe, in N·s.
+        impulse: Λ = (Λ_x, Λ_z) on the toe, along the ground and normal to it, as all of x and z here, in N·s.
         loss: kinetic energy lost, in J: -½ Λᵀ (J v⁺ + J v⁻).
         slides: whether the toe still slides afterwards.
     """
@@ -186,7 +186,7 @@ def landed(D: Array, J: Array, v: Array, lands: Sequence[bool]) -> tuple[Array, 
         lands: which of them touch down.
 
     Returns:
-        the velocity, (nv,), and the vertical impulses that took the toes' speed, (m,).
+        the velocity, (nv,), and the normal impulses that took the toes' speed, (m,).
     """
     normal = J[1::2]
     rising = np.where(lands, normal @ v, 0.0)

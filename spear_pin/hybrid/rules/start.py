@@ -12,16 +12,16 @@ STATE_AT_REST = 10.0 * AT_REST  # m/s: of a state that is given
 
 
 def below_ground(height: Any) -> Any:
-    """Whether a toe at a height, in m, is below the ground."""
+    """Whether a toe at a distance from the ground, in m, is below it."""
     return height < -ON_GROUND
 
 
 def rests(height: Any, rising: Any, at_rest: float = AT_REST) -> Any:
-    """Whether a toe is on the ground and moves neither up nor down.
+    """Whether a toe is on the ground and moves neither from nor into it.
 
     Args:
-        height: of the toe, in m.
-        rising: its vertical speed, in m/s.
+        height: of the toe above the ground, in m.
+        rising: its speed along the ground's normal, in m/s.
         at_rest: up to which speed it is at rest, in m/s.
     """
     return (height <= ON_GROUND) & (abs(rising) <= at_rest)

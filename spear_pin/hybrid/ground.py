@@ -1,0 +1,111 @@
+"""The ground: a rigid plane, level or sloped, in whose axes all of contact is said: along it and normal to it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from numbers import Real
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spear_pin.errors import BadValue, require
+from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.engines.elimination import plus, times
+from spear_pin.kinds import typed
+from spear_pin.model.planar import Feet, Terms
+from spear_pin.model.robot import Robot
+
+Array = NDArray[np.float64]
+STEEPEST = 1.2  # rad: steeper slopes are walls
+HIGHEST = 1e3  # m
+
+
+@typed
+@dataclass(frozen=True)
+class Ground(Contact):
+    """A plane, z = height + x tan(slope), its axes along it, (cos σ, sin σ), and normal to it, (-sin σ, cos σ).
+
+    Numbers may be of any kind, symbols and arrays of lanes among them; of a slope that is the number zero nothing is
+    turned.
+
+    Attributes:
+        friction: coefficient of Coulomb friction, static and kinetic (assumption; not in the source).
+        slope: σ, in rad, positive uphill in +x.
+        height: of the plane at x = 0, in m.
+    """
+
+    slope: float = 0.0
+    height: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        super().__post_init__()
+        steep = f"an angle within ±{STEEPEST:g} rad"
+        require("Ground.slope", self.slope, lambda angle: abs(angle) <= STEEPEST, steep)
+        high = f"a number within ±{HIGHEST:g} m"
+        require("Ground.height", self.height, lambda height: abs(height) <= HIGHEST, high)
+
+    @property
+    def level(self) -> bool:
+        """Whether its axes are those of the world."""
+        return _is_zero(self.slope)
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is level, and at height zero."""
+        return self.level and _is_zero(self.height)
+
+    def axes(self, x: Any, z: Any, ops: Any = math) -> tuple[Any, Any]:
+        """Tangential and normal component of a vector (x, z), or of a row of vectors if those are arrays."""
+        if self.level:
+            return x, z
+        cosine, sine = ops.cos(self.slope), ops.sin(self.slope)
+        return plus(times(cosine, x), times(sine, z)), plus(times(cosine, z), times(-sine, x))
+
+    def above(self, x: Any, z: Any, ops: Any = math) -> Any:
+        """Distance of a point from the ground, along its normal, in m; negative below it."""
+        _, normal = self.axes(x, z, ops)
+        if _is_zero(self.height):
+            return normal
+        return normal - (self.height if self.level else self.height * ops.cos(self.slope))
+
+    def under(self, x: float) -> float:
+        """Height z of the plane, in m."""
+        return self.height + x * math.tan(self.slope)
+
+    def seen(self, feet: Feet | Terms, ops: Any) -> Feet:
+        """Toes in its axes, their positions along and above it; `ops` has `sin` and `cos`."""
+        if self.plain:
+            return Feet(feet.positions, feet.jacobians, feet.drifts)
+        places = {toe: (self.axes(*place, ops)[0], self.above(*place, ops)) for toe, place in feet.positions.items()}
+        turned = {
+            toe: [list(row) for row in zip(*(self.axes(x, z, ops) for x, z in zip(*rows, strict=True)), strict=True)]
+            for toe, rows in feet.jacobians.items()
+        }
+        return Feet(places, turned, {toe: self.axes(*drift, ops) for toe, drift in feet.drifts.items()})
+
+    def foot(self, robot: Robot, q: ArrayLike, toe: str) -> tuple[float, Array]:
+        """Distance of a toe from the ground, in m, and its Jacobian along and normal to it, (2, nv)."""
+        return float(self.above(*robot.toe_position(q, toe))), np.array(self.axes(*robot.toe_jacobian(q, toe)))
+
+
+def as_ground(contact: Contact) -> Ground:
+    """The ground itself, or the level one at height zero that has a contact's friction."""
+    return contact if isinstance(contact, Ground) else Ground(contact.friction)
+
+
+def given(contact: Contact | None, ground: Ground | None) -> Contact:
+    """The ground of a gait, of two arguments one of which may be given; else the default.
+
+    Raises:
+        BadValue: both are given.
+    """
+    if contact is not None and ground is not None:
+        raise BadValue("ground", ground, f"none beside contact, which is {contact}: either says all of the ground")
+    return ground or contact or Contact()
+
+
+def _is_zero(value: Any) -> bool:
+    return isinstance(value, Real) and value == 0

@@ -1,0 +1,49 @@
+"""Translation along the ground, on which nothing depends: its direction over the coordinates."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.model.planar import Planar
+
+Array = NDArray[np.float64]
+VERTICAL = 1e-12  # of a slider's direction
+
+
+def translations(system: HybridSystem) -> Array:
+    """Unit directions over the coordinates along which a motion may be moved, (k, nv): of each that is cyclic.
+
+    On level ground that is the coordinate itself; on a slope the robot has to be lifted with it.
+
+    Raises:
+        BadValue: the ground is sloped, and no coordinate lifts the robot as a whole.
+    """
+    robot, slope = system.robot, system.ground.slope
+    rows = np.eye(robot.nv)[[robot.index(name) for name in system.cyclic]]
+    if slope == 0.0 or not system.cyclic:
+        return rows
+    return np.asarray(math.cos(slope) * rows + math.sin(slope) * np.eye(robot.nv)[_lift(system)], np.float64)
+
+
+def without(rows: Array, motion: Array) -> Array:
+    """Displacements over the coordinates, (..., nv), less what of them is along unit rows, (k, nv)."""
+    for row in rows:
+        motion = motion - (motion * row).sum(axis=-1, keepdims=True) * row
+    return motion
+
+
+def _lift(system: HybridSystem) -> int:
+    """Index of the coordinate that lifts the robot as a whole."""
+    bodies = Planar(system.robot).bodies
+    for i, body in enumerate(bodies):
+        trunk, parent = body.turns == 0.0, body.parent
+        while trunk and parent >= 0:
+            trunk, parent = bodies[parent].turns == 0.0, bodies[parent].parent
+        if trunk and abs(body.slides[0]) < VERTICAL and body.slides[1] > 0.0:
+            return i
+    raise BadValue("cyclic", system.cyclic, "none on a slope, of a robot that no coordinate lifts")

@@ -1,0 +1,252 @@
+"""The ground: its axes, slopes against level ground under tilted gravity, and what it refuses."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spear_pin import (
+    Contact,
+    Gait,
+    Ground,
+    HoppingLaw,
+    Robot,
+    Spring,
+    bounding,
+    find_gait,
+    hopping,
+    load,
+    simulate,
+    simulate_many,
+)
+from spear_pin.errors import BadValue
+from spear_pin.gaits.series_hopping import series_hopping
+from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.contact import OPEN, STICK
+from spear_pin.hybrid.modes import choose
+from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.periodic import chart, displacement, return_map
+from spear_pin.hybrid.phases import contact_domains
+from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.run import run
+from spear_pin.hybrid.translation import translations
+from tests.biped import example
+from tests.hybrid.lanes import assert_agree, compiles
+
+SLOPE, HEIGHT = 0.12, 0.3
+LAW = HoppingLaw(hip_touchdown=0.5, stance_torque=8.0)
+BLOCK = """<robot name="block">
+  <link name="world"/><link name="rail"/><link name="block"><inertial><mass value="2"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="x" type="prismatic"><parent link="world"/><child link="rail"/><axis xyz="1 0 0"/>
+    <limit effort="1" velocity="1" lower="-9" upper="9"/></joint>
+  <joint name="z" type="prismatic"><parent link="rail"/><child link="block"/><axis xyz="0 0 1"/>
+    <limit effort="1" velocity="1" lower="-9" upper="9"/></joint>
+</robot>"""
+
+
+def tilted(robot, slope):
+    """The robot where gravity is as in the axes of a slope."""
+    model = robot.model.copy()
+    model.gravity.linear = 9.81 * np.array([-math.sin(slope), 0.0, -math.cos(slope)])
+    return Robot(model, name=robot.name, toes=robot.toes, actuated=robot.actuated)
+
+
+def in_axes(states, slope, height):
+    """States (x, z, hip, knee) in the axes of the ground, the origin on it; the hip's angle is an absolute one."""
+    x, z, hip, knee = np.moveaxis(np.asarray(states), -1, 0)
+    z = z - height
+    cosine, sine = math.cos(slope), math.sin(slope)
+    return np.stack([cosine * x + sine * z, cosine * z - sine * x, hip - slope, knee], axis=-1)
+
+
+def turned(rates, slope):
+    """Rates of the same."""
+    return in_axes(rates, slope, 0.0) + [0.0, 0.0, slope, 0.0]
+
+
+class TestSlope:
+    @pytest.mark.parametrize("friction", [0.8, 0.3])
+    def test_is_level_ground_under_tilted_gravity(self, free_robot, friction):
+        """Three hops with their impacts, the spring and, on slippery ground, slip: every sample and every force."""
+        system = hopping(free_robot, LAW, ground=Ground(friction, SLOPE, HEIGHT))
+        other = hopping(tilted(free_robot, SLOPE), replace(LAW, hip_touchdown=0.5 - SLOPE), contact=Contact(friction))
+        q, v = system.guess()
+        there = simulate(system, (q, v), 3, 1e-11)
+        here = simulate(other, (in_axes(q, SLOPE, HEIGHT), turned(v, SLOPE)), 3, 1e-11)
+        assert there.complete and here.complete
+        named = [event.name for event in here.events if event.name != "apex"]  # by the slider's rate
+        assert [event.name for event in there.events if event.name != "apex"] == named
+        assert ("stick" in named) == (friction == 0.3)
+        np.testing.assert_allclose(there.t, here.t, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(in_axes(there.q, SLOPE, HEIGHT), here.q, rtol=0, atol=1e-8)
+        np.testing.assert_allclose(turned(there.v, SLOPE), here.v, rtol=0, atol=1e-7)
+        np.testing.assert_allclose(there.force, here.force, rtol=0, atol=1e-5)
+        for mine, its in zip(there.named("touchdown"), here.named("touchdown"), strict=True):
+            np.testing.assert_allclose(mine.impulse, its.impulse, rtol=0, atol=1e-7)
+            assert mine.work["impact"] == pytest.approx(its.work["impact"], abs=1e-8)
+
+    @pytest.mark.parametrize("locked", [[], ["boom_x"]])
+    def test_ledger_closes(self, locked):
+        system = hopping(load("spear_ii", locked=locked), LAW, ground=Ground(0.3, SLOPE, HEIGHT))
+        trajectory = simulate(system, system.guess(), 3, 1e-11)
+        assert trajectory.complete and np.abs(trajectory.ledger.residual).max() < 1e-9
+        assert trajectory.ledger["slip"].min() < -1e-3
+
+    @pytest.mark.parametrize(("slope", "friction", "mode"), [
+        (0.29, 0.3, "stick"), (-0.29, 0.3, "stick"), (0.293, 0.3, "slip-"), (-0.293, 0.3, "slip+"), (0.9, 1.2, "slip-"),
+    ])  # fmt: skip
+    def test_holds_a_block_within_the_cone(self, tmp_path, slope, friction, mode):
+        """Stick if tan σ < μ; beyond, it slides down with g (sin σ - μ cos σ)."""
+        (tmp_path / "block.urdf").write_text(BLOCK)
+        robot = load(tmp_path / "block.urdf", toes=["block"])
+        law = lambda *_: ()  # noqa: E731
+        stance = contact_domains(Domain("stance", "stance", (STICK,), law), robot.toes, {"block": None})
+        domains = (*stance, Domain("flight", "flight", (OPEN,), law))
+        ground = Ground(friction, slope, HEIGHT)
+        system = HybridSystem("block", robot, None, Spring(), ground, domains, "", (), None, None)
+        flow = choose(system, "stance", {}, 0.0, np.array([0.5, ground.under(0.5), *np.zeros(2 + 3)]))
+        assert flow.domain.contacts == (mode,)
+        down = -math.copysign(9.81 * (math.sin(abs(slope)) - friction * math.cos(slope)), slope)
+        slides = np.array([math.cos(slope), math.sin(slope)]) * (0.0 if mode == "stick" else down)
+        np.testing.assert_allclose(flow.a, slides, atol=1e-12)
+        assert flow.force("block")[1] == pytest.approx(2 * 9.81 * math.cos(slope), rel=1e-12)
+        assert flow.height("block") == pytest.approx(0.0, abs=1e-15)
+
+    def test_every_kind_of_gait_begins_on_it(self, robot):
+        ground = Ground(slope=SLOPE, height=HEIGHT)
+        bound = Gait.load("least_effort").system
+        systems = (
+            hopping(robot, ground=ground),
+            series_hopping(load("spear_ii_series", locked=["boom_x"]), ground=ground),
+            bounding(bound.robot, bound.law, bound.spring, ground=ground),
+            example().running(load("biped"), ground=ground),
+        )
+        for system in systems:
+            q, v = system.guess()
+            height, jacobian = ground.foot(system.robot, q, system.robot.toes[0])
+            x, z = system.robot.toe_position(q, system.robot.toes[0])
+            assert abs(z - HEIGHT - x * math.tan(SLOPE)) < 1e-14 and abs(height) < 1e-14
+            np.testing.assert_allclose(jacobian @ v, 0.0, atol=1e-12)
+
+
+class TestTranslation:
+    def test_leads_along_the_ground(self, free_robot):
+        """Begun elsewhere along the slope, the motion is the same; the chart and the residual leave that out."""
+        system = hopping(free_robot, LAW, ground=Ground(0.8, SLOPE, HEIGHT))
+        q, v = system.guess()
+        (along,) = translations(system)
+        np.testing.assert_allclose(along, [math.cos(SLOPE), math.sin(SLOPE), 0.0, 0.0], atol=1e-15)
+        here, there = return_map(system, (q, v)), return_map(system, (q + 2.0 * along, v))
+        np.testing.assert_allclose(there.state[0] - here.state[0], 2.0 * along, atol=1e-9)
+        moved = displacement(system, (q, v), here.state)
+        np.testing.assert_allclose(displacement(system, (q, v), there.state), moved, atol=1e-8)
+        assert abs(moved[:4] @ along) < 1e-12
+        local = chart(system, (q, v))
+        assert local.dimension == 4 and np.abs(along @ local.q_basis).max() < 1e-14
+        xi = np.array([0.02, 0.1, -0.2, 0.1])
+        at = local.state(xi)
+        height, jacobian = system.ground.foot(free_robot, at[0], "toe")
+        assert abs(height) < 1e-15 and np.abs(jacobian @ at[1]).max() < 1e-13
+        np.testing.assert_allclose(local.coordinates(at), xi, atol=2e-2)
+
+    def test_of_what_is_locked_or_level(self, robot, free_robot):
+        assert translations(hopping(robot, ground=Ground(slope=SLOPE))).shape == (0, 3)
+        np.testing.assert_array_equal(translations(hopping(free_robot)), [[1.0, 0.0, 0.0, 0.0]])
+        (along,) = translations(example().running(load("biped"), ground=Ground(slope=-SLOPE)))
+        np.testing.assert_allclose(along[:3], [math.cos(SLOPE), -math.sin(SLOPE), 0.0], atol=1e-15)
+
+    def test_gait_is_that_of_level_ground_under_tilted_gravity(self, free_robot):
+        """Fixed point and multipliers, the parameter solved for in each by itself."""
+        target = {"flight_time": 0.2, "mean_speed": 0.0}
+        vary = ["stance_torque", "hip_touchdown"]
+        gait = find_gait(hopping(free_robot, LAW, ground=Ground(0.8, 0.04, HEIGHT)), vary, target)
+        level = hopping(tilted(free_robot, 0.04), replace(LAW, hip_touchdown=0.43))
+        other = find_gait(level, vary, target)
+        assert gait.residual < 1e-9 and len(gait.multipliers) == 4
+        assert gait.parameters["hip_touchdown"] - 0.04 == pytest.approx(other.parameters["hip_touchdown"], abs=1e-8)
+        assert gait.parameters["stance_torque"] == pytest.approx(other.parameters["stance_torque"], abs=1e-7)
+        np.testing.assert_allclose(gait.multipliers, other.multipliers, rtol=0, atol=1e-5)
+
+    def test_slope_may_be_solved_for(self, free_robot):
+        """The slope on which a hip angle hops in place, of which that angle was found."""
+        gait = find_gait(hopping(free_robot, LAW, ground=Ground(slope=0.03)), ["hip_touchdown"], {"mean_speed": 0.0})
+        other = with_parameters(gait.system, {"slope": 0.028, "height": HEIGHT})
+        again = find_gait(other, ["slope"], {"mean_speed": 0.0}, guess=gait.state)
+        assert again.residual < 1e-9 and again.parameters["slope"] == pytest.approx(0.03, abs=1e-6)
+        assert abs(again.system.ground.foot(free_robot, again.state[0], "toe")[0]) < 1e-14
+
+
+@compiles
+class TestLanes:
+    @pytest.mark.parametrize("locked", [[], ["boom_x"]])
+    @pytest.mark.parametrize("n", [1, 5, 64])
+    def test_agree_with_the_reference(self, n, locked):
+        """Slope, height and friction differ, among them level and slippery ground; begun on it, and above it."""
+        rng = np.random.default_rng(n)
+        parameters = {
+            "slope": np.append(rng.uniform(-0.1, 0.1, n)[1:], 0.0 if n > 1 else 0.08),
+            "height": rng.uniform(-0.3, 0.3, n),
+            "friction": rng.choice([0.12, 0.3, 0.8], n),
+        }
+        system = hopping(load("spear_ii", locked=locked), LAW)
+        own = [with_parameters(system, {name: each[i] for name, each in parameters.items()}) for i in range(n)]
+        q, v = (np.array(part) for part in zip(*(each.guess() for each in own), strict=True))
+        high = np.arange(n) % 3 == 2
+        q[high, system.robot.index("boom_z")] += 0.05
+        found = simulate_many(system, q, v, 2, parameters=parameters)
+        assert found.repeated.mean() < 0.3
+        few = slice(None, None, max(1, n // 8))
+        some = {name: getattr(found, name)[few] for name in ("q", "v", "cycles", "reason")}
+        some["durations"] = {name: each[few] for name, each in found.durations.items()}
+        given = {name: each[few] for name, each in parameters.items()}
+        assert_agree(system, q[few], v[few], replace(found, **some), 2, parameters=given)
+
+    def test_bound(self):
+        """Two legs; one stride, from the shipped gait's state lifted onto slopes."""
+        gait, n = Gait.load("least_effort"), 5
+        parameters = {"slope": np.linspace(-0.01, 0.02, n), "friction": np.linspace(0.6, 0.9, n)}
+        own = [with_parameters(gait.system, {name: each[i] for name, each in parameters.items()}) for i in range(n)]
+        q, v = (np.array(part) for part in zip(*(each.guess() for each in own), strict=True))
+        found = simulate_many(gait.system, q, v, parameters=parameters)
+        assert (found.reason == "complete").all() and not found.repeated.any()
+        assert_agree(gait.system, q, v, found, parameters=parameters)
+
+
+class TestGround:
+    @pytest.mark.parametrize(("fields", "named"), [
+        ({"slope": math.nan}, "Ground.slope"), ({"slope": 1.3}, "Ground.slope"), ({"slope": -math.pi}, "Ground.slope"),
+        ({"slope": "steep"}, "Ground.slope"), ({"slope": None}, "Ground.slope"),
+        ({"height": math.inf}, "Ground.height"), ({"height": [0.1, 0.2]}, "Ground.height"),
+        ({"friction": 0.0}, "Ground.friction"),
+    ])  # fmt: skip
+    def test_refuses(self, fields, named):
+        with pytest.raises(BadValue, match=named):
+            Ground(**fields)
+
+    def test_of_two_grounds_refuses_both(self, robot):
+        for make in (hopping, lambda robot, **parts: bounding(robot, Gait.load("least_effort").system.law, **parts)):
+            with pytest.raises(BadValue, match=r"ground is Ground\(.*\); expected none beside contact"):
+                make(robot, contact=Contact(), ground=Ground())
+        with pytest.raises(BadValue, match="ground"):
+            hopping(robot, ground=0.1)
+
+    def test_level_is_a_contact(self, robot):
+        """To the last bit, in either engine."""
+        assert repr(Contact()) == "Contact(friction=0.8)" and Ground().plain
+        plain, ground = (hopping(robot, LAW, contact=Contact(0.5)), hopping(robot, LAW, ground=Ground(0.5)))
+        one, other = (run(system, system.guess(), 1, Options()) for system in (plain, ground))
+        np.testing.assert_array_equal(one.state, other.state)
+
+    def test_is_kept_in_files(self, tmp_path, hop):
+        for ground in (Contact(0.6), Ground(0.6, 0.05, -0.1)):
+            gait = replace(hop, system=hopping(hop.system.robot, hop.system.law, contact=ground))
+            assert Gait.load(gait.save(tmp_path / "gait.json")).system.contact == ground
+        assert Gait.load("least_effort").system.contact == Contact(0.8)
+
+    def test_is_level_for_feedback_by_height(self):
+        gait = Gait.load("least_effort")
+        law = replace(gait.system.law, feedback=((0.0,) * 13,) * 6)
+        with pytest.raises(BadValue, match=r"BoundingLaw.feedback.*by the height of the torso"):
+            bounding(gait.system.robot, law, ground=Ground(slope=0.1))
