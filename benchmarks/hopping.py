@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from spear_pin import Contact, Gait, HoppingLaw, Spring, Trajectory, find_gait, hopping, load, simulate
+from spear_pin import Contact, Gait, Ground, HoppingLaw, Spring, Trajectory, find_gait, hopping, load, simulate
 from spear_pin.errors import NoGait
 from spear_pin.hybrid.periodic import chart
 from spear_pin.studies.hop import summarize
@@ -133,6 +133,7 @@ def main() -> None:
         ("`Spring(preload=2.0)`", {"spring": Spring(preload=2.0)}),
         (f"`Spring(0.0, table={TABLE})`", {"spring": Spring(0.0, table=TABLE)}),
         *((f"`Contact(friction={mu})`", {"contact": Contact(friction=mu)}) for mu in (0.25, 0.4, 1.5)),
+        *((f"`Ground(slope={slope})`", {"ground": Ground(slope=slope)}) for slope in (-0.1, 0.1)),
     ]
     rows = []
     for name, parts in variants:

@@ -73,7 +73,7 @@ def draw_toes(axes: Axes, trajectory: Trajectory, gait: Gait) -> None:
     """Height of the toes above the ground over time."""
     _over_time(axes, trajectory, "Toe height (mm)")
     for leg in LEGS:
-        heights = np.array([gait.system.robot.toe_position(q, f"{leg}_toe")[1] for q in trajectory.q])
+        heights = np.array([gait.system.ground.foot(gait.system.robot, q, f"{leg}_toe")[0] for q in trajectory.q])
         axes.plot(trajectory.t, 1e3 * heights, color=COLORS[leg], label=leg)
     _legend(axes)
 

@@ -11,6 +11,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue
+from spear_pin.hybrid.ground import Ground
 from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
@@ -37,6 +38,9 @@ class TrajectoryLike(Protocol):
         events: what happened, for the time bar.
         spring_joints: names of the joints that a spring spans.
         engaged: (n, springs) or, for one spring, (n,): whether each spring is engaged.
+
+    What it stands on is its `ground`, in whose axes forces of two components are; without one, level ground at height
+    zero.
     """
 
     @property
@@ -70,6 +74,7 @@ class Part:
     events: Sequence[EventLike]
     spring_joints: Sequence[str]
     engaged: NDArray[np.bool_]
+    ground: Ground | None
     whole: tuple[float, float]
 
     @property
@@ -109,6 +114,7 @@ class Motion:
         spans: the domains, one after the other.
         events: name and time from the start, in s.
         springs: joint each spring spans, and when it is engaged.
+        ground: on which it is.
     """
 
     start: float
@@ -118,6 +124,7 @@ class Motion:
     spans: tuple[Span, ...]
     events: tuple[tuple[str, float], ...]
     springs: tuple[tuple[str, Switch], ...]
+    ground: Ground
 
     @property
     def duration(self) -> float:
@@ -153,6 +160,7 @@ def between(trajectory: TrajectoryLike, begin: float, end: float) -> Part:
         events=tuple(event for event in trajectory.events if begin <= event.time <= end),
         spring_joints=trajectory.spring_joints,
         engaged=np.asarray(trajectory.engaged)[rows],
+        ground=getattr(trajectory, "ground", None),
         whole=(float(t[0]), float(t[-1])),
     )
 
@@ -168,8 +176,10 @@ def resample(robot: Robot, trajectory: TrajectoryLike, rate: float) -> Motion:
     n, toes = len(t), len(robot.toes)
     q = _table("trajectory.q", trajectory.q, [(n, robot.nq)])
     force = _table("trajectory.force", trajectory.force, [(n, toes, 2), (n, toes, 3)])
+    ground = getattr(trajectory, "ground", None) or Ground()
     if force.shape[2] == 2:
-        force = np.stack((force[:, :, 0], np.zeros((n, toes)), force[:, :, 1]), axis=2)
+        x, z = ground.world(force[:, :, 0], force[:, :, 1])
+        force = np.stack((x, np.zeros((n, toes)), z), axis=2)
     domain = np.asarray(trajectory.domain, dtype=str)
     if domain.shape != (n,):
         raise BadValue("trajectory.domain", trajectory.domain, f"{n} names, one for each time")
@@ -183,6 +193,7 @@ def resample(robot: Robot, trajectory: TrajectoryLike, rate: float) -> Motion:
         spans=_spans(local, domain),
         events=tuple((str(event.name), _event_time(event) - float(t[0])) for event in trajectory.events),
         springs=_springs(robot, trajectory, local),
+        ground=ground,
     )
 
 

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadValue
 from spear_pin.files import atomic
 from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.loading import load
@@ -259,8 +260,9 @@ def draw_clearance(axes: Axes, trajectory: Trajectory) -> None:
     if locked:
         robot = load(trajectory.robot, toes=trajectory.toes, locked=locked)
     _over_time(axes, trajectory, "Clearance (mm)")
+    ground = trajectory.ground or Ground()
     for index, toe in enumerate(trajectory.toes):
-        heights = np.array([robot.toe_position(q, toe)[1] for q in trajectory.q])
+        heights = np.array([ground.foot(robot, q, toe)[0] for q in trajectory.q])
         axes.plot(trajectory.t, 1e3 * heights, LINES[index % len(LINES)], color=GREEN, label=toe.replace("_", " "))
     if len(trajectory.toes) > 1:
         _legend(axes)

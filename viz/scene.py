@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from spear_pin.hybrid.ground import Ground
 from spear_pin.model.robot import Robot
 from spear_pin.viz import commands as c
 from spear_pin.viz.coil import places_across
@@ -62,7 +63,7 @@ def still(robot: Robot, q: Array) -> Scene:
     world = world_poses(robot.model, local)
     origin = center_of_mass(robot.model, world)[:, 0]
     view = fit_view(*_bounds(robot.model, looks.shapes, world, origin))
-    commands = [*_place(origin[0]), *_body(paths, local[0], looks.shapes), *stage(view, origin[0], origin[0])]
+    commands = [*_place(origin[0]), *_body(paths, local[0], looks.shapes), *stage(view, origin[0], origin[0], Ground())]
     return Scene(tuple(commands), {}, view, notes=looks.notes)
 
 
@@ -82,7 +83,7 @@ def moving(robot: Robot, motion: Motion) -> Scene:
         *_place(origin[0]),
         *_body(paths, local[0], (*looks.shapes, *brackets)),
         *(command for mark in marks for command in mark.commands),
-        *stage(view, float(origin.min()), float(origin.max())),
+        *stage(view, float(origin.min()), float(origin.max()), motion.ground),
     ]
     clips = _joint_clips(paths, motion.t, local)
     if np.ptp(origin) > 0:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.hybrid.ground import Ground
 from spear_pin.viz import commands as c
 
 Array = NDArray[np.float64]
@@ -57,12 +58,12 @@ def fit_view(low: Array, high: Array) -> View:
     return View(target, distance, float((sideways / (slope * (distance - nearness))).max()))
 
 
-def stage(view: View, first: float, last: float) -> list[c.Command]:
-    """Everything around the robot, for a motion from one x to another, in m.
+def stage(view: View, first: float, last: float, ground: Ground) -> list[c.Command]:
+    """Everything around the robot, for a motion on some ground from one x to another, in m.
 
     The ground moves with the world; lights, background and camera do not.
     """
-    return [*_camera(view), *_light(), *_ground(first, last)]
+    return [*_camera(view), *_light(), *_ground(first, last), *_placed(ground)]
 
 
 def _camera(view: View) -> list[c.Command]:
@@ -109,6 +110,16 @@ def _ground(first: float, last: float) -> list[c.Command]:
         c.set_transform(f"{path}/major", raised),
         *(c.set_property(f"{path}/{part}/<object>", "castShadow", False) for part in ("plane", "minor", "major")),
     ]
+
+
+def _placed(ground: Ground) -> list[c.Command]:
+    """The plane where it is, if that is not level at height zero."""
+    if ground.plain:
+        return []
+    pose = np.eye(4)
+    pose[0, [0, 2]], pose[2, [0, 2]] = ground.world(*np.eye(2))
+    pose[2, 3] = ground.height
+    return [c.set_transform(f"{WORLD}/ground", pose)]
 
 
 def _lines(path: str, low: float, high: float, spacing: float, width: float, color: Sequence[float]) -> c.Command:

@@ -33,6 +33,9 @@ def add(commands: Commands) -> None:
     parser.add_argument("--preload", type=float, metavar="N·m", help="of the knee spring (default: 0)")
     parser.add_argument("--friction", type=float, metavar="MU", help="of the ground (default: 0.8, an assumption)")
     parser.add_argument(
+        "--slope", type=float, default=0.0, metavar="RAD", help="of the ground, uphill in +x (default: 0)"
+    )
+    parser.add_argument(
         "--free-x", action="store_true", help="let the boom slide along x too; solve the hip angle for no drift"
     )
     parser.add_argument("--foot-placement", type=float, default=0.0, metavar="RAD·S/M", help="gain, with --free-x")
@@ -52,7 +55,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Solve the hop, simulate it and write its files."""
     from dataclasses import replace
 
-    from spear_pin import Contact, HoppingLaw, Spring, find_gait, hopping, load, simulate
+    from spear_pin import Ground, HoppingLaw, Spring, find_gait, hopping, load, simulate
     from spear_pin.hybrid.hardware import with_hardware
     from spear_pin.studies.hop import summarize
     from spear_pin.viz.motion import read_times
@@ -69,12 +72,12 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         **{} if arguments.stance_torque is None else {"stance_torque": arguments.stance_torque},
     )
     spring = Spring(**{name: value for name in SPRING if (value := getattr(arguments, name)) is not None})
-    contact = Contact() if arguments.friction is None else Contact(friction=arguments.friction)
+    friction = {} if arguments.friction is None else {"friction": arguments.friction}
     rig = _rig(arguments)
     driven = None if rig is None else rig.on(robot)
     if rig is not None and arguments.stance_torque is None:  # what the gears lose is asked for as well
         law = replace(law, stance_torque=law.stance_torque / rig.knee_efficiency)
-    system = hopping(robot, law, spring, contact)
+    system = hopping(robot, law, spring, ground=Ground(slope=arguments.slope, **friction))
     if rig is not None:  # solved with what has no memory, and without noise
         system = with_hardware(system, replace(rig, bandwidth=None, sensing=None).on(robot))
     target: dict[str, float] = {}

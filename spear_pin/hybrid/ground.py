@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Real
 from typing import Any
 
@@ -63,6 +63,10 @@ class Ground(Contact):
             return x, z
         cosine, sine = ops.cos(self.slope), ops.sin(self.slope)
         return plus(times(cosine, x), times(sine, z)), plus(times(cosine, z), times(-sine, x))
+
+    def world(self, along: Any, normal: Any) -> tuple[Any, Any]:
+        """X and z of a vector that has these components, the inverse of `axes`."""
+        return replace(self, slope=-self.slope).axes(along, normal)
 
     def above(self, x: Any, z: Any, ops: Any = math) -> Any:
         """Distance of a point from the ground, along its normal, in m; negative below it."""

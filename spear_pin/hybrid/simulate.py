@@ -84,6 +84,7 @@ def _trajectory(system: HybridSystem, result: Run, sampler: Sampler) -> Trajecto
         message=result.message,
         evaluations=result.evaluations,
         electrical=electrical,
+        ground=system.ground,
     )
 
 

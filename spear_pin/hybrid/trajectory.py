@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.files import atomic
+from spear_pin.hybrid.ground import Ground
 from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
@@ -28,7 +29,7 @@ class Event:
         q: configuration, (nq,).
         v_before: velocity before, (nv,).
         v: velocity after, (nv,).
-        impulse: of the ground on each toe, x and z, in N·s, (ntoes, 2).
+        impulse: of the ground on each toe, along the ground and normal to it, in N·s, (ntoes, 2).
         work: energy brought into the mechanism at this instant by flow, in J (losses negative).
     """
 
@@ -96,7 +97,7 @@ class Trajectory:
         u: motor torque, in N·m, (n, nu).
         tau: total joint torque with spring and damping, in N·m, (n, nu).
         friction: other generalised friction, (n, nv).
-        force: ground force on each toe, x and z, in N, (n, ntoes, 2).
+        force: ground force on each toe, along the ground (x) and normal to it (z), in N, (n, ntoes, 2).
         spring: torque of each spring on its joint, in N·m, (n, nsprings).
         engaged: whether each spring is engaged, (n, nsprings).
         current: of each motor, in A, (n, nu); (n, 0) without hardware.
@@ -109,6 +110,7 @@ class Trajectory:
         evaluations: number of right-hand sides evaluated.
         electrical: the ledger of what drives the joints, None without hardware: batteries positive, heat, gears
             and motors negative (a motor's work is here what leaves), the change that of the inductances.
+        ground: on which it is, along which and normal to which forces and impulses are; None if a file does not say.
     """
 
     robot: str
@@ -138,6 +140,7 @@ class Trajectory:
     message: str
     evaluations: int
     electrical: Ledger | None = None
+    ground: Ground | None = None
 
     def __len__(self) -> int:
         """Number of samples."""
@@ -224,5 +227,7 @@ class Trajectory:
 
 
 _REST = ("robot", "coordinates", "actuated", "toes", "spring_joints", "cycles", "reason", "message", "evaluations")
-SAMPLED = tuple(f.name for f in fields(Trajectory) if f.name not in (*_REST, "events", "ledger", "electrical"))
+SAMPLED = tuple(
+    f.name for f in fields(Trajectory) if f.name not in (*_REST, "events", "ledger", "electrical", "ground")
+)
 """The arrays over samples."""

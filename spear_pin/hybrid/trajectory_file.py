@@ -7,6 +7,7 @@ import math
 import struct
 import zlib
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict, fields
 from pathlib import Path
 from tokenize import TokenError
 from typing import IO, Any
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadFile, BadValue
 from spear_pin.files import atomic, check_keys, parse_json, regular
+from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.trajectory import SAMPLED, Event, Ledger, Trajectory
 
@@ -73,6 +75,7 @@ def write(trajectory: Trajectory, path: str | Path) -> Path:
     meta = {name: getattr(trajectory, name) for name in PLAIN} | {
         "format": FORMAT,
         "units": UNITS,
+        "ground": None if trajectory.ground is None else asdict(trajectory.ground),
         "flows": trajectory.ledger.flows,
         "drives": () if electrical is None else electrical.flows,
         "events": [{"name": e.name, "domain": e.domain, "work": dict(e.work)} for e in trajectory.events],
@@ -133,7 +136,18 @@ def _trajectory(archive: ZipFile) -> Trajectory:
         events=_events(meta["events"], arrays),
         ledger=Ledger(tuple(meta["flows"]), arrays["ledger_work"], arrays["ledger_change"]),
         electrical=Ledger(drives, arrays["electrical_work"], arrays["electrical_change"]) if drives else None,
+        ground=_ground(meta.get("ground")),
     )
+
+
+def _ground(numbers: Any) -> Ground | None:
+    """The ground, which files from before it was kept do not say."""
+    if numbers is None:
+        return None
+    if not isinstance(numbers, dict):
+        raise BadValue("ground", numbers, "its numbers by name")
+    check_keys("field of ground", numbers, [field.name for field in fields(Ground)])
+    return Ground(**numbers)
 
 
 def _events(infos: Iterable[Mapping[str, Any]], arrays: Arrays) -> tuple[Event, ...]:
@@ -210,7 +224,7 @@ def _check_meta(meta: Any) -> None:
     if not isinstance(meta, dict):
         raise ValueError("meta is no JSON object")
     wanted = {"format", "units", "flows", "events", *PLAIN}
-    check_keys("field of meta", meta, wanted, optional=("drives",))
+    check_keys("field of meta", meta, wanted, optional=("drives", "ground"))
     for name, value in (("format", FORMAT), ("units", UNITS)):
         if meta[name] != value:
             raise BadValue(name, meta[name], repr(value))

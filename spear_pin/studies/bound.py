@@ -215,7 +215,7 @@ class _Stride:
     def __init__(self, gait: Gait, trajectory: Trajectory) -> None:
         chosen = trajectory.cycle == 1
         self.robot, self.law, self.toes = gait.system.robot, gait.system.law, trajectory.toes
-        self.legs = legs_of(self.robot)
+        self.system, self.legs = gait.system, legs_of(self.robot)
         self.t, self.q, self.v, self.u = (getattr(trajectory, name)[chosen] for name in ("t", "q", "v", "u"))
         self.force, self.phase, self.domain = (
             trajectory.force[chosen],
@@ -328,7 +328,7 @@ class _Stride:
         return np.char.startswith(self.phase, phase) & ~near
 
     def _heights(self, leg: Leg) -> Array:
-        return np.array([self.robot.toe_position(q, leg.toe)[1] for q in self.q])
+        return np.array([self.system.ground.foot(self.robot, q, leg.toe)[0] for q in self.q])
 
     def _lift_off_force(self, name: str, normal: Array) -> float:
         """Of several lift-offs the one with the most; 0 where the foot slid too briefly for a sample."""

@@ -37,6 +37,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "frequency": law.frequency,
         "stiffness": gait.system.spring.stiffness,
         "friction": gait.system.contact.friction,
+        "slope": gait.system.ground.slope,
         "flight_time": gait.durations["flight"],
         "stance_time": gait.durations["stance"],
         "period": gait.period,

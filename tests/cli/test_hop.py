@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spear_pin import Trajectory, find_gait
+from spear_pin import Ground, Trajectory, find_gait
 from spear_pin.errors import NoGait, SpearError
 from tests.cli.calls import printed, refused, run, words
 
@@ -96,6 +96,13 @@ class TestHop:
         beyond = trajectory.q[:50, 2] - trajectory.q[0, 2]
         expected = -(2.0 + 48.84 * beyond + 30.0 * beyond**3)
         np.testing.assert_allclose(trajectory.spring[:50, 0], expected, rtol=0, atol=1e-9)
+
+    def test_slope(self, capsys, tmp_path):
+        """The ground is in the samples, and the page shows it."""
+        options = ["--stance-torque", 7.8, "--slope", 0.1, "--friction", 0.7, "--cycles", 1, "--out", tmp_path]
+        result = printed(capsys, "hop", *options)
+        assert (result["slope"], result["friction"], result["cycles"]) == (0.1, 0.7, 1)
+        assert Trajectory.load(tmp_path / "hop.npz").ground == Ground(0.7, 0.1)
 
     @pytest.mark.slow
     def test_free(self, capsys, tmp_path):
@@ -209,6 +216,8 @@ class TestMistakes:
             (["--frequency", "0"], "frequency"),
             (["--stiffness", "-5"], "stiffness"),
             (["--friction", "0"], "friction"),
+            (["--slope", "1.3"], "slope"),
+            (["--slope", "steep"], "steep"),
             (["--foot-placement", "0.1"], "foot_placement"),
             (["--colour", "red"], "--colour"),
             (["--cycles", "1.5"], "1.5"),

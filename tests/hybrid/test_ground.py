@@ -13,6 +13,7 @@ from spear_pin import (
     HoppingLaw,
     Robot,
     Spring,
+    Trajectory,
     bounding,
     find_gait,
     hopping,
@@ -244,6 +245,13 @@ class TestGround:
             gait = replace(hop, system=hopping(hop.system.robot, hop.system.law, contact=ground))
             assert Gait.load(gait.save(tmp_path / "gait.json")).system.contact == ground
         assert Gait.load("least_effort").system.contact == Contact(0.8)
+
+    def test_is_kept_with_samples(self, tmp_path, robot):
+        system = hopping(robot, LAW, ground=Ground(0.6, 0.05, -0.1))
+        trajectory = simulate(system, system.guess(), 1)
+        again = Trajectory.load(trajectory.save(tmp_path / "hop.npz"))
+        assert trajectory.ground == again.ground == system.ground
+        np.testing.assert_array_equal(again.force, trajectory.force)
 
     def test_is_level_for_feedback_by_height(self):
         gait = Gait.load("least_effort")

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from spear_pin.hybrid.ground import Ground
 from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
 from spear_pin.viz import player
@@ -120,3 +121,21 @@ def test_the_picture_follows_a_robot_that_runs() -> None:
     # and stays for one that hops in place
     assert read(player.page(load("spear_ii"), samples.hop())).track(WORLD, "position") is None
     assert record.track(STAGE, "position") is None
+
+
+def test_on_a_slope(spear: Robot, hop: SimpleNamespace) -> None:
+    """The plane is where the ground is, and forces that are in its axes are drawn in the world's."""
+    ground = Ground(0.8, 0.2, 0.1)
+    record = read(player.page(spear, SimpleNamespace(**{**vars(hop), "ground": ground})))
+    pose = record.pose(f"{WORLD}/ground", 0.0)
+    level = np.linalg.inv(record.pose(WORLD, 0.0))
+    for along, across in ((0.0, 0.0), (2.0, -1.0), (-3.0, 1.0)):
+        x, y, z, _ = level @ pose @ [along, across, 0.0, 1.0]
+        assert y == pytest.approx(across) and z == pytest.approx(0.1 + x * np.tan(0.2), abs=1e-12)
+    flat = read(player.page(spear, hop))
+    arrow = arrow_path("toe")
+    bears = away_from_events(hop)
+    sample = bears[np.argmax(hop.force[bears, 0, 1])]
+    shown, before = ((each.pose(arrow, hop.t[sample]) @ [0, 0, 1, 0])[[0, 2]] for each in (record, flat))
+    turn = np.array([[np.cos(0.2), -np.sin(0.2)], [np.sin(0.2), np.cos(0.2)]])
+    np.testing.assert_allclose(shown, turn @ before, atol=1e-3)

@@ -68,6 +68,7 @@ OPTIONS = {
         "--frequency": POSITIVE,
         **dict.fromkeys(("--stiffness", "--hardening", "--preload"), (*NOT_NEGATIVE, "1e300")),
         "--friction": POSITIVE,
+        "--slope": (*NUMBER, "1.3", "-1.3"),
         "--foot-placement --free-x": NUMBER,
         "--foot-placement": ("0.1",),
         "--current-limit --hardware": (*TEXT, "nan", "-inf", "-1", "0"),  # an infinite one is none

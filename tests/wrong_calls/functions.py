@@ -138,6 +138,7 @@ FUNCTIONS: tuple[tuple[str, Callable[[], Mapping[str, Any]], Mapping[str, tuple[
         },
     ),
     (":Contact", dict, {"friction": POSITIVE}),
+    (":Ground", dict, {"friction": POSITIVE, "slope": ("x", NAN, 1.3, [], True), "height": ("x", NAN, 1e4, [], True)}),
     (
         ":HoppingLaw",
         dict,
