@@ -159,6 +159,7 @@ def _unsaid(system: HybridSystem) -> list[str]:
     has = {
         "hardware": system.hardware is not None,
         "dry friction of joints": any(domain.rubs for domain in system.domains),
+        "ground that is no plane": type(system.contact) not in (Contact, Ground),
         "a robot with added inertia": system.robot.added is not None,
         "another builder than others of its kind": not built_as_named(system),
         "a change of its own": any(not isinstance(change, (DryFriction, Fitted)) for change in system.changes),

@@ -7,7 +7,7 @@ import math
 import struct
 import zlib
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, fields
+from dataclasses import fields
 from pathlib import Path
 from tokenize import TokenError
 from typing import IO, Any
@@ -59,6 +59,7 @@ NAMES = ("coordinates", "actuated", "toes", "spring_joints")
 COUNTS = ("cycles", "evaluations")
 TEXTS = ("robot", "reason", "message")
 PLAIN = ("robot", *NAMES, "cycles", "reason", "message", "evaluations")
+OF_GROUND = tuple(field.name for field in fields(Ground))
 DENSEST = 1100  # bytes that one of a compressed file may stand for: more than deflate packs
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -69,13 +70,13 @@ def write(trajectory: Trajectory, path: str | Path) -> Path:
     arrays: dict[str, Any] = {name: getattr(trajectory, name) for name in SAMPLED}
     arrays |= {f"event_{name}": np.array([getattr(e, name) for e in trajectory.events]) for name in EVENT_ARRAYS}
     arrays |= {"ledger_work": trajectory.ledger.work, "ledger_change": trajectory.ledger.change}
-    electrical = trajectory.electrical
+    electrical, ground = trajectory.electrical, trajectory.ground
     if electrical is not None:
         arrays |= {"electrical_work": electrical.work, "electrical_change": electrical.change}
     meta = {name: getattr(trajectory, name) for name in PLAIN} | {
         "format": FORMAT,
         "units": UNITS,
-        "ground": None if trajectory.ground is None else asdict(trajectory.ground),
+        "ground": None if ground is None else {name: getattr(ground, name) for name in OF_GROUND},
         "flows": trajectory.ledger.flows,
         "drives": () if electrical is None else electrical.flows,
         "events": [{"name": e.name, "domain": e.domain, "work": dict(e.work)} for e in trajectory.events],
@@ -146,7 +147,7 @@ def _ground(numbers: Any) -> Ground | None:
         return None
     if not isinstance(numbers, dict):
         raise BadValue("ground", numbers, "its numbers by name")
-    check_keys("field of ground", numbers, [field.name for field in fields(Ground)])
+    check_keys("field of ground", numbers, OF_GROUND)
     return Ground(**numbers)
 
 

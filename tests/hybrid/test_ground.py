@@ -1,7 +1,7 @@
 """The ground: its axes, slopes against level ground under tilted gravity, and what it refuses."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -213,6 +213,39 @@ class TestLanes:
         found = simulate_many(gait.system, q, v, parameters=parameters)
         assert (found.reason == "complete").all() and not found.repeated.any()
         assert_agree(gait.system, q, v, found, parameters=parameters)
+
+
+@dataclass(frozen=True)
+class Step(Ground):
+    """As CONTRIBUTING.md says to add one."""
+
+    at: float = 0.5
+    rise: float = 0.02
+    plain = False
+
+    def above(self, x, z, ops=math):
+        return super().above(x, z, ops) - self.rise * (x > self.at)
+
+
+class TestStep:
+    @pytest.mark.parametrize("rise", [0.02, -0.02])
+    def test_is_run_over(self, rise):
+        """Every foot lands on its tread, and the biped goes on at its pace."""
+        robot = load("biped")
+        system = example().running(robot, example().RunningLaw(set_back=0.117809), ground=Step(rise=rise))
+        trajectory = simulate(system, system.guess(), 6)
+        assert trajectory.complete and np.abs(trajectory.ledger.residual).max() < 2e-9
+        landed = [event for event in trajectory.events if event.name.endswith("_touchdown")]
+        places = np.array([robot.toe_position(event.q, f"{event.name.split('_')[0]}_toe") for event in landed])
+        assert places[-1, 0] > 5.0
+        np.testing.assert_allclose(places[:, 1], np.where(places[:, 0] > 0.5, rise, 0.0), atol=1e-9)
+
+    def test_is_for_the_reference_engine(self, tmp_path, hop):
+        system = hopping(hop.system.robot, hop.system.law, ground=Step())
+        with pytest.raises(BadValue, match=r"ground is Step\(.*expected a plane"):
+            simulate_many(system, hop.state[0][None], hop.state[1][None])
+        with pytest.raises(BadValue, match="ground that is no plane"):
+            replace(hop, system=system).save(tmp_path / "hop.json")
 
 
 class TestGround:
