@@ -44,6 +44,18 @@ def test_every_module_is_in_the_api():
     assert listed == {f"spear_pin.{name}" for name in modules - {"__init__", "__main__", "cli", "urdf"}}
 
 
+def test_the_places_between_which_a_page_includes_a_file_are_there():
+    included = re.findall(r"^```\{include\} (\S+)\n(.*?)^```$", "\n".join(PAGES.values()), re.M | re.S)
+    places = [
+        (file, place)
+        for file, options in included
+        for place in re.findall(r'^:(?:start|end)-\w+: "(.*)"$', options, re.M)
+    ]
+    assert len(places) >= 4
+    for file, place in places:
+        assert place in (DOCS / file).read_text(encoding="utf-8"), f"{file}: {place}"
+
+
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_says_what_it_is_for(example: Path):
     docstring = ast.get_docstring(ast.parse(example.read_text(encoding="utf-8"))) or ""
