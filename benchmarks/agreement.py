@@ -1,9 +1,9 @@
 """Whether lanes agree: `python -m benchmarks.agreement`, many together, one by one, and by the reference engine.
 
-Hops: plain, with limited flexion, with a spring that is never switched, on slippery ground, with boom_x free; friction
-and stiffness are drawn for each lane, and a third of them starts far off. Strides: the gaits that ship, around their
-fixed points. Of each lane the reason and the number of cycles are compared, and the state where it ended; what differs
-is listed.
+Hops: plain, with limited flexion, with a spring that is never switched, on slippery ground, on a slope, with boom_x
+free; friction and stiffness are drawn for each lane, and a third of them starts far off. Strides: the gaits that ship,
+around their fixed points. Of each lane the reason and the number of cycles are compared, and the state where it ended;
+what differs is listed.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from spear_pin import Gait, Spring, find_gait, hopping, load, simulate_many
+from spear_pin import Gait, Ground, Spring, find_gait, hopping, load, simulate_many
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.lanes.journey import FEW
 from spear_pin.hybrid.parameters import with_parameters
@@ -31,6 +31,7 @@ Array = NDArray[np.float64]
 State = tuple[Array, Array]
 RTOL = 1e-11
 SAME = 1e-8  # m, rad, m/s, rad/s
+SLOPE = 0.08  # rad
 NEAR, FAR = 0.02, 0.3  # of the section's coordinates: how far from a gait lanes start
 SHIPPED = ("long_stride", "force_lift_off", "least_effort")
 
@@ -65,6 +66,12 @@ def hopping_with(spring: Spring | None = None, **law: float) -> tuple[HybridSyst
     return hopping(system.robot, replace(system.law, **law), spring or system.spring, system.contact), state
 
 
+def sloped_hop() -> tuple[HybridSystem, State]:
+    """The hop on a slope."""
+    found = find_gait(hopping(hop().system.robot, ground=Ground(slope=SLOPE)), ["stance_torque"], {"flight_time": 0.2})
+    return found.system, found.state
+
+
 def gait(name: str) -> tuple[HybridSystem, State]:
     """A gait that ships."""
     found = Gait.load(name)
@@ -82,6 +89,7 @@ HOPS = {
     "limited flexion": Case(partial(hopping_with, minimum_force=20.0), 3, {"friction": GROUND, "stiffness": STIFF}),
     "fixed spring": Case(partial(hopping_with, Spring(rest=1.0)), 3, {"friction": GROUND}),
     "slippery": Case(hopping_with, 3, {"friction": SLIPPERY, "stiffness": STIFF}),
+    "sloped": Case(sloped_hop, 3, {"friction": GROUND, "stiffness": STIFF}),
     "x free": Case(free_hop, 3, {"friction": GROUND, "stiffness": STIFF}),
 }
 BOUNDS = {name: Case(partial(gait, name), 2, {"friction": (0.3, 1.2)}, far=0.05) for name in SHIPPED}
