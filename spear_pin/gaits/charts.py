@@ -5,6 +5,7 @@ Each lane's numbers depend on that lane alone, to the last digit: sums run over 
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +14,8 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
+from spear_pin.hybrid.engines.layout import with_fields
+from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.rules.footing import AT_REST
 from spear_pin.hybrid.translation import translations
 from spear_pin.model.planar import Planar
@@ -27,13 +30,24 @@ class Section:
 
     Args:
         system: the system.
+        ground: in place of the system's, its numbers arrays where lanes have ground of their own.
     """
 
-    def __init__(self, system: HybridSystem) -> None:
+    def __init__(self, system: HybridSystem, ground: Ground | None = None) -> None:
         robot, contacts = system.robot, system.of_phase(system.section_phase)[0].contacts
         self.planar, self.nv = Planar(robot), robot.nv
         self.toes = [toe for toe, mode in zip(robot.toes, contacts, strict=True) if mode != OPEN]
-        self.ground, self.translations = system.ground, translations(system)
+        self.ground, self.translations = ground or system.ground, translations(system, ground)
+
+    def take(self, lanes: Any) -> Section:
+        """Section of some lanes."""
+        own = {name: value for name, value in vars(self.ground).items() if isinstance(value, np.ndarray)}
+        if not own:
+            return self
+        other = copy(self)
+        other.ground = with_fields(self.ground, {name: value[lanes] for name, value in own.items()})
+        other.translations = self.translations[lanes] if self.translations.ndim == 3 else self.translations
+        return other
 
     def geometry(self, q: Array) -> tuple[Array, Array]:
         """Distances of the closed toes from the ground, (n, k), their Jacobians, (n, k, 2, nv), of configurations."""
@@ -54,7 +68,7 @@ class Section:
     def charts(self, q: Array, v: Array, slides: NDArray[np.bool_]) -> Charts:
         """Charts around states in all of which the same toes slide, (k,)."""
         _, jacobians = self.geometry(q)
-        fixed = np.broadcast_to(self.translations, (len(q), *self.translations.shape))
+        fixed = np.broadcast_to(self.translations, (len(q), *self.translations.shape[-2:]))
         q_basis = null_spaces(np.concatenate([jacobians[:, :, 1], fixed], axis=1))
         return Charts(self, slides, q, v, q_basis, null_spaces(velocity_rows(jacobians, slides)))
 
@@ -87,7 +101,7 @@ class Charts:
     def take(self, lanes: Lanes) -> Charts:
         """Some lanes, in any order, one as often as wanted."""
         parts = (part[lanes] for part in (self.q, self.v, self.q_bases, self.v_bases))
-        return Charts(self.section, self.slides, *parts)
+        return Charts(self.section.take(lanes), self.slides, *parts)
 
     def states(self, xi: Array) -> tuple[Array, Array]:
         """The states on the section with coordinates ξ, (n, d); not finite where there is none."""
@@ -97,14 +111,14 @@ class Charts:
         q[~near], v[~near] = np.nan, np.nan
         moving = np.flatnonzero(near)
         for _ in range(8):
-            heights, jacobians = self.section.geometry(q[moving])
+            heights, jacobians = self.section.take(moving).geometry(q[moving])
             off = np.abs(heights).max(axis=1, initial=0.0) >= HEIGHT
             moving = moving[off]
             if not len(moving):
                 break
             q[moving] -= applied(np.linalg.pinv(jacobians[off][:, :, 1]), heights[off])
         lanes = np.flatnonzero(near)
-        rows = velocity_rows(self.section.geometry(q[lanes])[1], self.slides)
+        rows = velocity_rows(self.section.take(lanes).geometry(q[lanes])[1], self.slides)
         v[lanes] -= applied(np.linalg.pinv(rows), applied(rows, v[lanes]))
         return q, v
 

@@ -23,7 +23,7 @@ from spear_pin.hybrid import reasons
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import Batch, simulate_many
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.layout import OF_GROUND
+from spear_pin.hybrid.engines.layout import OF_GROUND, with_fields
 from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.record import State
 from spear_pin.kinds import typed
@@ -126,7 +126,7 @@ def find_many(
     Args:
         system: robot, law and ground; its parameters hold where none are given.
         parameters: numbers that differ from lane to lane, (n,) each, named as fields of law, spring or contact.
-        vary: parameters to solve for; one that is in `parameters` too begins there.
+        vary: parameters to solve for, but slope and height of the ground; one that is in `parameters` too begins there.
         target: wanted values of measures of the cycle, a key of `MEASURES` each, for all lanes or (n,).
         guess: a state (q, v) on the section to begin from; by default the system's own.
         rtol: relative tolerance, as of `simulate_many`.
@@ -136,7 +136,8 @@ def find_many(
         MissingExtra: heyoka is not installed.
         UnknownName: unknown parameter or measure.
         BadValue: shapes do not fit, a number is not finite, a measure is of an event that lanes do not record,
-            no cycle has a target (a flight that closes none), or the system has what the engine cannot compile.
+            what varies moves the ground, no cycle has a target (a flight that closes none), or the system has what
+            the engine cannot compile.
     """
     taylor.require()
     target = dict(target or {})
@@ -145,9 +146,9 @@ def find_many(
     for name, values in given.items():
         if values.shape != (n,) or not n or not np.isfinite(values).all():
             raise BadValue(f"parameters[{name!r}]", values, "finite numbers, as many for each parameter")
-    for name in (*given, *vary):
+    for name in vary:
         if name in OF_GROUND:
-            raise BadValue("parameters", name, "none of the place of the ground, on which lanes have their section")
+            raise BadValue("vary", name, "what does not move the ground, on which the lanes' sections are")
     if not given:
         raise BadValue("parameters", parameters, "at least one, with a number for each lane")
     wanted = _wanted(system, vary, target, n)
@@ -209,7 +210,8 @@ class _Lanes:
     def __init__(self, search: _Search, start: Array, on_lanes: Callable[[int], object]) -> None:
         n, robot = len(start), search.system.robot
         self.search, self.start, self.on_lanes = search, start, on_lanes
-        self.section = Section(search.system)
+        own = {name: values for name, values in search.fixed.items() if name in OF_GROUND}
+        self.section = Section(search.system, with_fields(search.system.ground, own))
         self.q, self.v = np.full((n, robot.nq), np.nan), np.full((n, robot.nv), np.nan)
         self.solved = np.full(start.shape, np.nan)
         self.residual, self.norm = np.full(n, np.nan), np.full(n, np.inf)
@@ -265,11 +267,11 @@ class _Lanes:
 
     def solve(self, lanes: NDArray[np.int64], q: Array, v: Array, start: Array) -> None:
         """Newton's method and the multipliers, lanes with the same sliding toes together."""
-        slides = self.section.sliding(q, v)
+        slides = self.section.take(lanes).sliding(q, v)
         for pattern in np.unique(slides, axis=0):
             chosen = (slides == pattern).all(axis=1)
-            charts = self.section.charts(q[chosen], v[chosen], pattern)
             problem, own = self.search.problem(lanes[chosen]), lanes[chosen]
+            charts = self.section.take(own).charts(q[chosen], v[chosen], pattern)
             root = newton(problem, charts, start[chosen])
             self.fail(own, root.reason, root.norm)
             there = np.flatnonzero(root.reason == CONVERGED)
@@ -282,10 +284,11 @@ class _Lanes:
 
     def finish(self, lanes: NDArray[np.int64], q: Array, v: Array, values: Array) -> None:
         """Check the fixed points on the whole state, and find their multipliers."""
-        slides = self.section.sliding(q, v)
+        slides = self.section.take(lanes).sliding(q, v)
         for pattern in np.unique(slides, axis=0):
             chosen = (slides == pattern).all(axis=1)
-            own, charts = lanes[chosen], self.section.charts(q[chosen], v[chosen], pattern)
+            own = lanes[chosen]
+            charts = self.section.take(own).charts(q[chosen], v[chosen], pattern)
             found = multipliers(self.search.problem(own), charts, values[chosen])
             closes = found.residual <= max(RESIDUAL, 10.0 * self.search.rtol)
             reason = np.where(closes, found.reason, "no_convergence").astype(object)

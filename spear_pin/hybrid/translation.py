@@ -2,37 +2,41 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.ground import Ground
 from spear_pin.model.planar import Planar
 
 Array = NDArray[np.float64]
 VERTICAL = 1e-12  # of a slider's direction
 
 
-def translations(system: HybridSystem) -> Array:
+def translations(system: HybridSystem, ground: Ground | None = None) -> Array:
     """Unit directions over the coordinates along which a motion may be moved, (k, nv): of each that is cyclic.
 
     On level ground that is the coordinate itself; on a slope the robot has to be lifted with it.
 
+    Args:
+        system: the system.
+        ground: in place of its own; of n lanes with slopes of their own, directions are (n, k, nv).
+
     Raises:
         BadValue: the ground is sloped, and no coordinate lifts the robot as a whole.
     """
-    robot, slope = system.robot, system.ground.slope
+    robot, ground = system.robot, ground or system.ground
     rows = np.eye(robot.nv)[[robot.index(name) for name in system.cyclic]]
-    if slope == 0.0 or not system.cyclic:
+    if ground.level or not system.cyclic:
         return rows
-    return np.asarray(math.cos(slope) * rows + math.sin(slope) * np.eye(robot.nv)[_lift(system)], np.float64)
+    slope = np.asarray(ground.slope)[..., None, None]
+    return np.asarray(np.cos(slope) * rows + np.sin(slope) * np.eye(robot.nv)[_lift(system)], np.float64)
 
 
 def without(rows: Array, motion: Array) -> Array:
-    """Displacements over the coordinates, (..., nv), less what of them is along unit rows, (k, nv)."""
-    for row in rows:
+    """Displacements over the coordinates, (..., nv), less what of them is along unit rows, (..., k, nv)."""
+    for row in np.moveaxis(rows, -2, 0):
         motion = motion - (motion * row).sum(axis=-1, keepdims=True) * row
     return motion
 

@@ -22,12 +22,13 @@ from spear_pin import (
     simulate_many,
 )
 from spear_pin.errors import BadValue
+from spear_pin.gaits.many import find_many
 from spear_pin.gaits.series_hopping import series_hopping
 from spear_pin.hybrid.automaton import Domain, HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK
 from spear_pin.hybrid.modes import choose
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.periodic import chart, displacement, return_map
+from spear_pin.hybrid.periodic import chart, displacement, multipliers, residual, return_map
 from spear_pin.hybrid.phases import contact_domains
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
@@ -203,6 +204,22 @@ class TestLanes:
         some["durations"] = {name: each[few] for name, each in found.durations.items()}
         given = {name: each[few] for name, each in parameters.items()}
         assert_agree(system, q[few], v[few], replace(found, **some), 2, parameters=given)
+
+    def test_gaits(self, free_robot):
+        """Fixed points on a ground of each lane's own, by the reference engine's residual and multipliers."""
+        system = hopping(free_robot, LAW)
+        begun = find_gait(system, ["hip_touchdown"], {"mean_speed": 0.0})
+        own = {"slope": np.array([-0.05, 0.0, 0.04]), "height": np.array([0.1, 0.0, -0.2])}
+        table = find_many(begun.system, own, ["hip_touchdown"], {"mean_speed": 0.0}, guess=begun.state)
+        assert table.converged.all() and table.residual.max() < 1e-9
+        for i in range(3):
+            numbers = {name: float(each[i]) for name, each in table.parameters.items()}
+            there, state = with_parameters(begun.system, numbers), (table.q[i], table.v[i])
+            assert abs(there.ground.foot(free_robot, state[0], "toe")[0]) < 1e-14
+            assert residual(there, state) < 1e-8
+            np.testing.assert_allclose(table.multipliers[i], multipliers(there, state), rtol=0, atol=1e-5)
+        with pytest.raises(BadValue, match="vary is 'slope'; expected what does not move the ground"):
+            find_many(system, {"friction": [0.5]}, ["slope"], {"mean_speed": 0.0})
 
     def test_bound(self):
         """Two legs; one stride, from the shipped gait's state lifted onto slopes."""
