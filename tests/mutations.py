@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-COPIED = ("spear_pin", "urdf", "viz", "tests", "pyproject.toml", "README.md", "LICENSE")
+COPIED = ("spear_pin", "urdf", "viz", "tests", "examples", "pyproject.toml", "README.md", "LICENSE")
 LONGEST = 300  # s
 
 

@@ -35,6 +35,7 @@ from spear_pin.hybrid.run import run
 from spear_pin.hybrid.translation import translations
 from tests.biped import example
 from tests.hybrid.lanes import assert_agree, compiles
+from tests.hybrid.motions import terms_of
 
 SLOPE, HEIGHT = 0.12, 0.3
 LAW = HoppingLaw(hip_touchdown=0.5, stance_torque=8.0)
@@ -95,6 +96,39 @@ class TestSlope:
         trajectory = simulate(system, system.guess(), 3, 1e-11)
         assert trajectory.complete and np.abs(trajectory.ledger.residual).max() < 1e-9
         assert trajectory.ledger["slip"].min() < -1e-3
+
+    def test_ledger_of_a_bound_closes(self):
+        gait = Gait.load("least_effort")
+        system = with_parameters(gait.system, {"slope": 0.01, "height": HEIGHT})
+        trajectory = simulate(system, system.guess(), 1, 1e-11)
+        assert trajectory.complete and np.abs(trajectory.ledger.residual).max() < 1e-9
+
+    def test_obeys_a_lagrangian(self, free_robot):
+        """Every sample, forces turned into the world by hand; what sticks rests, what slides stays on the slope."""
+        system = hopping(free_robot, LAW, ground=Ground(0.3, SLOPE, HEIGHT))
+        trajectory = simulate(system, system.guess(), 2, 1e-10)
+        along = np.array([math.cos(SLOPE), math.sin(SLOPE)])
+        normal = np.array([-along[1], along[0]])
+        seen = set()
+        for i, at in enumerate(terms_of(trajectory)):
+            v, a, (tangential, pressing) = trajectory.v[i], trajectory.a[i], trajectory.force[i, 0]
+            J, drift, mode = at.jacobians["toe"], at.drifts["toe"], str(trajectory.domain[i])
+            force = tangential * along + pressing * normal
+            torque = np.array([0.0, 0.0, *trajectory.tau[i]])
+            left = at.mass_matrix @ a + at.coriolis + at.gravity
+            np.testing.assert_allclose(left, torque + trajectory.friction[i] + J.T @ force, rtol=0, atol=1e-8)
+            seen.add(mode)
+            if mode == "flight":
+                assert tangential == pressing == 0.0
+                continue
+            assert abs(normal @ (J @ a + drift)) < 1e-8 and abs(normal @ J @ v) < 1e-7 and pressing > -1e-4
+            assert abs(normal @ (at.toes["toe"] - [0.0, HEIGHT])) < 1e-8
+            if mode == "stance":
+                assert abs(along @ (J @ a + drift)) < 1e-8 and abs(tangential) <= 0.3 * pressing + 1e-4
+            else:
+                side = 1.0 if mode.endswith("+") else -1.0
+                assert tangential == pytest.approx(-0.3 * side * pressing, abs=1e-9) and side * (along @ J @ v) > -1e-6
+        assert {"stance", "flight"} < seen
 
     @pytest.mark.parametrize(("slope", "friction", "mode"), [
         (0.29, 0.3, "stick"), (-0.29, 0.3, "stick"), (0.293, 0.3, "slip-"), (-0.293, 0.3, "slip+"), (0.9, 1.2, "slip-"),
