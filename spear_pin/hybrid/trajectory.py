@@ -77,7 +77,7 @@ class Ledger:
 
 @dataclass(frozen=True)
 class Trajectory:
-    """Motion over time; at every sample D a + C v + G = B tau + friction + Σ Jᵀ F.
+    """Motion over time; at every sample D a + C v + G = B tau + friction + Σ Jᵀ F, J and F in the ground's axes.
 
     An event's two sides are two samples. There are at least 100 samples a phase.
 

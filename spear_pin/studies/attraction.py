@@ -107,5 +107,7 @@ def dropped(gait: Gait, clearances: ArrayLike, knees: ArrayLike) -> tuple[Array,
     reach = {
         float(angle): robot.toe_position([*[0.0] * (robot.nq - 2), 0.5 * angle, angle], "toe")[1] for angle in knee
     }
-    q[:, robot.index("boom_z")] = height - np.array([reach[float(angle)] for angle in knee])
+    q[:, robot.index("boom_z")] = (
+        height - np.array([reach[float(angle)] for angle in knee]) + gait.system.ground.under(0.0)
+    )
     return q, np.zeros((len(height), robot.nv))

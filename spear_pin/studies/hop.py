@@ -20,7 +20,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
 
     Returns:
         stance_torque, flight_time, stance_time, period, residual, multipliers, stable; from the
-        first cycle apex_height (hip above ground), peak_force (vertical), peak_compression of the
+        first cycle apex_height (of the hip, above zero), peak_force (normal), peak_compression of the
         spring, spring_share (see there), energy by flow; of all of them energy_residual, the largest, and
         retouches, how often the toe left the ground too briefly for a flight. Without an apex, or a whole
         cycle, what needs one is None, and energy is empty.
