@@ -161,7 +161,7 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/ground",
-        ["hybrid/test_ground"],
+        ["hybrid/test_slopes"],
         {
             "downhill for uphill": ("ops.sin(self.slope)", "-ops.sin(self.slope)"),
             "distance from the ground as on the level": ("self.height * ops.cos(self.slope)", "self.height"),
@@ -170,8 +170,8 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/translation",
-        ["hybrid/test_ground"],
-        {"moved along a slope without being lifted": ("math.sin(slope) * np.eye", "0.0 * np.eye")},
+        ["hybrid/test_slopes"],
+        {"moved along a slope without being lifted": ("np.sin(slope) * np.eye", "0.0 * np.eye")},
     ),
     *mistakes_in(
         "hybrid/rules/impact",

@@ -65,7 +65,7 @@ class Ground(Contact):
         return plus(times(cosine, x), times(sine, z)), plus(times(cosine, z), times(-sine, x))
 
     def world(self, along: Any, normal: Any) -> tuple[Any, Any]:
-        """X and z of a vector that has these components, the inverse of `axes`."""
+        """A vector (x, z) of its components along the ground and normal to it, the inverse of `axes`."""
         return replace(self, slope=-self.slope).axes(along, normal)
 
     def above(self, x: Any, z: Any, ops: Any = math) -> Any:
