@@ -161,7 +161,7 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/ground",
-        ["hybrid/test_slopes"],
+        ["hybrid/test_slopes", "hybrid/test_symbolic"],
         {
             "downhill for uphill": ("ops.sin(self.slope)", "-ops.sin(self.slope)"),
             "distance from the ground as on the level": ("self.height * ops.cos(self.slope)", "self.height"),
