@@ -41,6 +41,10 @@ class BadValue(SpearError):
         super().__init__(f"{name} is {brief(value)}; expected {expected}")
 
 
+class NotSymbolic(SpearError, TypeError):
+    """A law or a guard that symbols cannot be put into, so that it cannot be compiled for lanes."""
+
+
 class BadFile(SpearError):
     """A file that cannot be read as what it should be: a URDF, a gait, a trajectory."""
 

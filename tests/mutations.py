@@ -400,7 +400,7 @@ MUTATIONS = [
         "hybrid/engines/single",
         ["hybrid/test_track"],
         {
-            "lane alone: a guard that stays on zero": ("if stays(guards[i], values[i], change)", "if False"),
+            "lane alone: a guard that stays on zero": ("if stays_on_zero(guards[i], values[i], change)", "if False"),
             "lane alone: a kink that stays on zero": (", values[self._kinks[1]])", ", [])"),
         },
     ),

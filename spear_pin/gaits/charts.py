@@ -16,7 +16,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.layout import with_fields
 from spear_pin.hybrid.ground import Ground
-from spear_pin.hybrid.rules.footing import AT_REST
+from spear_pin.hybrid.rules.footing import still
 from spear_pin.hybrid.translation import translations
 from spear_pin.model.planar import Planar
 
@@ -63,7 +63,7 @@ class Section:
 
     def sliding(self, q: Array, v: Array) -> NDArray[np.bool_]:
         """Which closed toes slide, (n, k)."""
-        return np.asarray(np.abs(applied(self.geometry(q)[1][:, :, 0], v)) > AT_REST)
+        return np.asarray(~still(applied(self.geometry(q)[1][:, :, 0], v)))
 
     def charts(self, q: Array, v: Array, slides: NDArray[np.bool_]) -> Charts:
         """Charts around states in all of which the same toes slide, (k,)."""

@@ -34,7 +34,7 @@ class Contact:
 
 
 def solve(matrix: Any, right: Any) -> Array:
-    """Solution of a linear system, (n,) or (n, k): NumPy's, without its several microseconds of checks.
+    """Solution of a linear system, (n,) or (n, k), of which n is at least 1: NumPy's checks take several microseconds.
 
     Args:
         matrix: (n, n).

@@ -16,7 +16,7 @@ import scipy
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.engines.pinocchio import Flow
-from spear_pin.hybrid.rules.entry import ahead, at_once, stays
+from spear_pin.hybrid.rules.entry import ahead, at_once, stays_on_zero
 
 Array = NDArray[np.float64]
 Interpolant = Callable[[float], Array]
@@ -98,7 +98,7 @@ class Watch:
 
     def _stays(self, i: int, middle: float, end: float) -> bool:
         before, guard = self._values[i], self._guards[i]
-        return bool(all(stays(guard, before, value - before) for value in (middle, end)) and not guard.leaves)
+        return bool(all(stays_on_zero(guard, before, value - before) for value in (middle, end)) and not guard.leaves)
 
     def _later(self, t: float, y: Array, h: float) -> Array:
         return np.array([self._at(t + h, ahead(self._flow, t, y, h))]).T

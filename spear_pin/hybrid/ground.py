@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
@@ -19,7 +19,7 @@ from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
 STEEPEST = 1.2  # rad: steeper slopes are walls
-HIGHEST = 1e3  # m
+HIGHEST = 10.0  # m: far from zero, rounding of coordinates hides how guards change
 
 
 @typed
@@ -54,19 +54,18 @@ class Ground(Contact):
 
     @property
     def plain(self) -> bool:
-        """Whether it is level, and at height zero."""
-        return self.level and _is_zero(self.height)
+        """Whether it is level, at height zero, and no other shape than a plane."""
+        return type(self).above is Ground.above and self.level and _is_zero(self.height)
 
     def axes(self, x: Any, z: Any, ops: Any = math) -> tuple[Any, Any]:
         """Tangential and normal component of a vector (x, z), or of a row of vectors if those are arrays."""
         if self.level:
             return x, z
-        cosine, sine = ops.cos(self.slope), ops.sin(self.slope)
-        return plus(times(cosine, x), times(sine, z)), plus(times(cosine, z), times(-sine, x))
+        return _turned(x, z, ops.cos(self.slope), ops.sin(self.slope))
 
     def world(self, along: Any, normal: Any) -> tuple[Any, Any]:
         """A vector (x, z) of its components along the ground and normal to it, the inverse of `axes`."""
-        return replace(self, slope=-self.slope).axes(along, normal)
+        return _turned(along, normal, math.cos(self.slope), -math.sin(self.slope))
 
     def above(self, x: Any, z: Any, ops: Any = math) -> Any:
         """Distance of a point from the ground, along its normal, in m; negative below it."""
@@ -109,6 +108,10 @@ def given(contact: Contact | None, ground: Ground | None) -> Contact:
     if contact is not None and ground is not None:
         raise BadValue("ground", ground, f"none beside contact, which is {contact}: either says all of the ground")
     return ground or contact or Contact()
+
+
+def _turned(x: Any, z: Any, cosine: Any, sine: Any) -> tuple[Any, Any]:
+    return plus(times(cosine, x), times(sine, z)), plus(times(cosine, z), times(-sine, x))
 
 
 def _is_zero(value: Any) -> bool:

@@ -18,7 +18,7 @@ from spear_pin.errors import NoGait
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.record import Options, Run, State
-from spear_pin.hybrid.rules.footing import AT_REST
+from spear_pin.hybrid.rules.footing import still
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.translation import translations, without
 
@@ -92,7 +92,7 @@ def _velocity_rows(system: HybridSystem, q: Array, origin: State) -> Array:
     rows = []
     for toe in _closed_toes(system):
         (_, jacobian), (_, begun) = (system.ground.foot(system.robot, at, toe) for at in (q, origin[0]))
-        slides = abs((begun @ origin[1])[0]) > AT_REST
+        slides = not still((begun @ origin[1])[0])
         rows += [jacobian[1]] if slides else [jacobian[0], jacobian[1]]
     return np.array(rows)
 

@@ -222,7 +222,7 @@ class _Runner:
         again = bool(retouches(self.system, reset, now - self.grounded))
         try:
             held = self._reset(RETOUCH if again else guard.name, reset)
-        except ArithmeticError:
+        except _Undefined:
             self._end("not_finite", f"what {guard.name} latches at t = {now:.6g} s")
             return
         reason = self._too_many(now)
@@ -242,7 +242,7 @@ class _Runner:
         """What an event does to the state, recorded and booked; returns what is held then.
 
         Raises:
-            ArithmeticError: what it latches has no value.
+            _Undefined: what it latches has no value.
         """
         nq, nv, held = self.robot.nq, self.robot.nv, self.flow.held
         q, v = self.y[:nq], self.y[nq : nq + nv]
@@ -255,7 +255,10 @@ class _Runner:
             v, impulse, work["impact"] = strike.v, strike.impulse, strike.work
             held = {**held, **strike.rises}
         self.y = np.concatenate([q, v, self.y[nq + nv :]])
-        held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law)
+        try:
+            held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law)
+        except ArithmeticError:
+            raise _Undefined from None
         domain = self.flow.domain.name
         self.run.events.append(Event(name, self._now(), domain, q.copy(), before, v.copy(), impulse, work))
         for flow, energy in work.items():
@@ -393,6 +396,10 @@ class _Runner:
             if mount.joint in reset.release:
                 energy += float(mount.energy(self.y[self.system.robot.index(mount.joint)], held))
         return energy
+
+
+class _Undefined(Exception):
+    """An event latches what has no value."""
 
 
 def _never(*_: Any) -> float:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.robot import WORLD_ALIGNED, Robot
 
 Vector = tuple[Any, Any]
@@ -128,7 +128,13 @@ class Planar:
         return self._feet(self._joints(q, v, ops))
 
     def position(self, frame: str, q: Sequence[Any], ops: Any) -> Vector:
-        """Position of any frame of the robot's model, x and z, in m."""
+        """Position of any frame of the robot's model, x and z, in m.
+
+        Raises:
+            UnknownName: there is no such frame.
+        """
+        if frame not in self.frames:
+            raise UnknownName("frame", frame, self.frames)
         i, offset = self.frames[frame]
         joint = self._joints(q, [0.0] * self.nv, ops)[i] if i >= 0 else _WORLD
         return _added(joint.origin, _turned(offset, joint.cosine, joint.sine))

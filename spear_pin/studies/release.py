@@ -93,6 +93,8 @@ def released(leg: PinnedLeg, knee: PassiveKnee, duration: float = 1.5, dry: bool
     still, conducts = (0.0,) * robot.nu, knee.braking > 0.0 and knee.braking_from > 0.0
 
     def build(robot: Robot, law: PassiveKnee, spring: Spring, contact: Contact) -> HybridSystem:
+        if contact != Contact():
+            raise BadValue("contact", contact, "that of a pinned toe, which knows no other")
         return released(replace(leg, robot=robot), _with_spring(law, spring), duration, dry)
 
     def engage(q: Sequence[float], v: Sequence[float], held: Held, p: PassiveKnee) -> Held:
@@ -213,6 +215,8 @@ def _placed(leg: PinnedLeg, angle: float) -> Array:
 
 
 def _with_spring(knee: PassiveKnee, spring: Spring) -> PassiveKnee:
+    if spring != Spring(spring.stiffness, spring.damping, spring.unilateral):
+        raise BadValue("spring", spring, "one of stiffness and damping alone, unilateral or not")
     return replace(knee, stiffness=spring.stiffness, damping=spring.damping, unilateral=spring.unilateral)
 
 

@@ -32,7 +32,6 @@ class Step(Ground):
 
     at: float = 0.5
     rise: float = 0.02
-    plain = False
 
     def above(self, x, z, ops=math):
         return super().above(x, z, ops) - self.rise * (x > self.at)
@@ -64,7 +63,7 @@ class TestGround:
         ({"slope": math.nan}, "Ground.slope"), ({"slope": 1.3}, "Ground.slope"), ({"slope": -math.pi}, "Ground.slope"),
         ({"slope": "steep"}, "Ground.slope"), ({"slope": None}, "Ground.slope"),
         ({"height": math.inf}, "Ground.height"), ({"height": [0.1, 0.2]}, "Ground.height"),
-        ({"friction": 0.0}, "Ground.friction"),
+        ({"friction": 0.0}, "Ground.friction"), ({"height": 11.0}, "Ground.height"),
     ])  # fmt: skip
     def test_refuses(self, fields, named):
         with pytest.raises(BadValue, match=named):

@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait
-from spear_pin.errors import BadValue, SpearError, UnknownName
+from spear_pin.errors import BadValue, NotSymbolic, SpearError, UnknownName
 from spear_pin.hybrid.automaton import Guard, Mount, Reset, Rub
+from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.soundness import Latched
+from spear_pin.model.planar import Planar
 
 
 def never(t, q, v, held, p, dyn, ops):
@@ -88,10 +90,33 @@ def test_a_law_that_reads_what_nothing_latches(hop):
     with pytest.raises(UnknownName, match="nothing.*valid: .*taut"):
         simulate(system, hop.state, 1)
     if taylor.available():
-        from spear_pin.hybrid.batch import simulate_many
-
         with pytest.raises(SpearError, match="nothing.*valid: .*taut"):
             simulate_many(system, *(part[None] for part in hop.state))
+
+
+@pytest.mark.extra("heyoka")
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (lambda domain: replace(domain, law=lambda t, *_: [math.sin(t), 0.0]), "the law of domain 'stance'"),
+        (with_guard(Guard("late", lambda t, *_: math.cos(t))), "guard 'late' of domain 'stance'"),
+    ],
+)
+def test_what_symbols_cannot_be_put_into_is_named(hop, change, named):
+    """The reference engine takes it; what compiles does not, and says who it was."""
+    system = changed_stance(hop.system, change)
+    simulate(system, hop.state, 1)
+    with pytest.raises(NotSymbolic, match=f"{named} does not take symbols .*functions come from ops"):
+        simulate_many(system, *(part[None] for part in hop.state))
+
+
+def test_a_frame_that_there_is_not(hop):
+    """In the reference engine, and on symbols."""
+    system = changed_stance(hop.system, with_guard(Guard("low", lambda t, q, v, held, p, dyn, ops: dyn.height("hipp"))))
+    with pytest.raises(UnknownName, match="frame 'hipp'.*hip"):
+        simulate(system, hop.state, 1)
+    with pytest.raises(UnknownName, match="frame 'hipp'.*hip"):
+        Planar(hop.system.robot).position("hipp", [0.0] * 3, math)
 
 
 def test_what_is_held_is_a_mapping():

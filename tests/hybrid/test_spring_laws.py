@@ -1,6 +1,6 @@
 """Springs that are not linear, in motion: both engines, the ledger, numbers by name and by lane."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -212,3 +212,25 @@ class TestNumbersByName:
         again = Gait.load(gait.save(tmp_path / "gait.json"))
         assert again.system.spring == gait.system.spring
         assert residual(again.system, again.state) <= 1e-9
+
+
+@dataclass(frozen=True)
+class Banded(Spring):
+    """A spring of one's own, with a dead band."""
+
+    band: float = 0.05
+
+    def torque(self, deflection, ops=np):
+        return super().torque(ops.maximum(deflection - self.band, 0.0), ops)
+
+    def energy(self, deflection, ops=np):
+        return super().energy(ops.maximum(deflection - self.band, 0.0), ops)
+
+
+@compiles
+def test_springs_of_other_classes_and_fields_are_not_taken_for_each_other(hop):
+    """One after the other in one process, each is compiled by itself."""
+    q, v = around(hop, 0.01, 2)
+    for spring in (Banded(30.0), Banded(30.0, band=0.1), Spring(30.0)):
+        system = hopping(hop.system.robot, hop.system.law, spring)
+        assert_agree(system, q, v, simulate_many(system, q, v), tolerance=1e-6)

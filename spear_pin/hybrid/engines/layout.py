@@ -150,7 +150,8 @@ def _mounted(mount: Mount, common: Spring) -> Any:
     """Where a spring is, what holds it, and its own numbers where they are not the system's, which are parameters."""
     own = mount.spring
     numbers = tuple(None if name in shared(own, common) else getattr(own, name) for name in OF_SPRINGS)
-    return mount.joint, mount.rest, mount.taut, mount.side, numbers, own.table
+    others = tuple(getattr(own, field.name) for field in fields(own) if field.name not in OF_SPRINGS)
+    return mount.joint, mount.rest, mount.taut, mount.side, type(own), numbers, others
 
 
 def shared(own: Spring, common: Spring) -> list[str]:

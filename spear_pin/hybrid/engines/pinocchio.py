@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Rub
 from spear_pin.hybrid.contact import OPEN, SIGN, constrained, solve
 from spear_pin.hybrid.dynamics import Operations, Row
@@ -231,6 +231,8 @@ class Flow:
     def height(self, frame: str) -> float:
         """Distance of a frame from the ground, along its normal, in m."""
         if frame not in self._frame_ids:
+            if not self._model.existFrame(frame):
+                raise UnknownName("frame", frame, [each.name for each in self._model.frames])
             self._frame_ids[frame] = self._model.getFrameId(frame)
         place = pin.updateFramePlacement(self._model, self._data, self._frame_ids[frame]).translation
         return float(place[2] if self._plain else self._ground.above(place[0], place[2]))
@@ -289,6 +291,8 @@ class Flow:
         Raises:
             numpy.linalg.LinAlgError: the decoupling matrix is singular.
         """
+        if not rows:
+            return []
         free, gains = self._response()
         weights = [[0.0] * self._nv for _ in rows]
         for weight, row in zip(weights, rows, strict=True):

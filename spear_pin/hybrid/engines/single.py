@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.engines.elimination import dot, factorize, substitute
 from spear_pin.hybrid.engines.layout import Structure, symbols
 from spear_pin.hybrid.engines.taylor import FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, require
-from spear_pin.hybrid.rules.entry import NONE, bent, clear, falls, stays, thresholds
+from spear_pin.hybrid.rules.entry import NONE, bent, clear, falls, stays_on_zero, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness, footing
 from spear_pin.hybrid.rules.impact import routh
 
@@ -85,7 +85,7 @@ class Single:
         later, guards = self._later, self.domain.guards
         for i in waiting:
             change = values[later + i] - values[i]
-            if stays(guards[i], values[i], change):
+            if stays_on_zero(guards[i], values[i], change):
                 return Entry(fits, t, y, UNCLEAR)
             if falls(guards[i], values[i], change):
                 return Entry(fits, t, y, i)

@@ -6,11 +6,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from spear_pin.errors import NotSymbolic
 from spear_pin.hybrid.automaton import Domain, HybridSystem, Mount
 from spear_pin.hybrid.contact import OPEN, SIGN, STICK
 from spear_pin.hybrid.dynamics import Row
@@ -97,7 +98,8 @@ class Motion:
     @cached_property
     def _controlled(self) -> tuple[list[Any], Imposed | None]:
         """Torques of the motors, and the motion that they impose if it was found together with them."""
-        u = list(self.domain.law(self.t, self.q, self.v, self.held, self.numbers.law, self, self.ops))
+        arguments = self.t, self.q, self.v, self.held, self.numbers.law, self, self.ops
+        u = list(_asked(f"the law of domain {self.domain.name!r}", self.domain.law, arguments))
         imposed = self._imposed
         if imposed is None or {j for j, _ in imposed.torques} != set(range(len(u))):
             return u, None
@@ -107,7 +109,8 @@ class Motion:
     def guards(self) -> list[Any]:
         """Values of the domain's guards."""
         arguments = self.t, self.q, self.v, self.held, self.numbers.law, self, self.ops
-        return [guard.value(*arguments) for guard in self.domain.guards]
+        of = f"of domain {self.domain.name!r}"
+        return [_asked(f"guard {guard.name!r} {of}", guard.value, arguments) for guard in self.domain.guards]
 
     @property
     def a(self) -> list[Any]:
@@ -310,6 +313,19 @@ class Motion:
             for i, value in enumerate(free)
         ]
         return a, multipliers, schur
+
+
+def _asked(what: str, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """What a law or a guard says.
+
+    Raises:
+        NotSymbolic: it does not take such scalars.
+    """
+    try:
+        return function(*arguments)
+    except TypeError as error:
+        hint = "elementary functions come from ops, and nothing branches on a value"
+        raise NotSymbolic(f"{what} does not take symbols ({error}): {hint}") from error
 
 
 def _complement(schur: Matrix, row: int, others: Sequence[int]) -> Any:

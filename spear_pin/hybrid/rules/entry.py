@@ -48,7 +48,7 @@ def clear(values: Iterable[Any], kinks: Iterable[Any]) -> Any:
     return free
 
 
-def stays(guard: Guard, value: Any, change: Any) -> Any:
+def stays_on_zero(guard: Guard, value: Any, change: Any) -> Any:
     """Whether a guard that waits stays on zero, as far as that was followed."""
     return (abs(change) <= CHANGE) & (value >= -guard.tolerance)
 
@@ -80,7 +80,7 @@ def at_once(guards: Sequence[Guard], values: Array, later: Callable[[float], Arr
     change = np.zeros_like(values)
     for h in GLIMPSES:
         change = np.where(np.abs(change) <= CHANGE, later(h) - values, change)
-        still = [stays(guard, value, row) for (guard, value), row in zip(rows, change, strict=True)]
+        still = [stays_on_zero(guard, value, row) for (guard, value), row in zip(rows, change, strict=True)]
         if not (waiting & still).any():
             break
     events = waiting & [falls(guard, value, row) for (guard, value), row in zip(rows, change, strict=True)]

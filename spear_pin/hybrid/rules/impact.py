@@ -124,7 +124,8 @@ def routh(A: Any, before: Any, friction: Any) -> tuple[tuple[Any, Any], Any]:
     sticks = abs(a_tn) <= friction * a_tt
     turn = where(a_tn > 0.0, -friction, friction)
     back = quotient(sticks & (a_tt > 0.0), -a_tn, a_tt, where(sticks, 0.0, turn))
-    second = where(stops, -(approach + approach_rate * first) / (a_nn + a_tn * back), 0.0)
+    left, rate = approach + approach_rate * first, a_nn + a_tn * back
+    second = quotient(stops & (left < -RESTING) & (rate > 0.0), -left, rate, 0.0)
     slides = where(stops, (second > 0.0) & (abs(a_tn) > friction * a_tt), True)
     tangential, normal = grip * first + back * second, first + second
     return (where(strikes, tangential, 0.0), where(strikes, normal, 0.0)), where(strikes, slides, slide != 0.0)

@@ -17,7 +17,7 @@ from spear_pin.hybrid.rules.entry import (
     bent,
     clear,
     falls,
-    stays,
+    stays_on_zero,
     thresholds,
 )
 
@@ -72,9 +72,9 @@ def test_nothing_waits_nothing_is_asked():
 @pytest.mark.parametrize("guard", [LEAVING, WITHIN])
 def test_numbers_as_arrays(guard):
     for value, change in product((0.0, -2e-5), (0.0, CHANGE, -CHANGE, 2.0 * CHANGE, -2.0 * CHANGE)):
-        for rule in (falls, stays):
+        for rule in (falls, stays_on_zero):
             assert rule(guard, np.array([value]), np.array([change])).tolist() == [rule(guard, value, change)]
-        assert stays(guard, value, change) == (value == 0.0 and abs(change) <= CHANGE)
+        assert stays_on_zero(guard, value, change) == (value == 0.0 and abs(change) <= CHANGE)
 
 
 def test_clear():

@@ -22,6 +22,17 @@ class TestManyImpacts:
             np.testing.assert_allclose(np.array(impulse)[:, i], single.impulse, rtol=1e-9, atol=1e-12)
             assert slides[i] == single.slides
 
+    @pytest.mark.parametrize("angle", [0.9, 0.95, 1.0, -1.1])
+    def test_a_toe_that_can_move_one_way_only(self, angle):
+        """A slider on a slope, which jams: it stops."""
+        jacobian = np.array([[np.sin(angle)], [np.cos(angle)]])
+        impact = plastic_impact(np.array([[3.0]]), jacobian, np.array([-1.0]), 1.5 * abs(np.tan(angle)))
+        np.testing.assert_allclose(impact.v, 0.0, rtol=0, atol=1e-9)
+        assert impact.loss == pytest.approx(1.5)
+        A, before = jacobian @ jacobian.T / 3.0, -jacobian[:, 0]
+        many, _ = routh(np.repeat(A[..., None], 64, 2), np.repeat(before[:, None], 64, 1), 1.5 * abs(np.tan(angle)))
+        np.testing.assert_allclose(np.array(many), np.repeat(impact.impulse[:, None], 64, 1), rtol=1e-12)
+
     @pytest.mark.parametrize("rate", [1e-12, -1e-12])
     def test_rounding_is_no_impact(self, rate):
         """A toe that slides on the ground, where friction could drive it in: nothing strikes, nothing happens."""
