@@ -6,7 +6,7 @@ Integration is SciPy's DOP853, restarted at every event and at every scheduled s
 from __future__ import annotations
 
 import math
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Callable
 from typing import Any
 
@@ -24,9 +24,11 @@ from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn
 from spear_pin.hybrid.record import BOOKED, FINEST, Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.resting import resting
 from spear_pin.hybrid.rules.cycles import (
+    CREEP,
     INSTANT_EVENTS,
     RETOUCH,
     counts_to,
+    creeps,
     crowded,
     due,
     left_at_once,
@@ -160,7 +162,7 @@ class _Runner:
         None where motion breaks off, or only passes a knot of a spring's curve, from which it is integrated anew.
         """
         solver = self._solver(self.t, self.y, until)
-        slope = solver.f
+        slope, times = solver.f, deque[float](maxlen=CREEP)
         while solver.status == "running":
             t0, y0 = solver.t, solver.y
             solver.step()
@@ -169,6 +171,11 @@ class _Runner:
                 self._break_off("step_size" if finite else "not_finite")
                 return None
             self.t, self.y = solver.t, solver.y
+            times.append(self.t)
+            if self.flow.domain.crossing is not None and creeps(times):
+                segment.pieces.append(Piece(t0, self.t, solver.dense_output()))
+                self._break_off("step_size")
+                return None
             if self.run.evaluations + self.flow.evaluations > self.options.max_evaluations:
                 self._end("evaluation_cap", f"{self.options.max_evaluations} in {self.flow.domain.name}")
                 return None

@@ -26,6 +26,7 @@ INSTANT = 1e-7  # s: events closer together than this count as one instant
 AT_ONCE = 1e-9  # s: a phase shorter than this was left as soon as it was entered
 INSTANT_EVENTS = 20  # so many in one instant are a Zeno point
 CYCLE_EVENTS = 1000
+CREEP = 50  # steps of two toes' motion within an instant: where their shares cease to exist they have infinite rates
 
 
 def due(domain: Domain, switches: int, law: Any) -> Any:
@@ -57,6 +58,11 @@ def too_many(crowd: int, events: int) -> str:
         events: of the cycle, with the present one.
     """
     return "zeno" if crowd >= INSTANT_EVENTS else "no_cycle" if events >= CYCLE_EVENTS else ""
+
+
+def creeps(times: Sequence[float]) -> bool:
+    """Whether the last `CREEP` steps of an integration, whose ends in s these are, went on for an instant only."""
+    return len(times) == CREEP and times[-1] - times[0] < INSTANT
 
 
 def left_at_once(guard: Guard, t: Any) -> Any:

@@ -13,11 +13,13 @@ from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.rules.cycles import (
     AT_ONCE,
+    CREEP,
     CYCLE_EVENTS,
     INSTANT,
     INSTANT_EVENTS,
     RETOUCH,
     counts_to,
+    creeps,
     crowded,
     due,
     flight_times,
@@ -182,6 +184,11 @@ class TestTime:
         expected = [0 if i % 2 else i + 1 for i in range(n)]
         assert crowded(before, since).tolist() == expected
         assert [crowded(int(i), float(t)) for i, t in zip(before, since, strict=True)] == expected
+
+    def test_creeping(self):
+        assert creeps([i * 0.9 * INSTANT / (CREEP - 1) for i in range(CREEP)])
+        assert not creeps([i * 1.1 * INSTANT / (CREEP - 1) for i in range(CREEP)]), "it goes on"
+        assert not creeps([0.0] * (CREEP - 1)), "too few steps to tell"
 
     def test_too_many(self):
         counts = [(INSTANT_EVENTS - 1, CYCLE_EVENTS - 1), (INSTANT_EVENTS, CYCLE_EVENTS), (0, CYCLE_EVENTS)]
