@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from spear_pin import Gait, Ground, Spring, find_gait, hopping, load, simulate_many
+from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.lanes.journey import FEW
 from spear_pin.hybrid.parameters import with_parameters
@@ -137,7 +138,10 @@ def lanes(
 def by_reference(lane: tuple[HybridSystem, Array, Array, dict[str, float], int]) -> End:
     """A lane by the reference engine."""
     system, q, v, numbers, cycles = lane
-    result = run(with_parameters(system, numbers), (q, v), cycles, Options(RTOL))
+    try:
+        result = run(with_parameters(system, numbers), (q, v), cycles, Options(RTOL))
+    except BadValue:  # a toe below the ground, which lanes give as a reason
+        return End("below_ground", 0, np.concatenate([q, v]))
     return End(result.reason, result.cycles, np.concatenate(result.state))
 
 
