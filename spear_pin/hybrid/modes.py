@@ -14,7 +14,7 @@ from spear_pin.hybrid.automaton import Held, HybridSystem
 from spear_pin.hybrid.contact import PINNED
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.record import Moment
-from spear_pin.hybrid.rules.footing import closed_toes, fitness, footing, torn_off, turns
+from spear_pin.hybrid.rules.footing import UNFIT, closed_toes, fitness, footing, rate_fits, torn_off
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
 
@@ -37,17 +37,17 @@ def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
     best, found = None, -math.inf
     for flow in flows:
         rubs = [(rub, float(y[system.robot.nq + system.robot.index(rub.joint)])) for rub in flow.domain.rubs]
-        if not all(turns(rub, rate) for rub, rate in rubs):
-            continue
-        flow(t, y)
-        closed = closed_toes(system.robot.toes, flow.domain)
-        feet = [(mode, footing(flow, toe, mode)) for toe, mode in closed if mode != PINNED]  # a pin bears anything
-        fits = fitness(feet, [(rub, flow.rubbing(rub)) for rub, _ in rubs])
+        fits = UNFIT
+        if all(rate_fits(rub, rate) for rub, rate in rubs):
+            flow(t, y)
+            closed = closed_toes(system.robot.toes, flow.domain)
+            feet = [(mode, footing(flow, toe, mode)) for toe, mode in closed if mode != PINNED]  # a pin bears anything
+            fits = fitness(feet, [(rub, flow.rubbing(rub)) for rub, _ in rubs])
         if fits == math.inf:
             return flow
         if best is None or fits > found:
             best, found = flow, fits
-    assert best is not None  # of the modes of dry friction one fits any rate
+    assert best is not None
     return best
 
 
@@ -106,5 +106,5 @@ def _feet(system: HybridSystem, q: Any, v: Any) -> dict[str, tuple[float, Array]
     feet = {toe: system.ground.foot(system.robot, q, toe) for toe in system.robot.toes}
     for toe, (height, _) in feet.items():
         if below_ground(height):
-            raise BadValue(f"height of {toe}", height, "at or above the ground, at 0 m")
+            raise BadValue(f"height of {toe}", height, "at or above the ground")
     return feet

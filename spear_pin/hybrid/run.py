@@ -23,22 +23,11 @@ from spear_pin.hybrid.hardware import HARDWARE_TOLERANCE
 from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn
 from spear_pin.hybrid.record import BOOKED, FINEST, Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.resting import resting
-from spear_pin.hybrid.rules.cycles import (
-    CREEP,
-    INSTANT_EVENTS,
-    RETOUCH,
-    counts_to,
-    creeps,
-    crowded,
-    due,
-    left_at_once,
-    retouches,
-    too_many,
-    whole,
-)
+from spear_pin.hybrid.rules import cycles as rules
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.stored import in_inductances, in_mechanism, in_springs
 from spear_pin.hybrid.strikes import struck_by
 from spear_pin.hybrid.trajectory import Event
 
@@ -112,7 +101,7 @@ class _Runner:
         self.on_section = bool(system.section) and phase == system.section_phase and begun == 0.0
         self.flow = choose(system, phase, held, self.t, self.y)
         self.run = Run((q, v), (q, v), held, self.flow.domain)
-        self.energy, self.inductive = self._energy(), self._inductive()
+        self.energy, self.inductive = self._energy(), in_inductances(self.system, self.y)
         share = 1.0 if system.hardware is None else HARDWARE_TOLERANCE
         self.rtol = max(share * options.rtol, FINEST)
         self.atol = share * (options.atol or 0.01 * options.rtol)
@@ -137,7 +126,7 @@ class _Runner:
             segment.pieces.append(Piece(self.t, self.t, lambda times: np.tile(y[:, None], len(times))))
             self._leave(self.flow.domain.guards[watch.at_once])
             return
-        until = min(due(self.flow.domain, self.switches, self.system.law), self.system.phase_limit)
+        until = min(rules.due(self.flow.domain, self.switches, self.system.law), self.system.phase_limit)
         if until <= self.t:
             self._overdue()
         elif watch.undefined or not np.isfinite(self.flow(self.t, self.y)).all():
@@ -162,7 +151,7 @@ class _Runner:
         None where motion breaks off, or only passes a knot of a spring's curve, from which it is integrated anew.
         """
         solver = self._solver(self.t, self.y, until)
-        slope, times = solver.f, deque[float](maxlen=CREEP)
+        slope, times = solver.f, deque[float](maxlen=rules.CREEP)
         while solver.status == "running":
             t0, y0 = solver.t, solver.y
             solver.step()
@@ -172,7 +161,7 @@ class _Runner:
                 return None
             self.t, self.y = solver.t, solver.y
             times.append(self.t)
-            if self.flow.domain.crossing is not None and creeps(times):
+            if self.flow.domain.crossing is not None and rules.creeps(times):
                 segment.pieces.append(Piece(t0, self.t, solver.dense_output()))
                 self._break_off("step_size")
                 return None
@@ -197,7 +186,7 @@ class _Runner:
                 self._break_off("not_finite")
                 return None
         switch = self.flow.domain.switch
-        if switch is None or self.t < due(self.flow.domain, self.switches, self.system.law):
+        if switch is None or self.t < rules.due(self.flow.domain, self.switches, self.system.law):
             self._overdue()
             return None
         self.switches += 1
@@ -226,19 +215,19 @@ class _Runner:
         assert guard.reset is not None
         reset, domain, now = guard.reset, self.flow.domain, self._now()
         self.grounded[domain.on_ground] = now
-        again = bool(retouches(self.system, reset, now - self.grounded))
+        again = bool(rules.retouches(self.system, reset, now - self.grounded))
         try:
-            held = self._reset(RETOUCH if again else guard.name, reset)
+            held = self._reset(rules.RETOUCH if again else guard.name, reset)
         except _Undefined:
             self._end("not_finite", f"what {guard.name} latches at t = {now:.6g} s")
             return
         reason = self._too_many(now)
         if reason:
-            among = dict.fromkeys(event.domain for event in self.run.events[-INSTANT_EVENTS:])
+            among = dict.fromkeys(event.domain for event in self.run.events[-rules.INSTANT_EVENTS :])
             self._end(reason, f"{guard.name} in {domain.name} at t = {now:.6g} s, among {', '.join(among)}")
             return
         if reset.phase is not None:
-            self._enter(reset.phase, counts_to(domain, reset, again))
+            self._enter(reset.phase, rules.counts_to(domain, reset, again))
             self.came = domain, reset
             self.instant.append(reset)
         self._choose(reset, reset.phase or domain.phase, held)
@@ -256,7 +245,7 @@ class _Runner:
         before, impulse = v.copy(), np.zeros((len(self.robot.toes), 2))
         work: dict[str, float] = {}
         if reset.release:
-            work["released"] = -self._spring_energy(reset)
+            work["released"] = -in_springs(self.system, self.flow.domain, held, self.y, reset.release)
         if struck := struck_toes(self.system, self.flow.domain, reset):
             strike = struck_by(self.system, struck, reset, q, v)
             v, impulse, work["impact"] = strike.v, strike.impulse, strike.work
@@ -296,7 +285,7 @@ class _Runner:
 
         Where phases follow each other round and round in an instant, on all surfaces that there are.
         """
-        if self.came is None or guard.reset is None or not left_at_once(guard, self.t):
+        if self.came is None or guard.reset is None or not rules.left_at_once(guard, self.t):
             return None
         found: Flow | None = None
         if guard.reset.phase == self.came[0].phase:
@@ -330,24 +319,24 @@ class _Runner:
     def _loses(self, domain: Domain) -> bool:
         """Whether springs that are not engaged in a domain still store something."""
         engaged = {mount.joint for mount in domain.mounts}
-        let_go = tuple(mount.joint for mount in self.flow.domain.mounts if mount.joint not in engaged)
-        return self._spring_energy(Reset(release=let_go)) > NOTHING
+        let_go = {mount.joint for mount in self.flow.domain.mounts} - engaged
+        return in_springs(self.system, self.flow.domain, self.flow.held, self.y, let_go) > NOTHING
 
     def _close_cycle(self) -> None:
-        if self.on_section and not whole(sum(self.spent.values())):
+        if self.on_section and not rules.whole(sum(self.spent.values())):
             return
         work = np.array([*self.y[-self.nw :], *(self.booked[name] for name in BOOKED)])
         energy = self._energy()
         if self.on_section:
             self.run.work.append(work)
             self.run.change.append(energy - self.energy)
-            self.run.stored.append(self._inductive() - self.inductive)
+            self.run.stored.append(in_inductances(self.system, self.y) - self.inductive)
             self.run.durations = dict(self.spent)
             self.run.cycles += 1
             self.on_cycle(self.run.cycles)
             if self.run.cycles == self.wanted:
                 self._end("complete", "")
-        self.on_section, self.energy, self.inductive = True, energy, self._inductive()
+        self.on_section, self.energy, self.inductive = True, energy, in_inductances(self.system, self.y)
         self.booked.clear()
         self.spent.clear()
         self.cycle_events = 0
@@ -377,32 +366,15 @@ class _Runner:
 
     def _too_many(self, now: float) -> str:
         """Why the run ends, if this event is one too many in an instant or in a cycle."""
-        self.instant_events = crowded(self.instant_events, now - self.last_event)
+        self.instant_events = rules.crowded(self.instant_events, now - self.last_event)
         if not self.instant_events:
             self.instant, self.tried = [], []
         self.cycle_events += 1
         self.last_event = now
-        return too_many(self.instant_events, self.cycle_events)
+        return rules.too_many(self.instant_events, self.cycle_events)
 
     def _energy(self) -> float:
-        """Stored energy: kinetic, gravity, engaged springs."""
-        robot = self.system.robot
-        q, v = self.y[: robot.nq], self.y[robot.nq : robot.nq + robot.nv]
-        everything = Reset(release=tuple(mount.joint for mount in self.flow.domain.mounts))
-        return robot.kinetic_energy(q, v) + robot.potential_energy(q) + self._spring_energy(everything)
-
-    def _inductive(self) -> float:
-        """Energy in the hardware's inductances."""
-        hardware, first = self.system.hardware, self.robot.nq + self.robot.nv
-        return 0.0 if hardware is None else hardware.stored(self.y[first : first + self.nx].tolist())
-
-    def _spring_energy(self, reset: Reset) -> float:
-        held = self.flow.held
-        energy = 0.0
-        for mount in self.flow.domain.mounts:
-            if mount.joint in reset.release:
-                energy += float(mount.energy(self.y[self.system.robot.index(mount.joint)], held))
-        return energy
+        return in_mechanism(self.system, self.flow.domain, self.flow.held, self.y)
 
 
 class _Undefined(Exception):

@@ -102,13 +102,4 @@ def on_rotary_boom(robot: Robot, boom: RotaryBoom | None = None) -> Robot:
     if robot.added is not None:
         raise BadValue("robot", robot, "one on its slider")
     moving = float(sum(inertia.mass for inertia in list(robot.model.inertias)[1:]))
-    return Robot(
-        robot.model,
-        name=robot.name,
-        toes=robot.toes,
-        actuated=robot.actuated,
-        locked=robot.locked,
-        source=robot.source,
-        varied=robot.varied,
-        added=Arm(boom or RotaryBoom(), robot.index(HEIGHT), moving),
-    )
+    return robot.with_model(robot.model, added=Arm(boom or RotaryBoom(), robot.index(HEIGHT), moving))

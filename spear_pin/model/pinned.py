@@ -173,16 +173,7 @@ def _with_armature(robot: Robot, row: int, inertia: float) -> Robot:
     armature = model.armature.copy()
     armature[row] = inertia
     model.armature = armature
-    return Robot(
-        model,
-        name=robot.name,
-        toes=robot.toes,
-        actuated=robot.actuated,
-        locked=robot.locked,
-        source=robot.source,
-        varied=robot.varied,
-        added=robot.added,
-    )
+    return robot.with_model(model)
 
 
 def _rows(robot: Robot, row: int, angles: Array) -> Array:

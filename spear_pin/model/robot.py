@@ -78,6 +78,27 @@ class Robot:
         varied = dict(self.varied)
         return _rebuild, (self.model, self.name, self.toes, self.actuated, self.locked, self.source, varied, self.added)
 
+    def with_model(
+        self, model: pin.Model, *, varied: Mapping[str, float] | None = None, added: Added | None = None
+    ) -> Robot:
+        """The robot with another model of the same frames.
+
+        Args:
+            model: with the numbers it has now.
+            varied: numbers in which it differs from its source; by default those of this one.
+            added: inertia beside the model's; by default that of this one.
+        """
+        return Robot(
+            model,
+            name=self.name,
+            toes=self.toes,
+            actuated=self.actuated,
+            locked=self.locked,
+            source=self.source,
+            varied=self.varied if varied is None else varied,
+            added=self.added if added is None else added,
+        )
+
     @property
     def mass(self) -> float:
         """Total mass, in kg, of what is locked to the world too."""

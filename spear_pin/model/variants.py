@@ -92,16 +92,7 @@ def vary(robot: Robot, **values: float) -> Robot:
     if robot.model != _model(robot, robot.varied):
         raise BadValue("robot", robot, "one whose model is as it was loaded, or varied by this function")
     varied = {**robot.varied, **{name: float(value) for name, value in values.items()}}
-    return Robot(
-        _model(robot, varied),
-        name=robot.name,
-        toes=robot.toes,
-        actuated=robot.actuated,
-        locked=robot.locked,
-        source=robot.source,
-        varied=varied,
-        added=robot.added,
-    )
+    return robot.with_model(_model(robot, varied), varied=varied)
 
 
 def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:

@@ -14,6 +14,7 @@ from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.hardware import Sensing, with_hardware
+from spear_pin.hybrid.modes import choose
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.phases import height
 from spear_pin.hybrid.reasons import NUMERICAL
@@ -202,6 +203,13 @@ class TestHeld:
 
 class Numbers:
     maximum = max
+
+
+def test_a_state_without_numbers_ends_a_run_and_raises_nothing(hop):
+    """No mode of dry friction fits it, nor does any fit worse than the others."""
+    system = with_dry_friction(hop.system, {"boom_z": 1.0})
+    flow = choose(system, "flight", {}, 0.0, np.full(20, np.nan))
+    assert flow.domain.phase == "flight"
 
 
 class TestHop:

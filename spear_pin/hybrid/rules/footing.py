@@ -77,7 +77,7 @@ def still(speed: Any) -> Any:
     return abs(speed) <= AT_REST
 
 
-def turns(rub: Rub, rate: Any) -> Any:
+def rate_fits(rub: Rub, rate: Any) -> Any:
     """Whether a joint's rate fits a mode of its dry friction."""
     return abs(rate) <= AT_REST if rub.sign == 0 else rub.sign * rate >= -AT_REST
 
@@ -112,7 +112,7 @@ def fitness(feet: Sequence[tuple[str, Sequence[Any]]], joints: Sequence[tuple[Ru
         pulled, stays = normal <= 0.0, stays & (normal > 0.0)
         keeps, leaves, some = keeps & stays, leaves & (stays | pulled), some | pulled
     for rub, joint in joints:
-        fits = fits & turns(rub, joint.rate)
+        fits = fits & rate_fits(rub, joint.rate)
         if rub.sign == 0:
             holds = holds & (abs(joint.holding) < rub.force - LET_GO)
         else:

@@ -1,0 +1,44 @@
+"""Energy that a system stores at a state, for the ledger."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.automaton import Domain, Held, HybridSystem
+
+Array = NDArray[np.float64]
+
+
+def in_springs(
+    system: HybridSystem, domain: Domain, held: Held, y: Array, joints: Container[str] | None = None
+) -> float:
+    """Energy in the springs that are engaged, in J, on some joints or on all.
+
+    Args:
+        system: the system.
+        domain: the present one.
+        held: what is held.
+        y: the state, of which the first nq are the configuration.
+        joints: those whose springs count; None: all.
+    """
+    energy = 0.0
+    for mount in domain.mounts:
+        if joints is None or mount.joint in joints:
+            energy += float(mount.energy(y[system.robot.index(mount.joint)], held))
+    return energy
+
+
+def in_mechanism(system: HybridSystem, domain: Domain, held: Held, y: Array) -> float:
+    """Kinetic energy, that of gravity and that of engaged springs, in J."""
+    robot = system.robot
+    q, v = y[: robot.nq], y[robot.nq : robot.nq + robot.nv]
+    return robot.kinetic_energy(q, v) + robot.potential_energy(q) + in_springs(system, domain, held, y)
+
+
+def in_inductances(system: HybridSystem, y: Array) -> float:
+    """Energy in the hardware's inductances, in J."""
+    hardware, first = system.hardware, system.robot.nq + system.robot.nv
+    return 0.0 if hardware is None else hardware.stored(y[first : first + len(hardware.names)].tolist())
