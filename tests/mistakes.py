@@ -390,11 +390,11 @@ MUTATIONS = [
         "hybrid/lanes/track",
         ["hybrid/test_track", "hybrid/test_ties"],
         {
-            "lane alone: any number of events in an instant": (" or crowd == FEW_AT_ONCE", ""),
-            "lane alone: a cycle of an instant": (" and whole(past)", ""),
+            "lane alone: any number of events in an instant": (" or now.crowd == FEW_AT_ONCE", ""),
+            "lane alone: a cycle of an instant": (" or not whole(now.past)", ""),
             "lane alone: switches go on in the next phase": (
-                "phase, past, t, switches = reset.phase, past + t, 0.0, 0",
-                "phase, past, t = reset.phase, past + t, 0.0",
+                "now.past, now.t, now.switches = reset.phase, time, 0.0, 0",
+                "now.past, now.t = reset.phase, time, 0.0",
             ),
             "lane alone: the first mode that fits": ("if entry.fitness == math.inf", "if entry.fitness > -math.inf"),
         },

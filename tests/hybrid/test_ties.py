@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
-from spear_pin.hybrid.engines.layout import flattened
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.entry import choose
@@ -75,6 +74,5 @@ def test_a_lane_alone(tied):
     system, phase, held, y, mode = tied
     numbers = Numbers(system, {}, Code(1e-12))
     track = Track(numbers, 0)
-    parameters = np.array([*numbers.constants(0), *flattened(held.values())])
-    entered = track._enter(system.of_phase(phase), 0.0, y[: 2 * system.robot.nv], held, {}, parameters)
-    assert entered is not None and entered[0].domain.contacts == (mode,)
+    ready, _ = track._enter(track._begin(phase, y[: 2 * system.robot.nv], held, [np.inf]))
+    assert ready.domain.contacts == (mode,)

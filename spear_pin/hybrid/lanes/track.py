@@ -8,7 +8,8 @@ again by `journey`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -52,6 +53,42 @@ class Lap(NamedTuple):
     ago: list[float]
 
 
+class _Unclear(Exception):
+    """Something calls for a second look."""
+
+
+@dataclass(slots=True)
+class _Now:
+    """Where a lane is in its cycle, besides what `Lap` says.
+
+    Attributes:
+        domains: among which the one that fits is entered.
+        singles: domains compiled for what is held.
+        parameters: run-time parameters, what is held among them.
+        t: time since the phase began, in s.
+        past: time of the phases before, in s.
+        switches: scheduled events of the phase.
+        last: time of the last event, in s.
+        crowd: events in this instant.
+        grounded: when each toe was last on the ground, in s.
+    """
+
+    phase: str
+    domains: Sequence[Domain]
+    y: Array
+    held: Held
+    singles: dict[int, Single]
+    parameters: Array
+    grounded: list[float]
+    spent: dict[str, float]
+    observed: dict[str, Array] = field(default_factory=dict)
+    t: float = 0.0
+    past: float = 0.0
+    switches: int = 0
+    last: float = -math.inf
+    crowd: int = 0
+
+
 class Track:
     """One lane's cycles.
 
@@ -77,80 +114,105 @@ class Track:
             held: what is held there.
             ago: how long ago each toe was on the ground, in s.
         """
-        system = self._system
-        grounded = [-seconds for seconds in ago]
-        t, switches, past, last, crowd = 0.0, 0, 0.0, -math.inf, 0
-        spent, observed = dict.fromkeys(system.phases, 0.0), {}
-        domains, (singles, parameters) = self._phases[phase], self._given(held)
-        for _ in range(EVENTS):
-            entered = self._enter(domains, t, y, held, singles, parameters)
-            if entered is None:
-                return None
-            ready, (_, t, y, end) = entered
-            domain = ready.domain
-            if end == UNCLEAR or (end >= 0 and left_at_once(domain.guards[end], t)):
-                return None
-            at = due(domain, switches, self._law)
-            until = min(at, system.phase_limit)
-            if end == NONE:
-                t, y, end = ready.run(t, y, until, parameters)
-            if end == KINK:
-                domains = (domain,)
-                continue
-            event: Guard | Switch | None = domain.switch if end == TIME_LIMIT and until == at else None
-            if end >= 0:
-                event = domain.guards[end]
-                if event.observes:
-                    observed[event.name], domains = y, (domain,)
+        now = self._begin(phase, y, held, ago)
+        try:
+            for _ in range(EVENTS):
+                domain, event = self._next(now)
+                if event is None:
+                    now.domains = (domain,)
                     continue
-            crowd = crowded(crowd, past + t - last)
-            if event is None or event.reset is None or crowd == FEW_AT_ONCE:
-                return None
-            last, reset = past + t, event.reset
-            for i in domain.on_ground:
-                grounded[i] = last
-            switches += end == TIME_LIMIT
-            if reset.impact:
-                key = id(domain), id(reset)
-                if key not in self._struck:
-                    self._struck[key] = struck_toes(system, domain, reset)
-                toes = self._struck[key]
-                if len(toes) > 1 or retouches(system, reset, [last - time for time in grounded]):
-                    return None
-                y = self._compiled.impact(toes[0])(y, parameters)
-            if reset.latch is not None:
-                now = y.tolist()
-                try:
-                    held = latched(held, [reset], now[: self._nv], now[self._nv :], self._law)
-                except ArithmeticError:
-                    return None
-                singles, parameters = self._given(held)
-            if reset.phase is not None:
-                spent[phase] += t
-                phase, past, t, switches = reset.phase, past + t, 0.0, 0
-            domains = self._phases[phase]
-            if event.name == system.section:
-                ago = [past - time for time in grounded]
-                closes = reset.phase is not None and whole(past)
-                return Lap(y, held, spent, observed, phase, (domain, reset), ago) if closes else None
+                reset = self._happen(now, domain, event)
+                if event.name == self._system.section:
+                    return self._closed(now, domain, reset)
+        except _Unclear:
+            pass
         return None
 
-    def _enter(
-        self, domains: Iterable[Domain], t: float, y: Array, held: Held, singles: dict[int, Single], parameters: Array
-    ) -> tuple[Single, Entry] | None:
-        """The domain that fits best, if one does."""
+    def _begin(self, phase: str, y: Array, held: Held, ago: list[float]) -> _Now:
+        grounded, spent = [-seconds for seconds in ago], dict.fromkeys(self._system.phases, 0.0)
+        return _Now(phase, self._phases[phase], y, held, *self._given(held), grounded, spent)
+
+    def _next(self, now: _Now) -> tuple[Domain, Guard | Switch | None]:
+        """The domain that is entered, followed up to its next event, None where that changes nothing."""
+        ready, (_, now.t, now.y, end) = self._enter(now)
+        domain = ready.domain
+        if end == UNCLEAR or (end >= 0 and left_at_once(domain.guards[end], now.t)):
+            raise _Unclear
+        at = due(domain, now.switches, self._law)
+        until = min(at, self._system.phase_limit)
+        if end == NONE:
+            now.t, now.y, end = ready.run(now.t, now.y, until, now.parameters)
+        if end >= 0:
+            guard = domain.guards[end]
+            if guard.observes:
+                now.observed[guard.name] = now.y
+            return domain, None if guard.observes else guard
+        if end == TIME_LIMIT and until == at:
+            now.switches += 1
+            return domain, domain.switch
+        if end == KINK:
+            return domain, None
+        raise _Unclear
+
+    def _happen(self, now: _Now, domain: Domain, event: Guard | Switch) -> Reset:
+        """An event: impact, latch, phase."""
+        time, reset = now.past + now.t, event.reset
+        now.crowd, now.last = crowded(now.crowd, time - now.last), time
+        if reset is None or now.crowd == FEW_AT_ONCE:
+            raise _Unclear
+        for i in domain.on_ground:
+            now.grounded[i] = time
+        if reset.impact:
+            self._strike(now, domain, reset)
+        if reset.latch is not None:
+            self._latch(now, reset)
+        if reset.phase is not None:
+            now.spent[now.phase] += now.t
+            now.phase, now.past, now.t, now.switches = reset.phase, time, 0.0, 0
+        now.domains = self._phases[now.phase]
+        return reset
+
+    def _strike(self, now: _Now, domain: Domain, reset: Reset) -> None:
+        """The impact of one toe that was in the air."""
+        key = id(domain), id(reset)
+        if key not in self._struck:
+            self._struck[key] = struck_toes(self._system, domain, reset)
+        toes = self._struck[key]
+        if len(toes) > 1 or retouches(self._system, reset, [now.last - time for time in now.grounded]):
+            raise _Unclear
+        now.y = self._compiled.impact(toes[0])(now.y, now.parameters)
+
+    def _latch(self, now: _Now, reset: Reset) -> None:
+        y = now.y.tolist()
+        try:
+            now.held = latched(now.held, [reset], y[: self._nv], y[self._nv :], self._law)
+        except ArithmeticError:
+            raise _Unclear from None
+        now.singles, now.parameters = self._given(now.held)
+
+    def _closed(self, now: _Now, domain: Domain, reset: Reset) -> Lap:
+        """The cycle that ends with a reset."""
+        if reset.phase is None or not whole(now.past):
+            raise _Unclear
+        ago = [now.past - time for time in now.grounded]
+        return Lap(now.y, now.held, now.spent, now.observed, now.phase, (domain, reset), ago)
+
+    def _enter(self, now: _Now) -> tuple[Single, Entry]:
+        """The domain that fits best."""
         best = None
-        for domain in domains:
-            ready = singles.get(id(domain))
+        for domain in now.domains:
+            ready = now.singles.get(id(domain))
             if ready is None:
-                ready = singles[id(domain)] = self._compiled.single(domain, held)
-            entry = ready.enter(t, y, parameters)
+                ready = now.singles[id(domain)] = self._compiled.single(domain, now.held)
+            entry = ready.enter(now.t, now.y, now.parameters)
             if entry is None:
                 continue
             if entry.fitness == math.inf:
                 return ready, entry
             if best is None or entry.fitness > best[1].fitness:
                 best = ready, entry
+        if best is None:
+            raise _Unclear
         return best
 
     def _given(self, held: Held) -> tuple[dict[int, Single], Array]:
