@@ -356,8 +356,8 @@ MUTATIONS = [
         ["gaits/test_bounding"],
         {
             "bounding: lift-off from a double stance into the other one": (
-                "leg.toe: lifts(leg, stances[other], other)",
-                "leg.toe: lifts(leg, stance, leg)",
+                "leg.toe: _lifts(leg, next_stance, other)",
+                "leg.toe: _lifts(leg, stance, leg)",
             ),
             "bounding: spring kept at lift-off": ("Reset(release=(leg.joint,), latch", "Reset(latch"),
             "bounding: a stance that resumes begins anew": ("if resumed and f", "if not resumed and f"),

@@ -7,7 +7,7 @@ on where four phases would have no answer.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,7 @@ from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
+Guards = tuple[Guard, ...]
 SPEED_BY = "posterior_hip_torque"  # the parameter to vary for a "mean_speed"
 SLOWEST = 1.0  # 1/s: of s; the gaits that ship begin their phases faster
 SHORTEST_SPAN = 0.2  # of a stance's span: what is left of it when a stance is resumed late
@@ -77,70 +78,13 @@ def bounding(
         raise BadValue("Spring.rest", spring.rest, "None: bounding switches its springs")
     if law.feedback and not as_ground(contact).plain:
         raise BadValue("BoundingLaw.feedback", law.feedback, f"none on {contact}: it goes by the height of the torso")
-    posterior, anterior = legs = legs_of(robot)
-    mounts = {leg: _mount(leg, spring) for leg in legs}
-    fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])
-    phases = phases_of(robot)
-    stances = {phase.bearing: phase for phase in phases if phase.bearing}
-    flights = {phase.lifted: phase for phase in phases if phase.lifted}
-
-    def lands(leg: Leg, phase: Phase | str, name: str = "touchdown", *, resumed: bool = False) -> Guard:
-        """The leg touches down; `resumed` keeps its leg angle, as its stance goes on."""
-
-        def latch(q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
-            bears = _bear(leg, q, v, held, p, resumed)
-            if isinstance(phase, str):
-                return bears
-            return {**bears, **_swing(leg, phase, q, v, {**held, **bears}, p)}
-
-        into = phase if isinstance(phase, str) else phase.name
-        reset = Reset(impact=(leg.toe,), latch=latch, phase=into)
-        return touchdown(leg.toe, reset, f"{leg.name}_{name}")
-
-    def lifts(leg: Leg, phase: Phase, remaining: Leg | None) -> Reset:
-        """The leg lifts off, into flight or into the stance of the one that remains."""
-
-        def latch(q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
-            return _fly(phase, q, v, held, p) if remaining is None else _swing(remaining, phase, q, v, held, p)
-
-        return Reset(release=(leg.joint,), latch=latch, phase=phase.name)
-
-    def grounded(name: str, bearing: tuple[Leg, ...], law: Law, resets: Mapping[str, Reset], guards: Any) -> Any:
-        domain = Domain(
-            name,
-            name,
-            tuple(STICK if leg in bearing else OPEN for leg in legs),
-            law,
-            mounts=tuple(mounts[leg] for leg in bearing),
-            guards=(
-                _overload(),
-                *(guard for leg in bearing for guard in spring_switches(mounts[leg], leg.knee)),
-                *guards,
-                *fallen,
-            ),
-        )
-        knees = [guard for leg in bearing if p.lift_off == "knee" for guard in _knee_back(leg, resets[leg.toe])]
-        return contact_domains(domain, robot.toes, resets, tuple(knees))
-
-    p = law
-    domains: list[Domain] = []
-    for leg, other in (legs, legs[::-1]):
-        double = f"double_{1 if leg is posterior else 2}"  # from this leg's stance to the other's
-        stance, flight = stances[leg], flights[leg]
-        landing = (_passing(stance), lands(other, double))
-        domains += grounded(stance.name, (leg,), stance_law(leg, stance), {leg.toe: lifts(leg, flight, None)}, landing)
-        resets = {leg.toe: lifts(leg, stances[other], other), other.toe: lifts(other, stance, leg)}
-        domains += grounded(double, legs, double_law(legs), resets, ())
-        returns = lands(leg, stance, "return", resumed=True)
-        guards = (lands(other, stances[other]), returns, _passing(flight), _overload(), *fallen)
-        domains.append(Domain(flight.name, flight.name, (OPEN, OPEN), flight_law(flight), guards=guards))
     return HybridSystem(
         kind="bounding",
         robot=robot,
         law=law,
         spring=spring,
         contact=contact,
-        domains=tuple(domains),
+        domains=tuple(_domains(robot, law, spring)),
         section="posterior_touchdown",
         cyclic=("torso_x",),
         build=bounding,
@@ -150,8 +94,67 @@ def bounding(
     )
 
 
+# domains
+
+
+def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]:
+    """From each leg's stance by way of flight, or of a double stance, to the other's."""
+    legs, phases = legs_of(robot), phases_of(robot)
+    stances = {phase.bearing: phase for phase in phases if phase.bearing}
+    flights = {phase.lifted: phase for phase in phases if phase.lifted}
+    fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])
+
+    def grounded(name: str, bearing: tuple[Leg, ...], control: Law, resets: Mapping[str, Reset], own: Guards) -> Any:
+        mounts = tuple(_mount(leg, spring) for leg in bearing)
+        switches = [
+            guard for mount, leg in zip(mounts, bearing, strict=True) for guard in spring_switches(mount, leg.knee)
+        ]
+        contacts = tuple(STICK if leg in bearing else OPEN for leg in legs)
+        domain = Domain(name, name, contacts, control, mounts=mounts, guards=(_overload(), *switches, *own, *fallen))
+        backs = [guard for leg in bearing for guard in _knee_back(leg, resets[leg.toe])]
+        return contact_domains(domain, robot.toes, resets, tuple(backs) if law.lift_off == "knee" else ())
+
+    for leg, other in (legs, legs[::-1]):
+        double = f"double_{1 if leg is legs[0] else 2}"  # from this leg's stance to the other's
+        stance, next_stance, flight = stances[leg], stances[other], flights[leg]
+        leaves = {leg.toe: _lifts(leg, flight, None)}
+        yield from grounded(
+            stance.name, (leg,), stance_law(leg, stance), leaves, (_passing(stance), _lands(other, double))
+        )
+        leaves = {leg.toe: _lifts(leg, next_stance, other), other.toe: _lifts(other, stance, leg)}
+        yield from grounded(double, legs, double_law(legs), leaves, ())
+        returns = _lands(leg, stance, "return", resumed=True)
+        guards = (_lands(other, next_stance), returns, _passing(flight), _overload(), *fallen)
+        yield Domain(flight.name, flight.name, (OPEN, OPEN), flight_law(flight), guards=guards)
+
+
 def _mount(leg: Leg, spring: Spring) -> Mount:
     return Mount(leg.joint, spring, rest=f"{leg.name}_rest", taut=f"{leg.name}_taut", side=leg.side)
+
+
+# events that change the phase
+
+
+def _lands(leg: Leg, phase: Phase | str, name: str = "touchdown", *, resumed: bool = False) -> Guard:
+    """The leg touches down; `resumed` keeps its leg angle, as its stance goes on."""
+
+    def latch(q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
+        bears = _bear(leg, q, v, held, p, resumed)
+        if isinstance(phase, str):
+            return bears
+        return {**bears, **_swing(leg, phase, q, v, {**held, **bears}, p)}
+
+    into = phase if isinstance(phase, str) else phase.name
+    return touchdown(leg.toe, Reset(impact=(leg.toe,), latch=latch, phase=into), f"{leg.name}_{name}")
+
+
+def _lifts(leg: Leg, phase: Phase, remaining: Leg | None) -> Reset:
+    """The leg lifts off, into flight or into the stance of the one that remains."""
+
+    def latch(q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
+        return _fly(phase, q, v, held, p) if remaining is None else _swing(remaining, phase, q, v, held, p)
+
+    return Reset(release=(leg.joint,), latch=latch, phase=phase.name)
 
 
 # guards

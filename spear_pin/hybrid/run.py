@@ -150,38 +150,22 @@ class _Runner:
 
         None where motion breaks off, or only passes a knot of a spring's curve, from which it is integrated anew.
         """
-        solver = self._solver(self.t, self.y, until)
-        slope, times = solver.f, deque[float](maxlen=rules.CREEP)
+        solver, times = self._solver(self.t, self.y, until), deque[float](maxlen=rules.CREEP)
         while solver.status == "running":
-            t0, y0 = solver.t, solver.y
+            t0, y0, slope = solver.t, solver.y, solver.f
             solver.step()
-            if solver.status == "failed":
-                finite = np.isfinite(solver.y).all() and np.isfinite(self.flow(t0, y0)).all()
-                self._break_off("step_size" if finite else "not_finite")
+            times.append(solver.t)
+            if self._gives_up(segment, solver, t0, y0, times):
                 return None
             self.t, self.y = solver.t, solver.y
-            times.append(self.t)
-            if self.flow.domain.crossing is not None and rules.creeps(times):
-                segment.pieces.append(Piece(t0, self.t, solver.dense_output()))
-                self._break_off("step_size")
-                return None
-            if self.run.evaluations + self.flow.evaluations > self.options.max_evaluations:
-                self._end("evaluation_cap", f"{self.options.max_evaluations} in {self.flow.domain.name}")
-                return None
             ends, states = (t0, self.t), (y0, self.y)
             crossings = watch.step(ends, states, (slope, solver.f), solver.dense_output)
             crossings = sorted([*crossings, *bends(self.flow, ends, states, solver.dense_output)])
-            slope = solver.f
             if crossings or self.options.keep:
-                solution = solver.dense_output()
-                for time, index in crossings:
-                    guard = None if index == BEND else self.flow.domain.guards[index]
-                    if guard is None or not guard.observes:
-                        self.t, self.y = time, self._step_to(t0, y0, time)
-                        segment.pieces.append(Piece(t0, time, solution))
-                        return guard
-                    self._record(guard.name, time, solution(time))
-                segment.pieces.append(Piece(t0, self.t, solution))
+                end = self._pass(segment, solver.dense_output(), t0, crossings)
+                if end is not None:
+                    self.t, self.y = end[0], self._step_to(t0, y0, end[0])
+                    return end[1]
             if watch.undefined:
                 self._break_off("not_finite")
                 return None
@@ -191,6 +175,38 @@ class _Runner:
             return None
         self.switches += 1
         return Guard(switch.name, _never, switch.reset)
+
+    def _gives_up(
+        self, segment: Segment, solver: scipy.integrate.DOP853, t0: float, y0: Array, times: deque[float]
+    ) -> bool:
+        """Whether a step from y0 ends the motion: it failed, hardly gets on any more, or is one too many."""
+        if solver.status == "failed":
+            finite = np.isfinite(solver.y).all() and np.isfinite(self.flow(t0, y0)).all()
+            self._break_off("step_size" if finite else "not_finite")
+            return True
+        if self.flow.domain.crossing is not None and rules.creeps(times):
+            self.t, self.y = solver.t, solver.y
+            segment.pieces.append(Piece(t0, self.t, solver.dense_output()))
+            self._break_off("step_size")
+            return True
+        if self.run.evaluations + self.flow.evaluations > self.options.max_evaluations:
+            self.t, self.y = solver.t, solver.y
+            self._end("evaluation_cap", f"{self.options.max_evaluations} in {self.flow.domain.name}")
+            return True
+        return False
+
+    def _pass(
+        self, segment: Segment, solution: Callable[[Any], Array], t0: float, crossings: list[tuple[float, int]]
+    ) -> tuple[float, Guard | None] | None:
+        """Pass what is only observed in a step from t0; time and guard of what ends it, None for a knot."""
+        for time, index in crossings:
+            guard = None if index == BEND else self.flow.domain.guards[index]
+            if guard is None or not guard.observes:
+                segment.pieces.append(Piece(t0, time, solution))
+                return time, guard
+            self._record(guard.name, time, solution(time))
+        segment.pieces.append(Piece(t0, self.t, solution))
+        return None
 
     def _solver(self, t: float, y: Array, until: float) -> scipy.integrate.DOP853:
         hardware = self.system.hardware

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 Matrix = list[list[Any]]
@@ -66,14 +66,7 @@ def solve_sparse(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[
         left.remove(i)
         pivots.append((i, j))
         for k in left:
-            factor = rows[k].pop(j, 0.0)
-            if _zero(factor):
-                continue
-            factor = factor * rows[i][j]  # of a unit the inverse is the unit
-            for other, value in rows[i].items():
-                if other != j:
-                    rows[k][other] = _less(rows[k].get(other, 0.0), times(factor, value))
-            right[k] = _less(right[k], times(factor, right[i]))
+            right[k] = _less(right[k], times(_eliminate(rows[k], rows[i], j), right[i]))
     taken = {j for _, j in pivots}
     columns = [j for j in range(len(rows)) if j not in taken]
     dense = solve([[rows[i].get(j, 0.0) for j in columns] for i in left], [right[i] for i in left])
@@ -82,6 +75,16 @@ def solve_sparse(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[
         others = [k for k in rows[i] if k != j]
         x[j] = times(rows[i][j], _less(right[i], dot([rows[i][k] for k in others], [x[k] for k in others])))
     return [x[j] for j in range(len(rows))]
+
+
+def _eliminate(row: dict[int, Any], pivot: Mapping[int, Any], j: int) -> Any:
+    """Take a multiple of another row, whose entry j is 1 or -1, from a row, so that its entry j goes; the factor."""
+    factor = times(row.pop(j, 0.0), pivot[j])  # of a unit the inverse is the unit
+    if not _zero(factor):
+        for other, value in pivot.items():
+            if other != j:
+                row[other] = _less(row.get(other, 0.0), times(factor, value))
+    return factor
 
 
 def _unit(rows: Sequence[dict[int, Any]], left: Sequence[int]) -> tuple[int, int, int] | None:

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.engines.elimination import dot, factorize, substitute
 from spear_pin.hybrid.engines.layout import Structure, symbols
 from spear_pin.hybrid.engines.taylor import FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, require
-from spear_pin.hybrid.rules.entry import NONE, bent, clear, falls, stays_on_zero, thresholds
+from spear_pin.hybrid.rules.entry import AWAY, NONE, bent, clear, falls, stays_on_zero, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness, footing
 from spear_pin.hybrid.rules.impact import routh
 
 Array = NDArray[np.float64]
-AHEAD = 1e-6  # s: a step that takes guards off zero
+AHEAD = AWAY[0]  # s: the only step that is tried
 UNCLEAR = -2  # an event on entering a domain that is, or may be, one only later than `AHEAD`
 OF_TOE = len(Footing._fields)
 

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.engines.taylor import Point, Ready
 from spear_pin.hybrid.lanes.groups import Flags, Group, Indices
 from spear_pin.hybrid.lanes.numbers import Numbers
-from spear_pin.hybrid.rules.entry import NONE, at_once, bent, clear, thresholds
+from spear_pin.hybrid.rules.entry import AWAY, NONE, at_once, bent, clear, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES
 
 Array = NDArray[np.float64]
-AWAY = (1e-6, 1e-7, 1e-8, 1e-5, 1e-4)  # s: in one of them guards on zero become positive and no other falls
 
 
 def choose(numbers: Numbers, phase: str, group: Group) -> tuple[list[tuple[Ready, Group, Point]], Group]:

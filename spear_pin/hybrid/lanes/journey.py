@@ -18,7 +18,7 @@ from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.layout import shape_of
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Point, Ready
 from spear_pin.hybrid.lanes.entry import away, choose, first_event
-from spear_pin.hybrid.lanes.groups import Group, Indices, alone, along, finite, merged, spread, stacked
+from spear_pin.hybrid.lanes.groups import Flags, Group, Indices, alone, along, finite, merged, spread, stacked
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.sliding import Came, slide
 from spear_pin.hybrid.lanes.track import Track
@@ -27,7 +27,7 @@ from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.rules.cycles import CYCLE_EVENTS, counts_to, crowded, due, left_at_once, retouches, whole
 from spear_pin.hybrid.rules.guards import rise
-from spear_pin.hybrid.rules.impact import RESTING, joint_impact, routh, struck_toes
+from spear_pin.hybrid.rules.impact import joint_impact, rises, routh, struck_toes
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
 from spear_pin.hybrid.run import run
 
@@ -214,12 +214,7 @@ class Lanes:
 
     def advance(self, ready: Ready, group: Group) -> None:
         """Integrate up to the next event, and let it happen."""
-        domain, limit = ready.domain, self.system.phase_limit
-        until = np.full(len(group), limit)
-        if domain.switch is not None:
-            for n in np.unique(self.switches[group.lanes]):
-                chosen = self.switches[group.lanes] == n
-                until[chosen] = np.minimum(due(domain, int(n), self.numbers.law(group.lanes[chosen])), limit)
+        until = self.until(ready.domain, group)
         late = until <= group.t
         self.give_up(group.take(late))
         group, until = group.take(~late), until[~late]
@@ -230,18 +225,34 @@ class Lanes:
             if end == FAILED:
                 self.give_up(part)
             elif end == TIME_LIMIT:
-                over = until[ends == end] >= limit
-                self.finish(part.lanes[over], "no_event", f"{limit:g} s in {domain.phase}")
-                self.switches[part.lanes] += 1
-                if not over.all():
-                    self.happen(domain, -1, part.take(~over))
-            elif end == KINK or domain.guards[end].observes:
-                if end != KINK:
-                    self.observed[domain.guards[end].name][:, part.lanes] = part.y
-                part = self.count(part)
-                self.watch(ready, part, self.numbers.at(ready, part), None)
+                self.time_over(ready.domain, part, until[ends == end] >= self.system.phase_limit)
+            elif end == KINK or ready.domain.guards[end].observes:
+                self.pass_by(ready, part, end)
             else:
-                self.happen(domain, end, part)
+                self.happen(ready.domain, end, part)
+
+    def until(self, domain: Domain, group: Group) -> Array:
+        """Up to which time of the phase each lane is integrated: to the scheduled event, or the limit of a phase."""
+        until = np.full(len(group), self.system.phase_limit)
+        switches = self.switches[group.lanes]
+        for n in np.unique(switches):
+            chosen = switches == n
+            until[chosen] = np.minimum(due(domain, int(n), self.numbers.law(group.lanes[chosen])), until[chosen])
+        return until
+
+    def time_over(self, domain: Domain, group: Group, over: Flags) -> None:
+        """The scheduled event, or the end of lanes whose phase is over its limit."""
+        self.finish(group.lanes[over], "no_event", f"{self.system.phase_limit:g} s in {domain.phase}")
+        self.switches[group.lanes] += 1
+        if not over.all():
+            self.happen(domain, -1, group.take(~over))
+
+    def pass_by(self, ready: Ready, group: Group, end: int) -> None:
+        """Go on behind a kink, or a guard that is only observed."""
+        if end != KINK:
+            self.observed[ready.domain.guards[end].name][:, group.lanes] = group.y
+        group = self.count(group)
+        self.watch(ready, group, self.numbers.at(ready, group), None)
 
     def happen(self, domain: Domain, index: int, group: Group) -> None:
         """An event of a domain, a guard's or with -1 the scheduled one: impact, latch, phase."""
@@ -296,16 +307,16 @@ class Lanes:
         ground = self.numbers.ground(group.lanes)
         D, jacobians = stacked(terms.mass_matrix, n), ground.seen(terms, np).jacobians
         J = np.concatenate([stacked(jacobians[toe], n) for toe in toes], axis=1)
-        rises = np.any([along(jacobians[toe][1], v) > RESTING for toe in lands], axis=0) & np.ones(n, bool)
-        if rises.any():
-            self.give_up(group.take(rises))
-            return self.strike(toes, lands, group.take(~rises))
+        rising = np.any([rises(along(jacobians[toe][1], v)) for toe in lands], axis=0) & np.ones(n, bool)
+        if rising.any():
+            self.give_up(group.take(rising))
+            return self.strike(toes, lands, group.take(~rising))
         friction, held = ground.friction, group.held
         if len(toes) > 1:
             each = zip(D, J, v.T, np.broadcast_to(friction, n), strict=True)
             impacts = [joint_impact(*numbers[:3], float(numbers[3])) for numbers in each]
-            rises = np.array([(J[i] @ impact.v)[1::2] * impact.leaves for i, impact in enumerate(impacts)])
-            held = {**held, **{rise(toe): rises[:, i] for i, toe in enumerate(toes)}}
+            speeds = np.array([(J[i] @ impact.v)[1::2] * impact.leaves for i, impact in enumerate(impacts)])
+            held = {**held, **{rise(toe): speeds[:, i] for i, toe in enumerate(toes)}}
             after = np.array([impact.v for impact in impacts]).T
         else:
             response = np.linalg.solve(D, J.transpose(0, 2, 1))

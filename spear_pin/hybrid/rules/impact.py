@@ -175,6 +175,11 @@ def joint_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact:
     )
 
 
+def rises(speed: Any) -> Any:
+    """Whether a toe that should strike moves away from the ground, by its normal speed in m/s."""
+    return speed > RESTING
+
+
 def landed(D: Array, J: Array, v: Array, lands: Sequence[bool]) -> tuple[Array, Array]:
     """Stop toes that rise, but are back on the ground within an instant, before the impact: they rise no more.
 
@@ -191,7 +196,7 @@ def landed(D: Array, J: Array, v: Array, lands: Sequence[bool]) -> tuple[Array, 
     """
     normal = J[1::2]
     rising = np.where(lands, normal @ v, 0.0)
-    if not (rising > RESTING).any():
+    if not rises(rising).any():
         return v, np.zeros(len(normal))
     response = np.linalg.solve(D, normal.T)
     impulse = np.linalg.solve(normal @ response, -np.maximum(rising, 0.0))
