@@ -3,7 +3,7 @@
 Hops: plain, with limited flexion, with a spring that is never switched, on slippery ground, on a slope, with boom_x
 free; friction and stiffness are drawn for each lane, and a third of them starts far off. Strides: the gaits that ship,
 around their fixed points. Of each lane the reason and the number of cycles are compared, and the state where it ended;
-what differs is listed.
+what differs is listed, states that are apart beside how far each is from the reference engine's at its finest tolerance.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.lanes.journey import FEW
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import chart
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.record import FINEST, Options
 from spear_pin.hybrid.run import run
 
 Array = NDArray[np.float64]
@@ -135,11 +135,11 @@ def lanes(
     return ends
 
 
-def by_reference(lane: tuple[HybridSystem, Array, Array, dict[str, float], int]) -> End:
+def by_reference(lane: tuple[HybridSystem, Array, Array, dict[str, float], int], rtol: float = RTOL) -> End:
     """A lane by the reference engine."""
     system, q, v, numbers, cycles = lane
     try:
-        result = run(with_parameters(system, numbers), (q, v), cycles, Options(RTOL))
+        result = run(with_parameters(system, numbers), (q, v), cycles, Options(rtol))
     except BadValue:  # a toe below the ground, which lanes give as a reason
         return End("below_ground", 0, np.concatenate([q, v]))
     return End(result.reason, result.cycles, np.concatenate(result.state))
@@ -179,7 +179,9 @@ def compare(name: str, case: Case, n: int, seed: int, processes: int) -> Iterato
         for i in differ:
             yield f"    lane {i}: {one[i].reason} after {one[i].cycles}, {other[i].reason} after {other[i].cycles}"
         for i in sorted(apart, key=lambda i: -off[i])[:10]:
-            yield f"    lane {i}: apart by {off[i]:.1e}"
+            finest = by_reference((system, *asked[i]), FINEST)
+            errors = f"{one[i].off(finest):.1e} and {other[i].off(finest):.1e}"
+            yield f"    lane {i}: apart by {off[i]:.1e}, from the finest by {errors}"
 
 
 def main() -> None:
