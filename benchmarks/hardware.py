@@ -18,7 +18,8 @@ from tqdm import tqdm
 
 from spear_pin import find_gait, hopping, load
 from spear_pin.gaits.gait import Gait
-from spear_pin.hybrid.hardware import Sensing, with_hardware
+from spear_pin.hybrid.hardware import Sensing
+from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.model.actuator import Thermal
 from spear_pin.studies.hardware import Outcome, Rig, outcome, reasons
 

@@ -18,7 +18,8 @@ from matplotlib.figure import Figure
 
 from spear_pin import Gait, HoppingLaw, Trajectory, find_gait, hopping, load, simulate
 from spear_pin.gaits.feedback import regulated
-from spear_pin.hybrid.hardware import Sensing, with_hardware
+from spear_pin.hybrid.hardware import Sensing
+from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.model.catalogue import gearbox, motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.attraction import attraction as attracted

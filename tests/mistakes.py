@@ -84,7 +84,7 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "hybrid/automaton",
+        "hybrid/domain",
         ["hybrid/test_torques", "hybrid/test_ledger", "gaits/test_bounding"],
         {
             "spring pushes the wrong way": (

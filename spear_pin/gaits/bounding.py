@@ -28,8 +28,9 @@ from spear_pin.gaits.bounding_law import (
     stance_law,
 )
 from spear_pin.gaits.virtual_constraints import dot, progress, resume
-from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Law, Mount, Reset
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
+from spear_pin.hybrid.domain import Domain, Guard, Held, Law, Mount, Reset
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.ground import Ground, as_ground, given
 from spear_pin.hybrid.phases import contact_domains, fall, spring_switches, touchdown

@@ -13,7 +13,7 @@ from typing import Any
 
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.virtual_constraints import Evolution, Outputs, zeroing
-from spear_pin.hybrid.automaton import Law
+from spear_pin.hybrid.domain import Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations, Row
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot

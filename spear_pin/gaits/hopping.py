@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from spear_pin.errors import BadValue, require
-from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Mount, Reset, Switch
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
+from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset, Switch
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.ground import Ground, as_ground, given
 from spear_pin.hybrid.phases import contact_domains, fall, rate, spring_switches, touchdown

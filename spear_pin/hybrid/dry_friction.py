@@ -16,8 +16,9 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from spear_pin.errors import BadValue, require
-from spear_pin.hybrid.automaton import Domain, HybridSystem, Rub
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, SIGN
+from spear_pin.hybrid.domain import Domain, Rub
 from spear_pin.hybrid.parameters import changed
 from spear_pin.hybrid.rules.guards import rubbing_guards
 from spear_pin.model.robot import Robot

@@ -21,8 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid import shares
-from spear_pin.hybrid.automaton import Alternation, Crossing, Domain, Guard, Held, HybridSystem, Reset
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
+from spear_pin.hybrid.domain import Alternation, Crossing, Domain, Guard, Held, Reset
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.hardware import blended

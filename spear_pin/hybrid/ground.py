@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.contact import Contact
-from spear_pin.hybrid.engines.elimination import plus, times
+from spear_pin.hybrid.elimination import plus, times
 from spear_pin.kinds import typed
 from spear_pin.model.planar import Feet, Terms
 from spear_pin.model.robot import Robot

@@ -9,16 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue, require
-from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.parameters import changed
+from spear_pin.errors import require
 from spear_pin.kinds import typed
 from spear_pin.model.actuator import Actuator
 
@@ -191,38 +189,3 @@ def blended(shares: Sequence[float], each: Sequence[Driven]) -> Driven:
         for columns in zip(*each, strict=True)
     ]
     return Driven(*parts)
-
-
-@typed
-def with_hardware(system: HybridSystem, hardware: Hardware | None) -> HybridSystem:
-    """System with hardware, or without; rebuilt systems keep it.
-
-    Where a robot's legs are pairs, an actuator drives both of a joint: twice the inertia, half the resistance.
-
-    Currents, heat and clock start at zero in every run, those of a return map too: a gait found with such
-    hardware is periodic in (q, v) alone, and its multipliers leave the others out.
-
-    Raises:
-        BadValue: not as many actuators as the robot has actuated joints.
-    """
-    if hardware is None and system.hardware is None:
-        return system
-    return changed(system, Fitted(hardware))
-
-
-@dataclass(frozen=True)
-class Fitted:
-    """The change that it makes.
-
-    Attributes:
-        hardware: between law and joints; None takes it away.
-    """
-
-    hardware: Hardware | None
-
-    def __call__(self, system: HybridSystem) -> HybridSystem:
-        """The system with it, or without."""
-        count = system.robot.nu if self.hardware is None else len(self.hardware.actuators)
-        if count != system.robot.nu:
-            raise BadValue("actuators", count, f"{system.robot.nu}, one for each of {system.robot.actuated}")
-        return replace(system, hardware=self.hardware)

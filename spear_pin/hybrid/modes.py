@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.hybrid.automaton import Held, HybridSystem
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import PINNED
+from spear_pin.hybrid.domain import Held
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.record import Moment
 from spear_pin.hybrid.rules.footing import UNFIT, closed_toes, fitness, footing, rate_fits, torn_off

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import REPLACED, HybridSystem
+from spear_pin.hybrid.hardware import Hardware
+from spear_pin.kinds import typed
 
 PARTS = ("law", "spring", "contact")
 Change = Callable[[HybridSystem], HybridSystem]
@@ -108,3 +110,38 @@ def _owner(system: HybridSystem, name: str) -> str:
     if name not in owners:
         raise UnknownName("parameter", name, owners)
     return owners[name]
+
+
+@typed
+def with_hardware(system: HybridSystem, hardware: Hardware | None) -> HybridSystem:
+    """System with hardware, or without; rebuilt systems keep it.
+
+    Where a robot's legs are pairs, an actuator drives both of a joint: twice the inertia, half the resistance.
+
+    Currents, heat and clock start at zero in every run, those of a return map too: a gait found with such
+    hardware is periodic in (q, v) alone, and its multipliers leave the others out.
+
+    Raises:
+        BadValue: not as many actuators as the robot has actuated joints.
+    """
+    if hardware is None and system.hardware is None:
+        return system
+    return changed(system, Fitted(hardware))
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """The change that it makes.
+
+    Attributes:
+        hardware: between law and joints; None takes it away.
+    """
+
+    hardware: Hardware | None
+
+    def __call__(self, system: HybridSystem) -> HybridSystem:
+        """The system with it, or without."""
+        count = system.robot.nu if self.hardware is None else len(self.hardware.actuators)
+        if count != system.robot.nu:
+            raise BadValue("actuators", count, f"{system.robot.nu}, one for each of {system.robot.actuated}")
+        return replace(system, hardware=self.hardware)

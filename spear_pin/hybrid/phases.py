@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 
-from spear_pin.hybrid.automaton import Domain, Guard, Reset
 from spear_pin.hybrid.contact import SIGN, SLIP_BACKWARD, SLIP_FORWARD, STICK
+from spear_pin.hybrid.domain import Domain, Guard, Reset
 from spear_pin.hybrid.rules.guards import contact_guards, lifted_off
 from spear_pin.hybrid.rules.guards import fall as fall
 from spear_pin.hybrid.rules.guards import height as height

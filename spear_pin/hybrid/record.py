@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.hybrid.automaton import Domain, Held
+from spear_pin.hybrid.domain import Domain, Held
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.trajectory import Event
 from spear_pin.kinds import typed

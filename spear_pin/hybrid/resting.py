@@ -8,8 +8,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import Alternation, Crossing, Domain, Guard, Held, HybridSystem
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
+from spear_pin.hybrid.domain import Alternation, Crossing, Domain, Guard, Held
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import Sliding, alternating, entered, held_after

@@ -15,7 +15,8 @@ import scipy
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Reset
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
 from spear_pin.hybrid.events import BEND, Watch, bends
 from spear_pin.hybrid.filippov import going_on, sliding

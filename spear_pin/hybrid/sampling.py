@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.filippov import flow_of
 from spear_pin.hybrid.record import Segment
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.contact import CONTACTS
+from spear_pin.hybrid.domain import Domain, Latch, Reset
 from spear_pin.hybrid.reasons import REASONS
-
-if TYPE_CHECKING:
-    from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
+from spear_pin.model.robot import Robot
 
 
 class Latched(dict[str, Any]):
@@ -20,19 +19,25 @@ class Latched(dict[str, Any]):
         raise UnknownName("name of what is held", name, self)
 
 
-def check(system: HybridSystem) -> None:
-    """Refuse a system that names what is not there.
+def check(robot: Robot, domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[Any, Any]]) -> None:
+    """Refuse domains that name what is not there.
 
-    Its contacts are modes, one for each toe; springs and friction are on joints; events lead into phases, strike toes,
-    release springs that are engaged and end for known reasons; springs rest where a latch puts them; and the section
-    is the event that ends a flight.
+    Their contacts are modes, one for each toe; springs and friction are on joints; events lead into phases, strike
+    toes, release springs that are engaged and end for known reasons; and springs rest where a latch puts them.
+
+    Args:
+        robot: the robot.
+        domains: those of all phases.
+        law: parameters of the control law.
+        guess: a state (q, v) at which latches can be asked.
 
     Raises:
         UnknownName: of all this, one that is not; it lists the valid ones.
         BadValue: contacts are not one for each toe, or an event both resets and ends.
     """
-    for domain in system.domains:
-        _check_domain(system, domain)
+    phases = dict.fromkeys(domain.phase for domain in domains)
+    for domain in domains:
+        _check_domain(robot, domain)
         for name, reset, ends in _events(domain):
             place = name, domain.name
             if reset is not None and ends is not None:
@@ -41,19 +46,17 @@ def check(system: HybridSystem) -> None:
             if ends is not None:
                 _known("reason of {!r} in domain {!r}", place, [ends], REASONS)
             if reset is not None:
-                _check_reset(system, domain, reset, place)
-    _check_rests(system)
-    if system.section:
-        _ = system.landing  # which says what is valid
+                _check_reset(robot, domain, reset, phases, place)
+    _check_rests(domains, law, guess)
 
 
-def _check_domain(system: HybridSystem, domain: Domain) -> None:
-    toes, place = system.robot.toes, (domain.name,)
+def _check_domain(robot: Robot, domain: Domain) -> None:
+    toes, place = robot.toes, (domain.name,)
     if len(domain.contacts) != len(toes):
         expected = f"{len(toes)}, one for each of {', '.join(toes)}"
         raise BadValue(f"contacts of domain {domain.name!r}", domain.contacts, expected)
     _known("contact of domain {!r}", place, domain.contacts, CONTACTS)
-    joints = system.robot.coordinates
+    joints = robot.coordinates
     _known("joint of a spring of domain {!r}", place, [mount.joint for mount in domain.mounts], joints)
     _known("joint of dry friction of domain {!r}", place, [rub.joint for rub in domain.rubs], joints)
 
@@ -65,42 +68,44 @@ def _events(domain: Domain) -> Iterator[tuple[str, Reset | None, str | None]]:
         yield domain.switch.name, domain.switch.reset, None
 
 
-def _check_reset(system: HybridSystem, domain: Domain, reset: Reset, place: tuple[str, ...]) -> None:
+def _check_reset(robot: Robot, domain: Domain, reset: Reset, phases: Iterable[str], place: tuple[str, ...]) -> None:
     if reset.phase is not None:
-        _known("phase entered by the reset of {!r} in domain {!r}", place, [reset.phase], system.phases)
-    _known("toe that strikes by the reset of {!r} in domain {!r}", place, reset.impact, system.robot.toes)
+        _known("phase entered by the reset of {!r} in domain {!r}", place, [reset.phase], phases)
+    _known("toe that strikes by the reset of {!r} in domain {!r}", place, reset.impact, robot.toes)
     engaged = [mount.joint for mount in domain.mounts]
     _known("joint whose spring is released by the reset of {!r} in domain {!r}", place, reset.release, engaged)
 
 
-def _check_rests(system: HybridSystem) -> None:
+def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[Any, Any]]) -> None:
     """Whether springs rest, and pull, as something latches; latches that cannot be asked are left alone."""
-    wanted = {name for domain in system.domains for mount in domain.mounts for name in (mount.rest, mount.taut)}
-    if not wanted:
+    if not any(domain.mounts for domain in domains):
         return
-    latches = [reset.latch for domain in system.domains for _, reset, _ in _events(domain) if reset and reset.latch]
-    held = Latched()
-    waiting = list({id(latch): latch for latch in latches}.values())
+    latches = [reset.latch for domain in domains for _, reset, _ in _events(domain) if reset and reset.latch]
     try:
-        q, v = (list(map(float, part)) for part in system.guess())
-        while waiting:
-            asked, waiting, missing = waiting, [], None
-            for latch in asked:
-                try:
-                    held.update(latch(q, v, held, system.law))
-                except UnknownName as error:
-                    waiting.append(latch)
-                    missing = error
-            if missing is not None and len(waiting) == len(asked):
-                break
+        q, v = (list(map(float, part)) for part in guess())
+        held, missing = _held(list({id(latch): latch for latch in latches}.values()), q, v, law)
     except Exception:  # whatever a function not ours raises at a state at which a run need not ask it
         return
-    if waiting and missing is not None:
+    if missing is not None:
         raise missing
-    for domain in system.domains:
+    for domain in domains:
         for mount in domain.mounts:
             place = mount.joint, domain.name
             _known("name of what holds the spring of {!r} in domain {!r}", place, [mount.rest, mount.taut], held)
+
+
+def _held(latches: Sequence[Latch], q: list[float], v: list[float], law: Any) -> tuple[Latched, UnknownName | None]:
+    """What latches hold, each asked as soon as what it reads is held, and what is missing for the others."""
+    held, waiting = Latched(), latches
+    while True:
+        asked, waiting, missing = waiting, list[Latch](), None
+        for latch in asked:
+            try:
+                held.update(latch(q, v, held, law))
+            except UnknownName as error:
+                waiting, missing = [*waiting, latch], error
+        if len(waiting) in (0, len(asked)):
+            return held, missing
 
 
 def _known(kind: str, place: tuple[str, ...], names: Sequence[str], valid: Any) -> None:

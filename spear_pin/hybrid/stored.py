@@ -7,7 +7,8 @@ from collections.abc import Container
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import Domain, Held, HybridSystem
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Domain, Held
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import HybridSystem, Reset
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Reset
 from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.impact import Impact, JointImpact, joint_impact, landed, plastic_impact
 

@@ -17,7 +17,7 @@ from spear_pin.errors import BadValue, NoGait, require
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.search import Measure, find_gait
-from spear_pin.hybrid.hardware import with_hardware
+from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.kinds import typed
 from spear_pin.model.bridge import Battery

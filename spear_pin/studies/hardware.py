@@ -11,7 +11,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from spear_pin.gaits.gait import Gait
-from spear_pin.hybrid.hardware import Hardware, Sensing, with_hardware
+from spear_pin.hybrid.hardware import Hardware, Sensing
+from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed

@@ -14,7 +14,8 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.contact import Contact
-from spear_pin.hybrid.hardware import Sensing, with_hardware
+from spear_pin.hybrid.hardware import Sensing
+from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.hybrid.record import Options, Run
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.simulate import sample, simulate

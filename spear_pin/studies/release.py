@@ -20,8 +20,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName, require
-from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Mount, Reset
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import PINNED, Contact
+from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset
 from spear_pin.hybrid.dry_friction import DryFriction
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.phases import rate, spring_switches

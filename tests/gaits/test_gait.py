@@ -10,8 +10,7 @@ import pytest
 from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.hybrid.dry_friction import with_dry_friction
-from spear_pin.hybrid.hardware import with_hardware
-from spear_pin.hybrid.parameters import changed, limits, parameter, with_parameters
+from spear_pin.hybrid.parameters import changed, limits, parameter, with_hardware, with_parameters
 from spear_pin.hybrid.periodic import residual
 from spear_pin.model.boom import on_rotary_boom
 from spear_pin.studies.hardware import Rig

@@ -24,8 +24,9 @@ from spear_pin.gaits.virtual_constraints import (
     resume,
     zeroing,
 )
-from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK
+from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.engines.pinocchio import Flow
 
 ROBOT = load("q_spear")

@@ -10,7 +10,7 @@ from spear_pin.errors import BadValue, MissingExtra, UnknownName
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.hardware import with_hardware
+from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
 from spear_pin.model.boom import on_rotary_boom

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from spear_pin import Contact, HoppingLaw, hopping, load
-from spear_pin.hybrid.automaton import Alternation
 from spear_pin.hybrid.contact import OPEN, SLIP_BACKWARD, SLIP_FORWARD, STICK
+from spear_pin.hybrid.domain import Alternation
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.filippov import Sliding, Unloaded
 from spear_pin.hybrid.modes import choose, fitting

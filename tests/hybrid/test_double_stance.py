@@ -8,8 +8,9 @@ import pytest
 import sympy as sp
 
 from spear_pin import Contact, HoppingLaw, Spring, hopping, load, simulate
-from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK
+from spear_pin.hybrid.domain import Domain, Guard, Reset
 from spear_pin.hybrid.phases import contact_domains, fall, touchdown
 from spear_pin.hybrid.rules.guards import rise, stays
 from spear_pin.hybrid.rules.impact import joint_impact, plastic_impact

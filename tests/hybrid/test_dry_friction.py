@@ -10,12 +10,13 @@ from scipy.integrate import solve_ivp
 
 from spear_pin import Contact, HoppingLaw, Spring, find_gait, hopping, load, simulate, vary
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
+from spear_pin.hybrid.domain import Domain, Guard, Reset
 from spear_pin.hybrid.dry_friction import with_dry_friction
-from spear_pin.hybrid.hardware import Sensing, with_hardware
+from spear_pin.hybrid.hardware import Sensing
 from spear_pin.hybrid.modes import choose
-from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.parameters import with_hardware, with_parameters
 from spear_pin.hybrid.phases import height
 from spear_pin.hybrid.reasons import NUMERICAL
 from spear_pin.hybrid.record import Moment, Options

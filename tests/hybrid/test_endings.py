@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from spear_pin import Contact, HoppingLaw, hopping, simulate
-from spear_pin.hybrid.automaton import Guard, Reset
+from spear_pin.hybrid.domain import Guard, Reset
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.record import Moment
 

@@ -7,8 +7,9 @@ import pytest
 
 from spear_pin import Contact, HoppingLaw, Spring, hopping, simulate
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
+from spear_pin.hybrid.domain import Domain, Guard, Reset
 from spear_pin.hybrid.events import Watch
 from spear_pin.model.loading import load
 

@@ -12,8 +12,8 @@ import scipy
 
 from spear_pin import Trajectory, find_gait, hopping, simulate
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.hardware import EDGE, HORIZON, Hardware, Sensing, with_hardware
-from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.hardware import EDGE, HORIZON, Hardware, Sensing
+from spear_pin.hybrid.parameters import with_hardware, with_parameters
 from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.rules.surface import CHATTER
 from spear_pin.model.actuator import CREEP, Actuator, Thermal

@@ -10,8 +10,8 @@ import pytest
 from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping, vary
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid import batch
-from spear_pin.hybrid.automaton import Guard, Reset
 from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.domain import Guard, Reset
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.lanes import journey
 from spear_pin.hybrid.lanes.track import Track

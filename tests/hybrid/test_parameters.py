@@ -6,7 +6,7 @@ import pytest
 
 from spear_pin import Contact, find_gait, hopping
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.automaton import Guard
+from spear_pin.hybrid.domain import Guard
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.hardware import Hardware
 from spear_pin.hybrid.parameters import changed, rebuilt, replaced, with_parameters

@@ -5,8 +5,9 @@ import pytest
 
 from spear_pin import Contact, Spring, load, simulate, simulate_many
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import PINNED
+from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.phases import contact_domains
 from spear_pin.hybrid.record import Moment

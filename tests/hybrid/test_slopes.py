@@ -20,8 +20,9 @@ from spear_pin import (
     simulate,
 )
 from spear_pin.gaits.series_hopping import series_hopping
-from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK
+from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.modes import choose
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import chart, displacement, return_map

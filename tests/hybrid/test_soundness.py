@@ -8,8 +8,8 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.errors import BadValue, NotSymbolic, SpearError, UnknownName
-from spear_pin.hybrid.automaton import Guard, Mount, Reset, Rub
 from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.domain import Guard, Mount, Reset, Rub
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.soundness import Latched

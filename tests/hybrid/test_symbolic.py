@@ -8,7 +8,7 @@ import pytest
 
 from spear_pin import Gait, Ground, HoppingLaw, Spring, hopping, load
 from spear_pin.gaits.series_hopping import series_hopping
-from spear_pin.hybrid.engines.elimination import factorize, solve, solve_sparse, substitute
+from spear_pin.hybrid.elimination import factorize, solve, solve_sparse, substitute
 from spear_pin.hybrid.engines.layout import Numbers, with_fields
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.engines.symbolic import Motion

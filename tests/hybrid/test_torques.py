@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spear_pin import HoppingLaw, Spring, hopping, simulate
-from spear_pin.hybrid.automaton import Mount
+from spear_pin.hybrid.domain import Mount
 from tests.hybrid.motions import SPRING_DAMPING, STIFFNESS, balance, stances, terms_of
 
 # source: the controller's gains

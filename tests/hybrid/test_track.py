@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin.hybrid.automaton import Guard, Reset, Switch
 from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.domain import Guard, Reset, Switch
 from spear_pin.hybrid.engines.layout import flattened
 from spear_pin.hybrid.engines.single import UNCLEAR
 from spear_pin.hybrid.engines.taylor import Code

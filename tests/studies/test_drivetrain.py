@@ -8,7 +8,8 @@ from scipy.integrate import simpson
 
 from spear_pin import HoppingLaw, hopping, load, simulate, vary
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.hybrid.hardware import Hardware, with_hardware
+from spear_pin.hybrid.hardware import Hardware
+from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.model.bridge import Battery
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Motor

@@ -14,8 +14,7 @@ import pytest
 from spear_pin import Gait, find_gait, hopping, load
 from spear_pin.errors import BadFile, BadValue, MissingExtra, UnknownName
 from spear_pin.hybrid.dry_friction import with_dry_friction
-from spear_pin.hybrid.hardware import with_hardware
-from spear_pin.hybrid.parameters import changed
+from spear_pin.hybrid.parameters import changed, with_hardware
 from spear_pin.studies import sweep as module
 from spear_pin.studies import sweep_store
 from spear_pin.studies.hardware import Rig

@@ -9,7 +9,8 @@ from matplotlib.patches import Rectangle
 
 from spear_pin import Gait, HoppingLaw, hopping, load, simulate
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.hardware import Hardware, with_hardware
+from spear_pin.hybrid.hardware import Hardware
+from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.model.actuator import Actuator
 from spear_pin.model.bridge import Battery
 from spear_pin.model.catalogue import gearbox, motor

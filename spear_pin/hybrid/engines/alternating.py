@@ -7,8 +7,9 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
-from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
+from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.engines.layout import Numbers
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.rules.latching import latched

@@ -10,7 +10,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import Domain, HybridSystem, Mount
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.soundness import Latched

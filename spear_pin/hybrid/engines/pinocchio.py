@@ -13,8 +13,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.hybrid.automaton import Domain, Guard, Held, HybridSystem, Rub
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, SIGN, constrained, solve
+from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
 from spear_pin.hybrid.dynamics import Operations, Row
 from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
 from spear_pin.hybrid.rules.footing import Rubbing

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.engines.elimination import dot, factorize, substitute
+from spear_pin.hybrid.elimination import dot, factorize, substitute
 from spear_pin.hybrid.engines.layout import Structure, symbols
 from spear_pin.hybrid.engines.taylor import FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, require
 from spear_pin.hybrid.rules.entry import AWAY, NONE, bent, clear, falls, stays_on_zero, thresholds

@@ -12,11 +12,11 @@ from functools import cached_property
 from typing import Any
 
 from spear_pin.errors import NotSymbolic
-from spear_pin.hybrid.automaton import Domain, HybridSystem, Mount
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, SIGN, STICK
+from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.dynamics import Row
-from spear_pin.hybrid.engines import layout
-from spear_pin.hybrid.engines.elimination import (
+from spear_pin.hybrid.elimination import (
     Matrix,
     dot,
     factorize,
@@ -27,6 +27,7 @@ from spear_pin.hybrid.engines.elimination import (
     substitute,
     times,
 )
+from spear_pin.hybrid.engines import layout
 from spear_pin.hybrid.engines.layout import Numbers, with_fields
 from spear_pin.model.planar import Planar
 from spear_pin.model.spring import Spring

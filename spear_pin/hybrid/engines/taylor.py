@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import MissingExtra
-from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.dynamics import Operations
+from spear_pin.hybrid.elimination import solve
 from spear_pin.hybrid.engines.alternating import Alternating
-from spear_pin.hybrid.engines.elimination import solve
 from spear_pin.hybrid.engines.layout import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.rules.footing import Footing, closed_toes, fitness, footing

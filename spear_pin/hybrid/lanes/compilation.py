@@ -6,7 +6,8 @@ from collections import OrderedDict
 from itertools import chain
 from typing import Any
 
-from spear_pin.hybrid.automaton import Domain, HybridSystem
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.engines import layout, taylor
 from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.hybrid.engines.single import Impact, Single, impact

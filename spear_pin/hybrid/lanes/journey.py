@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset, Switch
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
+from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.layout import shape_of
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Point, Ready
 from spear_pin.hybrid.lanes.entry import away, choose, first_event

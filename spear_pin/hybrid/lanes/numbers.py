@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.engines import layout
 from spear_pin.hybrid.engines.layout import with_fields
 from spear_pin.hybrid.engines.taylor import Code, Point, Ready

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from spear_pin.hybrid.automaton import Alternation, Domain, Reset
+from spear_pin.hybrid.domain import Alternation, Domain, Reset
 from spear_pin.hybrid.engines.taylor import Point, Ready
 from spear_pin.hybrid.lanes.entry import choose, first_event
 from spear_pin.hybrid.lanes.groups import Group, along

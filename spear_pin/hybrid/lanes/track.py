@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import Domain, Guard, Reset, Switch
+from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.layout import flattened, shape_of
 from spear_pin.hybrid.engines.single import UNCLEAR, Entry, Single
 from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT

@@ -19,7 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import Domain, Guard, HybridSystem, Reset
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Domain, Guard, Reset
 
 RETOUCH = "retouch"
 INSTANT = 1e-7  # s: events closer together than this count as one instant

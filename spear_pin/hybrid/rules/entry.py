@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import Guard
+from spear_pin.hybrid.domain import Guard
 
 Array = NDArray[np.float64]
 GLIMPSES = (1e-7, 1e-6, 1e-5)  # s: how far a guard on zero is followed to tell whether it rises or falls

@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from spear_pin.hybrid.automaton import Domain, Rub
 from spear_pin.hybrid.contact import OPEN, SIGN, STICK
+from spear_pin.hybrid.domain import Domain, Rub
 from spear_pin.hybrid.dynamics import Dynamics
 from spear_pin.hybrid.rules.scalars import first, where
 

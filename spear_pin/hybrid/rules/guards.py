@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from spear_pin.hybrid.automaton import Guard, GuardValue, Mount, Reset, Rub
 from spear_pin.hybrid.contact import SIGN, STICK
+from spear_pin.hybrid.domain import Guard, GuardValue, Mount, Reset, Rub
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, UNLOADED
 

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import Domain, HybridSystem, Reset
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
+from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.rules.scalars import nowhere, quotient, where
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from spear_pin.hybrid.automaton import Held, Reset
+from spear_pin.hybrid.domain import Held, Reset
 
 
 def latched(held: Held, resets: Iterable[Reset], q: Any, v: Any, law: Any) -> Held:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from spear_pin.hybrid.automaton import HybridSystem, Reset
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Reset
 from spear_pin.hybrid.rules.footing import AT_REST
 from spear_pin.hybrid.rules.guards import ON_GROUND
 

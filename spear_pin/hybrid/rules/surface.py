@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from spear_pin.hybrid.automaton import Alternation, Crossing, Domain, Guard, GuardValue, Held, HybridSystem, Reset
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
+from spear_pin.hybrid.domain import Alternation, Crossing, Domain, Guard, GuardValue, Held, Reset
 from spear_pin.hybrid.rules.latching import latched
 
 CHATTER = "chatter"

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, find_gait, hopping, load, simulate, simulate_many
-from spear_pin.hybrid.automaton import SHORTEST_FLIGHT, Reset, Switch
+from spear_pin.hybrid.automaton import SHORTEST_FLIGHT
+from spear_pin.hybrid.domain import Reset, Switch
 from spear_pin.hybrid.hardware import Sensing
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.record import Options

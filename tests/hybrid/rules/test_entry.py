@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from spear_pin.hybrid.automaton import Guard, Reset
+from spear_pin.hybrid.domain import Guard, Reset
 from spear_pin.hybrid.rules.entry import (
     BENT,
     CHANGE,

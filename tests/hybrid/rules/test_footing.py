@@ -6,8 +6,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from spear_pin.hybrid.automaton import Rub
 from spear_pin.hybrid.contact import OPEN, SLIP_BACKWARD, SLIP_FORWARD, STICK
+from spear_pin.hybrid.domain import Rub
 from spear_pin.hybrid.rules.footing import (
     AT_REST,
     BORE,
