@@ -1,4 +1,7 @@
-"""Headless Chromium over its DevTools pipe: it opens pages from disk, without any network."""
+"""Headless Chromium over its DevTools pipe: it opens pages from disk, without any network.
+
+Not by playwright or selenium: the one brings Node.js and wants browsers of its own, the other talks over a port.
+"""
 
 from __future__ import annotations
 

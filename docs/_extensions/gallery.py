@@ -1,4 +1,7 @@
-"""The gallery: every program in `examples/` is run as a reader would, and shown with what it drew and printed."""
+"""The gallery: every program in `examples/` is run as a reader would, and shown with what it drew and printed.
+
+Not by sphinx-gallery: it runs programs inside its own process, and shows neither the pages nor the files they write.
+"""
 
 import ast
 import os

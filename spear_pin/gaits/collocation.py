@@ -1,6 +1,7 @@
 """Direct collocation: a nonlinear programme with named constraints, Hermite-Simpson defects, IPOPT.
 
-Needs CasADi (the extra `optimize`).
+Needs CasADi (the extra `optimize`). Not by its `Opti`: that knows no names of unknowns and constraints, by which starts
+are taken over from other meshes and violations are told.
 """
 
 from __future__ import annotations

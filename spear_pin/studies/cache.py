@@ -1,7 +1,8 @@
 """Results kept from one run to the next, in the user's cache folder, for as long as nothing they rest on changes.
 
 A key is a hash over the package's own files, the versions of the libraries that compute and draw, and the item's
-name; so any change of the package makes everything anew. It stands where heyoka, too, keeps what it compiles.
+name; so any change of the package makes everything anew. Not by joblib or diskcache: what they read from a folder that
+others may write to they unpickle.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""Named columns of numbers from a CSV or .mat file that somebody else wrote."""
+"""Named columns of numbers from a CSV or .mat file that somebody else wrote.
+
+pandas reads the numbers. How they are written is found out here: `csv.Sniffer`, which pandas would ask, gives up where
+comments precede the table, and neither knows a decimal comma.
+"""
 
 from __future__ import annotations
 
