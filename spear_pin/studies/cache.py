@@ -2,7 +2,7 @@
 
 A key is a hash over the package's own files, the versions of the libraries that compute and draw, and the item's
 name; so any change of the package makes everything anew. Not by joblib or diskcache: what they read from a folder that
-others may write to they unpickle.
+others may write to they unpickle. It stands where heyoka, too, keeps what it compiles.
 """
 
 from __future__ import annotations
