@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from spear_pin.errors import BadValue
 from spear_pin.model.bridge import STATES, Battery, Bridge, back_emf, conduction_threshold, idle_current
 from spear_pin.model.motor import Motor
-from spear_pin.studies.power_off import PowerOff
 from spear_pin.studies.printed_model import effective_inertia, gravity_torque
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, pushed_angle, spear_ii
+from spear_pin.studies.push_test.power_off import PowerOff
 from spear_pin.studies.source_design import SPEAR_I, SPEAR_II
 from spear_pin.studies.switch import torques
 from spear_pin.viz.plots import BLUE, GREEN, PURPLE, VERMILLION, style
@@ -155,7 +155,7 @@ def power_off_heights(cases: Mapping[str, PowerOff]) -> Figure:
     """Height of the boom after the release with the motor idling, as in Fig. 4.7.
 
     Args:
-        cases: by label, as `spear_pin.studies.power_off.power_off` finds them.
+        cases: by label, as `spear_pin.studies.push_test.power_off.power_off` finds them.
 
     Raises:
         BadValue: there are no cases, or more than four.

@@ -15,8 +15,7 @@ from spear_pin.words import number
 
 if TYPE_CHECKING:
     from spear_pin.model.pinned import PinnedLeg
-    from spear_pin.studies.push_test import GearRow, Release
-    from spear_pin.studies.release import PassiveKnee
+    from spear_pin.studies.push_test import GearRow, PassiveKnee, Release
 
 RECORDING = ("repeats", "noise", "quantum", "drift", "volts-per-rad", "offset", "seed")  # options of --write-csv
 DURATION = 1.5  # s

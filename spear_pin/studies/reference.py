@@ -23,14 +23,13 @@ from spear_pin.model.catalogue import gearbox, motor
 from spear_pin.model.loading import load
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.model.variants import vary
-from spear_pin.studies import power_off as idle
 from spear_pin.studies.design import STIFFNESSES, Points, points_of, sprung
 from spear_pin.studies.energetics import Costs, EnergyFlow, costs, energy_flow
 from spear_pin.studies.hardware import RTOL, Rig, on_rig
 from spear_pin.studies.identification import Estimate, MovingAverage, identify, smoothed
 from spear_pin.studies.laboratory import synthetic_trial
-from spear_pin.studies.push_test import RATIOS, GearRow, gear_study, spear_ii
-from spear_pin.studies.release import PassiveKnee
+from spear_pin.studies.push_test import RATIOS, GearRow, PassiveKnee, gear_study, spear_ii
+from spear_pin.studies.push_test import power_off as idle
 from spear_pin.studies.source_design import Q_SPEAR, SPEAR_II
 from spear_pin.studies.source_tables import TABLE_4_1
 

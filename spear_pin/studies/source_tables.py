@@ -8,8 +8,8 @@ from statistics import fmean
 import numpy as np
 
 from spear_pin.model.spring import belt_stiffness
-from spear_pin.studies.push_test import pushed_angle, resting_at, spear_ii
-from spear_pin.studies.release import PassiveKnee, move
+from spear_pin.studies.push_test import PassiveKnee, pushed_angle, resting_at, spear_ii
+from spear_pin.studies.push_test.motion import move
 
 COLUMNS = ("stiffness", "damping", "rest_angle", "sigma_stiffness", "sigma_damping", "sigma_rest_angle", "fit")
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import require
 from spear_pin.model.spring import Spring
-from spear_pin.studies.passive_knee import PassiveKnee
+from spear_pin.studies.push_test import PassiveKnee
 
 SOFTNESS = 0.01  # K2 / K1: an assumption, the source says K2 ≪ K1
 

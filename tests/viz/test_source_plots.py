@@ -5,7 +5,7 @@ import pytest
 
 from spear_pin.errors import BadValue
 from spear_pin.model.catalogue import motor
-from spear_pin.studies.power_off import power_off
+from spear_pin.studies.push_test.power_off import power_off
 from spear_pin.viz import source_plots
 from spear_pin.viz.plots import save_figure
 

@@ -22,7 +22,8 @@ from spear_pin.studies.identification.problem import KNEE, NUISANCES, QUANTITIES
 from spear_pin.studies.identification.rounding import Rounding, errors, rounding
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.identification.uncertainty import nrmse_fit, scatter, whiteness
-from spear_pin.studies.release import PassiveKnee, move
+from spear_pin.studies.push_test import PassiveKnee
+from spear_pin.studies.push_test.motion import move
 
 Array = NDArray[np.float64]
 

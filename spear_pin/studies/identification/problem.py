@@ -14,7 +14,8 @@ from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.identification.smoothing import MovingAverage
 from spear_pin.studies.identification.trials import Trial
-from spear_pin.studies.release import PassiveKnee, move
+from spear_pin.studies.push_test import PassiveKnee
+from spear_pin.studies.push_test.motion import move
 
 Array = NDArray[np.float64]
 

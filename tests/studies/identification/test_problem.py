@@ -9,8 +9,8 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.studies.identification import NUISANCES, MovingAverage, smoothed
 from spear_pin.studies.identification.problem import KNEE, QUANTITIES, pose
 from spear_pin.studies.laboratory import synthetic_trial
-from spear_pin.studies.push_test import equilibrium, pushed_angle, spear_ii
-from spear_pin.studies.release import PassiveKnee, move
+from spear_pin.studies.push_test import PassiveKnee, equilibrium, pushed_angle, spear_ii
+from spear_pin.studies.push_test.motion import move
 from tests.slow import slow_but
 
 LEG = spear_ii()

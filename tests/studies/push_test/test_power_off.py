@@ -5,9 +5,9 @@ import pytest
 
 from spear_pin.model.bridge import STATES, Battery, Bridge, idle_current
 from spear_pin.model.catalogue import motor
-from spear_pin.studies.power_off import idling, power_off
-from spear_pin.studies.push_test import WITH_MOTOR, pushed_angle, release, spear_ii
-from spear_pin.studies.release import PassiveKnee, move
+from spear_pin.studies.push_test import WITH_MOTOR, PassiveKnee, pushed_angle, release, spear_ii
+from spear_pin.studies.push_test.motion import move
+from spear_pin.studies.push_test.power_off import idling, power_off
 
 MOTOR = motor("spear_ii_knee")
 CONSTANT = 15.0 * MOTOR.torque_constant

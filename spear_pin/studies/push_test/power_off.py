@@ -15,8 +15,9 @@ from spear_pin.kinds import typed
 from spear_pin.model.bridge import Battery, Bridge, State, back_emf, conduction_threshold, shorted_damping
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Motor
-from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, Release, release, resting_at, spear_ii
-from spear_pin.studies.release import PassiveKnee
+from spear_pin.studies.push_test.passive_knee import WITH_MOTOR, WITHOUT_MOTOR, PassiveKnee
+from spear_pin.studies.push_test.releases import Release, release
+from spear_pin.studies.push_test.rest import resting_at, spear_ii
 
 CASES: dict[str, State | None] = {
     "belt taken off": None,

@@ -12,6 +12,7 @@ from spear_pin.studies.push_test import (
     RATIOS,
     WITH_MOTOR,
     WITHOUT_MOTOR,
+    PassiveKnee,
     equilibrium,
     gear_study,
     pushed_angle,
@@ -20,7 +21,7 @@ from spear_pin.studies.push_test import (
     spear_ii,
     swing,
 )
-from spear_pin.studies.release import PassiveKnee, move
+from spear_pin.studies.push_test.motion import move
 from tests.push_by_hand import Push
 
 READINGS = (False, True)  # RA as the spring's zero, and as the angle at rest

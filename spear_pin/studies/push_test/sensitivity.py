@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.model.pinned import PinnedLeg
-from spear_pin.studies.passive_knee import PassiveKnee
+from spear_pin.studies.push_test.passive_knee import PassiveKnee
 
 Array = NDArray[np.float64]
 

@@ -1,6 +1,6 @@
 """What acts on the knee of the push test: its spring, friction, and what a motor without command adds.
 
-The law of the spring is `Spring`'s, and that of a motion with events the hybrid system's, see `release.released`.
+The law of the spring is `Spring`'s, and that of a motion with events the hybrid system's, see `motion.released`.
 """
 
 from __future__ import annotations
@@ -87,3 +87,7 @@ class PassiveKnee:
         """-k (θ - θ₀), in N·m."""
         stretch = np.asarray(angle) - self.zero
         return np.asarray(self.spring.torque(np.maximum(stretch, 0.0) if self.unilateral else stretch))
+
+
+WITH_MOTOR = PassiveKnee(stiffness=48.25, damping=1.03, zero=1.0)  # Table 4.1, 10 cm
+WITHOUT_MOTOR = PassiveKnee(stiffness=47.12, damping=0.80, zero=1.0)

@@ -12,8 +12,8 @@ from spear_pin import simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.record import Moment
-from spear_pin.studies.push_test import spear_ii
-from spear_pin.studies.release import PARAMETERS, PassiveKnee, move, released
+from spear_pin.studies.push_test import PassiveKnee, spear_ii
+from spear_pin.studies.push_test.motion import PARAMETERS, move, released
 from tests.lagrangian import monopod
 from tests.push_by_hand import Push
 from tests.slow import slow_but

@@ -32,9 +32,8 @@ from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
-from spear_pin.studies.passive_knee import PassiveKnee as PassiveKnee
-from spear_pin.studies.variation import PARAMETERS as PARAMETERS
-from spear_pin.studies.variation import Step, derivatives
+from spear_pin.studies.push_test.passive_knee import PassiveKnee
+from spear_pin.studies.push_test.sensitivity import PARAMETERS, Step, derivatives
 
 Array = NDArray[np.float64]
 
@@ -53,7 +52,7 @@ ENDS = {
 
 
 @dataclass(frozen=True)
-class Motion:
+class KneeMotion:
     """The knee's motion after the release, sampled.
 
     Attributes:
@@ -146,7 +145,7 @@ def move(
     times: ArrayLike,
     wrt: Sequence[str] = (),
     rtol: float = RTOL,
-) -> Motion:
+) -> KneeMotion:
     """Let the leg go at rest and follow its motion.
 
     Args:
@@ -188,7 +187,7 @@ def move(
     found = [(event.time, event.q[row]) for event in result.events if event.name == "turn" and event.time <= at[-1]]
     turns = np.array(found).reshape(-1, 2)
     turns = turns[np.diff(turns[:, 0], prepend=-np.inf) > AGAIN]
-    return Motion(angle, rates, acceleration, sensitivity, turns[:, 0], turns[:, 1], reason)
+    return KneeMotion(angle, rates, acceleration, sensitivity, turns[:, 0], turns[:, 1], reason)
 
 
 def _checked(leg: PinnedLeg, initial_angle: float, times: ArrayLike, wrt: Sequence[str], rtol: float) -> Array:
