@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 from urllib.parse import urlencode
 
-from spear_pin.studies.explore_engines import REFERENCE, TAYLOR, best_engine
+from spear_pin.studies.explore.engines import REFERENCE, TAYLOR, best_engine
 from spear_pin.viz.explore_server import Explorer
 from tests.viz.chromium import Browser
 from tests.viz.exploring import move, serving, visit

@@ -21,9 +21,10 @@ from spear_pin.gaits.feedback import regulated
 from spear_pin.hybrid.hardware import Sensing, with_hardware
 from spear_pin.model.catalogue import gearbox, motor
 from spear_pin.model.motor import Drive, Gearbox
-from spear_pin.studies.attraction import attraction as attracted
-from spear_pin.studies.attraction import dropped
 from spear_pin.studies.basin import basin
+from spear_pin.studies.basin.attraction import attraction as attracted
+from spear_pin.studies.basin.attraction import dropped
+from spear_pin.studies.basin.robustness import robustness
 from spear_pin.studies.design import Member
 from spear_pin.studies.drivetrain import knee_drives
 from spear_pin.studies.energetics import computed_points, costs, energy_flow
@@ -32,7 +33,6 @@ from spear_pin.studies.identification import Estimate, MovingAverage, cut, ident
 from spear_pin.studies.laboratory import Instrument, synthesize, write_csv
 from spear_pin.studies.published_costs import PUBLISHED
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, gear_study, spear_ii
-from spear_pin.studies.robustness import robustness
 from spear_pin.studies.sweep import grid
 from spear_pin.studies.sweep import sweep as swept
 from spear_pin.viz import (

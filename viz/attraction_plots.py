@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.studies.attraction import ELSEWHERE, Attraction
+from spear_pin.studies.basin.attraction import ELSEWHERE, Attraction
 from spear_pin.viz.plots import style
 
 # a gait that is lost is grey, in shades that a print still tells apart

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.trajectory import Trajectory
-from spear_pin.studies.explore import VIEWS, Hops, settled
-from spear_pin.studies.explore_engines import Engine
-from spear_pin.studies.explore_figures import figures
-from spear_pin.studies.explore_knobs import KNOBS, Knobs
+from spear_pin.studies.explore.engines import Engine
+from spear_pin.studies.explore.figures import figures
+from spear_pin.studies.explore.hops import VIEWS, Hops, settled
+from spear_pin.studies.explore.knobs import KNOBS, Knobs
 from spear_pin.viz import commands as c
 from spear_pin.viz.marks import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
 from spear_pin.viz.motion import Motion, resample

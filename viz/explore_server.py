@@ -17,10 +17,10 @@ from typing import Any
 from urllib.parse import parse_qsl, urlsplit
 
 from spear_pin.errors import BadValue, SpearError, UnknownName, brief
-from spear_pin.studies.explore import VIEWS, Hops
-from spear_pin.studies.explore_engines import Engine
-from spear_pin.studies.explore_figures import script
-from spear_pin.studies.explore_knobs import Knobs
+from spear_pin.studies.explore.engines import Engine
+from spear_pin.studies.explore.figures import script
+from spear_pin.studies.explore.hops import VIEWS, Hops
+from spear_pin.studies.explore.knobs import Knobs
 from spear_pin.viz.explore_page import CLIENT, answer, page
 
 HOST = "127.0.0.1"

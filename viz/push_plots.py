@@ -17,10 +17,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from spear_pin.errors import BadValue
+from spear_pin.studies.audit.printed_estimates import TABLE_4_1, TABLE_4_2, TableRow, average
 from spear_pin.studies.identification import NUISANCES, QUANTITIES, Estimate
 from spear_pin.studies.identification.estimate import Parameter
 from spear_pin.studies.push_test import GearRow, Release, spear_ii
-from spear_pin.studies.source_tables import TABLE_4_1, TABLE_4_2, TableRow, average
 from spear_pin.viz.plots import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, style
 
 RELEASES = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, "black")

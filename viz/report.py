@@ -1,7 +1,7 @@
 """The report: every statement checked, every figure drawn, every table made, each once or from the cache.
 
-Nothing is computed here; `spear_pin.studies.statements` and the plots say what there is. What fails is part of the
-report, with its reason.
+Nothing is computed here; `spear_pin.studies.audit.statements` and the plots say what there is. What fails is part of
+the report, with its reason.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from typing import Any
 
 from spear_pin.errors import UnknownName
 from spear_pin.files import atomic
+from spear_pin.studies.audit.statements import STATEMENTS, VERDICTS, Finding, Statement, Verdict, check
+from spear_pin.studies.audit.statements.tables import TABULATIONS, Rows, Tabulation
 from spear_pin.studies.cache import Cache
-from spear_pin.studies.statements import STATEMENTS, VERDICTS, Finding, Statement, Verdict, check
-from spear_pin.studies.statements.tables import TABULATIONS, Rows, Tabulation
 from spear_pin.viz.plots import save_figure
 from spear_pin.viz.report_figures import PICTURES, Picture
 from spear_pin.viz.report_playbacks import PLAYBACKS, Playback

@@ -7,9 +7,9 @@ import re
 from collections.abc import Iterable
 
 from spear_pin import __version__
-from spear_pin.studies.errata import ERRATA, Erratum
-from spear_pin.studies.statements import CHAPTERS, Finding, Statement, Verdict, command_of
-from spear_pin.studies.statements.tables import TABULATIONS, Cell, Rows, Tabulation
+from spear_pin.studies.audit.errata import ERRATA, Erratum
+from spear_pin.studies.audit.statements import CHAPTERS, Finding, Statement, Verdict, command_of
+from spear_pin.studies.audit.statements.tables import TABULATIONS, Cell, Rows, Tabulation
 from spear_pin.viz.report import SVG, Report
 from spear_pin.viz.report_figures import NOTHING_TO_COMPUTE, PICTURES, Picture
 from spear_pin.viz.report_playbacks import shared

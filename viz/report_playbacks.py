@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from spear_pin.errors import BadValue
-from spear_pin.studies import reference
+from spear_pin.studies.audit import runs
 from spear_pin.studies.push_test import WITH_MOTOR, release, spear_ii
 from spear_pin.viz.player import page
 from spear_pin.viz.release_page import record_release
@@ -36,12 +36,12 @@ class Playback:
 
 def hop() -> str:
     """SPEAR-II hopping in place."""
-    return page(reference.hop().system.robot, reference.hops(), title="SPEAR-II hopping in place")
+    return page(runs.hop().system.robot, runs.hops(), title="SPEAR-II hopping in place")
 
 
 def bound() -> str:
     """Q-SPEAR bounding."""
-    return page(reference.bound().system.robot, reference.strides(), title="Q-SPEAR bounding at 2.5 m/s")
+    return page(runs.bound().system.robot, runs.strides(), title="Q-SPEAR bounding at 2.5 m/s")
 
 
 def push_test() -> str:

@@ -6,7 +6,7 @@ import html
 import math
 import re
 
-from spear_pin.studies.statements.criteria import Value
+from spear_pin.studies.audit.statements.criteria import Value
 
 SUBSCRIPT = re.compile(r"(?<![\w./-])([^\W\d_]{1,2}[\u0300-\u036f]?)_([A-Za-z0-9]+)")  # of k_rot, not of long_stride
 SUPERSCRIPT = re.compile(r"\^([A-Za-z]+)")

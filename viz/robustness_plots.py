@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 from matplotlib.figure import Figure
 
-from spear_pin.studies.robustness import Robustness
+from spear_pin.studies.basin.robustness import Robustness
 from spear_pin.viz.plots import BLUE, style
 from spear_pin.viz.sweep_plots import label
 

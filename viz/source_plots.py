@@ -13,11 +13,11 @@ from matplotlib.figure import Figure
 from spear_pin.errors import BadValue
 from spear_pin.model.bridge import STATES, Battery, Bridge, back_emf, conduction_threshold, idle_current
 from spear_pin.model.motor import Motor
-from spear_pin.studies.printed_model import effective_inertia, gravity_torque
+from spear_pin.studies.audit.printed_designs import SPEAR_I, SPEAR_II
+from spear_pin.studies.audit.printed_equations import effective_inertia, gravity_torque
+from spear_pin.studies.audit.switch import torques
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, pushed_angle, spear_ii
 from spear_pin.studies.push_test.power_off import PowerOff
-from spear_pin.studies.source_design import SPEAR_I, SPEAR_II
-from spear_pin.studies.switch import torques
 from spear_pin.viz.plots import BLUE, GREEN, PURPLE, VERMILLION, style
 
 METRICS = {  # rows of Table 2.4 that are to be small, with their labels

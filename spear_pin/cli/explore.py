@@ -22,7 +22,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     import webbrowser
 
     from spear_pin.cli.output import print_result, progress
-    from spear_pin.studies.explore_engines import best_engine
+    from spear_pin.studies.explore.engines import best_engine
     from spear_pin.viz.explore_server import Explorer, Server
 
     if not 0 <= arguments.port <= 65535:

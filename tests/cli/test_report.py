@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from spear_pin.studies.statements import STATEMENTS
+from spear_pin.studies.audit.statements import STATEMENTS
 from spear_pin.viz import report
 from tests.cli.calls import loads, printed, refused, run, words
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spear_pin.errors import BadValue
-from spear_pin.studies.attraction import Attraction
+from spear_pin.studies.basin.attraction import Attraction
 from spear_pin.viz.attraction_plots import attraction_map
 
 REASONS = np.array(["reached", "fall", "reached", "elsewhere", "no_event", "zeno"])

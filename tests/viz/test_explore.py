@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 import umsgpack
 
-from spear_pin.studies.explore import settled
-from spear_pin.studies.explore_engines import best_engine
-from spear_pin.studies.explore_figures import figures, script
-from spear_pin.studies.explore_knobs import KNOBS, Knobs
+from spear_pin.studies.explore.engines import best_engine
+from spear_pin.studies.explore.figures import figures, script
+from spear_pin.studies.explore.hops import settled
+from spear_pin.studies.explore.knobs import KNOBS, Knobs
 from spear_pin.viz.chromium import find
 from spear_pin.viz.explore_server import Explorer
 from tests.viz.chromium import Browser

@@ -14,10 +14,10 @@ from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 from spear_pin.errors import BadValue
+from spear_pin.studies.audit.printed_estimates import TABLE_4_1, TABLE_4_2, average
 from spear_pin.studies.identification import Estimate, MovingAverage, identify, smoothed
 from spear_pin.studies.laboratory import synthetic_trial
 from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, gear_study, release, spear_ii
-from spear_pin.studies.source_tables import TABLE_4_1, TABLE_4_2, average
 from spear_pin.viz import push_plots
 from spear_pin.viz.plots import save_figure, style
 from tests.slow import slow_but

@@ -10,9 +10,9 @@ from lxml import etree
 from matplotlib.figure import Figure
 
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.studies.audit.statements import ASSUMPTIONS, STATEMENTS, VERDICTS
+from spear_pin.studies.audit.statements.tables import TABULATIONS
 from spear_pin.studies.cache import Cache
-from spear_pin.studies.statements import ASSUMPTIONS, STATEMENTS, VERDICTS
-from spear_pin.studies.statements.tables import TABULATIONS
 from spear_pin.viz.report import Report, Selection, make, select, write_figures
 from spear_pin.viz.report_figures import NOTHING_TO_COMPUTE, PICTURES
 from spear_pin.viz.report_page import MOST_BYTES, render

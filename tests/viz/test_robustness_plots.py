@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spear_pin.studies.robustness import Robustness
+from spear_pin.studies.basin.robustness import Robustness
 from spear_pin.viz.robustness_plots import BINS, robustness_figure
 
 
