@@ -16,14 +16,12 @@ from spear_pin.errors import BadFile, BadValue, MissingExtra, UnknownName
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.hardware import with_hardware
 from spear_pin.hybrid.parameters import changed
-from spear_pin.studies import sweep as module
-from spear_pin.studies import sweep_store
 from spear_pin.studies.hardware import Rig
-from spear_pin.studies.sweep import grid, reasons, sample, sweep
+from spear_pin.studies.sweep import chunks, grid, reasons, sample, store, sweep
 
 pytestmark = pytest.mark.extra("heyoka", "joblib", "xarray", "zarr")
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 POINTS = grid({"stiffness": np.linspace(46.0, 52.0, 12), "knee_ratio": [15.0, 14.0]})
 ASKED = {"vary": ["stance_torque"], "target": {"flight_time": 0.2}, "chunk": 3}
 
@@ -51,7 +49,7 @@ SCRIPT = """
 import sys
 from spear_pin import hopping, load
 from spear_pin.studies.sweep import sweep
-from tests.studies.test_sweep import ASKED, POINTS
+from tests.studies.sweep.test_sweep import ASKED, POINTS
 
 if __name__ == "__main__":
     sweep(hopping(load("spear_ii", locked=["boom_x"])), POINTS, sys.argv[1], **ASKED, resume=True)
@@ -162,7 +160,7 @@ class TestInterrupted:
         script, out = tmp_path / "run.py", tmp_path / "whole.zarr"
         script.write_text(SCRIPT)
         environment = os.environ | {"PYTHONPATH": str(ROOT)}
-        rng, parts = np.random.default_rng(), sweep_store.parts(out)
+        rng, parts = np.random.default_rng(), store.parts(out)
         stamps = {}
         for kill in range(1, 4):
             process = subprocess.Popen([sys.executable, str(script), str(out)], env=environment, cwd=tmp_path)
@@ -176,7 +174,7 @@ class TestInterrupted:
             for path in parts.glob("[0-9]*.npz"):
                 assert stamps.setdefault(path.name, path.stat().st_mtime_ns) == path.stat().st_mtime_ns, "solved again"
         subprocess.run([sys.executable, str(script), str(out)], env=environment, cwd=tmp_path, check=True)
-        assert sweep_store.read(out).identical(whole)
+        assert store.read(out).identical(whole)
         assert sorted(path.name for path in tmp_path.iterdir()) == ["run.py", "whole.zarr"]
 
     def test_goes_on_where_it_was(self, system, whole, tmp_path, monkeypatch):
@@ -193,8 +191,8 @@ class TestInterrupted:
         assert not out.exists()
         found = sweep(system, POINTS, out, **ASKED, resume=True, on_points=lambda *counts: told.append(counts))
         assert told[0] == (9, 24) and told[-1] == (24, 24) and len(told) == 6
-        assert found.identical(whole) and not sweep_store.parts(out).exists()
-        monkeypatch.setattr(module, "_solve", None)
+        assert found.identical(whole) and not store.parts(out).exists()
+        monkeypatch.setattr(chunks, "_solve", None)
         assert sweep(system, POINTS, out, **ASKED, resume=True).identical(whole)  # nothing is left to do
 
     def test_refuses_another_request(self, system, whole, tmp_path):
@@ -209,17 +207,17 @@ class TestInterrupted:
             stiff = hopping(system.robot, spring=Gait.load("long_stride").system.spring)
             sweep(stiff, POINTS, out, **ASKED, resume=True)
         for damaged in ("{}", "[]", '{"request": 3}', '{"request": {"chunk": NaN}}', "[" * 99999):
-            (sweep_store.parts(out) / "manifest.json").write_text(damaged)
+            (store.parts(out) / "manifest.json").write_text(damaged)
             with pytest.raises(BadFile, match="is not the manifest of a sweep"):
                 sweep(system, POINTS, out, **ASKED, resume=True)
 
     @pytest.mark.parametrize("damaged", [b"", b"PK", b"no rows"])
     def test_refuses_a_part_that_is_damaged(self, tmp_path, damaged):
         out = tmp_path / "map.zarr"
-        sweep_store.begin(out, {}, resume=False)
-        (part := sweep_store.parts(out) / "000000.npz").write_bytes(damaged)
+        store.begin(out, {}, resume=False)
+        (part := store.parts(out) / "000000.npz").write_bytes(damaged)
         with pytest.raises(BadFile, match=f"{part.name}: is no part of a sweep; remove it and resume"):
-            sweep_store.finish(out, None, {"number": 1}, 1)
+            store.finish(out, None, {"number": 1}, 1)
 
     def test_leaves_what_is_there(self, system, whole, tmp_path):
         out = tmp_path / "notes.zarr"
@@ -237,7 +235,7 @@ class TestWorkers:
         sweep(system, POINTS, tmp_path / "one.zarr", **ASKED, n_jobs=1)
         sweep(system, POINTS, tmp_path / "two.zarr", **ASKED, n_jobs=2)
         assert bytes_of(tmp_path / "one.zarr") == bytes_of(tmp_path / "two.zarr")
-        assert sweep_store.read(tmp_path / "two.zarr").identical(whole)
+        assert store.read(tmp_path / "two.zarr").identical(whole)
 
     @pytest.mark.slow
     @pytest.mark.extra("distributed")

@@ -15,7 +15,7 @@ import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 from zipfile import BadZipFile
 
 import numpy as np
@@ -26,9 +26,7 @@ from spear_pin.files import atomic, parse_json
 from spear_pin.gaits.many import CONVERGED, REASONS
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import PARAMETERS
-
-if TYPE_CHECKING:
-    from spear_pin.studies.sweep import Job, Rows
+from spear_pin.studies.sweep.job import Job, Rows
 
 FORMAT = "spear_pin sweep 1"
 MEANINGS = " ".join(REASONS)
