@@ -13,8 +13,19 @@ from spear_pin.hybrid.parameters import rebuilt
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox, Motor
 from spear_pin.model.spring import Spring
-from spear_pin.studies import design
-from spear_pin.studies.design import Points, against, codesign, electrical_cost, family, points, smallest_violation
+from spear_pin.studies.design import (
+    Points,
+    against,
+    codesign,
+    drive_choice,
+    electrical_cost,
+    families,
+    family,
+    points,
+    smallest_violation,
+    spring_sweep,
+    sprung,
+)
 from tests.gaits.solutions import least_effort
 
 REST = np.radians(40.0)
@@ -29,7 +40,7 @@ def gait() -> Gait:
 
 @pytest.fixture(scope="module")
 def sweep(gait: Gait) -> dict[float, Points]:
-    return design.spring_sweep(gait)
+    return spring_sweep(gait)
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +100,7 @@ class TestSprings:
 
     def test_another_stiffness_leaves_the_rest_of_the_spring(self, gait: Gait) -> None:
         own = replace(gait.system.spring, hardening=90.0, preload=4.0)
-        stiffer = design.sprung(rebuilt(gait.system, spring=own), 70.0)
+        stiffer = sprung(rebuilt(gait.system, spring=own), 70.0)
         assert stiffer.spring == replace(own, stiffness=140.0)
 
     def test_hips_do_not_depend_on_it(self, gait: Gait) -> None:
@@ -186,7 +197,8 @@ class TestStudies:
                 raise NoGait("nothing nearby", 1.0)
             return gait, f"solution {len(asked)}"
 
-        monkeypatch.setattr(design, "search", search)
+        monkeypatch.setattr(families, "search", search)
+        monkeypatch.setattr(drive_choice, "search", search)
         return asked
 
     def test_a_family_starts_each_from_the_last_that_was_found(self, gait: Gait, searches: list[tuple]) -> None:
