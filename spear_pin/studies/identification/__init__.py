@@ -1,7 +1,7 @@
 """From a laboratory's records to parameters with error bars: read, cut into releases, smooth, estimate."""
 
 from spear_pin.studies.identification.estimate import Estimate, identify
-from spear_pin.studies.identification.problem import NUISANCES, QUANTITIES
+from spear_pin.studies.identification.quantities import NUISANCES, QUANTITIES
 from spear_pin.studies.identification.records import Calibration, Record, read_record
 from spear_pin.studies.identification.rounding import Rounding
 from spear_pin.studies.identification.smoothing import MovingAverage

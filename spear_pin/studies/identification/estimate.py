@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 from spear_pin.errors import UnknownName
 from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
-from spear_pin.studies.identification.problem import KNEE, NUISANCES, QUANTITIES, Problem, first_swing, pose
+from spear_pin.studies.identification.first_guess import first_swing
+from spear_pin.studies.identification.least_squares import LeastSquares, pose
+from spear_pin.studies.identification.quantities import KNEE, NUISANCES, QUANTITIES
 from spear_pin.studies.identification.rounding import Rounding, errors, rounding
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.identification.uncertainty import nrmse_fit, scatter, whiteness
@@ -204,7 +206,7 @@ def identify(
     return _estimate(problem, solution, loss, spread)
 
 
-def _started(problem: Problem, guessed: bool, on_iteration: Callable[[int, float], None] | None) -> Array:
+def _started(problem: LeastSquares, guessed: bool, on_iteration: Callable[[int, float], None] | None) -> Array:
     """Where to begin.
 
     Whether dry friction stops the knee at one turn or at the next makes many minima; the first swing, forth and
@@ -221,7 +223,7 @@ def _started(problem: Problem, guessed: bool, on_iteration: Callable[[int, float
 
 
 def _solved(
-    problem: Problem, start: Array, loss: str, spread: float, on_iteration: Callable[[int, float], None] | None
+    problem: LeastSquares, start: Array, loss: str, spread: float, on_iteration: Callable[[int, float], None] | None
 ) -> Any:
     evaluations = 0
     at, slopes = np.empty(0), np.empty(0)  # one integration gives both, and SciPy asks for them in turn
@@ -245,7 +247,7 @@ def _solved(
     )
 
 
-def _estimate(problem: Problem, solution: Any, loss: str, spread: float) -> Estimate:
+def _estimate(problem: LeastSquares, solution: Any, loss: str, spread: float) -> Estimate:
     x, trials = np.asarray(solution.x), problem.trials
     integrations = problem.tally["integrations"]
     ends = np.cumsum([trial.t.size for trial in trials])[:-1]
@@ -298,7 +300,7 @@ def _influence(residuals: Array, loss: str, spread: float) -> tuple[Array, Array
     return weight(z) * residuals, slope(z)
 
 
-def _warnings(problem: Problem, solution: Any, estimate: Estimate) -> Iterator[str]:
+def _warnings(problem: LeastSquares, solution: Any, estimate: Estimate) -> Iterator[str]:
     if not estimate.converged:
         yield f"the search did not converge in {solution.nfev} evaluations"
     for parameter, side in zip(estimate.parameters, solution.active_mask, strict=True):

@@ -1,18 +1,18 @@
-"""The least-squares problem of the push test: entries of the unknown vector, residuals and their Jacobian."""
+"""The least squares of an identification: entries of the unknown vector, residuals and their Jacobian."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from types import MappingProxyType
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.model.pinned import PinnedLeg
-from spear_pin.studies.identification.smoothing import MovingAverage
+from spear_pin.studies.identification.first_guess import guess
+from spear_pin.studies.identification.quantities import KNEE, NUISANCES, QUANTITIES
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.push_test import PassiveKnee
 from spear_pin.studies.push_test.motion import move
@@ -21,42 +21,7 @@ Array = NDArray[np.float64]
 
 RTOL = 1e-8
 ONSET = 0.1  # s, by which the time of a release may be corrected
-CALM = 0.03  # s, over which the angle is averaged for a first guess
-TAIL = 0.2  # of a trial: its end, at rest or nearly
 STRAY = 0.01  # of the samples: outliers, for a robust loss to deal with
-SLACK = 1e-6  # N·m/rad: the least stiffness, which the static rest is divided by
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A parameter that can be estimated.
-
-    Attributes:
-        symbol: as in the source.
-        unit: of the value.
-        derivative: of `move` that it takes; None for the time of release.
-        bounds: least and largest value.
-    """
-
-    symbol: str
-    unit: str
-    derivative: str | None
-    bounds: tuple[float, float]
-
-
-QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
-    {
-        "stiffness": Quantity("k_rot", "N·m/rad", "stiffness", (SLACK, 1e5)),
-        "damping": Quantity("b", "N·m·s/rad", "damping", (0.0, 1e3)),
-        "coulomb": Quantity("τ_c", "N·m", "coulomb", (0.0, 1e3)),
-        "rest_angle": Quantity("RA", "rad", "zero", (-np.pi, np.pi)),
-        "rotor_inertia": Quantity("N²J", "kg·m²", "rotor", (0.0, 100.0)),
-        "initial_angle": Quantity("θ₀", "rad", "initial_angle", (-np.pi, np.pi)),
-        "release_time": Quantity("t₀", "s", None, (-np.inf, np.inf)),
-    }
-)
-NUISANCES = ("initial_angle", "release_time")  # of each trial
-KNEE = tuple(name for name in QUANTITIES if name not in NUISANCES)
 
 
 @dataclass(frozen=True)
@@ -96,7 +61,7 @@ class Setting:
 
 
 @dataclass(frozen=True)
-class Problem:
+class LeastSquares:
     """Residuals of all trials as a function of the unknowns.
 
     Attributes:
@@ -199,15 +164,15 @@ def pose(
     unilateral: bool,
     bounds: Mapping[str, tuple[float, float]],
     smooth_model: bool,
-) -> Problem:
-    """Set the problem up; see `identify` for the arguments and what is refused."""
+) -> LeastSquares:
+    """Set the least squares up; see `identify` for the arguments and what is refused."""
     _check(leg, trials, vary, per_trial, nuisances, known, bounds)
-    guesses = [_guess(leg, trial, static_rest) for trial in trials]
-    shared = {name: float(np.median([guess[name] for guess in guesses])) for name in KNEE}
+    guesses = [guess(leg, trial, static_rest) for trial in trials]
+    shared = {name: float(np.median([each[name] for each in guesses])) for name in KNEE}
     if "coulomb" not in vary:
         shared["coulomb"] = 0.0
     shared |= known
-    values = tuple(guess | shared for guess in guesses)
+    values = tuple(each | shared for each in guesses)
     entries = []
     for name in vary:
         limits = _bounds(leg, name, bounds, static_rest)
@@ -223,7 +188,7 @@ def pose(
                     expected = f"such that some of {low:g} … {high:g} s remains, for {trial.label}"
                     raise BadValue("bounds of release_time", bounds.get("release_time", limits), expected)
             entries.append(Entry(name, j, float(np.clip(values[j][name], *limits)), limits))
-    return Problem(leg, tuple(trials), values, tuple(entries), static_rest, unilateral, smooth_model)
+    return LeastSquares(leg, tuple(trials), values, tuple(entries), static_rest, unilateral, smooth_model)
 
 
 def _check(
@@ -279,50 +244,3 @@ def _bounds(
             f"two numbers, the first less than the other, within {QUANTITIES[name].bounds}",
         )
     return low, high
-
-
-def first_swing(trial: Trial) -> Trial:
-    """The trial until the knee stands still for the second time, or soon after."""
-    last = max(int(np.searchsorted(trial.t, trial.let_go + 2.0 * _turn(trial))), 10)
-    raw = None if trial.raw is None else trial.raw[:last]
-    return replace(trial, t=trial.t[:last], angle=trial.angle[:last], raw=raw)
-
-
-def _turn(trial: Trial) -> float:
-    """Time from the release to the first turn, in s, roughly."""
-    since = trial.t - trial.let_go
-    first = (since > 0) & (since <= 1.0)
-    return max(float(since[first][np.argmin(_calm(trial)[first])]), 0.02) if first.any() else 0.2
-
-
-def _calm(trial: Trial) -> Array:
-    """The angle without most of its noise, good enough to begin from."""
-    return MovingAverage(max(round(CALM / float(np.median(np.diff(trial.t)))), 1))(trial.angle)
-
-
-def _guess(leg: PinnedLeg, trial: Trial, static_rest: bool) -> dict[str, float]:
-    """Parameters from the swing's first turn, its depth and the angle in the end.
-
-    Damping and dry friction are each such that it brakes the first swing by itself.
-    """
-    hold = trial.angle[trial.t < trial.let_go]
-    initial = float(np.median(hold)) if hold.size else float(trial.angle[0])
-    since = trial.t - trial.let_go
-    rest = float(np.clip(trial.angle[since > (1.0 - TAIL) * since[-1]].mean(), *leg.span))
-    first = (since > 0) & (since <= 1.0)
-    below = (rest - float(_calm(trial)[first].min(initial=rest))) / max(abs(initial - rest), 1e-3)
-    decrement = -np.log(np.clip(below, 0.05, 0.95)) / np.pi
-    ratio = decrement / np.hypot(1.0, decrement)
-    inertia, slope = float(leg.effective_inertia(rest)), float(leg.motion_with_slopes(rest)[5])
-    undamped = np.pi / _turn(trial) / np.sqrt(1.0 - ratio**2)
-    stiffness = max(inertia * undamped**2 - slope, 5.0)
-    damping = float(2.0 * ratio * inertia * undamped)
-    return {
-        "stiffness": float(stiffness),
-        "damping": damping,
-        "coulomb": 0.25 * np.pi * damping * undamped * abs(initial - rest) * (1.0 + below) / 2.0,
-        "rest_angle": rest if static_rest else rest + float(leg.gravity(rest)) / stiffness,
-        "rotor_inertia": leg.rotor,
-        "initial_angle": float(np.clip(initial, *leg.span)),
-        "release_time": trial.let_go,
-    }

@@ -7,7 +7,8 @@ import pytest
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.studies.identification import NUISANCES, MovingAverage, smoothed
-from spear_pin.studies.identification.problem import KNEE, QUANTITIES, pose
+from spear_pin.studies.identification.least_squares import pose
+from spear_pin.studies.identification.quantities import KNEE, QUANTITIES
 from spear_pin.studies.laboratory import synthetic_trial
 from spear_pin.studies.push_test import PassiveKnee, equilibrium, pushed_angle, spear_ii
 from spear_pin.studies.push_test.motion import move
