@@ -21,7 +21,7 @@ from spear_pin.studies.audit.runs import (
     one_hop,
     rough_hops,
 )
-from spear_pin.studies.boom import Encoder, height_by_sine, read_angle
+from spear_pin.studies.boom_encoder import Encoder, height_by_sine, read_angle
 from spear_pin.studies.hop import spring_share
 
 BRINK = 1e-6  # of the current limit

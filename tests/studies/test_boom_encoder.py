@@ -7,7 +7,7 @@ from spear_pin import find_gait, hopping, load
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.hardware import Sensing
 from spear_pin.model.boom import RotaryBoom, on_rotary_boom
-from spear_pin.studies.boom import Encoder, height_by_arc, height_by_sine, read_angle, tilt
+from spear_pin.studies.boom_encoder import Encoder, height_by_arc, height_by_sine, read_angle, tilt
 from spear_pin.studies.hardware import Rig, on_rig
 
 BOOM = RotaryBoom()
