@@ -147,7 +147,7 @@
 
   function show(hop) {
     state.hop = hop;
-    for (const path of data.marks) viewer.handle_command({ type: "delete", path });
+    for (const path of data.overlays) viewer.handle_command({ type: "delete", path });
     handle(viewer, hop.commands);
     for (const plot of plots) plot.draw(hop);
     const stops = hop.spans.map(([name, begin, end]) =>

@@ -18,12 +18,12 @@ from spear_pin.studies.explore.engines import Engine
 from spear_pin.studies.explore.figures import figures
 from spear_pin.studies.explore.hops import VIEWS, Hops, settled
 from spear_pin.studies.explore.knobs import KNOBS, Knobs
-from spear_pin.viz import commands as c
-from spear_pin.viz.marks import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
-from spear_pin.viz.motion import Motion, resample
+from spear_pin.viz.playback import meshcat_commands as c
+from spear_pin.viz.playback.frames import Frames, resample
+from spear_pin.viz.playback.overlays import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
+from spear_pin.viz.playback.scene import Scene, moving
+from spear_pin.viz.playback.stage import HORIZON, WORLD
 from spear_pin.viz.player import SPEEDS, in_words
-from spear_pin.viz.scene import Scene, moving
-from spear_pin.viz.stage import HORIZON, WORLD
 from spear_pin.viz.template import asset, css, filled, viewer_parts
 
 CLIENT = "Spear-Client"  # header by which a page tells itself from others; what comes without is one client
@@ -61,7 +61,7 @@ def page(engine: Engine) -> str:
 
 def answer(view: str, hops: Hops) -> dict[str, Any]:
     """Hops as the page shows them: playback, series to plot, figures."""
-    motion, scene = _scene(hops)
+    frames, scene = _scene(hops)
     multipliers = hops.gait.multipliers.tolist() if hops.gait is not None else []
     return {
         "view": view,
@@ -70,12 +70,12 @@ def answer(view: str, hops: Hops) -> dict[str, Any]:
         "message": hops.message,
         "figures": figures(hops),
         "multipliers": [[value.real, value.imag] for value in multipliers],
-        "duration": motion.duration,
-        "spans": [[in_words(span.name), span.begin, span.end] for span in motion.spans],
-        "events": [[in_words(name), time] for name, time in motion.events],
+        "duration": frames.duration,
+        "spans": [[in_words(span.name), span.begin, span.end] for span in frames.spans],
+        "events": [[in_words(name), time] for name, time in frames.events],
         "series": series(hops.trajectory),
         "commands": [_packed(command) for command in _changes(scene)]
-        + [_packed(c.set_animation(scene.clips, motion.duration))],
+        + [_packed(c.set_animation(scene.clips, frames.duration))],
     }
 
 
@@ -118,23 +118,23 @@ def _opening(engine: Engine) -> dict[str, Any]:
         "distance": scene.view.distance,
         "horizon": css(HORIZON),
         "scene": [_packed(command) for command in scene.commands],
-        "marks": [command["path"] for command in scene.commands if _is_mark(command)],
+        "overlays": [command["path"] for command in scene.commands if _is_overlay(command)],
     }
 
 
-def _scene(hops: Hops) -> tuple[Motion, Scene]:
+def _scene(hops: Hops) -> tuple[Frames, Scene]:
     robot = hops.knobs.system.robot
-    motion = resample(robot, hops.trajectory, RATE)
-    return motion, moving(robot, motion)
+    frames = resample(robot, hops.trajectory, RATE)
+    return frames, moving(robot, frames)
 
 
 def _changes(scene: Scene) -> list[c.Command]:
     """Commands that differ between hops; what is looked at from where, and what would need a shader again, stays."""
     world = [command for command in scene.commands if command["path"].startswith(WORLD)]
-    return [command for command in world if command["type"] != "set_object" or _is_mark(command)]
+    return [command for command in world if command["type"] != "set_object" or _is_overlay(command)]
 
 
-def _is_mark(command: c.Command) -> bool:
+def _is_overlay(command: c.Command) -> bool:
     """Whether a command draws a spring, a force or a path, neither the robot nor the ground."""
     path = command["path"]
     drawn = command["type"] == "set_object" and path.startswith(WORLD)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.push_test import PassiveKnee, Release
-from spear_pin.viz.motion import TrajectoryLike, first
+from spear_pin.viz.playback.trajectory import TrajectoryLike, first
 from spear_pin.viz.player import record, shortened
 
 Array = NDArray[np.float64]

@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin import simulate
     from spear_pin.studies.bound import at_speed, summarize
     from spear_pin.viz.bound_plots import bound_summary
-    from spear_pin.viz.motion import read_times
+    from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
     from spear_pin.viz.plots import save_figure
 

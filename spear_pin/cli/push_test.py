@@ -141,7 +141,7 @@ def _check_mode(arguments: argparse.Namespace) -> None:
 
 def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee) -> dict[str, Any]:
     from spear_pin.studies.push_test import release, swing
-    from spear_pin.viz.motion import read_times
+    from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.push_plots import release_summary

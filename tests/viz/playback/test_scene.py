@@ -13,9 +13,9 @@ from spear_pin.hybrid.ground import Ground
 from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
 from spear_pin.viz import player
-from spear_pin.viz.marks import arrow_path, spring_path
-from spear_pin.viz.scene import ROBOT, joint_paths
-from spear_pin.viz.stage import STAGE, WORLD
+from spear_pin.viz.playback.overlays import arrow_path, spring_path
+from spear_pin.viz.playback.scene import ROBOT, joint_paths
+from spear_pin.viz.playback.stage import STAGE, WORLD
 from tests.viz import samples
 from tests.viz.recording import Recording, read
 

@@ -9,8 +9,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from spear_pin.model.robot import Robot
-from spear_pin.viz.kinematics import local_poses
-from spear_pin.viz.shapes import Shape, frame_along
+from spear_pin.viz.playback.kinematics import local_poses
+from spear_pin.viz.playback.shapes import Shape, frame_along
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.ground import Ground
-from spear_pin.viz import commands as c
+from spear_pin.viz.playback import meshcat_commands as c
 
 Array = NDArray[np.float64]
 

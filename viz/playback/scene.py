@@ -1,4 +1,4 @@
-"""The whole scene: the robot's links in their tree, what marks the motion, the stage around them."""
+"""The whole scene: the robot's links in their tree, what lies over it, the stage around them."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.ground import Ground
 from spear_pin.model.robot import Robot
-from spear_pin.viz import commands as c
-from spear_pin.viz.coil import places_across
-from spear_pin.viz.kinematics import center_of_mass, local_poses, quaternions, world_poses
-from spear_pin.viz.marks import TRAIL_POINTS, Mark, arrow_mark, spring_marks, trail_mark
-from spear_pin.viz.motion import Motion
-from spear_pin.viz.shapes import Shape, read_looks
-from spear_pin.viz.stage import WORLD, View, fit_view, stage
+from spear_pin.viz.playback import meshcat_commands as c
+from spear_pin.viz.playback.coil import places_across
+from spear_pin.viz.playback.frames import Frames
+from spear_pin.viz.playback.kinematics import center_of_mass, local_poses, quaternions, world_poses
+from spear_pin.viz.playback.overlays import TRAIL_POINTS, Overlay, arrow_overlay, spring_overlays, trail_overlay
+from spear_pin.viz.playback.shapes import Shape, read_looks
+from spear_pin.viz.playback.stage import WORLD, View, fit_view, stage
 
 Array = NDArray[np.float64]
 
@@ -67,30 +67,30 @@ def still(robot: Robot, q: Array) -> Scene:
     return Scene(tuple(commands), {}, view, notes=looks.notes)
 
 
-def moving(robot: Robot, motion: Motion) -> Scene:
+def moving(robot: Robot, frames: Frames) -> Scene:
     """A robot in motion, with its springs, ground forces and toe paths."""
     looks, paths = read_looks(robot), joint_paths(robot.model)
-    local = local_poses(robot.model, motion.q)
+    local = local_poses(robot.model, frames.q)
     world = world_poses(robot.model, local)
     center = center_of_mass(robot.model, world)
-    origin = _follow(motion.t, center[:, 0])
+    origin = _follow(frames.t, center[:, 0])
     view = fit_view(*_bounds(robot.model, looks.shapes, world, origin))
-    springs, brackets = spring_marks(robot, motion, local, paths, looks.shapes)
-    feet = _feet(robot, motion, world, looks.shapes)
+    springs, brackets = spring_overlays(robot, frames, local, paths, looks.shapes)
+    feet = _feet(robot, frames, world, looks.shapes)
     peak = max((float(np.linalg.norm(foot.force, axis=1).max(initial=0.0)) for foot in feet), default=0.0)
-    marks = springs + _foot_marks(feet, motion.t, max(float(center[:, 2].max()), 0.1), peak)
+    overlays = springs + _foot_overlays(feet, frames.t, max(float(center[:, 2].max()), 0.1), peak)
     commands = [
         *_place(origin[0]),
         *_body(paths, local[0], (*looks.shapes, *brackets)),
-        *(command for mark in marks for command in mark.commands),
-        *stage(view, float(origin.min()), float(origin.max()), motion.ground),
+        *(command for overlay in overlays for command in overlay.commands),
+        *stage(view, float(origin.min()), float(origin.max()), frames.ground),
     ]
-    clips = _joint_clips(paths, motion.t, local)
+    clips = _joint_clips(paths, frames.t, local)
     if np.ptp(origin) > 0:
         shift = np.column_stack((-origin, np.zeros((len(origin), 2))))
-        clips[WORLD] = (c.Track("position", "vector3", motion.t, shift),)
-    for mark in marks:
-        clips.update(mark.clips)
+        clips[WORLD] = (c.Track("position", "vector3", frames.t, shift),)
+    for overlay in overlays:
+        clips.update(overlay.clips)
     return Scene(tuple(commands), clips, view, peak, len(feet) > len(robot.toes), looks.notes)
 
 
@@ -103,7 +103,7 @@ class _Foot:
     force: Array
 
 
-def _feet(robot: Robot, motion: Motion, world: Array, shapes: tuple[Shape, ...]) -> list[_Foot]:
+def _feet(robot: Robot, frames: Frames, world: Array, shapes: tuple[Shape, ...]) -> list[_Foot]:
     feet = []
     for number, toe in enumerate(robot.toes):
         frame = robot.model.frames[robot.toe_id(toe)]
@@ -112,17 +112,17 @@ def _feet(robot: Robot, motion: Motion, world: Array, shapes: tuple[Shape, ...])
         named = [(f"{toe} right", places[0]), (f"{toe} left", places[1])] if len(places) == 2 else [(toe, at[1])]
         for name, y in named:
             position = (world[:, joint] @ [at[0], y, at[2], 1.0])[:, :3]
-            feet.append(_Foot(name, position, motion.force[:, number] / len(named)))
+            feet.append(_Foot(name, position, frames.force[:, number] / len(named)))
     return feet
 
 
-def _foot_marks(feet: list[_Foot], t: Array, size: float, peak: float) -> list[Mark]:
-    marks = []
+def _foot_overlays(feet: list[_Foot], t: Array, size: float, peak: float) -> list[Overlay]:
+    overlays = []
     for foot in feet:
-        marks.append(trail_mark(foot.name, t, foot.position, 0.005 * size, 2 * TRAIL_POINTS // max(2, len(feet))))
+        overlays.append(trail_overlay(foot.name, t, foot.position, 0.005 * size, 2 * TRAIL_POINTS // max(2, len(feet))))
         if peak > 0:
-            marks.append(arrow_mark(foot.name, t, foot.position, foot.force, 0.6 * size / peak, 0.022 * size))
-    return marks
+            overlays.append(arrow_overlay(foot.name, t, foot.position, foot.force, 0.6 * size / peak, 0.022 * size))
+    return overlays
 
 
 def _place(x: float) -> list[c.Command]:

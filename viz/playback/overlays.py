@@ -1,4 +1,4 @@
-"""Marks drawn besides the robot: the springs while engaged, the ground forces, the paths of the toes."""
+"""Overlays of the robot: the springs while engaged, the ground forces, the paths of the toes."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.model.robot import Robot
-from spear_pin.viz import commands as c
-from spear_pin.viz.coil import Coil, fit_coil, helix, tube
-from spear_pin.viz.kinematics import quaternions
-from spear_pin.viz.motion import Motion, Switch
-from spear_pin.viz.shapes import Shape, frame_along, segment
-from spear_pin.viz.stage import WORLD
+from spear_pin.viz.playback import meshcat_commands as c
+from spear_pin.viz.playback.coil import Coil, fit_coil, helix, tube
+from spear_pin.viz.playback.frames import Frames, Switch
+from spear_pin.viz.playback.kinematics import quaternions
+from spear_pin.viz.playback.shapes import Shape, frame_along, segment
+from spear_pin.viz.playback.stage import WORLD
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ TRAIL_SIDES, TRAIL_POINTS = 4, 1000
 
 
 @dataclass(frozen=True)
-class Mark:
+class Overlay:
     """Commands that put something into the scene, and the tracks that move it, by path."""
 
     commands: tuple[c.Command, ...]
@@ -37,17 +37,17 @@ def spring_path(parent_path: str, joint: str) -> str:
     return f"{parent_path}/spring of {joint.replace('/', ' ')}"
 
 
-def spring_marks(
-    robot: Robot, motion: Motion, local: Array, paths: tuple[str, ...], shapes: tuple[Shape, ...]
-) -> tuple[list[Mark], list[Shape]]:
+def spring_overlays(
+    robot: Robot, frames: Frames, local: Array, paths: tuple[str, ...], shapes: tuple[Shape, ...]
+) -> tuple[list[Overlay], list[Shape]]:
     """The coils, visible while engaged, and the brackets that hold their ends, which stay."""
-    marks, brackets = [], []
-    for joint, switch in motion.springs:
-        coil = fit_coil(robot, joint, _typical(motion, switch), shapes)
+    overlays, brackets = [], []
+    for joint, switch in frames.springs:
+        coil = fit_coil(robot, joint, _typical(frames, switch), shapes)
         parent = int(robot.model.parents[coil.joint])
-        marks.append(_spring(spring_path(paths[parent], joint), coil, switch, motion.t, local))
+        overlays.append(_spring(spring_path(paths[parent], joint), coil, switch, frames.t, local))
         brackets += _brackets(coil, parent, local)
-    return marks, brackets
+    return overlays, brackets
 
 
 def arrow_path(toe: str) -> str:
@@ -55,7 +55,7 @@ def arrow_path(toe: str) -> str:
     return f"{WORLD}/force on {toe.replace('/', ' ')}"
 
 
-def arrow_mark(toe: str, t: Array, position: Array, force: Array, scale: float, width: float) -> Mark:
+def arrow_overlay(toe: str, t: Array, position: Array, force: Array, scale: float, width: float) -> Overlay:
     """The ground force on a toe, from the toe on; hidden while there is none.
 
     Args:
@@ -79,7 +79,7 @@ def arrow_mark(toe: str, t: Array, position: Array, force: Array, scale: float, 
     upright = np.eye(4)
     upright[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
     upright[2, 3] = 0.5
-    return Mark(
+    return Overlay(
         (
             c.set_object(f"{path}/shaft/body", c.cylinder(width / 2, 1.0), look),
             c.set_transform(f"{path}/shaft/body", upright),
@@ -100,11 +100,11 @@ def arrow_mark(toe: str, t: Array, position: Array, force: Array, scale: float, 
     )
 
 
-def trail_mark(toe: str, t: Array, position: Array, radius: float, most: int = TRAIL_POINTS) -> Mark:
+def trail_overlay(toe: str, t: Array, position: Array, radius: float, most: int = TRAIL_POINTS) -> Overlay:
     """The path of a toe, (m, 3), in m, as a thin tube, of so many points at most, that grows with time."""
     keep = _spread(position, most)
     if len(keep) < 2:
-        return Mark((), {})
+        return Overlay((), {})
     path = f"{WORLD}/path of {toe.replace('/', ' ')}"
     vertices, faces = tube(position[keep] + [0.0, 0.0, radius], radius, TRAIL_SIDES)
     look = c.material((*TRAIL_COLOR, 0.75), "MeshBasicMaterial")
@@ -112,17 +112,17 @@ def trail_mark(toe: str, t: Array, position: Array, radius: float, most: int = T
     count = c.Track("geometry[drawRange].count", "number", t[keep], drawn)
     own = f"{path}/<object>"
     tubing = c.set_object(path, c.triangles(vertices, faces), look)
-    return Mark((tubing, c.set_property(own, "castShadow", False)), {own: (count,)})
+    return Overlay((tubing, c.set_property(own, "castShadow", False)), {own: (count,)})
 
 
-def _spring(path: str, coil: Coil, switch: Switch, t: Array, local: Array) -> Mark:
+def _spring(path: str, coil: Coil, switch: Switch, t: Array, local: Array) -> Overlay:
     length = np.maximum(np.linalg.norm(coil.vectors(local), axis=1), 1e-3)
     vertices, faces = helix(coil, float(np.median(length)))
     look = c.material(COIL_COLOR, shininess=60, specular=0x664433, emissive=0x471C00)
     placement = np.eye(4)
     placement[:3, 3] = coil.start
     shown = np.flatnonzero(_during(t, switch))
-    return Mark(
+    return Overlay(
         (
             c.set_object(path, c.triangles(vertices, faces), look),
             c.set_transform(path, placement),
@@ -183,11 +183,11 @@ def _during(t: Array, switch: Switch) -> NDArray[np.bool_]:
     return np.asarray(after | before)
 
 
-def _typical(motion: Motion, switch: Switch) -> Array:
+def _typical(frames: Frames, switch: Switch) -> Array:
     """A configuration in the middle of those in which a spring is engaged, (nq,)."""
-    engaged = np.flatnonzero(_during(motion.t, switch))
-    frame = engaged[len(engaged) // 2] if len(engaged) else len(motion.t) // 2
-    return np.asarray(motion.q[frame])
+    engaged = np.flatnonzero(_during(frames.t, switch))
+    frame = engaged[len(engaged) // 2] if len(engaged) else len(frames.t) // 2
+    return np.asarray(frames.q[frame])
 
 
 def _visibility(switch: Switch) -> c.Track:
