@@ -10,7 +10,13 @@ from spear_pin.studies.audit.printed_designs import SPEAR_II
 from spear_pin.studies.energetics import computed_points
 from spear_pin.studies.published_costs import PUBLISHED
 from spear_pin.studies.push_test import DEPTHS, release, spear_ii
-from spear_pin.viz import bound_plots, design_plots, energy_plots, plots, push_plots, source_plots
+from spear_pin.viz import plots
+from spear_pin.viz.plots import bound as bound_plots
+from spear_pin.viz.plots import design as design_plots
+from spear_pin.viz.plots import energy as energy_plots
+from spear_pin.viz.plots import identification as identification_plots
+from spear_pin.viz.plots import push as push_plots
+from spear_pin.viz.plots import source as source_plots
 
 
 def transport() -> Figure:
@@ -36,7 +42,7 @@ def releases() -> Figure:
 
 def fits() -> Figure:
     """The model fitted to six synthetic sets of releases."""
-    return push_plots.fit_summary(
+    return identification_plots.fit_summary(
         {
             f"{100 * depth:g} cm, {'with motor' if motor_on else 'no motor'}": runs.fitted(depth, motor_on)
             for motor_on in (True, False)

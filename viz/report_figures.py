@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
-from spear_pin.viz import push_plots, source_plots
 from spear_pin.viz import report_drawings as drawings
+from spear_pin.viz.plots import source as source_plots
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ PICTURES: dict[int, tuple[Picture, ...]] = {
             "Tables 4.1 and 4.2",
             "Stiffness and damping of Table 4.1, their mean, and what Table 4.2 prints for it.",
             "Estimates by depth and their averages.",
-            push_plots.source_comparison,
+            source_plots.source_comparison,
         ),
         Picture(
             "fig-4.6",

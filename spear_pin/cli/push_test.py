@@ -144,7 +144,7 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record
     from spear_pin.viz.plots import save_figure
-    from spear_pin.viz.push_plots import release_summary
+    from spear_pin.viz.plots.push import release_summary
     from spear_pin.viz.release_page import playback
 
     duration = DURATION if arguments.duration is None else arguments.duration
@@ -205,7 +205,7 @@ def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
 
     from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, gear_study
     from spear_pin.viz.plots import save_figure
-    from spear_pin.viz.push_plots import gear_comparison
+    from spear_pin.viz.plots.push import gear_comparison
 
     changes: dict[str, Any] = {
         name: value for name in ("stiffness", "damping") if (value := getattr(arguments, name)) is not None

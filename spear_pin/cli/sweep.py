@@ -61,7 +61,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.hybrid.record import Options
     from spear_pin.studies.sweep import grid, reasons, sample, store, sweep
     from spear_pin.viz.plots import save_figure
-    from spear_pin.viz.sweep_plots import sweep_map
+    from spear_pin.viz.plots.sweep import sweep_map
 
     Options(rtol=arguments.rtol)
     points = (

@@ -6,8 +6,8 @@ import pytest
 from spear_pin.errors import BadValue
 from spear_pin.model.catalogue import motor
 from spear_pin.studies.push_test.power_off import power_off
-from spear_pin.viz import source_plots
 from spear_pin.viz.plots import save_figure
+from spear_pin.viz.plots import source as source_plots
 
 FIGURES = (
     source_plots.switched_spring,

@@ -18,8 +18,10 @@ from spear_pin.studies.audit.printed_estimates import TABLE_4_1, TABLE_4_2, aver
 from spear_pin.studies.identification import Estimate, MovingAverage, identify, smoothed
 from spear_pin.studies.laboratory import synthetic_trial
 from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, gear_study, release, spear_ii
-from spear_pin.viz import push_plots
+from spear_pin.viz.plots import identification as identification_plots
+from spear_pin.viz.plots import push as push_plots
 from spear_pin.viz.plots import save_figure, style
+from spear_pin.viz.plots import source as source_plots
 from tests.slow import slow_but
 
 LABEL = re.compile(r"\((s|rad|mrad|m|cm|N|kg·m²|N·m/rad|N·m·s/rad|1)\)$")
@@ -109,12 +111,12 @@ def figure(name: str) -> Figure:
         long = "a record with a long name, of the second afternoon, with the belt on"
         given = {"5 cm": estimate(), "own": own_stiffness(), long: measured(estimate())}
         given |= {"warned": replace(estimate(), warnings=("one", "two")), "part": measured(estimate(), 1)}
-        return push_plots.fit_summary(dict(list({**given, "6": estimate()}.items())[: int(count)]))
+        return identification_plots.fit_summary(dict(list({**given, "6": estimate()}.items())[: int(count)]))
     return {
         "release": lambda: push_plots.release_summary(RELEASES),
         "gears": lambda: push_plots.gear_comparison(ROWS),
-        "correlations": lambda: push_plots.correlations(estimate()),
-        "tables": push_plots.source_comparison,
+        "correlations": lambda: identification_plots.correlations(estimate()),
+        "tables": source_plots.source_comparison,
     }[name]()
 
 
@@ -182,7 +184,7 @@ class TestGears:
 class TestFits:
     def test_shows_data_model_and_residuals_since_the_release(self):
         given = estimate()
-        upper, lower = push_plots.fit_summary({"10 cm": given}).axes
+        upper, lower = identification_plots.fit_summary({"10 cm": given}).axes
         let_go = [p.value for p in given.parameters if p.name == "release_time"]
         assert len(set(let_go)) == len(given.trials) == 2
         for j, (trial, model) in enumerate(zip(given.trials, given.predicted, strict=True)):
@@ -194,12 +196,12 @@ class TestFits:
     def test_a_known_release_time_is_that_of_the_record(self):
         trial = replace(estimate().trials[0], t=estimate().trials[0].t + 7.0, let_go=7.0)
         given = replace(estimate(), trials=(trial,), predicted=estimate().predicted[:1], parameters=())
-        upper, _ = push_plots.fit_summary({"10 cm": given}).axes
+        upper, _ = identification_plots.fit_summary({"10 cm": given}).axes
         assert line(upper, "data 1")[0] == pytest.approx(trial.t - 7.0)
 
     def test_says_what_was_estimated(self):
         given = estimate()
-        upper, _ = push_plots.fit_summary({"10 cm": given}).axes
+        upper, _ = identification_plots.fit_summary({"10 cm": given}).axes
         first, *lines = upper._left_title.get_text().split("\n")
         assert first == f"10 cm: fit {given.fit:.1f} %"
         assert [text.rpartition(" ")[2] for text in lines] == ["N·m/rad", "N·m·s/rad", "rad"]
@@ -210,7 +212,7 @@ class TestFits:
 
     def test_says_so_where_each_release_has_its_own(self):
         given = own_stiffness()
-        upper, _ = push_plots.fit_summary({"10 cm": given}).axes
+        upper, _ = identification_plots.fit_summary({"10 cm": given}).axes
         values = sorted(p.value for p in given.parameters if p.name == "stiffness")
         title = upper._left_title.get_text()
         shown = [float(part) for part in re.findall(r"\d+\.\d+", title.split("\n")[1])]
@@ -220,18 +222,18 @@ class TestFits:
     def test_what_the_data_do_not_tell_is_infinitely_uncertain(self):
         (first, *others) = estimate().parameters
         unknown = replace(estimate(), parameters=(replace(first, deviation=np.inf), *others))
-        assert "± ∞ N·m/rad" in texts(push_plots.fit_summary({"10 cm": unknown}))
+        assert "± ∞ N·m/rad" in texts(identification_plots.fit_summary({"10 cm": unknown}))
 
     def test_counts_warnings(self):
-        assert "warnings" not in texts(push_plots.fit_summary({"a": replace(estimate(), warnings=())}))
-        assert "warnings: 2" in texts(push_plots.fit_summary({"a": replace(estimate(), warnings=("b", "c"))}))
+        assert "warnings" not in texts(identification_plots.fit_summary({"a": replace(estimate(), warnings=())}))
+        assert "warnings: 2" in texts(identification_plots.fit_summary({"a": replace(estimate(), warnings=("b", "c"))}))
 
     def test_synthetic_data_are_marked(self):
         whole, part, none = estimate(), measured(estimate(), 1), measured(estimate())
-        figure = push_plots.fit_summary({"whole": whole, "part": part, "none": none})
+        figure = identification_plots.fit_summary({"whole": whole, "part": part, "none": none})
         assert [axes.texts[0].get_text() for axes in figure.axes[::2]] == ["synthetic", "synthetic in part", ""]
         assert "data (synthetic or synthetic in part or measured)" in texts(figure)
-        assert "synthetic" not in texts(push_plots.fit_summary({"none": none}))
+        assert "synthetic" not in texts(identification_plots.fit_summary({"none": none}))
 
     def test_the_mark_is_above_the_data(self):
         upper = figure("fit 1").axes[0]
@@ -251,7 +253,7 @@ class TestFits:
 
     def test_needs_estimates(self):
         with pytest.raises(BadValue, match="estimates"):
-            push_plots.fit_summary({})
+            identification_plots.fit_summary({})
 
     @pytest.mark.slow
     def test_long_records_make_small_files(self, tmp_path: Path):
@@ -260,14 +262,14 @@ class TestFits:
         assert exact.t.size == 2001
         noisy = [replace(exact, angle=exact.angle + 0.005 * rng.normal(size=exact.t.size)) for _ in range(5)]
         given = replace(estimate(), trials=tuple(noisy), predicted=(exact.angle,) * 5, parameters=())
-        figure = push_plots.fit_summary({f"{n}": given for n in range(3)})
+        figure = identification_plots.fit_summary({f"{n}": given for n in range(3)})
         assert save_figure(figure, tmp_path / "fits.svg").stat().st_size < 400_000
 
 
 class TestCorrelations:
     def test_shows_every_number(self):
         given = estimate()
-        panel = push_plots.correlations(given).axes[0]
+        panel = identification_plots.correlations(given).axes[0]
         mesh = next(drawn for drawn in panel.collections if isinstance(drawn, QuadMesh))
         assert np.array_equal(np.asarray(mesh.get_array()), given.correlation)
         shown = [float(text.get_text().replace("−", "-")) for text in panel.texts]
@@ -276,29 +278,29 @@ class TestCorrelations:
         assert names[:4] == [r"$k_{\mathrm{rot}}$", "$b$", r"$\mathrm{RA}$", r"$θ_{\mathrm{0}}$" + "\n(1)"]
 
     def test_of_many_only_what_is_shared_and_of_the_first(self, monkeypatch: pytest.MonkeyPatch):
-        monkeypatch.setattr(push_plots, "MOST", 6)
+        monkeypatch.setattr(identification_plots, "MOST", 6)
         given = estimate()
         assert len(given.parameters) == 7
-        panel = push_plots.correlations(given).axes[0]
+        panel = identification_plots.correlations(given).axes[0]
         assert [label.get_text()[-3:] for label in panel.get_xticklabels()[3:]] == ["(1)", "(1)"]
         shown = [float(text.get_text().replace("−", "-")) for text in panel.texts]
         assert shown == pytest.approx(given.correlation[:5, :5].ravel(), abs=0.005)
         assert "release 1 of 2" in panel._left_title.get_text()
 
     def test_synthetic_data_are_marked(self):
-        assert "synthetic" in texts(push_plots.correlations(estimate()))
-        assert "synthetic" not in texts(push_plots.correlations(measured(estimate())))
+        assert "synthetic" in texts(identification_plots.correlations(estimate()))
+        assert "synthetic" not in texts(identification_plots.correlations(measured(estimate())))
 
     def test_needs_a_covariance(self):
         count = len(estimate().parameters)
         for covariance in (np.diag(np.full(count, np.inf)), np.zeros((count, count))):
             with pytest.raises(BadValue, match="tell apart"):
-                push_plots.correlations(replace(estimate(), covariance=covariance))
+                identification_plots.correlations(replace(estimate(), covariance=covariance))
 
 
 @pytest.mark.parametrize(("index", "name"), [(0, "stiffness"), (1, "damping")])
 def test_tables_are_as_printed(index: int, name: str):
-    panel = push_plots.source_comparison().axes[index]
+    panel = source_plots.source_comparison().axes[index]
     for motor, label in ((True, "with motor"), (False, "without motor")):
         rows = [*(row for row in TABLE_4_1 if row.motor == motor), average(motor)]
         printed = next(row for row in TABLE_4_2 if row.motor == motor)
@@ -310,7 +312,7 @@ def test_tables_are_as_printed(index: int, name: str):
 
 
 def test_tables_say_which_row_is_no_mean():
-    stiffness, damping = push_plots.source_comparison().axes
+    stiffness, damping = source_plots.source_comparison().axes
     assert [text.get_text() for text in stiffness.texts] == ["51.35", "48.84\nnot the mean", "47.99", "47.99"]
     assert [text.get_text() for text in damping.texts] == ["1.31", "1.30\nnot the mean", "1.04", "1.04"]
 

@@ -9,7 +9,7 @@ from matplotlib.collections import PathCollection, QuadMesh
 from spear_pin.errors import BadValue
 from spear_pin.studies.sweep import grid
 from spear_pin.viz.plots import save_figure
-from spear_pin.viz.sweep_plots import sweep_map
+from spear_pin.viz.plots.sweep import sweep_map
 
 
 class Column:

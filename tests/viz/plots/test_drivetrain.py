@@ -11,8 +11,8 @@ from spear_pin.errors import BadValue
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.drivetrain import KneeDrive
-from spear_pin.viz.drivetrain_plots import PANELS, drivetrain
 from spear_pin.viz.plots import save_figure
+from spear_pin.viz.plots.drivetrain import PANELS, drivetrain
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Bands whose width is an energy, for a flow that runs to the right and gets thinner."""
+"""A Sankey diagram: bands whose width is an energy, of a flow that runs to the right and gets thinner."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle, Wedge
 
-from spear_pin.viz.plots import BLUE
+from spear_pin.viz.plots.paper import BLUE
 
 WANTED, LOST, KEPT = "#a9d8c8", "#efb799", "#b9d3ea"  # colours of wanted flows, of losses, of what is stored
 SEAM = 0.4  # points: without, patches side by side have a gap
@@ -17,7 +17,7 @@ NEGLIGIBLE = 1e-4  # of what the batteries give: too little for a band
 WIDEST, APART, HEAD, REACH, LINE = 1.4, 0.66, 0.05, 0.45, 0.115  # of the picture of the flow, in inches
 
 
-class Bands:
+class Sankey:
     """A band that runs to the right and gets thinner; in inches."""
 
     def __init__(self, axes: Axes, given: float) -> None:

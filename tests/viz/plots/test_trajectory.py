@@ -18,6 +18,8 @@ from matplotlib.figure import Figure
 from spear_pin import Contact, Gait, HoppingLaw, Trajectory, hopping, load, simulate
 from spear_pin.errors import BadFile, BadValue
 from spear_pin.viz import plots
+from spear_pin.viz.plots.panels import NEGLIGIBLE
+from spear_pin.viz.plots.paper import STANCE
 
 HOPS = 3
 OVER_TIME = (plots.joint_angles, plots.ground_force, plots.knee_torque, plots.boom_height)
@@ -52,7 +54,7 @@ def bars(axes: Axes) -> np.ndarray:
 
 
 def shaded(axes: Axes) -> int:
-    return sum(patch.get_gid() == plots.STANCE for patch in axes.patches)
+    return sum(patch.get_gid() == STANCE for patch in axes.patches)
 
 
 @pytest.mark.parametrize("plot", [*OVER_TIME, plots.energy_per_hop, plots.hop_summary])
@@ -70,7 +72,7 @@ def test_every_stance_is_shaded(plot, hops: Trajectory):
     lift_offs = [event.time for event in hops.named("lift_off")]
     for axes in plot(hops).axes:
         assert shaded(axes) == HOPS == len(lift_offs)
-        ends = [patch.get_x() + patch.get_width() for patch in axes.patches if patch.get_gid() == plots.STANCE]
+        ends = [patch.get_x() + patch.get_width() for patch in axes.patches if patch.get_gid() == STANCE]
         assert ends == pytest.approx(lift_offs)
 
 
@@ -118,7 +120,7 @@ def test_the_bars_add_up_to_the_change_of_stored_energy(hops: Trajectory):
     (axes,) = plots.energy_per_hop(hops).axes
     change = line(axes, "stored")[1]
     assert np.array_equal(change, hops.ledger.change)
-    left_out = len(hops.ledger.flows) * plots.NEGLIGIBLE * np.abs(hops.ledger.work).max()
+    left_out = len(hops.ledger.flows) * NEGLIGIBLE * np.abs(hops.ledger.work).max()
     assert bars(axes).sum(axis=0) == pytest.approx(change, abs=left_out)
 
 

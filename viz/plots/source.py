@@ -1,13 +1,11 @@
-"""Plots that answer figures of the source which no other module draws: spring, balance, model, geometry, bridge.
-
-In the style of `plots`.
-"""
+"""Plots that answer figures and tables of the source: spring, balance, model, geometry, bridge, estimates."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from spear_pin.errors import BadValue
@@ -15,10 +13,14 @@ from spear_pin.model.bridge import STATES, Battery, Bridge, back_emf, conduction
 from spear_pin.model.motor import Motor
 from spear_pin.studies.audit.printed_designs import SPEAR_I, SPEAR_II
 from spear_pin.studies.audit.printed_equations import effective_inertia, gravity_torque
+from spear_pin.studies.audit.printed_estimates import TABLE_4_1, TABLE_4_2, TableRow, average
 from spear_pin.studies.audit.switch import torques
+from spear_pin.studies.identification import QUANTITIES
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, pushed_angle, spear_ii
 from spear_pin.studies.push_test.power_off import PowerOff
-from spear_pin.viz.plots import BLUE, GREEN, PURPLE, VERMILLION, style
+from spear_pin.viz.plots.identification import mathematical
+from spear_pin.viz.plots.paper import BLUE, GREEN, PURPLE, VERMILLION, style
+from spear_pin.viz.plots.push import ANGLE, TIME
 
 METRICS = {  # rows of Table 2.4 that are to be small, with their labels
     "leg_mass": "leg, mass",
@@ -33,7 +35,8 @@ METRICS = {  # rows of Table 2.4 that are to be small, with their labels
     "thigh_width": "thigh, width",
 }
 CASES = (GREEN, VERMILLION, BLUE, PURPLE)  # of the motor that idles: no motor, off, on, shorted
-TIME, KNEE = "Time since the release (s)", "Knee angle (rad)"
+PLACES = (0.0, 1.0, 2.0, 3.4, 5.0)  # of three depths, their mean and the printed one
+ASIDE = 0.1  # of a place, by which the belt on and off lie apart
 
 
 def switched_spring(latched: float = 0.3) -> Figure:
@@ -51,7 +54,7 @@ def switched_spring(latched: float = 0.3) -> Figure:
         axes.plot(angles, disengaged, "--", color=VERMILLION, label="disengaged: $S_1$ and $S_2$ in series")
         axes.axvline(latched, color="0.6", linewidth=0.5)
         axes.annotate("latched", (latched, engaged.max()), (3, -6), textcoords="offset points", fontsize=7.5)
-        axes.set_xlabel(KNEE)
+        axes.set_xlabel(ANGLE)
         axes.set_ylabel("Torque against flexion (N·m)")
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0))
         return figure
@@ -114,7 +117,7 @@ def printed_model() -> Figure:
         for axes, (label, values) in zip(figure.subplots(1, 2), quantities.items(), strict=True):
             axes.plot(angles, values[:, 1], color=BLUE, label="corrected")
             axes.plot(angles, values[:, 0], "--", color=VERMILLION, label="as printed")
-            axes.set_xlabel(KNEE)
+            axes.set_xlabel(ANGLE)
             axes.set_ylabel(label)
             axes.set_ylim(bottom=0.0)
             axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
@@ -145,7 +148,7 @@ def crank_slider() -> Figure:
         place = leg.configuration(angles)
         for axes, values, label in ((height, place[0], "Height of the hip (m)"), (hip, place[1], "Hip angle (rad)")):
             axes.plot(angles, values, color=BLUE, linewidth=1.0, zorder=1)
-            axes.set_xlabel(KNEE)
+            axes.set_xlabel(ANGLE)
             axes.set_ylabel(label)
         figure.legend(*drawn.get_legend_handles_labels(), loc="outside upper left", ncols=len(poses))
         return figure
@@ -205,3 +208,43 @@ def bridge_currents(machine: Motor, ratio: float, speeds: tuple[float, float] = 
             axes.set_xlabel("Speed of the joint (rad/s)")
             axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
         return figure
+
+
+def source_comparison() -> Figure:
+    """Stiffness and damping of Table 4.1 with their standard deviations, their mean, and the mean of Table 4.2."""
+    with style():
+        figure = Figure(figsize=(5.4, 4.2), layout="constrained")
+        stiffness, damping = figure.subplots(2, 1, sharex=True)
+        for motor, color, side, name in ((True, BLUE, -1, "with motor"), (False, VERMILLION, 1, "without motor")):
+            rows = [*(row for row in TABLE_4_1 if row.motor == motor), average(motor)]
+            printed = next(row for row in TABLE_4_2 if row.motor == motor)
+            for panel, column in ((stiffness, "stiffness"), (damping, "damping")):
+                _draw_rows(panel, [*rows, printed], column, color, side, name)
+        for panel, quantity in ((stiffness, QUANTITIES["stiffness"]), (damping, QUANTITIES["damping"])):
+            panel.axvspan(0.5 * (PLACES[2] + PLACES[3]), PLACES[-1] + 1.0, color="0.95", zorder=0)
+            panel.set_xlim(-0.5, PLACES[-1] + 0.9)
+            panel.set_ylabel(f"{mathematical(quantity.symbol)} ({quantity.unit})")
+        depths = [f"{100.0 * row.depth:g}" for row in TABLE_4_1 if row.motor and row.depth is not None]
+        damping.set_xticks(PLACES, [*depths, "mean of Table 4.1", "printed in Table 4.2"])
+        damping.set_xlabel("Depth of the push (cm)", loc="left")
+        figure.legend(*stiffness.get_legend_handles_labels(), loc="outside upper left", ncols=3)
+        return figure
+
+
+def _draw_rows(panel: Axes, rows: Sequence[TableRow], quantity: str, color: str, side: int, name: str) -> None:
+    """Values of one column of the tables, the last two with numbers: the mean, and what is printed for it."""
+    values = [float(getattr(row, quantity)) for row in rows]
+    deviations = [float(getattr(row, f"sigma_{quantity}")) for row in rows]
+    places = np.array(PLACES) + side * ASIDE
+    panel.errorbar(
+        places, values, deviations, fmt="none", ecolor=color, elinewidth=0.8, capsize=2.5, label=f"{name}, ± σ"
+    )
+    panel.plot(places[:-1], values[:-1], "o", color=color, markersize=4.0, gid=f"table 4.1 {name}")
+    panel.plot(places[-1:], values[-1:], "s", color=color, markersize=4.5, gid=f"table 4.2 {name}")
+    mean, printed = values[-2:]
+    remark = "" if round(mean, 2) == round(printed, 2) else "\nnot the mean"
+    for place, value, text in ((places[-2], mean, ""), (places[-1], printed, remark)):
+        panel.annotate(
+            f"{value:.2f}{text}", (place, value), (6 * side, 0), textcoords="offset points", color=color, fontsize=7.5,
+            ha="left" if side > 0 else "right", va="center",
+        )  # fmt: skip

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from matplotlib.collections import QuadMesh
 
 from spear_pin.errors import BadValue
 from spear_pin.studies.basin.attraction import Attraction
-from spear_pin.viz.attraction_plots import attraction_map
+from spear_pin.viz.plots.basin import attraction_map, basin_map
 
 REASONS = np.array(["reached", "fall", "reached", "elsewhere", "no_event", "zeno"])
 FOUND = Attraction(np.array([1.0, np.nan, 4.0, np.nan, np.nan, np.nan]), REASONS)
@@ -31,3 +32,17 @@ def test_all_return():
 def test_refuses_another_grid():
     with pytest.raises(BadValue, match=r"^found is \(6,\); expected a grid of 2 x 2 states"):
         attraction_map(FOUND, [0.0, 1.0], [0.0, 1.0], "a", "b")
+
+
+def test_basin_leaves_lost_ones_open():
+    axes = {"torso_x": (-0.1, 0.0, 0.2), "pitch": (-1.0, 1.0)}
+    strides = np.array([[3.0, np.nan], [4.0, 5.0], [np.nan, 7.0]])
+    panel = basin_map(strides, axes).axes[0]
+    mesh = next(drawn for drawn in panel.collections if isinstance(drawn, QuadMesh))
+    shown = np.ma.masked_invalid(strides)
+    assert np.array_equal(np.ma.getmaskarray(mesh.get_array()), shown.mask)
+    assert np.ma.allequal(mesh.get_array(), shown)
+    assert panel.get_xlabel() == "Push on pitch (rad/s)" and panel.get_ylabel() == "Push on torso x (m/s)"
+    assert panel.get_xlim() == (-2.0, 2.0) and panel.get_ylim() == pytest.approx((-0.15, 0.3))
+    with pytest.raises(BadValue, match="strides"):
+        basin_map(strides.T, axes)

@@ -13,7 +13,8 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import LEGS, PAIR
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.trajectory import Trajectory
-from spear_pin.viz.plots import BLUE, DETAIL, GREEN, VERMILLION, style
+from spear_pin.viz.plots.paper import BLUE, GREEN, VERMILLION, style
+from spear_pin.viz.plots.trajectory import DETAIL
 
 Array = NDArray[np.float64]
 

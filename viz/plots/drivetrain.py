@@ -13,7 +13,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from spear_pin.errors import BadValue
 from spear_pin.studies.drivetrain import KneeDrive
-from spear_pin.viz.plots import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, style
+from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, style
 
 HEATING = "Rms over continuous torque (1)"
 MARGIN = "Margin to the envelope (N·m)"

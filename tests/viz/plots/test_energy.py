@@ -16,9 +16,10 @@ from spear_pin.model.catalogue import gearbox, motor
 from spear_pin.model.motor import Gearbox
 from spear_pin.studies.energetics import EnergyFlow, JointFlow
 from spear_pin.studies.published_costs import PUBLISHED, UNVERIFIED, CostPoint, running_animals
-from spear_pin.viz import energy_plots as plots
-from spear_pin.viz.bands import WIDEST
-from spear_pin.viz.plots import STANCE, save_figure
+from spear_pin.viz.plots import energy as plots
+from spear_pin.viz.plots import save_figure
+from spear_pin.viz.plots.paper import STANCE
+from spear_pin.viz.plots.sankey import WIDEST
 
 HOPS = 4
 FLOW = EnergyFlow(

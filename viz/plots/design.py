@@ -1,4 +1,4 @@
-"""Plots of the design studies: torques with and without springs, drives, families of gaits, basins of attraction.
+"""Plots of the design studies: torques with and without springs, drives, families of gaits.
 
 In the style of `plots`; torques are those of one motor.
 """
@@ -11,9 +11,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import LEGS
@@ -22,8 +20,8 @@ from spear_pin.model.catalogue import MOTORS
 from spear_pin.model.motor import Drive
 from spear_pin.model.variants import PARAMETERS
 from spear_pin.studies.design import STIFFNESSES, Member, Points, against, points, spring_sweep
-from spear_pin.viz.bound_plots import COLORS, SHADES
-from spear_pin.viz.plots import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, style
+from spear_pin.viz.plots.bound import COLORS, SHADES
+from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, style
 
 Array = NDArray[np.float64]
 
@@ -202,40 +200,6 @@ def family_plot(members: Sequence[Member], name: str) -> Figure:
         return figure
 
 
-def basin_map(strides: ArrayLike, axes: Mapping[str, ArrayLike]) -> Figure:
-    """Strides to recovery over a grid of pushes, hatched where the gait is lost.
-
-    Args:
-        strides: what `basin` returns.
-        axes: what it was given.
-
-    Raises:
-        BadValue: the shapes do not fit.
-    """
-    counts = np.asarray(strides, dtype=float)
-    (first, rows), (second, columns) = ((name, np.asarray(values, dtype=float)) for name, values in axes.items())
-    if counts.shape != (len(rows), len(columns)):
-        raise BadValue("strides", counts.shape, f"an array of {len(rows)} x {len(columns)}")
-    with style():
-        figure = Figure(figsize=(3.4, 2.8), layout="constrained")
-        panel = figure.subplots()
-        panel.set_facecolor("0.9")
-        across, up = _edges(columns), _edges(rows)
-        panel.fill_between(across[[0, -1]], up[0], up[-1], facecolor="none", edgecolor="0.55", hatch="////", gid="lost")
-        top = max(float(np.nanmax(counts)), 1.0) if np.isfinite(counts).any() else 1.0
-        mesh = panel.pcolormesh(across, up, np.ma.masked_invalid(counts), cmap="cividis_r", vmin=0.0, vmax=top)
-        panel.axhline(0.0, color="black", linewidth=0.4)
-        panel.axvline(0.0, color="black", linewidth=0.4)
-        panel.set_xlim(across[0], across[-1])
-        panel.set_ylim(up[0], up[-1])
-        panel.set_xlabel(_push(second))
-        panel.set_ylabel(_push(first))
-        figure.colorbar(mesh, label="Strides to 1 % of the error", ticks=MaxNLocator(integer=True))
-        lost = Patch(facecolor="0.9", edgecolor="0.55", hatch="////", label="lost")
-        panel.legend(handles=[lost], loc="lower left", bbox_to_anchor=(0.0, 1.0))
-        return figure
-
-
 # what the panels share
 
 
@@ -291,19 +255,6 @@ def _verified(drive: Drive) -> str:
 
 def _unit(name: str) -> str:
     return PARAMETERS[name].unit if name in PARAMETERS else UNITS.get(name, "1")
-
-
-def _push(name: str) -> str:
-    unit = "m/s" if name in ("torso_x", "torso_z") else "rad/s"
-    return f"Push on {name.replace('_', ' ')} ({unit})"
-
-
-def _edges(values: Array) -> Array:
-    """Edges of cells around values."""
-    if len(values) < 2:
-        return np.array([values[0] - 0.5, values[0] + 0.5])
-    middle = 0.5 * (values[1:] + values[:-1])
-    return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
 
 
 def _legend(axes: Axes) -> None:

@@ -1,42 +1,26 @@
-"""Plots of a trajectory as for a paper: one style sheet, units on every axis, stance shaded.
-
-The plots are `matplotlib.figure.Figure`s that belong to no window; `save_figure` writes them. Within
-`style()`, the functions `draw_...` draw the same into axes of one's own.
-"""
+"""Panels of a trajectory, each drawn into axes of the caller's, within `paper.style`; stance is shaded."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from importlib.resources import as_file, files
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.container import Container
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.files import atomic
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.trajectory import Trajectory
-from spear_pin.kinds import typed
 from spear_pin.model.loading import load
+from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, STANCE, STANCE_COLOR, VERMILLION
 
 Span = tuple[int, int]  # first and last sample
 
-STANCE = "stance"
-STANCE_COLOR = "0.92"
-BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
-FORMATS = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}  # with the metadata left out
 LINES = ("-", "--", ":", "-.")  # of one toe after the other
-DETAIL = 2  # cycles that a composite shows of the quantities that repeat
 FLOWS = {  # label and colour of the energy flows, in the order of stacking
     "motor_knee": ("knee motor", BLUE),
     "motor_hip": ("hip motor", SKY),
@@ -47,127 +31,6 @@ FLOWS = {  # label and colour of the energy flows, in the order of stacking
     "friction": ("joint friction", "0.5"),
 }
 NEGLIGIBLE = 1e-3  # of the largest flow: too little to be seen
-
-
-@typed
-def joint_angles(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
-    """Hip and knee angles over time, with the angles latched at touchdown by the springs.
-
-    Args:
-        trajectory: what the robot did.
-        gait: if given, the angles its law commands in flight are drawn as well.
-    """
-    with style():
-        figure = Figure(figsize=(3.4, 3.2), layout="constrained")
-        hip, knee = figure.subplots(2, 1, sharex=True)
-        draw_angle(hip, trajectory, "hip", gait)
-        draw_angle(knee, trajectory, "knee", gait)
-        hip.set_xlabel("")
-        return figure
-
-
-@typed
-def ground_force(trajectory: Trajectory) -> Figure:
-    """Ground force on each toe over time, tangential and normal; impulses at touchdown are not in it."""
-    with style():
-        figure = Figure(layout="constrained")
-        draw_force(figure.subplots(), trajectory)
-        return figure
-
-
-@typed
-def knee_torque(trajectory: Trajectory, joint: str = "knee") -> Figure:
-    """Torque on a knee over time, positive in flexion, split into motor, spring and damping."""
-    with style():
-        figure = Figure(layout="constrained")
-        draw_torque(figure.subplots(), trajectory, joint)
-        return figure
-
-
-@typed
-def energy_per_hop(trajectory: Trajectory) -> Figure:
-    """The energy ledger as stacked bars, one a hop: into the mechanism upward, out of it downward.
-
-    The mark is the change of the stored energy, which the bars add up to. Flows too small to be
-    seen are left out.
-
-    Raises:
-        BadValue: the trajectory has no whole hop.
-    """
-    with style():
-        figure = Figure(layout="constrained")
-        draw_energy(figure.subplots(), trajectory)
-        return figure
-
-
-@typed
-def boom_height(trajectory: Trajectory) -> Figure:
-    """Height of the hip over time, and how far the toe is above the ground."""
-    with style():
-        figure = Figure(figsize=(3.4, 3.0), layout="constrained")
-        height, clearance = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-        draw_height(height, trajectory)
-        draw_clearance(clearance, trajectory)
-        height.set_xlabel("")
-        return figure
-
-
-@typed
-def hop_summary(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
-    """Everything at a glance: height and energy of all hops; force, angles and torque of the first two.
-
-    Args:
-        trajectory: what the robot did.
-        gait: if given, the angles its law commands in flight are drawn as well.
-
-    Raises:
-        BadValue: the trajectory has no whole hop.
-    """
-    with style():
-        figure = Figure(figsize=(7.0, 5.6), layout="constrained")
-        axes = figure.subplots(3, 2)
-        (height, energy), (hip, knee), (force, torque) = axes
-        draw_height(height, trajectory)
-        draw_energy(energy, trajectory)
-        draw_angle(hip, trajectory, "hip", gait)
-        draw_angle(knee, trajectory, "knee", gait)
-        draw_force(force, trajectory)
-        draw_torque(torque, trajectory)
-        shown = trajectory.t[trajectory.cycle <= DETAIL]
-        for detail in (hip, knee, force, torque):
-            detail.set_xlim(shown[0], shown[-1])
-        for letter, panel in zip("abcdef", axes.flat, strict=True):
-            panel.text(-0.17, 1.03, f"({letter})", transform=panel.transAxes, va="bottom")
-        return figure
-
-
-@typed
-def save_figure(figure: Figure, path: str | Path) -> Path:
-    """Write a figure, whole or not at all, in the format of the path's suffix.
-
-    The text of an svg is drawn as outlines, so that it looks the same without the fonts.
-
-    Raises:
-        BadValue: the suffix is not .svg, .pdf or .png.
-        BadFile: the file cannot be written.
-    """
-    target = Path(path)
-    suffix = target.suffix.lower()
-    if suffix not in FORMATS:
-        raise BadValue("path", str(path), f"a name ending in {', '.join(FORMATS)}")
-    with style(), atomic(target) as temporary:
-        figure.savefig(temporary, format=suffix[1:], metadata=FORMATS[suffix])
-    return target
-
-
-@contextmanager
-def style() -> Iterator[None]:
-    """The style sheet, for as long as the block lasts."""
-    with as_file(files("spear_pin.viz").joinpath("paper.mplstyle")) as sheet, rc_context(fname=sheet):
-        yield
-
-
-# one panel each, into axes of the caller's
 
 
 def draw_angle(axes: Axes, trajectory: Trajectory, joint: str, gait: Gait | None) -> None:
@@ -266,9 +129,6 @@ def draw_clearance(axes: Axes, trajectory: Trajectory) -> None:
         axes.plot(trajectory.t, 1e3 * heights, LINES[index % len(LINES)], color=GREEN, label=toe.replace("_", " "))
     if len(trajectory.toes) > 1:
         _legend(axes)
-
-
-# what the panels share
 
 
 def _over_time(axes: Axes, trajectory: Trajectory, label: str) -> None:

@@ -20,8 +20,9 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.studies.energetics import EnergyFlow
 from spear_pin.studies.published_costs import UNVERIFIED, CostPoint, Kind, running_animals
-from spear_pin.viz.bands import KEPT, LOST, Bands
-from spear_pin.viz.plots import BLUE, GREEN, PURPLE, STANCE, STANCE_COLOR, VERMILLION, draw_angle, draw_height, style
+from spear_pin.viz.plots.panels import draw_angle, draw_height
+from spear_pin.viz.plots.paper import BLUE, GREEN, PURPLE, STANCE, STANCE_COLOR, VERMILLION, style
+from spear_pin.viz.plots.sankey import KEPT, LOST, Sankey
 
 LOSSES = {
     "joule": "Joule heat",
@@ -54,19 +55,19 @@ def energy_flow(flow: EnergyFlow) -> Figure:
         figure = Figure()
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         axes.set_axis_off()
-        bands = Bands(axes, given)
-        bands.up("back to\nbatteries", flow.total("regained"))
+        sankey = Sankey(axes, given)
+        sankey.up("back to\nbatteries", flow.total("regained"))
         for name in ("joule", "gearbox"):
             parts = [f"{each.joint.replace('_', ' ')} {getattr(each, name):.2f}" for each in flow.joints]
-            bands.down(LOSSES[name], flow.losses[name], LOST, parts)
-        bands.down("inductances", flow.magnetic, KEPT)
-        bands.label("motors' work", work)
-        bands.loop(flow.spring_stored, flow.spring_returned)
-        bands.into("from what\nwas stored", -flow.change - min(flow.magnetic, 0.0))
+            sankey.down(LOSSES[name], flow.losses[name], LOST, parts)
+        sankey.down("inductances", flow.magnetic, KEPT)
+        sankey.label("motors' work", work)
+        sankey.loop(flow.spring_stored, flow.spring_returned)
+        sankey.into("from what\nwas stored", -flow.change - min(flow.magnetic, 0.0))
         for name in ("damping", "friction", "impact", "released", "slip"):
-            bands.down(LOSSES[name], flow.losses[name], LOST)
-        bands.down("stored", flow.change, KEPT)
-        bands.fit(figure)
+            sankey.down(LOSSES[name], flow.losses[name], LOST)
+        sankey.down("stored", flow.change, KEPT)
+        sankey.fit(figure)
         return figure
 
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 from spear_pin import Gait
@@ -14,7 +13,7 @@ from spear_pin.errors import BadValue
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.design import Member, against, points, spring_sweep
-from spear_pin.viz import design_plots
+from spear_pin.viz.plots import design as design_plots
 from spear_pin.viz.plots import save_figure
 
 LABEL = re.compile(r"\((s|ms|m/s|rad/s|rad|N·m|N·m/rad|m|kg·m²|1)\)")
@@ -137,20 +136,6 @@ def test_family_shows_the_members_and_what_was_not_found(gait: Gait):
 def test_a_family_over_a_number_of_the_robot_has_its_unit(gait: Gait):
     figure = design_plots.family_plot([Member(0.7, gait, None)], "hip_distance")
     assert figure.axes[2].get_xlabel() == "Hip distance (m)"
-
-
-def test_basin_leaves_lost_ones_open():
-    axes = {"torso_x": (-0.1, 0.0, 0.2), "pitch": (-1.0, 1.0)}
-    strides = np.array([[3.0, np.nan], [4.0, 5.0], [np.nan, 7.0]])
-    panel = design_plots.basin_map(strides, axes).axes[0]
-    mesh = next(drawn for drawn in panel.collections if isinstance(drawn, QuadMesh))
-    shown = np.ma.masked_invalid(strides)
-    assert np.array_equal(np.ma.getmaskarray(mesh.get_array()), shown.mask)
-    assert np.ma.allequal(mesh.get_array(), shown)
-    assert panel.get_xlabel() == "Push on pitch (rad/s)" and panel.get_ylabel() == "Push on torso x (m/s)"
-    assert panel.get_xlim() == (-2.0, 2.0) and panel.get_ylim() == pytest.approx((-0.15, 0.3))
-    with pytest.raises(BadValue, match="strides"):
-        design_plots.basin_map(strides.T, axes)
 
 
 @pytest.mark.slow

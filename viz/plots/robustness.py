@@ -7,8 +7,8 @@ import scipy
 from matplotlib.figure import Figure
 
 from spear_pin.studies.basin.robustness import Robustness
-from spear_pin.viz.plots import BLUE, style
-from spear_pin.viz.sweep_plots import label
+from spear_pin.viz.plots.paper import BLUE, style
+from spear_pin.viz.plots.sweep import label
 
 BINS = 10  # as many draws in each
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.model.variants import PARAMETERS
-from spear_pin.viz.plots import BLUE, VERMILLION, style
+from spear_pin.viz.plots.paper import BLUE, VERMILLION, style
 
 Array = NDArray[np.float64]
 UNITS = {

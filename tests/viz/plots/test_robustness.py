@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spear_pin.studies.basin.robustness import Robustness
-from spear_pin.viz.robustness_plots import BINS, robustness_figure
+from spear_pin.viz.plots.robustness import BINS, robustness_figure
 
 
 def test_a_panel_for_each_number():
