@@ -16,9 +16,9 @@ from spear_pin.studies.explore.figures import figures, script
 from spear_pin.studies.explore.hops import settled
 from spear_pin.studies.explore.knobs import KNOBS, Knobs
 from spear_pin.viz.chromium import find
-from spear_pin.viz.explore_server import Explorer
+from spear_pin.viz.explore.server import Explorer
 from tests.viz.chromium import Browser
-from tests.viz.exploring import move, serving, visit
+from tests.viz.explore.exploring import move, serving, visit
 
 
 @pytest.fixture(scope="module")
@@ -188,10 +188,10 @@ class Slow:
 
     def __init__(self, monkeypatch):
         self.computed, self.begun, self.go_on = [], threading.Event(), threading.Event()
-        monkeypatch.setattr("spear_pin.viz.explore_server.VIEWS", {"settled": self.view})
-        monkeypatch.setattr("spear_pin.viz.explore_server.page", lambda engine: "")
-        monkeypatch.setattr("spear_pin.viz.explore_server.answer", lambda view, hops: hops)
-        monkeypatch.setattr("spear_pin.viz.explore_server.COMPILED", ())
+        monkeypatch.setattr("spear_pin.viz.explore.server.VIEWS", {"settled": self.view})
+        monkeypatch.setattr("spear_pin.viz.explore.server.page", lambda engine: "")
+        monkeypatch.setattr("spear_pin.viz.explore.server.answer", lambda view, hops: hops)
+        monkeypatch.setattr("spear_pin.viz.explore.server.COMPILED", ())
 
     def view(self, knobs, engine):
         self.computed.append(knobs.friction)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from spear_pin.viz.explore_server import Explorer, Server
+from spear_pin.viz.explore.server import Explorer, Server
 from tests.viz.chromium import Browser
 
 

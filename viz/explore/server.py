@@ -1,4 +1,4 @@
-"""Serve the page of `explore_page` to this machine alone: loopback, GET, no file of the disk."""
+"""Serve the page to this machine alone: loopback, GET, no file of the disk."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from spear_pin.studies.explore.engines import Engine
 from spear_pin.studies.explore.figures import script
 from spear_pin.studies.explore.hops import VIEWS, Hops
 from spear_pin.studies.explore.knobs import Knobs
-from spear_pin.viz.explore_page import CLIENT, answer, page
+from spear_pin.viz.explore.page import CLIENT, answer, page
 
 HOST = "127.0.0.1"
 PATIENCE = 10.0  # s that a client may take to say what it wants

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
-from spear_pin.viz import report_drawings as drawings
 from spear_pin.viz.plots import source as source_plots
+from spear_pin.viz.report import drawings
 
 
 @dataclass(frozen=True)

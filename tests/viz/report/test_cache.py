@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from spear_pin.studies import cache
-from spear_pin.studies.cache import Cache, package_state, user_cache
+from spear_pin.viz.report import cache
+from spear_pin.viz.report.cache import Cache, package_state, user_cache
 
 
 def test_what_is_put_is_got_back_as_long_as_the_state_is_the_same(tmp_path):

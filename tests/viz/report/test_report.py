@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.studies.audit.statements import ASSUMPTIONS, STATEMENTS, VERDICTS
 from spear_pin.studies.audit.statements.tables import TABULATIONS
-from spear_pin.studies.cache import Cache
 from spear_pin.viz.report import Report, Selection, make, select, write_figures
-from spear_pin.viz.report_figures import NOTHING_TO_COMPUTE, PICTURES
-from spear_pin.viz.report_page import MOST_BYTES, render
-from spear_pin.viz.report_playbacks import PLAYBACKS, shared
-from spear_pin.viz.report_text import markdown, number, numbers, text
+from spear_pin.viz.report.cache import Cache
+from spear_pin.viz.report.page import MOST_BYTES, render
+from spear_pin.viz.report.pictures import NOTHING_TO_COMPUTE, PICTURES
+from spear_pin.viz.report.playbacks import PLAYBACKS, shared
+from spear_pin.viz.report.text import markdown, number, numbers, text
 from tests.viz import chromium
 
 QUICK = ["fig-2.1", "fig-2.4", "fig-3.2", "table-3.1", "flight-law-sign", "motor-length", "play-release"]
@@ -86,8 +86,8 @@ class TestMaking:
     def test_what_was_kept_is_not_made_again(self, tmp_path, monkeypatch):
         cache, chosen = Cache(tmp_path, "state"), select(["fig-2.1", "table-3.1"])
         first = make(chosen, cache)
-        monkeypatch.setattr("spear_pin.viz.report.check", lambda statement: pytest.fail("checked again"))
-        monkeypatch.setattr("spear_pin.viz.report.save_figure", lambda *given: pytest.fail("drawn again"))
+        monkeypatch.setattr("spear_pin.viz.report.making.check", lambda statement: pytest.fail("checked again"))
+        monkeypatch.setattr("spear_pin.viz.report.making.save_figure", lambda *given: pytest.fail("drawn again"))
         again = make(chosen, cache)
         assert again.findings == first.findings and again.pictures == first.pictures
 

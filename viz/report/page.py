@@ -10,11 +10,11 @@ from spear_pin import __version__
 from spear_pin.studies.audit.errata import ERRATA, Erratum
 from spear_pin.studies.audit.statements import CHAPTERS, Finding, Statement, Verdict, command_of
 from spear_pin.studies.audit.statements.tables import TABULATIONS, Cell, Rows, Tabulation
-from spear_pin.viz.report import SVG, Report
-from spear_pin.viz.report_figures import NOTHING_TO_COMPUTE, PICTURES, Picture
-from spear_pin.viz.report_playbacks import shared
-from spear_pin.viz.report_text import markdown, number, numbers, text
-from spear_pin.viz.report_verdicts import MARKS, assumptions, badge, rules
+from spear_pin.viz.report.making import SVG, Report
+from spear_pin.viz.report.pictures import NOTHING_TO_COMPUTE, PICTURES, Picture
+from spear_pin.viz.report.playbacks import shared
+from spear_pin.viz.report.text import markdown, number, numbers, text
+from spear_pin.viz.report.verdicts import MARKS, assumptions, badge, rules
 from spear_pin.viz.template import asset, filled, script_json
 
 TITLES = {
@@ -31,8 +31,8 @@ ENLARGED = 1.3  # figures on a screen beside those on paper
 def render(report: Report) -> str:
     """The text of the page."""
     parts = {
-        "style": asset("report.css"),
-        "script": asset("report.js"),
+        "style": asset("report/page.css"),
+        "script": asset("report/page.js"),
         "version": html.escape(__version__),
         "summary": _summary(report),
         "contents": _contents(report),
@@ -47,7 +47,7 @@ def render(report: Report) -> str:
         ),
         "data": _data(report),
     }
-    return filled("report.html", parts)
+    return filled("report/page.html", parts)
 
 
 # the head of the page

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from spear_pin.studies.audit.statements import ASSUMPTIONS, RULES, Assumption, Verdict
-from spear_pin.viz.report_text import text
+from spear_pin.viz.report.text import text
 
 MARKS: dict[Verdict, tuple[str, str]] = {  # class and sign
     "agrees": ("agrees", "✓"),

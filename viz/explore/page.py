@@ -53,10 +53,10 @@ PLOTS = (  # title, unit, and the series with their labels and colours, those of
 def page(engine: Engine) -> str:
     """The text of the page."""
     parts = {
-        "style": asset("player.css") + asset("explore.css"),
-        **viewer_parts(_opening(engine), "explore.js"),
+        "style": asset("player.css") + asset("explore/page.css"),
+        **viewer_parts(_opening(engine), "explore/page.js"),
     }
-    return filled("explore.html", parts)
+    return filled("explore/page.html", parts)
 
 
 def answer(view: str, hops: Hops) -> dict[str, Any]:

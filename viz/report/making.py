@@ -20,10 +20,10 @@ from spear_pin.errors import UnknownName
 from spear_pin.files import atomic
 from spear_pin.studies.audit.statements import STATEMENTS, VERDICTS, Finding, Statement, Verdict, check
 from spear_pin.studies.audit.statements.tables import TABULATIONS, Rows, Tabulation
-from spear_pin.studies.cache import Cache
 from spear_pin.viz.plots import save_figure
-from spear_pin.viz.report_figures import PICTURES, Picture
-from spear_pin.viz.report_playbacks import PLAYBACKS, Playback
+from spear_pin.viz.report.cache import Cache
+from spear_pin.viz.report.pictures import PICTURES, Picture
+from spear_pin.viz.report.playbacks import PLAYBACKS, Playback
 
 SVG = "svg"
 
