@@ -7,8 +7,8 @@ import pytest
 
 from spear_pin import Gait, simulate
 from spear_pin.errors import BadValue, NoGait
-from spear_pin.studies import bound
 from spear_pin.studies.bound import at_speed, mean_speed, summarize
+from spear_pin.studies.bound import speed as continuation
 
 GAITS = ("long_stride", "force_lift_off")
 LEGS = ("posterior", "anterior")
@@ -184,9 +184,9 @@ class TestAnotherSpeed:
             asked.append(target["mean_speed"])
             return replace(gait, system=system)
 
-        monkeypatch.setattr(bound, "find_gait", find)
-        monkeypatch.setattr(bound, "regulated", lambda gait, inputs: gait.system.law.nominal == own and inputs)
-        monkeypatch.setattr(bound, "speed_regulated", lambda gait, gain: gain)
+        monkeypatch.setattr(continuation, "find_gait", find)
+        monkeypatch.setattr(continuation, "regulated", lambda gait, inputs: gait.system.law.nominal == own and inputs)
+        monkeypatch.setattr(continuation, "speed_regulated", lambda gait, gain: gain)
         result = at_speed(regulated, 3.1)
         assert asked == pytest.approx([2.75, 3.0, 3.1], abs=1e-4)
         assert result == (["posterior_hip_torque", "posterior_leg_touchdown"] if kind == "feedback" else (1e-6, 1e-6))
@@ -205,7 +205,7 @@ class TestAnotherSpeed:
                 raise NoGait("Newton's method makes no progress", 0.1)
             return gait
 
-        monkeypatch.setattr(bound, "find_gait", find)
+        monkeypatch.setattr(continuation, "find_gait", find)
         with pytest.raises(NoGait, match=r"from 2\.50 m/s, it goes to 2\.8[78], and none was found at 2\.94 m/s"):
             at_speed(gait, 3.5)
         assert asked == pytest.approx([2.75, 3.0, 2.875, 3.0, 2.9375], abs=1e-6)
@@ -216,7 +216,7 @@ class TestAnotherSpeed:
                 on_iteration(iteration, 0.3)
             pytest.fail("it went on")
 
-        monkeypatch.setattr(bound, "find_gait", find)
+        monkeypatch.setattr(continuation, "find_gait", find)
         seen = []
         with pytest.raises(NoGait, match=r"none was found .*residual 0\.3"):
             at_speed(gait, 2.6, on_iteration=lambda n, norm: seen.append(n))
@@ -225,7 +225,7 @@ class TestAnotherSpeed:
     def test_two_kinds_of_feedback_are_refused_at_once(self, gait, monkeypatch):
         own, rows = (*gait.state[0][1:].tolist(), *gait.state[1].tolist()), ((0.1, *(0.0,) * 12),) * 6
         both = gait.with_law(feedback=rows, nominal=own, speed_gain=(1e-6, 0.0), speed_nominal=(2.5, 2.5))
-        monkeypatch.setattr(bound, "run", lambda *_: pytest.fail("a stride was run"))
+        monkeypatch.setattr(continuation, "run", lambda *_: pytest.fail("a stride was run"))
         with pytest.raises(BadValue, match="^gait is 'one with two kinds of event feedback'; expected one kind"):
             at_speed(both, 2.6)
 
@@ -239,6 +239,6 @@ class TestAnotherSpeed:
 
     @pytest.mark.parametrize("speed", [0.0, -2.5, float("nan"), float("inf"), 99.0, 1.4, 3.6])
     def test_no_speed(self, gait, monkeypatch, speed):
-        monkeypatch.setattr(bound, "find_gait", lambda *_, **__: pytest.fail("it was tried"))
+        monkeypatch.setattr(continuation, "find_gait", lambda *_, **__: pytest.fail("it was tried"))
         with pytest.raises(BadValue, match="speed"):
             at_speed(gait, speed)

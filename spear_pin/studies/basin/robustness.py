@@ -35,7 +35,7 @@ class Robustness:
 
     @property
     def survives(self) -> NDArray[np.bool_]:
-        """Which draws ran to the end, (n,)."""
+        """Whether each draw ran to the end, (n,)."""
         return np.asarray(self.reason == "complete")
 
     @property

@@ -1,4 +1,4 @@
-"""What acts on the knee of the push test: its spring, friction, and what a motor without command adds.
+"""Torques on the knee of the push test: its spring, friction, and what a motor without command adds.
 
 The law of the spring is `Spring`'s, and that of a motion with events the hybrid system's, see `motion.released`.
 """
