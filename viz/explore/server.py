@@ -53,7 +53,7 @@ def _error(status: HTTPStatus, text: str, **headers: str) -> Answer:
 
 
 class _Superseded(Exception):
-    """The same client has asked something newer."""
+    """Its client has asked something newer."""
 
 
 class _Turns:

@@ -1,4 +1,4 @@
-"""Where a joint's spring is drawn: between a point before the joint and one behind it, beside the links."""
+"""Place of a joint's spring in the picture: between a point before the joint and one behind it, beside the links."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def _axis(model: pin.Model, index: int, pose: Array) -> Array | None:
 
 
 def _behind(robot: Robot, index: int) -> Array:
-    """Where the link behind a joint leads to: its toe, else its next joint, else past its centre of mass."""
+    """End of the link behind a joint: its toe, else its next joint, else past its centre of mass."""
     model = robot.model
     toes = [model.frames[robot.toe_id(toe)] for toe in robot.toes]
     ends = [frame.placement.translation for frame in toes if frame.parentJoint == index]
@@ -144,7 +144,7 @@ def _behind(robot: Robot, index: int) -> Array:
 
 
 def places_across(shapes: tuple[Shape, ...], index: int, axis: Array) -> tuple[float, ...]:
-    """Where along a joint's axis its link is, in m: one place, or two for a pair of legs, the right one first.
+    """Places of a joint's link along its axis, in m: one, or two for a pair of legs, the right one first.
 
     Args:
         shapes: what the links look like.

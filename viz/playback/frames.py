@@ -60,7 +60,7 @@ class Frames:
 
     @property
     def duration(self) -> float:
-        """How long it lasts, in s."""
+        """Duration, in s."""
         return float(self.t[-1])
 
 

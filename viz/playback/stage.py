@@ -29,7 +29,7 @@ REACH = 9.0
 
 @dataclass(frozen=True)
 class View:
-    """Where the camera looks from.
+    """View of the camera.
 
     Attributes:
         target: the point in the middle of the picture, (3,), in m.

@@ -77,7 +77,7 @@ class Part:
 
     @property
     def said(self) -> str:
-        """Which part it is, in words."""
+        """The part in words."""
         begin, end = self.whole
         here = "first" if self.t[0] == begin else "last" if self.t[-1] == end else "middle"
         return f"the {here} {np.ptp(self.t):.1f} s of {end - begin:.1f} s, from {self.t[0]:.1f} to {self.t[-1]:.1f} s"

@@ -242,7 +242,7 @@ def _envelope(axes: Axes, drive: Drive, fastest: float, color: str) -> None:
 
 
 def _verified(drive: Drive) -> str:
-    """How the numbers of a drive's motor that an envelope rests on were verified."""
+    """Verification of the numbers of a drive's motor that an envelope rests on."""
     entry = MOTORS.get(drive.motor.name, {})
     kinds = []
     for field in RELIED_ON:

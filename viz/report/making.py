@@ -70,7 +70,7 @@ class Report:
 
     @property
     def counts(self) -> dict[Verdict, int]:
-        """How many statements there are of each verdict."""
+        """Number of statements of each verdict."""
         found = Counter(finding.verdict for finding in self.findings.values())
         return {verdict: found[verdict] for verdict in VERDICTS}
 

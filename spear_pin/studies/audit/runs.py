@@ -102,7 +102,7 @@ def rough_hops() -> Trajectory:
 
 @cache
 def hop_energy() -> EnergyFlow:
-    """Where the energy of a hop on hardware goes."""
+    """Energy flow of a hop on hardware."""
     return energy_flow(hardware_hop().system, calm_hops())
 
 

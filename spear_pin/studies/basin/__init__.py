@@ -1,4 +1,4 @@
-"""How far from its orbit a gait comes back.
+"""Disturbances from which a gait comes back to its orbit.
 
 `recovery` pushes a gait in mid-flight and runs on; `attraction` asks the same of many states at once, `robustness` of
 numbers drawn at random. The last two need heyoka and are imported from their modules.

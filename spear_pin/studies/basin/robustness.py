@@ -1,4 +1,4 @@
-"""How likely a gait survives what it is not made for: numbers drawn at random, many lanes at once."""
+"""Probability that a gait survives with numbers that it is not made for: drawn at random, many lanes at once."""
 
 from __future__ import annotations
 

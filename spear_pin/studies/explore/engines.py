@@ -20,7 +20,7 @@ from spear_pin.studies.explore.knobs import Knobs
 
 @dataclass(frozen=True)
 class Engine:
-    """How hops are followed and solved for.
+    """Two functions by which hops are followed and solved for.
 
     Attributes:
         name: of the engine.

@@ -73,7 +73,7 @@ KNOBS: Mapping[str, Knob] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Knobs:
-    """Where the knobs stand; ranges, units and where the defaults come from are in `KNOBS`."""
+    """Values of the knobs; ranges, units and where the defaults come from are in `KNOBS`."""
 
     stiffness: float = KNOBS["stiffness"].default
     knee_ratio: float = KNOBS["knee_ratio"].default

@@ -104,7 +104,7 @@ def identify(
 
 
 def _started(problem: LeastSquares, guessed: bool, on_iteration: Callable[[int, float], None] | None) -> Array:
-    """Where to begin.
+    """Unknowns to begin from.
 
     Whether dry friction stops the knee at one turn or at the next makes many minima; the first swing, forth and
     back, is fitted before, which it does not stop.

@@ -100,7 +100,7 @@ def sweep(
 
 
 def reasons(dataset: Any) -> NDArray[np.str_]:
-    """Why each point's search ended, in words of `gaits.many.REASONS`."""
+    """Reason for which each point's search ended, in words of `gaits.many.REASONS`."""
     return np.asarray(np.array(list(REASONS))[dataset["reason"].to_numpy()])
 
 
@@ -109,7 +109,7 @@ def _solve(index: int, job: Job) -> tuple[int, Rows]:
 
 
 def _start(system: HybridSystem, job: Job) -> dict[str, Any]:
-    """Where every lane begins: at the gait of the system as it is, or its guess if it has none."""
+    """Start of every lane: the gait of the system as it is, or its guess if it has none."""
     targets: dict[Any, float] = {
         name: float(np.median(values)) for name, values in job.points.items() if name in system.measures
     }

@@ -1,4 +1,4 @@
-"""Where a sweep is kept: a manifest, a file for each chunk, and in the end one zarr store.
+"""Files of a sweep: a manifest, a file for each chunk, and in the end one zarr store.
 
 NAME.zarr.parts/manifest.json   what was asked, and where lanes begin
 NAME.zarr.parts/000000.npz      the rows of a chunk, renamed to this when they are on disk
@@ -111,7 +111,7 @@ def begin(out: Path, described: Mapping[str, Any], resume: bool) -> bool:
 
 
 def started(out: Path, start: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """Where lanes begin: found once, and read from the manifest after that, so that it is the same after a kill."""
+    """Start of every lane: found once, and read from the manifest after that, so that it is the same after a kill."""
     found = _manifest(out)
     if "start" not in found:
         found["start"] = start()

@@ -38,7 +38,7 @@ def rotor_share(ratio: float, static_rest: bool = False) -> float:
 
 
 def resting_angle() -> float:
-    """Where the leg stands if RA, 1 rad, is the spring's zero, in rad."""
+    """Knee angle at which the leg stands if RA, 1 rad, is the spring's zero, in rad."""
     return equilibrium(spear_ii(), WITH_MOTOR)
 
 
@@ -109,7 +109,7 @@ def power_if_shorted(added: float) -> float:
 
 
 def recovered() -> float:
-    """How far stiffness and damping are from the truth in the six synthetic sets, root mean square, in deviations."""
+    """Errors of stiffness and damping in the six synthetic sets, root mean square, in deviations."""
     errors = []
     for depth, motor_on in product(DEPTHS, (True, False)):
         found, truth = fitted(depth, motor_on), estimated(depth, motor_on)
