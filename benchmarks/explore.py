@@ -15,10 +15,10 @@ import time
 from pathlib import Path
 from urllib.parse import urlencode
 
-from spear_pin.studies.explore_engines import REFERENCE, TAYLOR, best_engine
-from spear_pin.viz.explore_server import Explorer
+from spear_pin.studies.explore.engines import REFERENCE, TAYLOR, best_engine
+from spear_pin.viz.explore.server import Explorer
 from tests.viz.chromium import Browser
-from tests.viz.exploring import move, serving, visit
+from tests.viz.explore.exploring import move, serving, visit
 
 RANGES = {
     "stiffness": (46.0, 56.0),

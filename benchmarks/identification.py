@@ -22,8 +22,7 @@ from tqdm import tqdm
 
 from spear_pin.studies.identification import MovingAverage, identify, smoothed
 from spear_pin.studies.laboratory import synthetic_trial
-from spear_pin.studies.push_test import DEPTHS, spear_ii
-from spear_pin.studies.release import PassiveKnee
+from spear_pin.studies.push_test import DEPTHS, PassiveKnee, spear_ii
 
 TRUTH = PassiveKnee(stiffness=50.0, damping=1.2, zero=0.8)
 NOISES = (0.001, 0.003, 0.01, 0.03)  # rad

@@ -18,8 +18,7 @@ from tqdm import tqdm
 
 from spear_pin.studies.identification import Calibration, MovingAverage, Record, cut, identify, smoothed
 from spear_pin.studies.laboratory import Instrument, synthesize
-from spear_pin.studies.push_test import spear_ii
-from spear_pin.studies.release import PassiveKnee
+from spear_pin.studies.push_test import PassiveKnee, spear_ii
 
 COUNTS, RATES, WINDOWS = (512, 1024, 2048, 4096, 8192), (200, 500, 1000, 2000), (20, 50, 100)
 CONVERTER = 5.0 / 4096 / 1.06  # rad: 12 bits

@@ -1,11 +1,11 @@
-"""Write docs/errata.md from `spear_pin.studies.errata`: `python -m docs.make_errata`."""
+"""Write docs/errata.md from `spear_pin.studies.audit.errata`: `python -m docs.make_errata`."""
 
 from __future__ import annotations
 
 import textwrap
 from pathlib import Path
 
-from spear_pin.studies.errata import ERRATA
+from spear_pin.studies.audit.errata import ERRATA
 
 PAGE = Path(__file__).parent / "errata.md"
 WIDTH = 120

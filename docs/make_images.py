@@ -22,9 +22,10 @@ from spear_pin.hybrid.hardware import Sensing
 from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.model.catalogue import gearbox, motor
 from spear_pin.model.motor import Drive, Gearbox
-from spear_pin.studies.attraction import attraction as attracted
-from spear_pin.studies.attraction import dropped
 from spear_pin.studies.basin import basin
+from spear_pin.studies.basin.attraction import attraction as attracted
+from spear_pin.studies.basin.attraction import dropped
+from spear_pin.studies.basin.robustness import robustness
 from spear_pin.studies.design import Member
 from spear_pin.studies.drivetrain import knee_drives
 from spear_pin.studies.energetics import computed_points, costs, energy_flow
@@ -33,20 +34,19 @@ from spear_pin.studies.identification import Estimate, MovingAverage, cut, ident
 from spear_pin.studies.laboratory import Instrument, synthesize, write_csv
 from spear_pin.studies.published_costs import PUBLISHED
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, gear_study, spear_ii
-from spear_pin.studies.robustness import robustness
 from spear_pin.studies.sweep import grid
 from spear_pin.studies.sweep import sweep as swept
-from spear_pin.viz import (
-    attraction_plots,
-    design_plots,
-    drivetrain_plots,
-    energy_plots,
-    plots,
-    push_plots,
-    robustness_plots,
-    sweep_plots,
-)
+from spear_pin.viz import plots
 from spear_pin.viz.player import record
+from spear_pin.viz.plots import basin as basin_plots
+from spear_pin.viz.plots import design as design_plots
+from spear_pin.viz.plots import drivetrain as drivetrain_plots
+from spear_pin.viz.plots import energy as energy_plots
+from spear_pin.viz.plots import identification as identification_plots
+from spear_pin.viz.plots import push as push_plots
+from spear_pin.viz.plots import robustness as robustness_plots
+from spear_pin.viz.plots import source as source_plots
+from spear_pin.viz.plots import sweep as sweep_plots
 from tests.viz.chromium import Browser
 
 IMAGES = Path(__file__).parent / "images"
@@ -99,7 +99,7 @@ def attraction() -> None:
     clearances, knees = np.linspace(0.005, 0.6, 317), np.linspace(0.1, 2.4, 317)
     found = attracted(gait, *dropped(gait, clearances, knees))
     labels = "Toe above the ground (m)", "Knee (rad)"
-    figure = attraction_plots.attraction_map(found, clearances, knees, *labels)
+    figure = basin_plots.attraction_map(found, clearances, knees, *labels)
     print(plots.save_figure(figure, IMAGES / "attraction.png"), found.share)
 
 
@@ -127,7 +127,7 @@ def design() -> None:
     for name, figure in pictures.items():
         print(plots.save_figure(figure, IMAGES / f"{name}.svg"))
     strides = basin(regulated(gait), "flight_1", PUSHES)
-    print(plots.save_figure(design_plots.basin_map(strides, PUSHES), IMAGES / "basin.svg"))
+    print(plots.save_figure(basin_plots.basin_map(strides, PUSHES), IMAGES / "basin.svg"))
 
 
 def sweep() -> None:
@@ -143,8 +143,8 @@ def push() -> None:
     fits = {f"{100 * depth:g} cm, with motor": fitted(depth, seed) for seed, depth in enumerate(DEPTHS)}
     pictures = {
         "gears": push_plots.gear_comparison(gear_study()),
-        "identification": push_plots.fit_summary(fits),
-        "tables": push_plots.source_comparison(),
+        "identification": identification_plots.fit_summary(fits),
+        "tables": source_plots.source_comparison(),
     }
     for name, figure in pictures.items():
         print(plots.save_figure(figure, IMAGES / f"{name}.svg"))

@@ -22,9 +22,9 @@ import numpy as np
 from spear_pin import Gait, simulate
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.studies.bound import summarize
-from spear_pin.viz.bound_plots import bound_summary
 from spear_pin.viz.player import record
 from spear_pin.viz.plots import save_figure
+from spear_pin.viz.plots.bound import bound_summary
 
 LEGS = ("posterior", "anterior")
 

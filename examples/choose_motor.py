@@ -19,8 +19,8 @@ from pathlib import Path
 from spear_pin import HoppingLaw, load
 from spear_pin.model.catalogue import motor
 from spear_pin.studies.drivetrain import knee_drives
-from spear_pin.viz.drivetrain_plots import drivetrain
 from spear_pin.viz.plots import save_figure
+from spear_pin.viz.plots.drivetrain import drivetrain
 
 MOTORS = ("spear_ii_knee", "ec_90_flat_260w")
 RATIOS = (8.0, 11.0, 15.0, 18.0)

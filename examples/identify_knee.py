@@ -18,7 +18,7 @@ from spear_pin.studies.identification import Calibration, MovingAverage, cut, id
 from spear_pin.studies.laboratory import Instrument, synthesize, write_csv
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, WITHOUT_MOTOR, spear_ii
 from spear_pin.viz.plots import save_figure
-from spear_pin.viz.push_plots import fit_summary
+from spear_pin.viz.plots.identification import fit_summary
 
 POTENTIOMETER = Calibration(volts_per_rad=1.06, offset=0.4)
 SMOOTHING = MovingAverage(window=100)  # at 1 kHz, as the source's

@@ -23,8 +23,8 @@ from spear_pin import Gait, load, simulate
 from spear_pin.gaits.library import REQUESTS
 from spear_pin.gaits.optimize import search
 from spear_pin.studies.bound import summarize
-from spear_pin.viz.bound_plots import bound_summary
 from spear_pin.viz.plots import save_figure
+from spear_pin.viz.plots.bound import bound_summary
 
 
 def report(title: str, gait: Gait) -> None:

@@ -22,7 +22,7 @@ from spear_pin import hopping, load
 from spear_pin.errors import MissingExtra
 from spear_pin.studies.sweep import grid, reasons, sweep
 from spear_pin.viz.plots import save_figure
-from spear_pin.viz.sweep_plots import sweep_map
+from spear_pin.viz.plots.sweep import sweep_map
 
 
 def main(folder: Path) -> None:

@@ -136,7 +136,7 @@ class TestArchitecture:
 
     def test_every_module_is_on_the_plan(self, drawn):
         files = {path.stem for path in (ROOT / "spear_pin").rglob("*.py")} | {
-            path.stem for path in (ROOT / "viz").glob("*.py")
+            path.stem for path in (ROOT / "viz").rglob("*.py")
         }
         named = {name for floor in drawn.floors() for room in drawn.rooms(floor) for name in room.modules}
         assert files - {"__init__", "_version"} <= named

@@ -17,11 +17,12 @@ from spear_pin.errors import BadValue
 from spear_pin.files import atomic
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
-from spear_pin.viz import commands as c
-from spear_pin.viz.marks import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
-from spear_pin.viz.motion import Motion, Part, TrajectoryLike, last, read_times, resample
-from spear_pin.viz.scene import Scene, moving, still
-from spear_pin.viz.stage import HORIZON
+from spear_pin.viz.playback import meshcat_commands as c
+from spear_pin.viz.playback.frames import Frames, resample
+from spear_pin.viz.playback.overlays import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
+from spear_pin.viz.playback.scene import Scene, moving, still
+from spear_pin.viz.playback.stage import HORIZON
+from spear_pin.viz.playback.trajectory import Part, TrajectoryLike, last, read_times
 from spear_pin.viz.template import asset, css, filled, viewer_parts
 
 MOST_BYTES = 2_000_000
@@ -87,7 +88,7 @@ def shortened(
     Args:
         robot: the robot that moves.
         trajectory: what it does.
-        piece: cuts so many seconds out of it, `motion.first` or `motion.last`.
+        piece: cuts so many seconds out of it, `trajectory.first` or `trajectory.last`.
 
     Raises:
         BadValue: the trajectory cannot be played.
@@ -105,11 +106,11 @@ def shortened(
 
 def _attempt(robot: Robot, trajectory: TrajectoryLike, rate: float, title: str) -> tuple[str, float]:
     """A page with so many frames a second, and the room for its animation by what that takes: too little below 1."""
-    motion = resample(robot, trajectory, rate)
-    scene = moving(robot, motion)
-    animation = _base64(c.set_animation(scene.clips, motion.duration))
+    frames = resample(robot, trajectory, rate)
+    scene = moving(robot, frames)
+    animation = _base64(c.set_animation(scene.clips, frames.duration))
     notes = [f"shown: {trajectory.said}"] if isinstance(trajectory, Part) else []
-    text = _page(motion, replace(scene, notes=(*notes, *scene.notes)), animation, title)
+    text = _page(frames, replace(scene, notes=(*notes, *scene.notes)), animation, title)
     return text, (MOST_BYTES - (len(text.encode()) - len(animation))) / len(animation)
 
 
@@ -130,9 +131,9 @@ def live(robot: Robot, trajectory: TrajectoryLike, *, speed: float = 1.0) -> Any
     """
     if not (np.isfinite(speed) and speed > 0):
         raise BadValue("speed", speed, "a positive number")
-    motion = resample(robot, trajectory, _first_rate(trajectory))
-    scene = moving(robot, motion)
-    return _show([*scene.commands, c.set_animation(scene.clips, motion.duration, speed)])
+    frames = resample(robot, trajectory, _first_rate(trajectory))
+    scene = moving(robot, frames)
+    return _show([*scene.commands, c.set_animation(scene.clips, frames.duration, speed)])
 
 
 def viewer(robot: Robot, q: ArrayLike) -> Any:
@@ -149,29 +150,29 @@ def _first_rate(trajectory: TrajectoryLike) -> float:
     return min(BEST_RATE, MOST_FRAMES / duration)
 
 
-def _page(motion: Motion, scene: Scene, animation: str, title: str) -> str:
+def _page(frames: Frames, scene: Scene, animation: str, title: str) -> str:
     parts = {
         "title": html.escape(title),
         "style": asset("player.css"),
-        **viewer_parts(_data(motion, scene, animation, title), "player.js"),
+        **viewer_parts(_data(frames, scene, animation, title), "player.js"),
     }
     return filled("player.html", parts)
 
 
-def _data(motion: Motion, scene: Scene, animation: str, title: str) -> dict[str, Any]:
+def _data(frames: Frames, scene: Scene, animation: str, title: str) -> dict[str, Any]:
     force = (
         "ground force" + " on each foot" * scene.paired + f", peak {scene.peak_force:.0f} N" * (scene.peak_force > 0)
     )
     legend = [[force, css(ARROW_COLOR)]]
-    if motion.springs:
+    if frames.springs:
         legend.insert(0, ["spring engaged", css(COIL_COLOR)])
     legend.append(["toe path", css(TRAIL_COLOR)])
     return {
         "title": title,
-        "start": motion.start,
-        "duration": motion.duration,
-        "spans": [[in_words(span.name), span.begin, span.end] for span in motion.spans],
-        "events": [[in_words(name), time] for name, time in motion.events],
+        "start": frames.start,
+        "duration": frames.duration,
+        "spans": [[in_words(span.name), span.begin, span.end] for span in frames.spans],
+        "events": [[in_words(name), time] for name, time in frames.events],
         "speeds": SPEEDS,
         "legend": legend,
         "notes": scene.notes,

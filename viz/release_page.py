@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.model.pinned import PinnedLeg
-from spear_pin.studies.push_test import Release
-from spear_pin.studies.release import PassiveKnee
-from spear_pin.viz.motion import TrajectoryLike, first
+from spear_pin.studies.push_test import PassiveKnee, Release
+from spear_pin.viz.playback.trajectory import TrajectoryLike, first
 from spear_pin.viz.player import record, shortened
 
 Array = NDArray[np.float64]

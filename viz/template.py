@@ -12,12 +12,12 @@ from typing import Any
 
 
 def filled(template: str, parts: Mapping[str, str]) -> str:
-    """A template of this package with its {{parts}}."""
+    """A template of this package, by its path below `viz`, with its {{parts}}."""
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], asset(template))
 
 
 def asset(name: str) -> str:
-    """Text of a file of this package."""
+    """Text of a file of this package, by its path below `viz`."""
     return files("spear_pin.viz").joinpath(name).read_text(encoding="utf-8")
 
 

@@ -17,7 +17,7 @@ from spear_pin.files import atomic
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.viz.chromium import Browser
-from spear_pin.viz.motion import TrajectoryLike, read_times
+from spear_pin.viz.playback.trajectory import TrajectoryLike, read_times
 from spear_pin.viz.player import page
 
 Size = tuple[int, int]

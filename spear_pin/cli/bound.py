@@ -35,10 +35,10 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         return _shipped()
     from spear_pin import simulate
     from spear_pin.studies.bound import at_speed, summarize
-    from spear_pin.viz.bound_plots import bound_summary
-    from spear_pin.viz.motion import read_times
+    from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
     from spear_pin.viz.plots import save_figure
+    from spear_pin.viz.plots.bound import bound_summary
 
     if arguments.speed is not None and not 0 < arguments.speed < math.inf:
         raise BadValue("--speed", arguments.speed, "a number > 0, in m/s")

@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin import Ground, HoppingLaw, Spring, find_gait, hopping, load, simulate
     from spear_pin.hybrid.parameters import with_hardware
     from spear_pin.studies.hop import summarize
-    from spear_pin.viz.motion import read_times
+    from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
     from spear_pin.viz.plots import hop_summary, save_figure
 

@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Read the records, cut them into releases, estimate."""
     from spear_pin.studies.identification import MovingAverage
     from spear_pin.viz.plots import save_figure
-    from spear_pin.viz.push_plots import fit_summary
+    from spear_pin.viz.plots.identification import fit_summary
 
     check_out(arguments)
     if arguments.window is None and (arguments.smoothed_already or arguments.model_as_is):

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 from spear_pin.errors import SpearError
 
 if TYPE_CHECKING:
-    from spear_pin.viz.motion import TrajectoryLike
+    from spear_pin.viz.playback.trajectory import TrajectoryLike
 
 UNREAD = 128 + 13  # status where nobody reads what is printed: that of the signal SIGPIPE
 
@@ -110,7 +110,7 @@ def draw(pictures: Mapping[Path, Callable[[Path], object]]) -> None:
 
 def shows(played: TrajectoryLike) -> list[tuple[str, str]]:
     """Row of a command's text that says what a page shows, where that is a part only."""
-    from spear_pin.viz.motion import Part
+    from spear_pin.viz.playback.trajectory import Part
 
     return [("page", f"shows {played.said}")] if isinstance(played, Part) else []
 

@@ -15,8 +15,7 @@ from spear_pin.words import number
 
 if TYPE_CHECKING:
     from spear_pin.model.pinned import PinnedLeg
-    from spear_pin.studies.push_test import GearRow, Release
-    from spear_pin.studies.release import PassiveKnee
+    from spear_pin.studies.push_test import GearRow, PassiveKnee, Release
 
 RECORDING = ("repeats", "noise", "quantum", "drift", "volts-per-rad", "offset", "seed")  # options of --write-csv
 DURATION = 1.5  # s
@@ -142,10 +141,10 @@ def _check_mode(arguments: argparse.Namespace) -> None:
 
 def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee) -> dict[str, Any]:
     from spear_pin.studies.push_test import release, swing
-    from spear_pin.viz.motion import read_times
+    from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record
     from spear_pin.viz.plots import save_figure
-    from spear_pin.viz.push_plots import release_summary
+    from spear_pin.viz.plots.push import release_summary
     from spear_pin.viz.release_page import playback
 
     duration = DURATION if arguments.duration is None else arguments.duration
@@ -206,7 +205,7 @@ def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
 
     from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, gear_study
     from spear_pin.viz.plots import save_figure
-    from spear_pin.viz.push_plots import gear_comparison
+    from spear_pin.viz.plots.push import gear_comparison
 
     changes: dict[str, Any] = {
         name: value for name in ("stiffness", "damping") if (value := getattr(arguments, name)) is not None

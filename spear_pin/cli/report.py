@@ -40,9 +40,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from tqdm import tqdm
 
     from spear_pin.files import atomic
-    from spear_pin.studies.cache import user_cache
     from spear_pin.viz.report import SVG, make, write_figures
-    from spear_pin.viz.report_page import MOST_BYTES, render
+    from spear_pin.viz.report.cache import user_cache
+    from spear_pin.viz.report.page import MOST_BYTES, render
 
     selection = _selected(arguments.only)
     if arguments.list:

@@ -59,10 +59,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     from spear_pin.gaits.targets import check_wanted
     from spear_pin.hybrid.record import Options
-    from spear_pin.studies import sweep_store
-    from spear_pin.studies.sweep import grid, reasons, sample, sweep
+    from spear_pin.studies.sweep import grid, reasons, sample, store, sweep
     from spear_pin.viz.plots import save_figure
-    from spear_pin.viz.sweep_plots import sweep_map
+    from spear_pin.viz.plots.sweep import sweep_map
 
     Options(rtol=arguments.rtol)
     points = (
@@ -73,7 +72,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     system, vary, target = _asked(arguments, set(axes))
     _check_names(system, axes)
     check_wanted(system, {**target, **{name: axes[name] for name in axes if name in system.measures}})
-    sweep_store.require()  # its extra has the engine's too
+    store.require()  # its extra has the engine's too
     with tqdm(total=1, unit="gait", delay=1.0, disable=None, leave=False) as bar:
 
         def tell(done: int, total: int) -> None:

@@ -1,4 +1,4 @@
-"""Where the energy of a hop or a stride goes, from the battery to the ground, and what going costs (Figs. 2.4, 4.1).
+"""Energy flow of a hop or a stride, from the battery to the ground, and costs of transport (Figs. 2.4, 4.1).
 
 Q-SPEAR's joints in the sagittal plane are pairs: trajectories, and hardware in them, are of both legs of each, so
 all energies here are of the whole robot. A `Drive` is of one motor: of a pair there are two.

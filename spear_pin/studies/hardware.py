@@ -99,5 +99,5 @@ def outcome(gait: Gait, rig: Rig, seed: int, hops: int = HOPS) -> Outcome:
 
 
 def reasons(outcomes: Iterable[Outcome]) -> dict[str, int]:
-    """How many runs ended for which reason, most frequent first."""
+    """Number of runs that ended for each reason, most frequent first."""
     return dict(Counter(each.reason for each in outcomes).most_common())

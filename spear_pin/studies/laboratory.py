@@ -18,8 +18,8 @@ from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.identification.records import SYNTHETIC, Calibration
 from spear_pin.studies.identification.trials import Trial
-from spear_pin.studies.push_test import RATE, equilibrium, pushed_angle
-from spear_pin.studies.release import PassiveKnee, move
+from spear_pin.studies.push_test import RATE, PassiveKnee, equilibrium, pushed_angle
+from spear_pin.studies.push_test.motion import move
 
 Array = NDArray[np.float64]
 

@@ -154,7 +154,7 @@ class TestMistakes:
         def find(*arguments, **options):
             raise NoGait("Newton's method makes no progress", 0.1)
 
-        monkeypatch.setattr("spear_pin.studies.bound.find_gait", find)
+        monkeypatch.setattr("spear_pin.studies.bound.speed.find_gait", find)
         text = refused(capsys, "bound", "--speed", 2.6, "--out", tmp_path)
         assert "no gait found" in text and "it goes to 2.50" in text
         assert not list(tmp_path.iterdir())

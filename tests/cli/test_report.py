@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from spear_pin.studies.statements import STATEMENTS
-from spear_pin.viz import report
+from spear_pin.studies.audit.statements import STATEMENTS
+from spear_pin.viz.report import making
 from tests.cli.calls import loads, printed, refused, run, words
 
 
@@ -87,7 +87,7 @@ def test_a_failure_is_a_row_and_ends_with_status_2(capsys, tmp_path, monkeypatch
         raise ZeroDivisionError("nothing to divide by")
 
     first, *others = STATEMENTS
-    monkeypatch.setattr(report, "STATEMENTS", (replace(first, study=broken), *others))
+    monkeypatch.setattr(making, "STATEMENTS", (replace(first, study=broken), *others))
     status, out, _ = run(capsys, "report", "--only", first.id, "spring-engaged", "--out", tmp_path)
     assert status == 2
     assert "1 by construction, 1 failed" in out and "nothing to divide by" in out

@@ -7,7 +7,7 @@ import pytest
 
 from spear_pin.errors import BadFile
 from spear_pin.hybrid.engines import taylor
-from spear_pin.studies import sweep_store
+from spear_pin.studies.sweep import store
 from tests.cli.calls import printed, refused, run, words
 
 pytestmark = pytest.mark.extra("heyoka", "joblib", "xarray", "zarr")
@@ -22,7 +22,7 @@ class TestSweep:
         assert result["points"] == result["converged"] == result["stable"] == 6
         assert result["reasons"] == {"converged": 6} and result["vary"] == ["stance_torque"]
         assert result["files"] == [str(out), str(tmp_path / "hops.svg")]
-        dataset = sweep_store.read(out)
+        dataset = store.read(out)
         np.testing.assert_allclose(np.unique(dataset["stiffness"]), [47.0, 49.0, 51.0])
         again = printed(capsys, "sweep", "hop", *OVER, "--flight-time", 0.2, "--out", out, "--resume")
         assert again == result
@@ -34,10 +34,10 @@ class TestSweep:
         arguments = ("sweep", "hop", "--over", "stance_torque=7.7:8", "--over", "friction=0.01:0.9", "--seed", 3)
         status, out, err = run(capsys, *arguments, "--sobol", 8, "--out", tmp_path / "a.zarr")
         assert status == 0 and err == "" and "gaits found" in out and "largest multiplier" in out
-        dataset = sweep_store.read(tmp_path / "a.zarr")
+        dataset = store.read(tmp_path / "a.zarr")
         assert dataset.sizes["point"] == 8 and dataset.attrs["vary"] == []
         run(capsys, *arguments, "--latin", 8, "--out", tmp_path / "b.zarr")
-        assert (sweep_store.read(tmp_path / "b.zarr")["friction"] != dataset["friction"]).all()
+        assert (store.read(tmp_path / "b.zarr")["friction"] != dataset["friction"]).all()
 
     def test_flight_times(self, capsys, tmp_path):
         arguments = ("sweep", "hop", "--over", "flight_time=0.2,0.21", "--out", tmp_path / "a.zarr")
@@ -123,5 +123,5 @@ class TestMistakes:
         def full(*_):
             raise BadFile("sweep.zarr", "cannot be written: no space left on device")
 
-        monkeypatch.setattr(sweep_store, "keep", full)
+        monkeypatch.setattr(store, "keep", full)
         assert "no space left" in refused(capsys, "sweep", "hop", *OVER, "--out", tmp_path / "a.zarr")

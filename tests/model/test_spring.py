@@ -13,7 +13,7 @@ from scipy.integrate import fixed_quad
 
 from spear_pin.errors import BadValue
 from spear_pin.model.spring import Spring, belt_stiffness, rotational_stiffness
-from spear_pin.studies.source_tables import BELT, BELT_MODULUS
+from spear_pin.studies.audit.printed_estimates import BELT, BELT_MODULUS
 
 GOOD = {"modulus": 2.0e6, "area": 3.0e-5, "length": 0.4, "radius": 0.02}
 

@@ -8,8 +8,8 @@ import pytest
 from spear_pin.errors import BadFile, BadValue
 from spear_pin.studies.identification import Calibration, cut, read_record
 from spear_pin.studies.laboratory import HOLD, PUSH, SWING, Instrument, synthesize, synthetic_trial, write_csv
-from spear_pin.studies.push_test import equilibrium, pushed_angle, spear_ii
-from spear_pin.studies.release import PassiveKnee, move
+from spear_pin.studies.push_test import PassiveKnee, equilibrium, pushed_angle, spear_ii
+from spear_pin.studies.push_test.motion import move
 
 LEG, KNEE = spear_ii(), PassiveKnee(48.0, 1.2, 0.3, 1.02)
 T = np.arange(20_000) / 1000

@@ -14,11 +14,12 @@ from matplotlib.figure import Figure
 from spear_pin import Gait, Trajectory, simulate
 from spear_pin.errors import BadValue
 from spear_pin.model.robot import Robot
-from spear_pin.viz import bound_plots, player
-from spear_pin.viz.marks import arrow_path, spring_path
+from spear_pin.viz import player
+from spear_pin.viz.playback.overlays import arrow_path, spring_path
+from spear_pin.viz.playback.scene import joint_paths
+from spear_pin.viz.playback.stage import WORLD
 from spear_pin.viz.player import in_words
-from spear_pin.viz.scene import joint_paths
-from spear_pin.viz.stage import WORLD
+from spear_pin.viz.plots import bound as bound_plots
 from tests.viz.recording import Recording, read
 
 LEGS = ("posterior", "anterior")

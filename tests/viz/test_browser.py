@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from spear_pin.model.loading import load
 from spear_pin.viz import player
-from spear_pin.viz.scene import ROBOT, joint_paths
+from spear_pin.viz.playback.scene import ROBOT, joint_paths
 from tests.viz import chromium, samples
 
 pytestmark = [pytest.mark.browser, pytest.mark.skipif(chromium.find() is None, reason="no Chromium here")]

@@ -17,10 +17,11 @@ import pytest
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
-from spear_pin.viz import motion, player
-from spear_pin.viz.marks import spring_path
-from spear_pin.viz.scene import joint_paths
-from spear_pin.viz.stage import WORLD
+from spear_pin.viz import player
+from spear_pin.viz.playback import trajectory as pieces
+from spear_pin.viz.playback.overlays import spring_path
+from spear_pin.viz.playback.scene import joint_paths
+from spear_pin.viz.playback.stage import WORLD
 from spear_pin.viz.template import library as meshcat
 from tests.viz import samples
 from tests.viz.recording import Recording, read
@@ -270,7 +271,7 @@ class TestParts:
         with pytest.raises(BadValue, match="`shortened` makes one"):
             player.record(spear, long, tmp_path / "long.html")
         part = player.shortened(spear, long)
-        assert isinstance(part, motion.Part) and part.t[-1] == long.t[-1] and 2.0 < np.ptp(part.t) < np.ptp(long.t)
+        assert isinstance(part, pieces.Part) and part.t[-1] == long.t[-1] and 2.0 < np.ptp(part.t) < np.ptp(long.t)
         text = player.record(spear, part, tmp_path / "part.html").read_text(encoding="utf-8")
         assert 0.95 * player.MOST_BYTES < len(text.encode()) <= player.MOST_BYTES
         data = read(text).data
@@ -280,11 +281,11 @@ class TestParts:
         assert all(0.0 <= time <= data["duration"] for _, time in data["events"])
 
     def test_the_first_part(self, spear: Robot, long: SimpleNamespace) -> None:
-        part = player.shortened(spear, long, motion.first)
+        part = player.shortened(spear, long, pieces.first)
         assert part.t[0] == long.t[0] and part.said.startswith("the first ")
 
     def test_a_part_of_ones_own(self, spear: Robot, hop: SimpleNamespace) -> None:
-        part = motion.between(hop, 3.1, 3.4)
+        part = pieces.between(hop, 3.1, 3.4)
         inside = (hop.t >= 3.1) & (hop.t <= 3.4)
         for name in ("t", "q", "domain", "force", "engaged"):
             np.testing.assert_array_equal(getattr(part, name), np.asarray(getattr(hop, name))[inside])
@@ -294,7 +295,7 @@ class TestParts:
 
     def test_both_sides_of_an_event_at_its_end(self, hop: SimpleNamespace) -> None:
         touchdown = hop.events[1].time
-        before, after = motion.first(hop, touchdown - 3.0), motion.last(hop, hop.t[-1] - touchdown)
+        before, after = pieces.first(hop, touchdown - 3.0), pieces.last(hop, hop.t[-1] - touchdown)
         assert set(np.flatnonzero(hop.t == touchdown)) == {len(before.t) - 2, len(before.t) - 1}
         assert after.t[0] == after.t[1] == touchdown and len(before.t) + len(after.t) == len(hop.t) + 2
 

@@ -273,7 +273,7 @@ FUNCTIONS: tuple[tuple[str, Callable[[], Mapping[str, Any]], Mapping[str, tuple[
     ),
     ("studies.push_test:swing", lambda: {"leg": leg(), "knee": knee()}, {"leg": OBJECT, "knee": OBJECT}),
     (
-        "studies.release:PassiveKnee",
+        "studies.push_test:PassiveKnee",
         dict,
         {
             "stiffness": (*NOT_NEGATIVE, 1e300),

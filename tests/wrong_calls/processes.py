@@ -32,7 +32,7 @@ IMPORTS = (
 MOMENTS = (
     *(("import", module, "hop --cycles 1") for module in IMPORTS),
     *(("os.rename", name, "hop --cycles 1") for name in HOP),
-    *(("import", module, "bound --cycles 1") for module in ("spear_pin.hybrid.run", "spear_pin.viz.bound_plots")),
+    *(("import", module, "bound --cycles 1") for module in ("spear_pin.hybrid.run", "spear_pin.viz.plots.bound")),
     ("os.rename", "bound.html", "bound --cycles 1"),
     ("os.rename", "push_test.html", "push-test"),
     ("os.rename", "lab.csv", "push-test --write-csv lab --repeats 1"),

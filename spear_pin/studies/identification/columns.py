@@ -72,7 +72,7 @@ def read_columns(path: str | Path, choose: Choice) -> Columns:
 
 @dataclass(frozen=True)
 class _Dialect:
-    """How a table is written: comment lines, then names or not, a separator, a decimal mark."""
+    """Layout of a table: comment lines, then names or not, a separator, a decimal mark."""
 
     comments: tuple[str, ...]
     skipped: int

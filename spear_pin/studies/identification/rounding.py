@@ -23,7 +23,7 @@ JUMP = 8.0  # usual differences and steps from sample to sample: more is neither
 
 @dataclass(frozen=True)
 class Rounding:
-    """How the angle of a record was rounded.
+    """Rounding of the angle of a record.
 
     Attributes:
         step: to multiples of what, in rad; 0 if it was not, or nobody knows.

@@ -1,4 +1,4 @@
-"""How far a least-squares estimate can be trusted: covariance, conditioning, whiteness of residuals, fit."""
+"""Uncertainty of a least-squares estimate: covariance, conditioning, whiteness of residuals, fit."""
 
 from __future__ import annotations
 

@@ -8,8 +8,7 @@ import pytest
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.studies.identification import MovingAverage, Record, cut, identify, smoothed
 from spear_pin.studies.laboratory import Instrument, synthesize, synthetic_trial
-from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, spear_ii
-from spear_pin.studies.release import PassiveKnee
+from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, PassiveKnee, equilibrium, spear_ii
 
 LEGS = {ratio: spear_ii(ratio) for ratio in (None, 15.0, 66.0)}
 LEG = LEGS[15.0]

@@ -5,8 +5,8 @@ import pytest
 
 from spear_pin.errors import BadFile, BadValue, SpearError
 from spear_pin.studies.identification import MovingAverage, Record, Trial, cut, read_record, smoothed
-from spear_pin.studies.push_test import equilibrium, pushed_angle, spear_ii
-from spear_pin.studies.release import PassiveKnee, move
+from spear_pin.studies.push_test import PassiveKnee, equilibrium, pushed_angle, spear_ii
+from spear_pin.studies.push_test.motion import move
 from tests.slow import slow_but
 from tests.studies.identification.files import written
 

@@ -1,0 +1,212 @@
+"""Equations of the source as printed, beside their corrections: by how much they miss.
+
+Only for comparison; nothing else in this package uses a printed form that is wrong.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.gaits.bounding_law import PAIR, legs_of
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.hopping import HoppingLaw
+from spear_pin.model.loading import load
+from spear_pin.model.robot import Robot
+from spear_pin.model.variants import vary
+from spear_pin.studies.audit.printed_designs import SPEAR_II
+from spear_pin.studies.push_test import WITH_MOTOR, equilibrium, resting_at, spear_ii
+
+Array = NDArray[np.float64]
+
+ANGLE = 1.0  # rad, of the knee, hip at half of it: the toe below the hip
+GRAVITY = 9.81  # m/s²
+SAMPLES, SEED = 50, 0
+
+
+def _parts(robot: Robot) -> tuple[float, float, float, Any, Any]:
+    """Length of thigh and of shank, mass of the boom, inertias of thigh and shank."""
+    boom, thigh, shank = (robot.model.inertias[robot.model.getJointId(name)] for name in ("boom_z", "hip", "knee"))
+    q = np.zeros(robot.nq)
+    hip, knee, toe = (robot.frame_position(q, name) for name in ("thigh", "shank", "toe"))
+    return float(np.linalg.norm(knee - hip)), float(np.linalg.norm(toe - knee)), boom.mass, thigh, shank
+
+
+def _along(length: float, angle: float) -> tuple[Array, Array]:
+    """Configuration of the push test with equal links, and its derivative with respect to the knee."""
+    q = np.array([0.0, 2.0 * length * np.cos(0.5 * angle), 0.5 * angle, angle])
+    return q, np.array([0.0, -length * np.sin(0.5 * angle), 0.5, 1.0])
+
+
+def effective_inertia(angle: float = ANGLE) -> tuple[float, float]:
+    """The knee's inertia in the push test by (3.14) as printed, and corrected, in kg·m²."""
+    robot = load("spear_ii")
+    length, _, boom, thigh, shank = _parts(robot)
+    q, slope = _along(length, angle)
+    hip, knee = (robot.model.armature[robot.index(joint)] for joint in ("hip", "knee"))
+    about_hip = hip + thigh.inertia[1, 1] + thigh.mass * thigh.lever[2] ** 2
+    about_knee = knee + shank.inertia[1, 1] + shank.mass * shank.lever[2] ** 2
+    printed = about_hip * slope[2] ** 2 + about_knee + boom * slope[1] ** 2
+    return float(printed), float(slope @ robot.mass_matrix(q) @ slope)
+
+
+def gravity_torque(angle: float = ANGLE) -> tuple[float, float]:
+    """The weight's torque on the knee in the push test by (3.15) as printed, and corrected, in N·m; flexing is > 0."""
+    robot = load("spear_ii")
+    length, shank_length, boom, thigh, shank = _parts(robot)
+    q, slope = _along(length, angle)
+    hip, rise = q[2], slope[1]
+    fall = (
+        boom * rise
+        - thigh.mass * (length - abs(thigh.lever[2])) * np.sin(hip) * 0.5
+        - (thigh.mass + shank.mass) * shank_length * np.sin(hip + angle) * 1.5
+    )
+    return float(-GRAVITY * fall), float(-slope @ robot.gravity(q))
+
+
+def spring_growth(static_rest: bool = False) -> tuple[float, float]:
+    """Largest growth rate about rest with the spring of (3.24) as printed, and corrected, in 1/s.
+
+    Of J θ̈ + b θ̇ + (∓k + dG/dθ) θ = 0, the leg pinned at its toe.
+
+    Args:
+        static_rest: whether RA is the angle at rest.
+    """
+    leg, knee = spear_ii(), WITH_MOTOR
+    if static_rest:
+        knee = resting_at(leg, knee, knee.zero)
+    rest = equilibrium(leg, knee)
+    inertia, slope = float(leg.effective_inertia(rest)), float(leg.motion_with_slopes(rest)[5])
+    rates = [float(np.roots([inertia, knee.damping, sign * knee.stiffness + slope]).real.max()) for sign in (-1.0, 1.0)]
+    return rates[0], rates[1]
+
+
+def friction_power() -> tuple[float, float]:
+    """Power of the ground on a toe that slides at 1 m/s under 1 N, over μ, by (3.18) as printed and corrected, in W."""
+    force, speed = 1.0, 1.0
+    return force * speed, -force * math.copysign(1.0, speed) * speed
+
+
+def knee_rotor_by_table_3_1() -> float:
+    """The knee's reflected rotor if N_Knee were the hip motor's ratio, as Table 3.1 describes it, in kg·m²."""
+    return SPEAR_II.knee_inertia / SPEAR_II.knee_ratio**2 * SPEAR_II.hip_ratio**2
+
+
+def independent_inputs() -> float:
+    """Rank of B: how many torques the motors of hip and knee can give independently."""
+    return float(np.linalg.matrix_rank(load("spear_ii").actuation_matrix))
+
+
+def stator_coupling(angle: float = ANGLE) -> tuple[float, float]:
+    """Coupling of hip and knee that (3.13) leaves out, N J of the knee's rotor, and the whole of it, in kg·m²."""
+    robot = load("spear_ii")
+    q, _ = _along(_parts(robot)[0], angle)
+    row = robot.index("knee")
+    left_out = robot.model.rotorInertia[row] * robot.gear_ratio("knee")
+    return float(left_out), float(abs(robot.mass_matrix(q)[robot.index("hip"), row]))
+
+
+def rotor_in_mass_matrix() -> tuple[float, float]:
+    """Rotors' part of the diagonal of D at hip and knee, in kg·m², by the kinetic energies (3.12) and (3.13)."""
+    robot = load("spear_ii")
+    added, q = [], np.zeros(robot.nq)
+    for joint, name in (("hip", "hip_rotor"), ("knee", "knee_rotor")):
+        row = robot.index(joint)
+        added.append(float((robot.mass_matrix(q) - vary(robot, **{name: 0.0}).mass_matrix(q))[row, row]))
+    return added[0], added[1]
+
+
+def kinematics_error() -> float:
+    """Largest difference of (3.20) and (3.21) from forward kinematics, over random angles, in m."""
+    robot = load("spear_ii")
+    thigh, shank, *_ = _parts(robot)
+    worst = 0.0
+    for hip, knee in np.random.default_rng(SEED).uniform(-1.5, 1.5, (SAMPLES, 2)):
+        toe = robot.toe_position([0.0, 0.0, hip, knee], "toe")
+        x = shank * np.sin(knee - hip) - thigh * np.sin(hip)
+        y = thigh * np.cos(hip) + shank * np.cos(knee - hip)
+        worst = max(worst, float(np.abs(toe + (x, y)).max()))
+    return worst
+
+
+def crank_error() -> float:
+    """Largest difference of (4.1) to (4.4) from the pinned leg: angle in rad, height in m, and both by its rate."""
+    leg = spear_ii()
+    thigh, shank, *_ = _parts(load("spear_ii"))
+    angles = np.linspace(0.2, 1.8, SAMPLES)
+    hip = np.arctan2(shank * np.sin(angles), thigh + shank * np.cos(angles))
+    height = thigh * np.cos(hip) + shank * np.cos(angles - hip)
+    turn = shank * np.cos(angles - hip) / height  # per unit of the knee's rate
+    fall = -thigh * turn * np.sin(hip) - shank * (1.0 - turn) * np.sin(angles - hip)
+    place, slope = leg.configuration(angles), leg.configuration.derivative()(angles)
+    printed, ours = np.array([height, hip, fall, turn]), np.array([place[0], place[1], slope[0], slope[1]])
+    return float(np.abs(printed - ours).max())
+
+
+def stance_error() -> float:
+    """Largest difference of accelerations by the reduced (3.19) and by (3.16) with (3.17), in rad/s², random states."""
+    robot, worst = load("spear_ii"), 0.0
+    rng = np.random.default_rng(SEED)
+    for _ in range(SAMPLES):
+        q = np.array([0.0, 0.0, *rng.uniform(-1.0, 1.0, 2)])
+        jacobian = robot.toe_jacobian(q, "toe")
+        basis = np.vstack([-np.linalg.solve(jacobian[:, :2], jacobian[:, 2:]), np.eye(2)])  # S = dq / dq_st
+        v = basis @ rng.normal(size=2)
+        drift = np.concatenate([-np.linalg.solve(jacobian[:, :2], robot.toe_drift(q, v, "toe")), np.zeros(2)])
+        D, force = robot.mass_matrix(q), robot.actuation_matrix @ rng.normal(size=2) - robot.bias(q, v)
+        reduced = np.linalg.solve(basis.T @ D @ basis, basis.T @ (force - D @ drift))
+        bordered = np.block([[D, -jacobian.T], [jacobian, np.zeros((2, 2))]])
+        full = np.linalg.solve(bordered, np.concatenate([force, -robot.toe_drift(q, v, "toe")]))[2:4]
+        worst = max(worst, float(np.abs(reduced - full).max()))
+    return worst
+
+
+def flight_poles(printed: bool = False, knee_damping: float = 0.0, knee: float = ANGLE) -> NDArray[np.complex128]:
+    """Poles of hip and knee in flight about the touchdown angles, boom_x locked, in rad/s, slowest first.
+
+    Args:
+        printed: take (4.9) and (4.10) with the printed sign of the proportional term.
+        knee_damping: of the joint itself, in N·m·s/rad; the source neglects it in flight.
+        knee: its angle at touchdown, in rad, the hip at half of it.
+    """
+    law, robot = HoppingLaw(knee_touchdown=knee), load("spear_ii", locked=["boom_x"])
+    D = robot.mass_matrix([0.6, 0.5 * law.knee_touchdown, law.knee_touchdown])
+    inertia = np.linalg.inv(np.linalg.inv(D)[1:, 1:])  # of the joints, the boom free to rise
+    gain = (-1.0 if printed else 1.0) * np.diag([law.hip_gain, law.knee_gain])
+    damping = np.diag([law.hip_damping, law.knee_damping + knee_damping])
+    top = np.hstack([np.zeros((2, 2)), np.eye(2)])
+    matrix = np.vstack([top, -np.linalg.solve(inertia, np.hstack([gain, damping]))])
+    poles = np.linalg.eigvals(matrix).astype(np.complex128)
+    return poles[np.argsort(np.abs(poles))]
+
+
+def flight_growth(knee: float = ANGLE) -> tuple[float, float]:
+    """Largest growth rate in flight by (4.9)-(4.10) as printed, and corrected, in 1/s."""
+    return float(flight_poles(printed=True, knee=knee).real.max()), float(flight_poles(knee=knee).real.max())
+
+
+def settling_times(knee_damping: float = 0.0, knee: float = ANGLE) -> tuple[float, float]:
+    """Time to 2 % of each mode in flight, 4 / |Re pole|, shortest first, in s."""
+    times = [4.0 / abs(float(pole.real)) for pole in flight_poles(knee_damping=knee_damping, knee=knee)]
+    return min(times), max(times)
+
+
+def bounding_knee_stiffness() -> tuple[float, float]:
+    """-dτ/dθ of the knee law (5.5) as printed, and corrected, in N·m/rad a motor; > 0 restores."""
+    stiffness = Gait.load("long_stride").system.law.virtual_stiffness / PAIR
+    return -stiffness, stiffness
+
+
+def damping_gain(knee_damping: float = 1.3, knee: float = ANGLE) -> float:
+    """Damping ratio of the knee's mode in flight, the faster one, with damping at the knee over that without."""
+    fastest = [flight_poles(knee_damping=damping, knee=knee)[-1] for damping in (knee_damping, 0.0)]
+    ratios = [float(-pole.real / abs(pole)) for pole in fastest]
+    return ratios[0] / ratios[1]
+
+
+def decoupling_columns() -> float:
+    """Columns of the decoupling matrix of a swing leg, as many as its motors; v of (5.16) has one."""
+    return float(len(legs_of(load("q_spear"))[0].motors))

@@ -1,0 +1,214 @@
+"""The runs that statements and figures of the report share, each made once in a process.
+
+They are this package's own: where the source prints no number, an assumption or a solved value stands in its
+place, see `spear_pin.studies.audit.statements.assumptions`.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.hopping import HoppingLaw, hopping
+from spear_pin.gaits.search import find_gait
+from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.hardware import Sensing
+from spear_pin.hybrid.parameters import with_hardware
+from spear_pin.hybrid.record import Options, Run
+from spear_pin.hybrid.run import run
+from spear_pin.hybrid.simulate import sample, simulate
+from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.model.catalogue import gearbox, motor
+from spear_pin.model.loading import load
+from spear_pin.model.motor import Drive, Gearbox
+from spear_pin.model.variants import vary
+from spear_pin.studies.audit.printed_designs import Q_SPEAR, SPEAR_II
+from spear_pin.studies.audit.printed_estimates import TABLE_4_1
+from spear_pin.studies.design import STIFFNESSES, Points, points_of, sprung
+from spear_pin.studies.energetics import Costs, EnergyFlow, costs, energy_flow
+from spear_pin.studies.hardware import RTOL, Rig, on_rig
+from spear_pin.studies.identification import Estimate, MovingAverage, identify, smoothed
+from spear_pin.studies.laboratory import synthetic_trial
+from spear_pin.studies.push_test import RATIOS, GearRow, PassiveKnee, gear_study, spear_ii
+from spear_pin.studies.push_test import power_off as idle
+
+FLIGHT_TIME = 0.2  # s, Section 4.2.2
+CURRENT_LIMIT, BANDWIDTH = 8.0, 500.0  # A, Hz: assumptions
+NOISE = 0.005  # rad, of the synthetic records
+RELEASES = 5  # of each depth, Section 4.1.3
+BUS = 48.0  # V, of the quadruped's motors: an assumption
+KNEE, FRICTION = HoppingLaw().knee_touchdown, Contact().friction  # rad, 1: assumptions
+GAITS = ("long_stride", "least_effort", "force_lift_off")  # those at the speed of Table 5.1
+SHOWN = GAITS[0]  # unless another is asked for
+
+
+def hop(knee: float = KNEE, friction: float = FRICTION, ratio: float = SPEAR_II.knee_ratio) -> Gait:
+    """SPEAR-II hopping in place, its stance torque solved for the flight time of Section 4.2.2.
+
+    Args:
+        knee: commanded in flight, in rad.
+        friction: of the ground.
+        ratio: of the knee's gearbox.
+    """
+    return _hop(knee, friction, ratio)
+
+
+@cache
+def _hop(knee: float, friction: float, ratio: float) -> Gait:
+    robot = vary(load("spear_ii", locked=["boom_x"]), knee_ratio=ratio)
+    system = hopping(robot, HoppingLaw(knee_touchdown=knee), contact=Contact(friction=friction))
+    return find_gait(system, ["stance_torque"], {"flight_time": FLIGHT_TIME})
+
+
+def one_hop(knee: float = KNEE, friction: float = FRICTION, ratio: float = SPEAR_II.knee_ratio) -> Trajectory:
+    """One of these hops, from touchdown to touchdown."""
+    return _one_hop(knee, friction, ratio)
+
+
+@cache
+def _one_hop(knee: float, friction: float, ratio: float) -> Trajectory:
+    gait = hop(knee, friction, ratio)
+    return simulate(gait.system, gait.state, progress=False)
+
+
+@cache
+def hops() -> Trajectory:
+    """Eleven of these hops, as many as in Fig. 4.13."""
+    return simulate(hop().system, hop().state, 11, progress=False)
+
+
+@cache
+def hardware_hop() -> Gait:
+    """Hop of that flight time on motors, gears and a battery."""
+    robot = load("spear_ii", locked=["boom_x"])
+    system = with_hardware(hopping(robot, HoppingLaw(stance_torque=9.4)), Rig().on(robot))
+    return find_gait(system, ["stance_torque"], {"flight_time": FLIGHT_TIME})
+
+
+@cache
+def calm_hops() -> Trajectory:
+    """Three hops on hardware."""
+    return on_rig(hardware_hop(), Rig(), hops=3, progress=False)
+
+
+@cache
+def rough_hops() -> Trajectory:
+    """Eleven hops on hardware with noise, lost commands and less current."""
+    sensing = Sensing(angle_noise=0.005, rate_noise=0.2, losses=5.0)
+    rig = Rig(sensing=sensing, current_limit=CURRENT_LIMIT, bandwidth=BANDWIDTH)
+    return on_rig(hardware_hop(), rig, rtol=RTOL, progress=False)
+
+
+@cache
+def hop_energy() -> EnergyFlow:
+    """Energy flow of a hop on hardware."""
+    return energy_flow(hardware_hop().system, calm_hops())
+
+
+def gears(static_rest: bool = False) -> tuple[GearRow, ...]:
+    """The release from 10 cm without motor, and with the gear ratios of Fig. 4.6."""
+    return _gears(static_rest)
+
+
+@cache
+def _gears(static_rest: bool) -> tuple[GearRow, ...]:
+    return tuple(gear_study(RATIOS, static_rest=static_rest))
+
+
+def idling(static_rest: bool = False) -> dict[str, idle.PowerOff]:
+    """The release with the motor in each state of Fig. 4.7, by label."""
+    return _idling(static_rest)
+
+
+@cache
+def _idling(static_rest: bool) -> dict[str, idle.PowerOff]:
+    return {row.label: row for row in idle.power_off(static_rest=static_rest)}
+
+
+def estimated(depth: float, motor_on: bool) -> PassiveKnee:
+    """The knee with the estimates of a row of Table 4.1, RA read as the spring's zero."""
+    row = next(row for row in TABLE_4_1 if (row.depth, row.motor) == (depth, motor_on))
+    return PassiveKnee(stiffness=row.stiffness, damping=row.damping, zero=row.rest_angle)
+
+
+@cache
+def fitted(depth: float, motor_on: bool) -> Estimate:
+    """Estimate from five synthetic releases of a row of Table 4.1, smoothed as the source's were."""
+    leg, knee = spear_ii(15.0 if motor_on else None), estimated(depth, motor_on)
+    rng = np.random.default_rng(round(1e3 * depth) + motor_on)
+    trials = [synthetic_trial(leg, knee, depth, NOISE, rng) for _ in range(RELEASES)]
+    return identify(leg, [smoothed(trial, MovingAverage(100)) for trial in trials])
+
+
+def bound(name: str = SHOWN) -> Gait:
+    """Q-SPEAR bounding at 2.5 m/s."""
+    return _bound(name)
+
+
+@cache
+def _bound(name: str) -> Gait:
+    return Gait.load(name)
+
+
+@cache
+def strides() -> Trajectory:
+    """Two strides of it."""
+    return simulate(bound().system, bound().state, 2, progress=False)
+
+
+def stride_run(name: str = SHOWN, stiffness: float = Q_SPEAR.stiffness) -> Run:
+    """A stride of it with what is held, with knee springs of a stiffness a leg, in N·m/rad."""
+    return _stride_run(name, stiffness)
+
+
+@cache
+def _stride_run(name: str, stiffness: float) -> Run:
+    return run(sprung(bound(name).system, stiffness), bound(name).state, 1, Options(keep=True))
+
+
+def stride(name: str = SHOWN, stiffness: float = Q_SPEAR.stiffness) -> Trajectory:
+    """Samples of that stride."""
+    return _stride(name, stiffness)
+
+
+@cache
+def _stride(name: str, stiffness: float) -> Trajectory:
+    return sample(sprung(bound(name).system, stiffness), _stride_run(name, stiffness))
+
+
+def knee_points(stiffness: float = Q_SPEAR.stiffness, name: str = SHOWN) -> Points:
+    """Operating points of the knee motors, with springs of a stiffness a leg, in N·m/rad."""
+    return points_of(bound(name).system.robot, stride(name, stiffness), "knee")
+
+
+@cache
+def knees() -> dict[float, Points]:
+    """Operating points of the knee motors by stiffness, of Fig. 5.6."""
+    return {stiffness: knee_points(stiffness) for stiffness in STIFFNESSES}
+
+
+def hips(stiffness: float = Q_SPEAR.stiffness, name: str = SHOWN) -> Points:
+    """Operating points of the hip motors, with springs of a stiffness a leg, in N·m/rad."""
+    return points_of(bound(name).system.robot, stride(name, stiffness), "hip")
+
+
+def knee_drive(power: str) -> Drive:
+    """A knee drive by its rated power, as the source names them: "100 W", "260 W" or "600 W"."""
+    if power == "100 W":
+        return Drive(motor("spear_ii_knee"), gearbox("spear_ii_knee_gear"), 24.0)
+    names = {"260 W": "ec_90_flat_260w", "600 W": "assumed_600w"}
+    return Drive(motor(names[power]), Gearbox(15.0, gearbox("spear_ii_knee_gear").efficiency), BUS)
+
+
+def hip_drive(ratio: float) -> Drive:
+    """The hip's motor behind gears without loss, on 24 V."""
+    return Drive(motor("faulhaber_3863h024cr"), Gearbox(ratio), 24.0)
+
+
+@cache
+def bound_costs() -> Costs:
+    """Cost of the bound with the motors assumed for 600 W."""
+    drives = [Drive(motor("assumed_600w"), gearbox("gp_52_c_15"), BUS)] * 4
+    return costs(bound().system, simulate(bound().system, bound().state, 1, progress=False), drives)

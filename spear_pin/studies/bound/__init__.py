@@ -1,0 +1,6 @@
+"""A bound: its figures per stride, and its speed."""
+
+from spear_pin.studies.bound.figures import summarize, weight
+from spear_pin.studies.bound.speed import at_speed, mean_speed
+
+__all__ = ["at_speed", "mean_speed", "summarize", "weight"]

@@ -1,0 +1,252 @@
+"""Figures of a bound: speed, ground forces, torques of each motor, energy and its cost, per stride."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.gaits.bounding_law import PAIR, Leg, legs_of
+from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.trajectory import Event, Trajectory
+from spear_pin.kinds import typed
+from spear_pin.model.robot import Robot
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+LAST = 1e-3  # s: the end of a stance in which, with lift-off by force, force and its friction fade together
+NEAR = 1e-3  # s: around its own events a toe is near the ground in flight
+UNLOADED = 1e-3  # N: below, the ratio of two forces means nothing
+INSTANT = 1e-12  # s: an event's time and its samples' may differ by rounding
+
+
+@typed
+def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
+    """Figures of a bounding gait, from the gait and a trajectory of it, SI units and radians.
+
+    Forces are those of a pair of legs; torques are those of one motor, half of the pair's. All that
+    is taken from the motion is of the first whole stride. Where it says "by leg", the keys are
+    "posterior" and "anterior"; "by joint", they are the joints with motors.
+
+    Returns:
+        Of the gait:
+
+        - lift_off: the rule, "knee" or "force", see `BoundingLaw`.
+        - stiffness, friction: of a pair's knee spring, in N·m/rad; of the ground.
+        - knee_rest, knee_touchdown: θ̄ and the commanded knee angle of a landing leg, by magnitude.
+        - durations: seconds by phase. residual, multipliers, stable: as of `Gait`.
+
+        Of the motion:
+
+        - speed, period, stride: mean forward speed, in m/s; in s; in m.
+        - knee_at_touchdown, leg_at_touchdown: by leg, knee angle by magnitude and leg angle γ.
+        - pitch, height: lowest and highest pitch, and height of the torso, in m.
+
+        Of the ground, by leg but for those marked *:
+
+        - peak_force: largest normal force, in N.
+        - lift_off_force: normal force just before lift-off, in N.
+        - minimum_force*: least normal force in stance, in N.
+        - friction_used*: largest |F_x| / F_z in stance.
+        - friction_used_last_ms*: the same in the last millisecond of each stance, which the two
+          before leave out where lift-off is by force.
+        - friction_at_impact: |Λ_x| / Λ_z of the impulse at touchdown.
+        - clearance: lowest height of the toe while the other leg alone bears, 1 ms around its own events
+          left out, in m; None if it never does.
+        - flight_clearance: lowest height of the toe in flight, 1 ms around its own events left out, in m; None
+          without flight.
+        - scuff_free*: whether all of these heights are above zero.
+
+        Of the motors, by joint:
+
+        - peak_torque_stance, peak_torque_swing: while the joint's leg bears, and while it does not, in N·m.
+        - peak_speed: of the joint, in rad/s.
+
+        Of the energy, all motors together, in J a stride:
+
+        - energy: by flow, from the ledger. net_joint_work: what the motors put in, negative work
+          counting as negative. impact_loss: what the impacts take, >= 0. released: what is lost with
+          springs that let go, <= 0.
+        - energy_balance: sum of all flows, zero for a periodic stride. energy_residual: largest of
+          what does not close in any stride.
+        - cost_of_transport, cost_of_transport_positive: ∫ Σ|u ω| dt, and ∫ Σ max(0, u ω) dt, over
+          weight and distance; by the trapezoidal rule over the samples, to about 1e-4 of it.
+        - effort: ∫ Σ u² dt over distance with the torques of the pairs, in N²·m·s; by the same rule.
+
+        cycles and reason are those of the trajectory.
+
+    Raises:
+        BadValue: the gait is no bounding gait, or the trajectory has no whole stride.
+    """
+    if gait.system.kind != "bounding":
+        raise BadValue("gait", gait.system.kind, "a bounding gait")
+    if trajectory.cycles == 0:
+        raise BadValue("trajectory.cycles", 0, f"at least one whole stride ({trajectory.message})")
+    stride = _Stride(gait, trajectory)
+    law, ledger = gait.system.law, trajectory.ledger
+    flows = {name: float(ledger[name][0]) for name in ledger.flows}
+    return {
+        "lift_off": law.lift_off,
+        "stiffness": gait.system.spring.stiffness,
+        "friction": gait.system.contact.friction,
+        "knee_rest": law.knee_rest,
+        "knee_touchdown": law.knee_touchdown,
+        "durations": dict(gait.durations),
+        "residual": gait.residual,
+        "multipliers": gait.multipliers,
+        "stable": gait.stable,
+        **stride.motion(),
+        **stride.ground(),
+        **stride.motors(),
+        "energy": flows,
+        "net_joint_work": sum(energy for name, energy in flows.items() if name.startswith("motor_")),
+        "impact_loss": -flows["impact"],
+        "released": flows["released"],
+        "energy_balance": sum(flows.values()),
+        "energy_residual": float(np.abs(ledger.residual).max()),
+        "cycles": trajectory.cycles,
+        "reason": trajectory.reason,
+    }
+
+
+@typed
+def weight(robot: Robot) -> float:
+    """Weight of a robot, in N."""
+    return float(-robot.mass * robot.model.gravity.linear[2])
+
+
+class _Stride:
+    """The first whole stride of a trajectory."""
+
+    def __init__(self, gait: Gait, trajectory: Trajectory) -> None:
+        chosen = trajectory.cycle == 1
+        self.robot, self.law, self.toes = gait.system.robot, gait.system.law, trajectory.toes
+        self.system, self.legs = gait.system, legs_of(self.robot)
+        self.t, self.q, self.v, self.u = (getattr(trajectory, name)[chosen] for name in ("t", "q", "v", "u"))
+        self.force, self.phase, self.domain = (
+            trajectory.force[chosen],
+            trajectory.phase[chosen],
+            trajectory.domain[chosen],
+        )
+        begin, end = self.t[0] + INSTANT, self.t[-1] + INSTANT
+        self.events = [event for event in trajectory.events if begin < event.time <= end]
+        happened = {event.name for event in self.events}
+        if not {f"{leg.name}_{event}" for leg in self.legs for event in ("touchdown", "lift_off")} <= happened:
+            raise BadValue("trajectory.events", sorted(happened), "a first stride in which both legs land and lift off")
+        self.stride = float(self.q[-1, 0] - self.q[0, 0])
+        self.bears = {leg.name: self._bearing(leg) for leg in self.legs}
+
+    def motion(self) -> dict[str, Any]:
+        """Of the body and of the legs as they land."""
+        landed = {leg.name: self._named(f"{leg.name}_touchdown")[0].q for leg in self.legs}
+        return {
+            "speed": self.stride / float(self.t[-1] - self.t[0]),
+            "period": float(self.t[-1] - self.t[0]),
+            "stride": self.stride,
+            "knee_at_touchdown": {leg.name: leg.side * float(landed[leg.name][leg.knee]) for leg in self.legs},
+            "leg_at_touchdown": {
+                leg.name: float(sum(weight * landed[leg.name][index] for index, weight in leg.angle))
+                for leg in self.legs
+            },
+            "pitch": (float(self.q[:, 2].min()), float(self.q[:, 2].max())),
+            "height": (float(self.q[:, 1].min()), float(self.q[:, 1].max())),
+        }
+
+    def ground(self) -> dict[str, Any]:
+        """Of what the ground does, and how near to it the toes come."""
+        names = [leg.name for leg in self.legs]
+        normal = {name: self.force[:, i, 1] for i, name in enumerate(names)}
+        used, late, least = [], [], []
+        for i, name in enumerate(names):
+            loaded = self.bears[name] & (normal[name] > UNLOADED)
+            ratio = np.abs(self.force[:, i, 0]) / np.where(loaded, normal[name], 1.0)
+            last = self._until(f"{name}_lift_off") <= LAST
+            counted = self.bears[name] & ~(last if self.law.lift_off == "force" else np.zeros_like(last))
+            used.append(ratio[loaded & counted].max(initial=0.0))
+            late.append(ratio[loaded & last].max(initial=0.0))
+            least.append(normal[name][counted].min(initial=np.inf))
+        heights = {leg.name: self._heights(leg) for leg in self.legs}
+        other = dict(zip(names, names[::-1], strict=True))
+        clearance = {name: _lowest(heights[name][self._aloft(name, f"{other[name]}_stance")]) for name in names}
+        flight = {name: _lowest(heights[name][self._aloft(name, "flight")]) for name in names}
+        return {
+            "peak_force": {name: float(normal[name].max()) for name in names},
+            "lift_off_force": {name: self._lift_off_force(name, normal[name]) for name in names},
+            "minimum_force": float(min(least)),
+            "friction_used": float(max(used)),
+            "friction_used_last_ms": float(max(late)),
+            "friction_at_impact": {
+                name: max(
+                    [
+                        abs(float(event.impulse[i, 0])) / float(event.impulse[i, 1])
+                        for event in self._named(f"{name}_touchdown")
+                        if event.impulse[i, 1] > 0.0
+                    ],
+                    default=0.0,
+                )
+                for i, name in enumerate(names)
+            },
+            "clearance": clearance,
+            "flight_clearance": flight,
+            "scuff_free": all(height is None or height > 0.0 for height in (*clearance.values(), *flight.values())),
+        }
+
+    def motors(self) -> dict[str, Any]:
+        """Of the motors, and what they cost."""
+        joints = self.robot.actuated
+        leg_of = {column: leg.name for leg in self.legs for column in leg.motors}
+        torque = np.abs(self.u) / PAIR
+        rate = self.v[:, [self.robot.index(joint) for joint in joints]]
+        power = self.u * rate
+        work = weight(self.robot) * self.stride
+        return {
+            "peak_torque_stance": {
+                joint: float(torque[self.bears[leg_of[i]], i].max()) for i, joint in enumerate(joints)
+            },
+            "peak_torque_swing": {
+                joint: float(torque[~self.bears[leg_of[i]], i].max()) for i, joint in enumerate(joints)
+            },
+            "peak_speed": {joint: float(np.abs(rate[:, i]).max()) for i, joint in enumerate(joints)},
+            "cost_of_transport": float(np.trapezoid(np.abs(power).sum(axis=1), self.t)) / work,
+            "cost_of_transport_positive": float(np.trapezoid(np.maximum(power, 0.0).sum(axis=1), self.t)) / work,
+            "effort": float(np.trapezoid((self.u**2).sum(axis=1), self.t)) / self.stride,
+        }
+
+    def _bearing(self, leg: Leg) -> Mask:
+        double = np.char.startswith(self.phase, "double")
+        return np.asarray((self.phase == f"{leg.name}_stance") | double)
+
+    def _named(self, name: str) -> list[Event]:
+        return [event for event in self.events if event.name == name]
+
+    def _until(self, name: str) -> Array:
+        """Time from each sample to the next event of a name, in s; infinite where none follows."""
+        times = np.array([*(event.time for event in self._named(name)), np.inf])
+        return np.asarray(times[np.searchsorted(times, self.t - INSTANT)] - self.t)
+
+    def _since(self, name: str) -> Array:
+        times = np.array([-np.inf, *(event.time for event in self._named(name))])
+        return np.asarray(self.t - times[np.searchsorted(times, self.t + INSTANT) - 1])
+
+    def _aloft(self, name: str, phase: str) -> Mask:
+        """Phases whose names begin so, away from the leg's own events."""
+        near = (self._until(f"{name}_touchdown") < NEAR) | (self._since(f"{name}_lift_off") < NEAR)
+        return np.char.startswith(self.phase, phase) & ~near
+
+    def _heights(self, leg: Leg) -> Array:
+        return np.array([self.system.ground.foot(self.robot, q, leg.toe)[0] for q in self.q])
+
+    def _lift_off_force(self, name: str, normal: Array) -> float:
+        """Of several lift-offs the one with the most; 0 where the foot slid too briefly for a sample."""
+        found = [0.0]
+        for event in self._named(f"{name}_lift_off"):
+            before = np.flatnonzero((self.t <= event.time + INSTANT) & (self.domain == event.domain))
+            found += normal[before[-1:]].tolist()
+        return max(found)
+
+
+def _lowest(heights: Array) -> float | None:
+    return float(heights.min()) if len(heights) else None

@@ -1,0 +1,101 @@
+"""The mean speed of a bound, and the same gait at another one, by continuation in small steps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from spear_pin.errors import BadValue, NoGait, require
+from spear_pin.gaits.bounding import SPEED_BY
+from spear_pin.gaits.bounding_law import INPUTS
+from spear_pin.gaits.feedback import regulated, speed_regulated
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.search import Measure, find_gait
+from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.run import run
+from spear_pin.kinds import typed
+
+SPEED_STEP, SHORTEST_STEP = 0.25, 0.06  # m/s
+FARTHEST = 1.0  # m/s from a gait's own speed; no gait that ships can be continued so far
+PATIENCE = 12  # iterations of the solver for a step; one that succeeds takes six to nine
+
+
+@typed
+def mean_speed(gait: Gait, rtol: float = 1e-8) -> float:
+    """Mean forward speed of a gait, in m/s, from one cycle of it.
+
+    Raises:
+        BadValue: the cycle is not completed.
+    """
+    result = run(gait.system, gait.state, 1, Options(rtol))
+    if not result.cycles:
+        raise BadValue("gait", result.message, "a gait whose cycle ends")
+    return float(gait.system.measures["mean_speed"](result))
+
+
+@typed
+def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], object] = lambda n, norm: None) -> Gait:
+    """The gait at another mean speed, continued in small steps; β_sp is what is solved for.
+
+    Event feedback, which would pull back to the old speed, is left out on the way and designed anew at the end.
+
+    Args:
+        gait: a bounding gait.
+        speed: mean forward speed, in m/s, within `FARTHEST` of the gait's own.
+        on_iteration: called with the iteration and the residual of the solver.
+
+    Raises:
+        BadValue: the gait does not bound or has both kinds of event feedback, or the speed is not positive, or too far
+            from the gait's own.
+        NoGait: there is none at this speed, or it cannot be reached from here.
+    """
+    require("speed", speed, lambda v: v > 0, "a number > 0, in m/s")
+    if gait.system.kind != "bounding":
+        raise BadValue("gait", gait.system.kind, "a bounding gait")
+    law = gait.system.law
+    regulated_by = [name for name, row in zip(INPUTS, law.feedback, strict=False) if any(row)]
+    if regulated_by and any(law.speed_gain):
+        raise BadValue("gait", "one with two kinds of event feedback", "one kind at most")
+    begin = mean_speed(gait)
+    expected = f"within {FARTHEST:g} m/s of the gait's own, {begin:.2f}"
+    require("speed", speed, lambda v: abs(v - begin) <= FARTHEST + 1e-6, expected)
+    gait = gait.with_law(feedback=(), speed_gain=(0.0, 0.0))
+    reached, step = begin, SPEED_STEP
+    while reached != speed:
+        wanted = speed if abs(speed - reached) <= step else reached + math.copysign(step, speed - reached)
+        try:
+            gait, reached = _continued(gait, wanted, on_iteration), wanted
+        except NoGait as failure:
+            step = 0.5 * min(step, abs(speed - reached))
+            if step < SHORTEST_STEP:
+                problem = (
+                    f"continued from {begin:.2f} m/s, it goes to {reached:.2f}, and none was found at {wanted:.2f} m/s"
+                )
+                raise NoGait(problem, failure.residual) from None
+    if law.nominal:
+        q, v = gait.state
+        gait = gait.with_law(nominal=(*q[1:].tolist(), *v.tolist()))
+    if regulated_by:
+        return regulated(gait, regulated_by)
+    return speed_regulated(gait, law.speed_gain) if any(law.speed_gain) else gait
+
+
+def _continued(gait: Gait, speed: float, on_iteration: Callable[[int, float], object]) -> Gait:
+    """The gait at a speed near its own, given up sooner than `find_gait` would."""
+    seen: list[float] = []
+
+    def tell(iteration: int, residual: float) -> None:
+        on_iteration(iteration, residual)
+        seen.append(residual)
+        if len(seen) > PATIENCE:
+            raise _Enough
+
+    target: dict[str | Measure, float] = {"mean_speed": speed}
+    try:
+        return find_gait(gait.system, [SPEED_BY], target, guess=gait.state, on_iteration=tell)
+    except _Enough:
+        raise NoGait("Newton's method takes too long", min(seen)) from None
+
+
+class _Enough(Exception):
+    """The solver has been given enough time."""

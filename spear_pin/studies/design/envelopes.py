@@ -1,0 +1,77 @@
+"""A gait against the knee's drive: its torque-speed envelope, its heat, and the electrical cost of transport."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.gaits.bounding_law import PAIR
+from spear_pin.gaits.gait import Gait
+from spear_pin.kinds import typed
+from spear_pin.model.motor import Drive, drawn_power
+from spear_pin.studies.bound import mean_speed, weight
+from spear_pin.studies.design.operating_points import Points, points
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class EnvelopeUse:
+    """Operating points against a drive.
+
+    Attributes:
+        drive: the drive.
+        margin: available less required torque at each point, in N·m, (n, 2); negative outside.
+        outside: share of the stride's time outside, by leg, (2,).
+        worst: least margin by leg, in N·m, (2,).
+        near_events: of the points outside, the share within 20 ms after touchdown or before lift-off; NaN
+            where none is outside.
+        heating: rms torque over the drive's continuous torque, by leg, (2,).
+    """
+
+    drive: Drive
+    margin: Array
+    outside: Array
+    worst: Array
+    near_events: float
+    heating: Array
+
+    @property
+    def fits(self) -> bool:
+        """Whether no point is outside."""
+        return bool((self.worst >= 0.0).all())
+
+
+@typed
+def against(given: Points, drive: Drive) -> EnvelopeUse:
+    """Operating points against a drive's torque-speed envelope, Fig. 5.8."""
+    margin = np.asarray(drive.margin(given.torque, given.speed))
+    out = margin < 0.0
+    share = np.trapezoid(out.astype(float), given.t, axis=0) / (given.t[-1] - given.t[0])
+    near = (given.since < 0.02) | (given.until < 0.02)
+    return EnvelopeUse(
+        drive=drive,
+        margin=margin,
+        outside=np.asarray(share),
+        worst=margin.min(axis=0),
+        near_events=float(near[out].mean()) if out.any() else float("nan"),
+        heating=given.rms / drive.continuous_torque,
+    )
+
+
+@typed
+def electrical_cost(gait: Gait, knee: Drive, regeneration: float = 0.0) -> float:
+    """Cost of transport of what the knee motors draw and the hips' positive mechanical power.
+
+    Args:
+        gait: a bounding gait.
+        knee: drive of each knee.
+        regeneration: share of the electrical power given back that is stored.
+    """
+    knees, hips = points(gait, "knee"), points(gait, "hip")
+    power = drawn_power(knee.bus_power(knees.torque, knees.speed), regeneration).sum(axis=1)
+    power = power + np.maximum(hips.torque * hips.speed, 0.0).sum(axis=1)
+    distance = gait.period * mean_speed(gait)
+    return float(PAIR * np.trapezoid(power, knees.t) / (weight(gait.system.robot) * distance))

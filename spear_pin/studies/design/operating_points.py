@@ -1,0 +1,106 @@
+"""Operating points of the quadruped's motors over a stride: torque and speed, with springs of any stiffness."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import UnknownName
+from spear_pin.gaits.bounding_law import PAIR, legs_of
+from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import rebuilt
+from spear_pin.hybrid.simulate import simulate
+from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.kinds import typed
+from spear_pin.model.robot import Robot
+
+Array = NDArray[np.float64]
+STIFFNESSES = (0.0, 56.0, 112.0, 200.0, 300.0, 400.0)  # N·m/rad, of Fig. 5.6; 112 is twice the source's 56
+
+
+@dataclass(frozen=True)
+class Points:
+    """Operating points of one kind of joint over a stride, of one motor.
+
+    Attributes:
+        t: time, in s, (n,).
+        torque: of a motor, by leg (posterior, anterior), in N·m, (n, 2).
+        speed: of the joint, in rad/s, (n, 2).
+        bears: whether the leg is on the ground, (n, 2).
+        since: time since its touchdown, in s, NaN in the air, (n, 2).
+        until: time until its lift-off, in s, NaN in the air, (n, 2).
+    """
+
+    t: Array
+    torque: Array
+    speed: Array
+    bears: NDArray[np.bool_]
+    since: Array
+    until: Array
+
+    @property
+    def peak(self) -> Array:
+        """Largest torque in stance by leg, in N·m, (2,)."""
+        return np.asarray(np.where(self.bears, np.abs(self.torque), 0.0).max(axis=0))
+
+    @property
+    def rms(self) -> Array:
+        """Root mean square of the torque over the stride by leg, in N·m, (2,)."""
+        mean = np.trapezoid(self.torque**2, self.t, axis=0) / (self.t[-1] - self.t[0])
+        return np.asarray(np.sqrt(mean))
+
+
+@typed
+def points(gait: Gait, part: str = "knee", stiffness: float | None = None) -> Points:
+    """Operating points of the knees or hips over one stride.
+
+    The law gives the total torque at the knee and the motor what the spring does not, so another
+    spring changes the motor's torque and nothing else.
+
+    Args:
+        gait: a bounding gait.
+        part: "knee" or "hip".
+        stiffness: of a leg's knee spring, in N·m/rad; None means the gait's own.
+
+    Raises:
+        UnknownName: the part is neither.
+        BadValue: the stiffness is negative.
+    """
+    if part not in ("knee", "hip"):
+        raise UnknownName("part of a leg", part, ("knee", "hip"))
+    system = gait.system if stiffness is None else sprung(gait.system, stiffness)
+    return points_of(system.robot, simulate(system, gait.state, progress=False), part)
+
+
+def sprung(system: HybridSystem, stiffness: float) -> HybridSystem:
+    """A bounding system with knee springs of another stiffness a leg, in N·m/rad."""
+    return rebuilt(system, spring=replace(system.spring, stiffness=PAIR * stiffness))
+
+
+def points_of(robot: Robot, trajectory: Trajectory, part: str) -> Points:
+    """Operating points of the knees ("knee") or hips ("hip") over a stride of a robot."""
+    legs = legs_of(robot)
+    columns = [leg.motors[("hip", "knee").index(part)] for leg in legs]
+    rows = [leg.knee if part == "knee" else leg.hip for leg in legs]
+    bears = np.stack([trajectory.force[:, i].any(axis=1) for i in range(len(legs))], axis=1)
+    since, until = np.full(bears.shape, np.nan), np.full(bears.shape, np.nan)
+    for i in range(len(legs)):
+        times = trajectory.t[bears[:, i]]
+        if len(times):
+            since[bears[:, i], i], until[bears[:, i], i] = times - times[0], times[-1] - times
+    return Points(trajectory.t, trajectory.u[:, columns] / PAIR, trajectory.v[:, rows], bears, since, until)
+
+
+@typed
+def spring_sweep(gait: Gait, stiffnesses: Sequence[float] = STIFFNESSES) -> dict[float, Points]:
+    """Knee motor torque for springs of other stiffness on the same gait, Figs. 5.5 and 5.6.
+
+    Args:
+        gait: a bounding gait.
+        stiffnesses: of a leg's spring, in N·m/rad; 0 is "no compliance".
+    """
+    return {stiffness: points(gait, "knee", stiffness) for stiffness in stiffnesses}

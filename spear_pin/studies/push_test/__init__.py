@@ -1,0 +1,28 @@
+"""The push test of Section 4.1: the leg is pushed down, held, let go; what its knee does."""
+
+from spear_pin.studies.push_test.gears import RATIOS, GearRow, gear_study
+from spear_pin.studies.push_test.oscillation import BeltFrequencies, Swing, belt_frequencies, swing
+from spear_pin.studies.push_test.passive_knee import WITH_MOTOR, WITHOUT_MOTOR, PassiveKnee
+from spear_pin.studies.push_test.releases import DEPTHS, RATE, Release, release
+from spear_pin.studies.push_test.rest import equilibrium, pushed_angle, resting_at, spear_ii
+
+__all__ = [
+    "DEPTHS",
+    "RATE",
+    "RATIOS",
+    "WITHOUT_MOTOR",
+    "WITH_MOTOR",
+    "BeltFrequencies",
+    "GearRow",
+    "PassiveKnee",
+    "Release",
+    "Swing",
+    "belt_frequencies",
+    "equilibrium",
+    "gear_study",
+    "pushed_angle",
+    "release",
+    "resting_at",
+    "spear_ii",
+    "swing",
+]

@@ -1,0 +1,102 @@
+"""One release of the push test: angle, height and ground force, and where the pinned toe would pull."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import require
+from spear_pin.kinds import typed
+from spear_pin.model.pinned import PinnedLeg
+from spear_pin.studies.push_test.motion import RTOL, move
+from spear_pin.studies.push_test.passive_knee import PassiveKnee
+from spear_pin.studies.push_test.rest import equilibrium, pushed_angle
+
+Array = NDArray[np.float64]
+
+DEPTHS = (0.05, 0.075, 0.10)  # m, of Section 4.1.3
+RATE = 1000.0  # samples a second, as in Section 4.1.3
+
+
+@dataclass(frozen=True)
+class Release:
+    """One release.
+
+    Attributes:
+        t: time since the release, (n,), in s.
+        angle: θ, (n,), in rad.
+        rate: θ̇, (n,), in rad/s.
+        height: of the hip above the toe, (n,), in m.
+        force: of the ground on the toe, x and z, (n, 2), in N; negative z is what the pin would have to pull.
+        rest: angle of the static equilibrium without dry friction, in rad.
+        turns: times at which the knee stands still, in s.
+        extrema: the angles there, in rad.
+        lift_off: when the pinned leg begins to pull on the ground, in s; None if it never does.
+        reason: "complete", or what ended the motion (see `KneeMotion`).
+    """
+
+    t: Array
+    angle: Array
+    rate: Array
+    height: Array
+    force: Array
+    rest: float
+    turns: Array
+    extrema: Array
+    lift_off: float | None
+    reason: str
+
+
+@typed
+def release(
+    leg: PinnedLeg,
+    knee: PassiveKnee,
+    depth: float = 0.10,
+    duration: float = 1.5,
+    rate: float = RATE,
+    rtol: float = RTOL,
+) -> Release:
+    """Push the leg down by a depth, in m, below its rest, and let it go.
+
+    Args:
+        leg: the pinned leg, with its rotor.
+        knee: what acts on its knee.
+        depth: in m.
+        duration: of the motion, in s.
+        rate: samples a second.
+        rtol: relative tolerance of the integration.
+
+    Raises:
+        BadValue: the leg does not rest on its spring or cannot go that deep; the duration is not positive.
+    """
+    require("duration", duration, lambda d: 0 < d <= 3600, "a number > 0, in s, at most an hour")
+    require("rate", rate, lambda r: 1 <= r * duration <= 1e7, "samples a second, such that there are 1 to 1e7 of them")
+    initial = pushed_angle(leg, knee, depth)
+    t = np.arange(round(duration * rate) + 1) / rate
+    motion = move(leg, knee, initial, t, rtol=rtol)
+    force = leg.ground_force(motion.angle, motion.rate, motion.acceleration).T
+    return Release(
+        t=t,
+        angle=motion.angle,
+        rate=motion.rate,
+        height=leg.hip_height(motion.angle),
+        force=force,
+        rest=equilibrium(leg, knee),
+        turns=motion.turns,
+        extrema=motion.extrema,
+        lift_off=_crossing(t, force[:, 1]),
+        reason=motion.reason,
+    )
+
+
+def _crossing(t: Array, force: Array) -> float | None:
+    """When a force first becomes negative, between samples by a straight line."""
+    below = np.flatnonzero(force < 0.0)
+    if below.size == 0:
+        return None
+    i = int(below[0])
+    if i == 0:
+        return float(t[0])
+    return float(t[i - 1] + (t[i] - t[i - 1]) * force[i - 1] / (force[i - 1] - force[i]))

@@ -1,0 +1,140 @@
+"""A sweep solved chunk by chunk, here, in processes or on a Dask cluster, and stored as it comes.
+
+The rows do not depend on where they were solved.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spear_pin.errors import BadValue, MissingExtra, NoGait
+from spear_pin.gaits.many import REASONS
+from spear_pin.gaits.search import find_gait
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.parameters import PARTS, with_parameters
+from spear_pin.hybrid.record import Options
+from spear_pin.kinds import typed
+from spear_pin.studies.sweep import store
+from spear_pin.studies.sweep.job import Job, Rows, asked
+
+CHUNK = 512
+
+
+@typed
+def sweep(
+    system: HybridSystem,
+    points: Mapping[str, ArrayLike],
+    out: str | Path,
+    vary: Sequence[str] = (),
+    target: Mapping[str, float] | None = None,
+    *,
+    rtol: float = 1e-9,
+    chunk: int = CHUNK,
+    n_jobs: int | None = None,
+    resume: bool = False,
+    on_points: Callable[[int, int], object] = lambda done, total: None,
+) -> Any:
+    """Find the gaits at many points, and store them as an xarray Dataset in zarr.
+
+    What is done is on disk chunk by chunk; after a kill the same call with `resume` loses no chunk and repeats none.
+
+    Args:
+        system: robot, law, spring and ground, for what the points leave open.
+        points: numbers by name, (n,) each: fields of law, spring or contact, those of `variants.PARAMETERS` that the
+            robot has, or measures of the cycle, which are targets then. See `grid` and `sample`.
+        out: the folder to write, *.zarr; until it is whole, chunks are beside it in *.zarr.parts.
+        vary: parameters to solve for at each point.
+        target: wanted values of measures at all points; with those among `points` as many as `vary`.
+        rtol: as of `find_many`.
+        chunk: points that are solved together, and lost together.
+        n_jobs: processes; by default that of `joblib.parallel_config`, in which a Dask cluster can be named, else one.
+        resume: go on where this sweep was broken off.
+        on_points: called with the number of points done and of all.
+
+    Returns:
+        the Dataset, read lazily.
+
+    Raises:
+        MissingExtra: heyoka, joblib, xarray or zarr is not installed.
+        UnknownName: no parameter or measure of a name.
+        BadValue: what was asked makes no sense.
+        BadFile: something is there already, or what is to be resumed is another sweep.
+    """
+    taylor.require()
+    store.require()
+    parallel = _joblib()
+    out, target = Path(out), dict(target or {})
+    Options(rtol)
+    job = asked(system, points, tuple(vary), target, rtol)
+    if chunk < 1 or chunk % 1:
+        raise BadValue("chunk", chunk, "a whole number, at least 1")
+    n = len(next(iter(job.points.values())))
+    described = store.description(job, chunk, n)
+    if store.begin(out, described, resume):
+        start = store.started(out, lambda: _start(system, job))
+        begun, guess = with_parameters(system, start["values"]), (np.array(start["q"]), np.array(start["v"]))
+        job = replace(job, parts={part: getattr(begun, part) for part in PARTS}, guess=guess)
+        missing = store.missing(out)
+        on_points(n - sum(store.size(n, chunk, i) for i in missing), n)
+        tasks = (parallel.delayed(_solve)(i, job.take(slice(i * chunk, (i + 1) * chunk))) for i in missing)
+        # one chunk a task, so that each is stored as soon as it is solved
+        pool = parallel.Parallel(n_jobs=n_jobs, batch_size=1, return_as="generator_unordered", max_nbytes=None)
+        done = n - sum(store.size(n, chunk, i) for i in missing)
+        with _uninterrupted():
+            solved = pool(tasks)
+        for i, rows in solved:
+            store.keep(out, i, rows)
+            done += len(rows["reason"])
+            on_points(done, n)
+        store.finish(out, job, described, chunk)
+    return store.read(out)
+
+
+def reasons(dataset: Any) -> NDArray[np.str_]:
+    """Reason for which each point's search ended, in words of `gaits.many.REASONS`."""
+    return np.asarray(np.array(list(REASONS))[dataset["reason"].to_numpy()])
+
+
+def _solve(index: int, job: Job) -> tuple[int, Rows]:
+    return index, job.rows()
+
+
+def _start(system: HybridSystem, job: Job) -> dict[str, Any]:
+    """Start of every lane: the gait of the system as it is, or its guess if it has none."""
+    targets: dict[Any, float] = {
+        name: float(np.median(values)) for name, values in job.points.items() if name in system.measures
+    }
+    targets |= job.target
+    try:
+        gait = find_gait(system, job.vary, targets)
+        (q, v), values = gait.state, dict(gait.parameters)
+    except NoGait:
+        (q, v), values = system.guess(), {}
+    return {"values": values, "q": np.asarray(q).tolist(), "v": np.asarray(v).tolist()}
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Workers that are started meanwhile leave Ctrl-C to this process, which ends them."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _joblib() -> Any:
+    try:
+        import joblib
+    except ImportError:
+        raise MissingExtra("joblib", "sweep", "a sweep") from None
+    return joblib

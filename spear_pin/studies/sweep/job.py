@@ -1,0 +1,170 @@
+"""The job of a sweep: what is solved for at which points, checked, in a form that goes to another process."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, is_dataclass, replace
+from functools import reduce
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spear_pin.errors import BadValue, SpearError, UnknownName
+from spear_pin.gaits.gait import KINDS, built_as_named
+from spear_pin.gaits.many import MEASURES, REASONS, find_many
+from spear_pin.gaits.targets import check_wanted
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.batch import check_lanes
+from spear_pin.hybrid.contact import OPEN
+from spear_pin.hybrid.parameters import PARTS, Change, changed, parameter, replaced, with_parameters
+from spear_pin.hybrid.record import State
+from spear_pin.model.robot import Robot
+from spear_pin.model.variants import PARAMETERS, vary
+
+Array = NDArray[np.float64]
+Rows = dict[str, Any]
+CODES = {reason: code for code, reason in enumerate(REASONS)}
+CARRIED = ("section", "cyclic", "phase_limit", "shortest_flight")  # fields that processes can be told
+
+
+@dataclass(frozen=True)
+class Job:
+    """Job of solving at some points, in a form that goes to another process.
+
+    Attributes:
+        kind: of the system.
+        robot: the robot that is varied.
+        parts: law, spring and contact.
+        changes: what else was made of the system, in order.
+        replaced: fields replaced in it.
+        points: parameters of the system, of the robot, or measures that are targets, (n,) each.
+        vary: parameters to solve for, from the system's own values.
+        target: wanted values of measures that are the same at all points.
+        guess: a state to begin from.
+        rtol: as of `find_many`.
+    """
+
+    kind: str
+    robot: Robot
+    parts: Mapping[str, Any]
+    changes: tuple[Change, ...]
+    replaced: Mapping[str, Any]
+    points: Mapping[str, Array]
+    vary: tuple[str, ...]
+    target: Mapping[str, float]
+    guess: State
+    rtol: float
+
+    def take(self, points: slice | NDArray[np.int64]) -> Job:
+        """The job at some of its points."""
+        return replace(self, points={name: values[points] for name, values in self.points.items()})
+
+    def system(self, **varied: float) -> HybridSystem:
+        """The system, its robot varied."""
+        bare = KINDS[self.kind][0](vary(self.robot, **varied), *self.parts.values())
+        return replace(reduce(changed, self.changes, bare), **self.replaced)
+
+    def rows(self) -> Rows:
+        """Solve: a row for each point, lanes of the same robot together."""
+        n, base = len(next(iter(self.points.values()))), self.system()
+        of_robot = [name for name in self.points if name in PARAMETERS]
+        shapes = _shapes(base)
+        rows: Rows = {name: np.full((n, *shape), np.nan) for name, shape in shapes.items()}
+        rows["multipliers"] = rows["multipliers"] + 0j
+        rows["reason"] = np.full(n, CODES["not_valid"], np.int8)
+        rows |= {f"solved_{name}": np.full(n, np.nan) for name in self.vary}
+        robots = np.column_stack([self.points[name] for name in of_robot] or [np.zeros(n)])
+        for values in np.unique(robots, axis=0):
+            lanes = np.flatnonzero((robots == values).all(axis=1))
+            try:
+                system = self.system(**dict(zip(of_robot, values.tolist(), strict=False)))
+            except SpearError:
+                continue
+            own = {name: column[lanes] for name, column in self.points.items() if name not in of_robot}
+            target: dict[str, Any] = {
+                **self.target,
+                **{name: own.pop(name) for name in list(own) if name in system.measures},
+            }
+            start: dict[str, Any] = {
+                name: np.full(len(lanes), parameter(system, name)) for name in (*self.vary, "stiffness")
+            }
+            table = find_many(system, {**start, **own}, self.vary, target, guess=self.guess, rtol=self.rtol)
+            rows["q"][lanes], rows["v"][lanes], rows["residual"][lanes] = table.q, table.v, table.residual
+            rows["multipliers"][lanes, : table.multipliers.shape[1]] = table.multipliers
+            rows["durations"][lanes] = np.column_stack([table.durations[phase] for phase in system.phases])
+            rows["reason"][lanes] = [CODES[str(reason)] for reason in table.reason]
+            for name in self.vary:
+                rows[f"solved_{name}"][lanes] = table.parameters[name]
+        return rows
+
+
+def asked(
+    system: HybridSystem, points: Mapping[str, ArrayLike], vary: tuple[str, ...], target: Any, rtol: float
+) -> Job:
+    """Job as it was asked for, checked; points of one robot stand together."""
+    if system.kind not in KINDS or not built_as_named(system):
+        raise BadValue("system", system.kind, f"one of {', '.join(KINDS)}, made by the builder of that name")
+    check_lanes(system)
+    kept = replaced(system)
+    for name in kept:
+        if name not in CARRIED:
+            raise BadValue(
+                f"{name} of the system", kept[name], "as built: what replaces it cannot go to other processes"
+            )
+    for change in system.changes:
+        if not is_dataclass(change):
+            raise BadValue("a change of the system", change, "a dataclass that is called, to tell sweeps apart")
+    given = {name: np.array(values, dtype=float) for name, values in points.items()}
+    n = max((values.size for values in given.values()), default=0)
+    of_robot = [name for name in given if name in PARAMETERS and system.robot.source in PARAMETERS[name].robots]
+    measured = [name for name in given if name in system.measures]
+    for name, values in given.items():
+        if values.shape != (n,) or not n or not np.isfinite(values).all():
+            raise BadValue(f"points[{name!r}]", values, "finite numbers, as many for each name")
+        if name in vary:
+            raise BadValue("vary", name, "what is not among the points")
+        if name not in (*of_robot, *measured):
+            _check_name(system, name)
+    if not given:
+        raise BadValue("points", points, "at least one parameter")
+    wanted = {**target, **{name: float(np.median(given[name])) for name in measured}}
+    if len(wanted) != len(vary):
+        raise BadValue("target", list(wanted), f"as many targets as parameters to vary, {len(vary)}")
+    for name in wanted:
+        if name not in system.measures or name not in MEASURES:
+            raise UnknownName("target", name, [each for each in system.measures if each in MEASURES])
+    check_wanted(system, {**target, **{name: given[name] for name in measured}})
+    for name in vary:
+        parameter(system, name)
+    order = np.lexsort([given[name] for name in of_robot[::-1]]) if of_robot else np.arange(n)
+    parts = {part: getattr(system, part) for part in PARTS}
+    given = {name: values[order] for name, values in given.items()}
+    nowhere = np.zeros(system.robot.nq), np.zeros(system.robot.nv)
+    return Job(system.kind, system.robot, parts, system.changes, kept, given, vary, dict(target), nowhere, rtol)
+
+
+def _shapes(system: HybridSystem) -> dict[str, tuple[int, ...]]:
+    """Contents of a row, and how many numbers of each."""
+    robot, section = system.robot, system.of_phase(system.section_phase)[0]
+    closed = sum(mode != OPEN for mode in section.contacts)
+    multipliers = robot.nq + robot.nv - 2 * closed - len(system.cyclic)  # with sliding toes; fewer if they stick
+    return {
+        "q": (robot.nq,),
+        "v": (robot.nv,),
+        "residual": (),
+        "multipliers": (multipliers,),
+        "durations": (len(system.phases),),
+    }
+
+
+def _check_name(system: HybridSystem, name: str) -> None:
+    """Raise `UnknownName` with every valid name unless one is a parameter of the system."""
+    try:
+        with_parameters(system, {name: 1.0})
+    except UnknownName as error:
+        robots = [each for each, known in PARAMETERS.items() if system.robot.source in known.robots]
+        measures = [each for each in system.measures if each in MEASURES]
+        raise UnknownName("parameter", name, (*error.valid, *robots, *measures)) from None
+    except SpearError:
+        pass  # the name is known

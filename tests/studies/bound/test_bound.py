@@ -1,0 +1,244 @@
+"""The figures of a stride, against the trajectory they are taken from."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, simulate
+from spear_pin.errors import BadValue, NoGait
+from spear_pin.studies.bound import at_speed, mean_speed, summarize
+from spear_pin.studies.bound import speed as continuation
+
+GAITS = ("long_stride", "force_lift_off")
+LEGS = ("posterior", "anterior")
+
+
+@pytest.fixture(scope="module", params=GAITS)
+def gait(request):
+    return Gait.load(request.param)
+
+
+@pytest.fixture(scope="module")
+def strides(gait):
+    return simulate(gait.system, gait.state, cycles=2)
+
+
+@pytest.fixture(scope="module")
+def summary(gait, strides):
+    return summarize(gait, strides)
+
+
+def first(strides):
+    return strides.cycle == 1
+
+
+def bears(strides, leg):
+    return first(strides) & (strides.phase == f"{leg}_stance")
+
+
+class TestMotion:
+    def test_of_the_gait(self, summary, gait):
+        assert summary["lift_off"] == gait.system.law.lift_off
+        assert summary["residual"] == gait.residual <= 1e-8
+        assert summary["stable"] is bool(abs(gait.multipliers[0]) < 1)
+        assert sum(summary["durations"].values()) == pytest.approx(summary["period"], abs=1e-7)
+
+    def test_speed(self, summary, strides, gait):
+        assert summary["speed"] == pytest.approx(2.5, abs=1e-6)
+        assert summary["stride"] == pytest.approx(summary["speed"] * summary["period"])
+        assert summary["stride"] == pytest.approx(0.5 * (strides.q[-1, 0] - strides.q[0, 0]), abs=1e-6)
+        assert mean_speed(gait) == pytest.approx(2.5, abs=1e-6)
+
+    def test_the_legs_land_as_the_law_says(self, summary, gait):
+        for leg in LEGS:
+            assert summary["knee_at_touchdown"][leg] == pytest.approx(summary["knee_touchdown"], abs=1e-3)
+            commanded = getattr(gait.system.law, f"{leg}_leg_touchdown")
+            assert summary["leg_at_touchdown"][leg] == pytest.approx(commanded, abs=1e-3)
+
+    def test_range_of_the_torso(self, summary, strides):
+        assert summary["pitch"] == (strides.q[first(strides), 2].min(), strides.q[first(strides), 2].max())
+        assert summary["height"] == (strides.q[first(strides), 1].min(), strides.q[first(strides), 1].max())
+
+
+class TestGround:
+    def test_forces(self, summary, strides):
+        for i, leg in enumerate(LEGS):
+            assert summary["peak_force"][leg] == strides.force[bears(strides, leg), i, 1].max()
+            left = strides.force[bears(strides, leg), i, 1][-1]
+            assert summary["lift_off_force"][leg] == pytest.approx(left, abs=1e-3)
+            if summary["lift_off"] == "force":
+                assert abs(left) < 1e-3
+        assert summary["minimum_force"] > 0
+
+    def test_friction(self, summary, strides):
+        assert summary["friction_used"] <= summary["friction"]
+        assert max(summary["friction_at_impact"].values()) <= summary["friction"] + 1e-9
+        ratios = []
+        for i, leg in enumerate(LEGS):
+            t, force = strides.t[bears(strides, leg)], strides.force[bears(strides, leg), i]
+            early = t < t[-1] - 1e-3 if summary["lift_off"] == "force" else t <= t[-1]
+            ratios.append(np.abs(force[early, 0]) / force[early, 1])
+        assert summary["friction_used"] == pytest.approx(np.concatenate(ratios).max(), rel=1e-6)
+        if summary["lift_off"] == "force":  # both components fade together
+            assert summary["friction_used_last_ms"] == pytest.approx(summary["friction"], rel=1e-6)
+
+    def test_impact(self, summary, strides):
+        event = strides.named("anterior_touchdown")[0]
+        assert summary["friction_at_impact"]["anterior"] == abs(event.impulse[1, 0]) / event.impulse[1, 1]
+
+    def test_clearance(self, summary, strides, gait):
+        swinging = bears(strides, "posterior")
+        heights = [gait.system.robot.toe_position(q, "anterior_toe")[1] for q in strides.q[swinging]]
+        assert summary["clearance"]["anterior"] == min(heights) > 0
+        assert summary["scuff_free"] is True
+        assert min(summary["flight_clearance"].values()) > 0
+
+    def test_a_toe_in_the_ground_scuffs(self, gait, strides):
+        sunken = strides.q - 0.2 * np.eye(7)[1]
+        below = summarize(gait, replace(strides, q=sunken))
+        assert below["scuff_free"] is False and below["clearance"]["posterior"] < 0
+
+
+class TestMotors:
+    def test_torques_are_those_of_one_motor(self, summary, strides):
+        for column, joint in enumerate(strides.actuated):
+            leg = joint.split("_")[0]
+            torque = 0.5 * np.abs(strides.u[:, column])
+            assert summary["peak_torque_stance"][joint] == torque[bears(strides, leg)].max()
+            assert (
+                summary["peak_torque_swing"][joint] == torque[first(strides) & (strides.phase != f"{leg}_stance")].max()
+            )
+            rate = strides.v[:, strides.coordinates.index(joint)]
+            assert summary["peak_speed"][joint] == np.abs(rate[first(strides)]).max()
+
+    def test_in_stance_the_hip_torque_is_the_law_s(self, summary, gait):
+        for leg in LEGS:
+            expected = 0.5 * abs(getattr(gait.system.law, f"{leg}_hip_torque"))
+            assert summary["peak_torque_stance"][f"{leg}_hip"] == pytest.approx(expected)
+
+
+class TestEnergy:
+    def test_balance(self, summary, strides):
+        assert abs(summary["energy_balance"]) < 1e-6
+        flows = summary["energy"]
+        assert flows == {name: strides.ledger[name][0] for name in strides.ledger.flows}
+        assert summary["net_joint_work"] == pytest.approx(
+            summary["impact_loss"] - summary["released"] - flows["slip"], abs=1e-6
+        )
+        assert summary["impact_loss"] > 0 >= summary["released"]
+        assert summary["energy_residual"] < 1e-6
+
+    def test_cost(self, summary, gait):
+        """Driving less braking is the net work, which the ledger has integrated exactly."""
+        weight = gait.system.robot.mass * 9.81 * summary["stride"]
+        driving, whole = summary["cost_of_transport_positive"], summary["cost_of_transport"]
+        assert weight * (2 * driving - whole) == pytest.approx(summary["net_joint_work"], rel=2e-3)
+        assert 0 < driving < whole
+
+    def test_effort(self, summary, strides):
+        chosen = first(strides)
+        t, squares = strides.t[chosen], (strides.u[chosen] ** 2).sum(axis=1)
+        whole = (np.diff(t) * 0.5 * (squares[1:] + squares[:-1])).sum()
+        assert summary["effort"] == pytest.approx(whole / summary["stride"], rel=1e-12)
+
+
+class TestMistakes:
+    def test_a_hop(self, hop, hops):
+        with pytest.raises(BadValue, match="a bounding gait"):
+            summarize(hop, hops)
+
+    def test_no_whole_stride(self, gait, strides):
+        with pytest.raises(BadValue, match="at least one whole stride"):
+            summarize(gait, replace(strides, cycles=0))
+
+    def test_a_leg_that_never_lifts(self, gait, strides):
+        events = tuple(event for event in strides.events if event.name != "anterior_lift_off")
+        with pytest.raises(BadValue, match="both legs land and lift off"):
+            summarize(gait, replace(strides, events=events))
+
+
+class TestAnotherSpeed:
+    @pytest.mark.slow
+    def test_is_a_fixed_point_there(self):
+        faster = at_speed(Gait.load("least_effort"), 2.55)
+        assert mean_speed(faster) == pytest.approx(2.55, abs=1e-7)
+        assert faster.residual <= 1e-9
+
+    @pytest.mark.parametrize("kind", ["feedback", "speed_gain"])
+    def test_by_small_steps_without_feedback(self, gait, monkeypatch, kind):
+        """The feedback is designed anew at the end."""
+        zero, row = (0.0,) * 13, (0.1, *(0.0,) * 12)
+        own = (*gait.state[0][1:].tolist(), *gait.state[1].tolist())
+        values = {
+            "feedback": {"feedback": (row, *(zero,) * 3, row, zero), "nominal": own, "speed_gain": (0.0, 0.0)},
+            "speed_gain": {"feedback": (), "speed_gain": (1e-6, 1e-6), "speed_nominal": (2.5, 2.5)},
+        }[kind]
+        system = gait.system
+        law = replace(system.law, **values)
+        regulated = replace(gait, system=system.build(system.robot, law, system.spring, system.contact))
+        asked = []
+
+        def find(system, vary, target, **options):
+            assert system.law.speed_gain == (0.0, 0.0) and system.law.feedback == ()
+            asked.append(target["mean_speed"])
+            return replace(gait, system=system)
+
+        monkeypatch.setattr(continuation, "find_gait", find)
+        monkeypatch.setattr(continuation, "regulated", lambda gait, inputs: gait.system.law.nominal == own and inputs)
+        monkeypatch.setattr(continuation, "speed_regulated", lambda gait, gain: gain)
+        result = at_speed(regulated, 3.1)
+        assert asked == pytest.approx([2.75, 3.0, 3.1], abs=1e-4)
+        assert result == (["posterior_hip_torque", "posterior_leg_touchdown"] if kind == "feedback" else (1e-6, 1e-6))
+
+    def test_needs_a_cycle(self, gait):
+        with pytest.raises(BadValue, match="a gait whose cycle ends"):
+            mean_speed(replace(gait, system=replace(gait.system, phase_limit=0.01)))
+
+    def test_out_of_reach(self, gait, monkeypatch):
+        """The steps get smaller before it is given up."""
+        asked = []
+
+        def find(system, vary, target, **options):
+            asked.append(target["mean_speed"])
+            if target["mean_speed"] > 2.9:
+                raise NoGait("Newton's method makes no progress", 0.1)
+            return gait
+
+        monkeypatch.setattr(continuation, "find_gait", find)
+        with pytest.raises(NoGait, match=r"from 2\.50 m/s, it goes to 2\.8[78], and none was found at 2\.94 m/s"):
+            at_speed(gait, 3.5)
+        assert asked == pytest.approx([2.75, 3.0, 2.875, 3.0, 2.9375], abs=1e-6)
+
+    def test_is_not_tried_for_ever(self, gait, monkeypatch):
+        def find(system, vary, target, on_iteration, **options):
+            for iteration in range(1000):
+                on_iteration(iteration, 0.3)
+            pytest.fail("it went on")
+
+        monkeypatch.setattr(continuation, "find_gait", find)
+        seen = []
+        with pytest.raises(NoGait, match=r"none was found .*residual 0\.3"):
+            at_speed(gait, 2.6, on_iteration=lambda n, norm: seen.append(n))
+        assert len(seen) < 50
+
+    def test_two_kinds_of_feedback_are_refused_at_once(self, gait, monkeypatch):
+        own, rows = (*gait.state[0][1:].tolist(), *gait.state[1].tolist()), ((0.1, *(0.0,) * 12),) * 6
+        both = gait.with_law(feedback=rows, nominal=own, speed_gain=(1e-6, 0.0), speed_nominal=(2.5, 2.5))
+        monkeypatch.setattr(continuation, "run", lambda *_: pytest.fail("a stride was run"))
+        with pytest.raises(BadValue, match="^gait is 'one with two kinds of event feedback'; expected one kind"):
+            at_speed(both, 2.6)
+
+    def test_rows_of_zeros_are_no_feedback(self, gait):
+        own, speed = (*gait.state[0][1:].tolist(), *gait.state[1].tolist()), mean_speed(gait)
+        assert at_speed(gait.with_law(feedback=((0.0,) * 13,) * 6, nominal=own), speed).system.law.feedback == ()
+
+    def test_a_hop_has_none(self, hop):
+        with pytest.raises(BadValue, match="^gait is 'hopping'; expected a bounding gait"):
+            at_speed(hop, 1.0)
+
+    @pytest.mark.parametrize("speed", [0.0, -2.5, float("nan"), float("inf"), 99.0, 1.4, 3.6])
+    def test_no_speed(self, gait, monkeypatch, speed):
+        monkeypatch.setattr(continuation, "find_gait", lambda *_, **__: pytest.fail("it was tried"))
+        with pytest.raises(BadValue, match="speed"):
+            at_speed(gait, speed)

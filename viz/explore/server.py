@@ -1,0 +1,270 @@
+"""Serve the page to this machine alone: loopback, GET, no file of the disk."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import lru_cache
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler
+from socketserver import ThreadingTCPServer
+from threading import Condition
+from typing import Any
+from urllib.parse import parse_qsl, urlsplit
+
+from spear_pin.errors import BadValue, SpearError, UnknownName, brief
+from spear_pin.studies.explore.engines import Engine
+from spear_pin.studies.explore.figures import script
+from spear_pin.studies.explore.hops import VIEWS, Hops
+from spear_pin.studies.explore.knobs import Knobs
+from spear_pin.viz.explore.page import CLIENT, answer, page
+
+HOST = "127.0.0.1"
+PATIENCE = 10.0  # s that a client may take to say what it wants
+KEPT = 64  # answers that are kept, for going back and forward
+COMPILED = (Knobs(knee_touchdown=1.15), Knobs(knee_touchdown=0.5))  # between them in every domain there is
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; style-src 'unsafe-inline'; img-src data: blob:; "
+    "connect-src 'self'; frame-ancestors 'none'"
+)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Response that is sent back."""
+
+    status: HTTPStatus
+    kind: str
+    body: bytes
+    headers: Mapping[str, str]
+
+
+def _text(status: HTTPStatus, text: str, kind: str = "text/plain", **headers: str) -> Answer:
+    named = {name.replace("_", "-"): value for name, value in headers.items()}
+    return Answer(status, f"{kind}; charset=utf-8", text.encode(), named)
+
+
+def _error(status: HTTPStatus, text: str, **headers: str) -> Answer:
+    return _text(status, json.dumps({"error": text}), "application/json", **headers)
+
+
+class _Superseded(Exception):
+    """Its client has asked something newer."""
+
+
+class _Turns:
+    """One computation at a time, for compiled integrators have one state; of each client only the newest waits."""
+
+    def __init__(self) -> None:
+        self._changed, self._busy = Condition(), False
+        self._newest: dict[str, object] = {}
+
+    @contextmanager
+    def turn(self, client: str) -> Iterator[None]:
+        """Wait for a turn, and have it.
+
+        Raises:
+            _Superseded: the client asks for another one meanwhile.
+        """
+        own = object()
+        with self._changed:
+            self._newest[client] = own
+            self._changed.notify_all()
+            self._changed.wait_for(lambda: not self._busy or self._newest.get(client) is not own)
+            if self._newest.get(client) is not own:
+                raise _Superseded
+            del self._newest[client]
+            self._busy = True
+        try:
+            yield
+        finally:
+            with self._changed:
+                self._busy = False
+                self._changed.notify_all()
+
+    def end(self) -> None:
+        """Wait for the present turn, and give none any more."""
+        with self._changed:
+            self._changed.wait_for(lambda: not self._busy)
+            self._busy = True
+
+
+class Explorer:
+    """Answers to the page's questions, computed one at a time; of those that a client has waiting, the newest.
+
+    Args:
+        engine: that hops are followed with.
+    """
+
+    def __init__(self, engine: Engine) -> None:
+        self._turns = _Turns()
+        self._hops = lru_cache(KEPT)(lambda view, knobs: VIEWS[view](knobs, engine))
+        self._page = page(engine)
+        for knobs in COMPILED if engine.extra else ():  # before somebody waits for it
+            self._hops("settled", knobs)
+        self._routes: Mapping[str, Callable[[str, Knobs, str], Answer]] = {
+            "/": lambda view, knobs, client: _text(HTTPStatus.OK, self._page, "text/html"),
+            "/hop": self._hop,
+            "/script": self._script,
+        }
+
+    def answer(self, target: str, client: str = "") -> Answer:
+        """The answer to a client's request for a path with a query; 409 if the client asks anew while it waits."""
+        parts = urlsplit(target)
+        if parts.path not in self._routes or not target.startswith("/"):
+            return _error(HTTPStatus.NOT_FOUND, f"there is no {brief(parts.path)}; there are {', '.join(self._routes)}")
+        try:
+            view, knobs = read(parts.query)
+        except SpearError as error:
+            if parts.path == "/":  # the page says what is wrong
+                return _text(HTTPStatus.BAD_REQUEST, self._page, "text/html")
+            return _error(HTTPStatus.BAD_REQUEST, str(error))
+        try:
+            return self._routes[parts.path](view, knobs, client)
+        except _Superseded:
+            return _error(HTTPStatus.CONFLICT, "not computed: the same client has asked something newer")
+        except SpearError as error:
+            return _error(HTTPStatus.INTERNAL_SERVER_ERROR, str(error))
+
+    def close(self) -> None:
+        """Wait for what is being computed, and compute no more."""
+        self._turns.end()
+
+    def _hop(self, view: str, knobs: Knobs, client: str) -> Answer:
+        with self._turns.turn(client):
+            begun = time.perf_counter()
+            hops: Hops = self._hops(view, knobs)
+            simulated = time.perf_counter()
+            text = json.dumps(answer(view, hops), allow_nan=False, separators=(",", ":"))
+        drawn = time.perf_counter()
+        timing = f"simulate;dur={1e3 * (simulated - begun):.1f}, draw;dur={1e3 * (drawn - simulated):.1f}"
+        return _text(HTTPStatus.OK, text, "application/json", Server_Timing=timing)
+
+    def _script(self, view: str, knobs: Knobs, client: str) -> Answer:
+        with self._turns.turn(client):
+            text = script(self._hops(view, knobs))
+        return _text(HTTPStatus.OK, text, "text/x-python", Content_Disposition='attachment; filename="explored_hop.py"')
+
+
+def read(query: str) -> tuple[str, Knobs]:
+    """View and knobs from the query of an address; what is not named is at its default.
+
+    Raises:
+        UnknownName: there is no such knob or view.
+        BadValue: a name stands there twice, or a value is out of its range; the text names the range.
+    """
+    words: dict[str, str] = {}
+    for name, word in parse_qsl(query, keep_blank_values=True):
+        if name in words:
+            raise BadValue(name, word, "one value only")
+        words[name] = word
+    view = words.pop("view", next(iter(VIEWS)))
+    if view not in VIEWS:
+        raise UnknownName("view", view, VIEWS)
+    return view, Knobs.read(words)
+
+
+class Server(ThreadingTCPServer):
+    """Serves an explorer on a port of the loopback interface.
+
+    Args:
+        explorer: answers.
+        port: to listen on; 0 for any that is free.
+
+    Raises:
+        BadValue: the port cannot be listened on.
+    """
+
+    allow_reuse_address = True
+    daemon_threads = True  # one that waits for a silent client does not keep the process
+
+    def __init__(self, explorer: Explorer, port: int = 0) -> None:
+        self.explorer = explorer
+        try:
+            super().__init__((HOST, port), _Handler)
+        except OSError as error:
+            raise BadValue("port", port, f"one that is free ({error.strerror})") from None
+
+    @property
+    def port(self) -> int:
+        """The port it listens on."""
+        return int(self.server_address[1])
+
+    @property
+    def url(self) -> str:
+        """The address of the page."""
+        return f"http://{HOST}:{self.port}/"
+
+    def server_close(self) -> None:
+        """Stop listening, after what is being computed."""
+        super().server_close()
+        self.explorer.close()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A client that goes away is no error."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
+
+
+class _Handler(BaseHTTPRequestHandler):
+    server: Server
+    server_version, sys_version = "spear", ""
+    timeout = PATIENCE
+
+    def do_GET(self) -> None:
+        meant = self._is_meant()
+        self._send(self.server.explorer.answer(self.path, self.headers.get(CLIENT, "")) if meant else self._foreign())
+
+    def _refuse(self) -> None:
+        refusal = _error(HTTPStatus.METHOD_NOT_ALLOWED, f"{self.command} is not answered; GET is", Allow="GET")
+        self._send(refusal if self._is_meant() else self._foreign())
+
+    do_HEAD = do_POST = do_PUT = do_PATCH = do_DELETE = do_OPTIONS = do_TRACE = do_CONNECT = _refuse
+
+    def _is_meant(self) -> bool:
+        """Whether the request names this machine and comes from its page: all else is another site's.
+
+        A foreign name may lead here, and a foreign page may ask; a browser says so by the Origin or, if it has none
+        to send, by where it fetches from.
+        """
+        port = self.server.port
+        suffix = "" if port == 80 else f":{port}"
+        names = {HOST + suffix, "localhost" + suffix}
+        allowed = {
+            "Host": names,
+            "Origin": {f"http://{name}" for name in names},
+            "Sec-Fetch-Site": {"same-origin", "none"},
+        }
+        given = {name: [word.strip().lower() for word in self.headers.get_all(name, [])] for name in allowed}
+        return len(given["Host"]) == 1 and all(set(words) <= allowed[name] for name, words in given.items())
+
+    def _foreign(self) -> Answer:
+        names = f"{HOST}:{self.server.port} or localhost:{self.server.port}"
+        return _error(HTTPStatus.FORBIDDEN, f"Host has to be {names}, and the request no other page's")
+
+    def _send(self, what: Answer) -> None:
+        always = {
+            "Content-Type": what.kind,
+            "Content-Length": str(len(what.body)),
+            "Content-Security-Policy": POLICY,
+            "Cross-Origin-Resource-Policy": "same-origin",
+            "X-Content-Type-Options": "nosniff",
+            "Referrer-Policy": "no-referrer",
+            "Cache-Control": "no-store",
+        }
+        try:
+            self.send_response(what.status)
+            for name, value in {**always, **what.headers}.items():
+                self.send_header(name, value)
+            self.end_headers()
+            if self.command != "HEAD":
+                self.wfile.write(what.body)
+        except ConnectionError:  # it no longer listens
+            self.close_connection = True
+
+    def log_message(self, format: str, *arguments: object) -> None:
+        """Stay silent."""

@@ -1,0 +1,170 @@
+"""Frames of a trajectory at a steady rate, checked, and never across an event."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.hybrid.ground import Ground
+from spear_pin.model.robot import Robot
+from spear_pin.viz.playback.trajectory import EventLike, TrajectoryLike, read_times
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Span:
+    """A domain and the times, in s from the start of the motion, it lasts from and to."""
+
+    name: str
+    begin: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Switch:
+    """A yes or no over time: the value from each time, in s from the start, until the next."""
+
+    times: Array
+    values: tuple[bool, ...]
+
+
+@dataclass(frozen=True)
+class Frames:
+    """A trajectory as frames at a steady rate.
+
+    Attributes:
+        start: time of the trajectory's first sample, in s.
+        t: (m,) times of the frames from there, in s; an event keeps its two frames.
+        q: (m, nq) configurations.
+        force: (m, toes, 3) ground forces, in N.
+        spans: the domains, one after the other.
+        events: name and time from the start, in s.
+        springs: joint each spring spans, and when it is engaged.
+        ground: on which it is.
+    """
+
+    start: float
+    t: Array
+    q: Array
+    force: Array
+    spans: tuple[Span, ...]
+    events: tuple[tuple[str, float], ...]
+    springs: tuple[tuple[str, Switch], ...]
+    ground: Ground
+
+    @property
+    def duration(self) -> float:
+        """Duration, in s."""
+        return float(self.t[-1])
+
+
+def resample(robot: Robot, trajectory: TrajectoryLike, rate: float) -> Frames:
+    """Frames at a rate, in 1/s, between the events; never across one.
+
+    Raises:
+        BadValue: the trajectory has the wrong shape, is not finite, runs backward or lasts no time.
+        UnknownName: a spring's joint is not one of the robot's.
+    """
+    t = read_times(trajectory)
+    n, toes = len(t), len(robot.toes)
+    q = _table("trajectory.q", trajectory.q, [(n, robot.nq)])
+    force = _table("trajectory.force", trajectory.force, [(n, toes, 2), (n, toes, 3)])
+    ground = getattr(trajectory, "ground", None) or Ground()
+    if force.shape[2] == 2:
+        x, z = ground.world(force[:, :, 0], force[:, :, 1])
+        force = np.stack((x, np.zeros((n, toes)), z), axis=2)
+    domain = np.asarray(trajectory.domain, dtype=str)
+    if domain.shape != (n,):
+        raise BadValue("trajectory.domain", trajectory.domain, f"{n} names, one for each time")
+    local = t - t[0]
+    row, weight, times = _steady(local, rate)
+    return Frames(
+        start=float(t[0]),
+        t=times,
+        q=_blend(robot.model, q, row, weight),
+        force=force[row] + weight[:, None, None] * (force[np.minimum(row + 1, n - 1)] - force[row]),
+        spans=_spans(local, domain),
+        events=tuple((str(event.name), _event_time(event) - float(t[0])) for event in trajectory.events),
+        springs=_springs(robot, trajectory, local),
+        ground=ground,
+    )
+
+
+def _event_time(event: EventLike) -> float:
+    try:
+        time = float(event.time)
+    except (TypeError, ValueError):
+        time = float("nan")
+    if not np.isfinite(time):
+        raise BadValue("trajectory.events", event.time, "events with a finite time, in s")
+    return time
+
+
+def _table(name: str, value: ArrayLike, shapes: list[tuple[int, ...]]) -> Array:
+    try:
+        table = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise BadValue(name, value, "an array of numbers") from None
+    if table.shape not in shapes:
+        raise BadValue(name, table.shape, "the shape " + " or ".join(map(str, shapes)))
+    if not np.isfinite(table).all():
+        raise BadValue(name, float(table[~np.isfinite(table)][0]), "finite numbers")
+    return table
+
+
+def _steady(t: Array, rate: float) -> tuple[NDArray[np.intp], Array, Array]:
+    """For each frame: the sample before it, how far it is to the next one (0..1), and its time."""
+    ends = np.flatnonzero(np.diff(t) == 0)
+    rows, weights, times = [], [], []
+    for first, last in zip(np.r_[0, ends + 1], np.r_[ends, len(t) - 1], strict=True):
+        count = max(1, int(np.ceil((t[last] - t[first]) * rate - 1e-9))) + 1 if last > first else 1
+        time = np.linspace(t[first], t[last], count)
+        row = np.clip(np.searchsorted(t[first : last + 1], time, side="right") - 1 + first, first, max(first, last - 1))
+        step = t[np.minimum(row + 1, last)] - t[row]
+        rows.append(row)
+        weights.append(np.divide(time - t[row], step, out=np.zeros(count), where=step > 0))
+        times.append(time)
+    return np.concatenate(rows), np.concatenate(weights), np.concatenate(times)
+
+
+def _blend(model: pin.Model, q: Array, row: NDArray[np.intp], weight: Array) -> Array:
+    after = q[np.minimum(row + 1, len(q) - 1)]
+    if model.nq == model.nv:
+        return np.asarray(q[row] + weight[:, None] * (after - q[row]))
+    return np.array([pin.interpolate(model, a, b, w) for a, b, w in zip(q[row], after, weight, strict=True)])
+
+
+def _spans(t: Array, domain: NDArray[np.str_]) -> tuple[Span, ...]:
+    first = np.r_[0, np.flatnonzero(domain[1:] != domain[:-1]) + 1]
+    begin, end = t[first], np.r_[t[first[1:]], t[-1]]
+    names = (str(name) for name in domain[first])
+    spans = [Span(name, float(a), float(b)) for name, a, b in zip(names, begin, end, strict=True)]
+    return tuple(span for span in spans if span.end > span.begin)
+
+
+def _springs(robot: Robot, trajectory: TrajectoryLike, t: Array) -> tuple[tuple[str, Switch], ...]:
+    joints = tuple(trajectory.spring_joints)
+    for joint in joints:
+        robot.index(joint)
+    engaged: NDArray[Any] = np.asarray(trajectory.engaged, dtype=bool)
+    if engaged.size == 0 and not joints:
+        return ()
+    if engaged.shape == (len(t),) and len(joints) == 1:
+        engaged = engaged[:, None]
+    if engaged.shape != (len(t), len(joints)):
+        raise BadValue("trajectory.engaged", engaged.shape, f"the shape {(len(t), len(joints))}")
+    return tuple((joint, _switch(t, engaged[:, column])) for column, joint in enumerate(joints))
+
+
+def _switch(t: Array, values: NDArray[np.bool_]) -> Switch:
+    last_at_its_time = np.r_[t[1:] > t[:-1], True]
+    times, held = t[last_at_its_time], values[last_at_its_time]
+    # the first of two samples at one time is the end of what was before
+    keep = np.r_[True, held[1:] != held[:-1]]
+    return Switch(times[keep], tuple(bool(value) for value in held[keep]))

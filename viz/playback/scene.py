@@ -1,0 +1,193 @@
+"""The whole scene: the robot's links in their tree, what lies over it, the stage around them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.ground import Ground
+from spear_pin.model.robot import Robot
+from spear_pin.viz.playback import meshcat_commands as c
+from spear_pin.viz.playback.coil import places_across
+from spear_pin.viz.playback.frames import Frames
+from spear_pin.viz.playback.kinematics import center_of_mass, local_poses, quaternions, world_poses
+from spear_pin.viz.playback.overlays import TRAIL_POINTS, Overlay, arrow_overlay, spring_overlays, trail_overlay
+from spear_pin.viz.playback.shapes import Shape, read_looks
+from spear_pin.viz.playback.stage import WORLD, View, fit_view, stage
+
+Array = NDArray[np.float64]
+
+ROBOT = f"{WORLD}/robot"
+# a motion that stays within this, in m, is played in place
+IN_PLACE = 0.5
+FOLLOW_WINDOW = 0.5
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Scene to send to a viewer.
+
+    Attributes:
+        commands: objects, places and properties.
+        clips: tracks by path, times in s from the start.
+        view: where the camera looks from.
+        peak_force: largest ground force on a foot, in N; of a pair of legs, each foot has half.
+        paired: whether some legs are pairs.
+        notes: one line for each thing that is not drawn.
+    """
+
+    commands: tuple[c.Command, ...]
+    clips: Mapping[str, tuple[c.Track, ...]]
+    view: View
+    peak_force: float = 0.0
+    paired: bool = False
+    notes: tuple[str, ...] = ()
+
+
+def joint_paths(model: pin.Model) -> tuple[str, ...]:
+    """Path of each joint in the viewer, each below its parent's; the world's at index 0."""
+    paths = [ROBOT]
+    for joint in range(1, model.njoints):
+        paths.append(f"{paths[model.parents[joint]]}/{joint} {model.names[joint].replace('/', ' ')}")
+    return tuple(paths)
+
+
+def still(robot: Robot, q: Array) -> Scene:
+    """A robot standing still in a configuration, (nq,)."""
+    looks, paths = read_looks(robot), joint_paths(robot.model)
+    local = local_poses(robot.model, q[None])
+    world = world_poses(robot.model, local)
+    origin = center_of_mass(robot.model, world)[:, 0]
+    view = fit_view(*_bounds(robot.model, looks.shapes, world, origin))
+    commands = [*_place(origin[0]), *_body(paths, local[0], looks.shapes), *stage(view, origin[0], origin[0], Ground())]
+    return Scene(tuple(commands), {}, view, notes=looks.notes)
+
+
+def moving(robot: Robot, frames: Frames) -> Scene:
+    """A robot in motion, with its springs, ground forces and toe paths."""
+    looks, paths = read_looks(robot), joint_paths(robot.model)
+    local = local_poses(robot.model, frames.q)
+    world = world_poses(robot.model, local)
+    center = center_of_mass(robot.model, world)
+    origin = _follow(frames.t, center[:, 0])
+    view = fit_view(*_bounds(robot.model, looks.shapes, world, origin))
+    springs, brackets = spring_overlays(robot, frames, local, paths, looks.shapes)
+    feet = _feet(robot, frames, world, looks.shapes)
+    peak = max((float(np.linalg.norm(foot.force, axis=1).max(initial=0.0)) for foot in feet), default=0.0)
+    overlays = springs + _foot_overlays(feet, frames.t, max(float(center[:, 2].max()), 0.1), peak)
+    commands = [
+        *_place(origin[0]),
+        *_body(paths, local[0], (*looks.shapes, *brackets)),
+        *(command for overlay in overlays for command in overlay.commands),
+        *stage(view, float(origin.min()), float(origin.max()), frames.ground),
+    ]
+    clips = _joint_clips(paths, frames.t, local)
+    if np.ptp(origin) > 0:
+        shift = np.column_stack((-origin, np.zeros((len(origin), 2))))
+        clips[WORLD] = (c.Track("position", "vector3", frames.t, shift),)
+    for overlay in overlays:
+        clips.update(overlay.clips)
+    return Scene(tuple(commands), clips, view, peak, len(feet) > len(robot.toes), looks.notes)
+
+
+@dataclass(frozen=True)
+class _Foot:
+    """A toe as it is drawn: twice, with half the force each, where its leg is a pair."""
+
+    name: str
+    position: Array
+    force: Array
+
+
+def _feet(robot: Robot, frames: Frames, world: Array, shapes: tuple[Shape, ...]) -> list[_Foot]:
+    feet = []
+    for number, toe in enumerate(robot.toes):
+        frame = robot.model.frames[robot.toe_id(toe)]
+        joint, at = int(frame.parentJoint), np.array(frame.placement.translation)
+        places = places_across(shapes, joint, np.array([0.0, 1.0, 0.0]))
+        named = [(f"{toe} right", places[0]), (f"{toe} left", places[1])] if len(places) == 2 else [(toe, at[1])]
+        for name, y in named:
+            position = (world[:, joint] @ [at[0], y, at[2], 1.0])[:, :3]
+            feet.append(_Foot(name, position, frames.force[:, number] / len(named)))
+    return feet
+
+
+def _foot_overlays(feet: list[_Foot], t: Array, size: float, peak: float) -> list[Overlay]:
+    overlays = []
+    for foot in feet:
+        overlays.append(trail_overlay(foot.name, t, foot.position, 0.005 * size, 2 * TRAIL_POINTS // max(2, len(feet))))
+        if peak > 0:
+            overlays.append(arrow_overlay(foot.name, t, foot.position, foot.force, 0.6 * size / peak, 0.022 * size))
+    return overlays
+
+
+def _place(x: float) -> list[c.Command]:
+    pose = np.eye(4)
+    pose[0, 3] = -x
+    return [c.set_transform(WORLD, pose)]
+
+
+def _body(paths: tuple[str, ...], local: Array, shapes: tuple[Shape, ...]) -> list[c.Command]:
+    commands = [c.set_transform(path, pose) for path, pose in zip(paths, local, strict=True)]
+    for number, shape in enumerate(shapes):
+        path = f"{paths[shape.joint]}/shape {number}"
+        placement = shape.placement.copy()
+        if shape.kind == "cylinder":
+            placement[:3, :3] = placement[:3, :3] @ [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
+        look = c.material(shape.color, shininess=35, specular=0x333333)
+        commands += [c.set_object(path, _geometry(shape), look), c.set_transform(path, placement)]
+    return commands
+
+
+def _geometry(shape: Shape) -> c.Geometry:
+    if shape.kind == "box":
+        return c.box(*shape.size)
+    return c.cylinder(*shape.size) if shape.kind == "cylinder" else c.sphere(*shape.size)
+
+
+def _joint_clips(paths: tuple[str, ...], t: Array, local: Array) -> dict[str, tuple[c.Track, ...]]:
+    clips = {}
+    for path, poses in list(zip(paths, local.swapaxes(0, 1), strict=True))[1:]:
+        tracks = []
+        if np.ptp(poses[:, :3, 3], axis=0).max() > 0:
+            tracks.append(c.Track("position", "vector3", t, poses[:, :3, 3]))
+        if np.ptp(poses[:, :3, :3], axis=0).max() > 0:
+            tracks.append(c.Track("quaternion", "quaternion", t, quaternions(poses[:, :3, :3])))
+        clips[path] = tuple(tracks)
+    return clips
+
+
+def _follow(t: Array, x: Array) -> Array:
+    """The x that stays in the middle of the picture, over the frames: smooth, so that strides show."""
+    if np.ptp(x) < IN_PLACE:
+        return np.full(len(x), (x.min() + x.max()) / 2)
+    count = max(3, int(np.ceil(60 * t[-1])) + 1)
+    steady = np.linspace(0.0, t[-1], count)
+    half = min(int(30 * FOLLOW_WINDOW), count - 1)
+    padded = np.pad(np.interp(steady, t, x), half, mode="reflect", reflect_type="odd")
+    smooth = np.convolve(padded, np.full(2 * half + 1, 1 / (2 * half + 1)), mode="valid")
+    return np.interp(t, steady, smooth)
+
+
+def _bounds(model: pin.Model, shapes: tuple[Shape, ...], world: Array, origin: Array) -> tuple[Array, Array]:
+    """Corners, (3,), in m, of a box around the robot wherever it goes, seen from what is followed.
+
+    Links without mass, such as the rails of a test stand, may reach out of it.
+    """
+    some = np.unique(np.linspace(0, len(world) - 1, 60).astype(int))
+    corners = [world[some, 1:, :3, 3].reshape(-1, 3) - np.repeat(origin[some], world.shape[1] - 1)[:, None] * [1, 0, 0]]
+    signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+    heavy = {joint for joint in range(1, model.njoints) if model.inertias[joint].mass > 0}
+    for shape in (shape for shape in shapes if shape.joint in heavy):
+        local = np.column_stack((signs * shape.half_extent, np.ones(8))) @ shape.placement.T
+        moved = np.einsum("fab,kb->fka", world[some, shape.joint], local)[:, :, :3]
+        moved[:, :, 0] -= origin[some][:, None]
+        corners.append(moved.reshape(-1, 3))
+    points = np.concatenate(corners)
+    low, high = points.min(axis=0), points.max(axis=0)
+    low[2] = min(low[2], 0.0)
+    return low, np.maximum(high, low + 0.1)

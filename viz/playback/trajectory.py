@@ -1,0 +1,132 @@
+"""Trajectories as can be played, and parts of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.hybrid.ground import Ground
+
+Array = NDArray[np.float64]
+
+
+class EventLike(Protocol):
+    """Something that happened: its name and its time in s."""
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def time(self) -> float: ...  # noqa: D102
+
+
+@runtime_checkable
+class TrajectoryLike(Protocol):
+    """Motion that can be played.
+
+    Attributes:
+        t: (n,) times, in s, nondecreasing; an event has two samples, before and after.
+        q: (n, nq) configurations.
+        domain: (n,) names of the domains.
+        force: (n, toes, 2), x and z, or (n, toes, 3): ground forces on the toes, in N.
+        events: what happened, for the time bar.
+        spring_joints: names of the joints that a spring spans.
+        engaged: (n, springs) or, for one spring, (n,): whether each spring is engaged.
+
+    What it stands on is its `ground`, in whose axes forces of two components are; without one, level ground at height
+    zero.
+    """
+
+    @property
+    def t(self) -> ArrayLike: ...  # noqa: D102
+    @property
+    def q(self) -> ArrayLike: ...  # noqa: D102
+    @property
+    def domain(self) -> ArrayLike: ...  # noqa: D102
+    @property
+    def force(self) -> ArrayLike: ...  # noqa: D102
+    @property
+    def events(self) -> Sequence[EventLike]: ...  # noqa: D102
+    @property
+    def spring_joints(self) -> Sequence[str]: ...  # noqa: D102
+    @property
+    def engaged(self) -> ArrayLike: ...  # noqa: D102
+
+
+@dataclass(frozen=True)
+class Part:
+    """A stretch of a longer trajectory, as can be played; attributes as `TrajectoryLike`'s.
+
+    Attributes:
+        whole: when the trajectory begins and ends, in s.
+    """
+
+    t: Array
+    q: Array
+    domain: NDArray[np.str_]
+    force: Array
+    events: Sequence[EventLike]
+    spring_joints: Sequence[str]
+    engaged: NDArray[np.bool_]
+    ground: Ground | None
+    whole: tuple[float, float]
+
+    @property
+    def said(self) -> str:
+        """The part in words."""
+        begin, end = self.whole
+        here = "first" if self.t[0] == begin else "last" if self.t[-1] == end else "middle"
+        return f"the {here} {np.ptp(self.t):.1f} s of {end - begin:.1f} s, from {self.t[0]:.1f} to {self.t[-1]:.1f} s"
+
+
+def first(trajectory: TrajectoryLike, seconds: float) -> Part:
+    """The beginning of a trajectory; see `between`."""
+    begin = float(read_times(trajectory)[0])
+    return between(trajectory, begin, begin + seconds)
+
+
+def last(trajectory: TrajectoryLike, seconds: float) -> Part:
+    """The end of a trajectory; see `between`."""
+    end = float(read_times(trajectory)[-1])
+    return between(trajectory, end - seconds, end)
+
+
+def between(trajectory: TrajectoryLike, begin: float, end: float) -> Part:
+    """The samples and events of a trajectory from one time to another, in s.
+
+    Raises:
+        BadValue: the trajectory's times are no times.
+    """
+    t = read_times(trajectory)
+    rows = slice(*np.searchsorted(t, [begin, np.nextafter(end, np.inf)]))
+    return Part(
+        t=t[rows],
+        q=np.asarray(trajectory.q)[rows],
+        domain=np.asarray(trajectory.domain)[rows],
+        force=np.asarray(trajectory.force)[rows],
+        events=tuple(event for event in trajectory.events if begin <= event.time <= end),
+        spring_joints=trajectory.spring_joints,
+        engaged=np.asarray(trajectory.engaged)[rows],
+        ground=getattr(trajectory, "ground", None),
+        whole=(float(t[0]), float(t[-1])),
+    )
+
+
+def read_times(trajectory: TrajectoryLike) -> Array:
+    """The times of a trajectory's samples, (n,), in s.
+
+    Raises:
+        BadValue: they are no times, run backward, or are all the same.
+    """
+    expected = "two or more finite nondecreasing times, in s"
+    try:
+        t = np.asarray(trajectory.t, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise BadValue("trajectory.t", trajectory.t, expected) from None
+    if t.ndim != 1 or len(t) < 2 or not np.isfinite(t).all() or np.diff(t).min() < 0 or t[-1] == t[0]:
+        raise BadValue("trajectory.t", trajectory.t, expected)
+    return t

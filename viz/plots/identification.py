@@ -1,0 +1,157 @@
+"""Plots of an identification: data and model, residuals, correlations. What was fitted to synthetic records says so."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from textwrap import fill
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from spear_pin.errors import BadValue
+from spear_pin.studies.identification import NUISANCES, QUANTITIES, Estimate
+from spear_pin.studies.identification.estimate import Parameter
+from spear_pin.viz.plots.paper import VERMILLION, style
+from spear_pin.viz.plots.push import ANGLE, TIME
+
+SYNTHETIC = "synthetic"
+CHARACTERS = 96  # of a title, across the page
+MOST = 12  # parameters in a matrix of correlations
+
+
+def fit_summary(estimates: Mapping[str, Estimate]) -> Figure:
+    """Data and model of every estimate, as in Fig. 4.4, with the residuals and what was estimated.
+
+    All releases of an estimate lie over each other, from its release times on. Angles have one scale and
+    residuals have one, so that estimates can be compared.
+
+    Args:
+        estimates: by name.
+
+    Raises:
+        BadValue: there are no estimates.
+    """
+    if not estimates:
+        raise BadValue("estimates", estimates, "at least one")
+    columns = 2 if len(estimates) == 4 else min(len(estimates), 3)
+    rows = -(-len(estimates) // columns)
+    angles = np.concatenate([trial.angle for given in estimates.values() for trial in given.trials])
+    lowest, highest, span = angles.min(), angles.max(), np.ptp(angles)
+    sources = [_source(given) for given in estimates.values()]
+    with style():
+        figure = Figure(figsize=(7.0 if columns > 1 else 4.2, 3.4 * rows), layout="constrained")
+        grid = figure.add_gridspec(2 * rows, columns, height_ratios=(1.8, 1.1) * rows)
+        upper: Axes | None = None
+        lower: Axes | None = None
+        for i, (name, given) in enumerate(estimates.items()):
+            row, column = divmod(i, columns)
+            upper = figure.add_subplot(grid[2 * row, column], sharex=upper, sharey=upper)
+            lower = figure.add_subplot(grid[2 * row + 1, column], sharex=upper, sharey=lower)
+            _draw_fit(upper, lower, given)
+            upper.set_title(_found(name, given, CHARACTERS // max(columns, 2)), fontsize=8.0, linespacing=1.1)
+            mark = sources[i] if SYNTHETIC in sources[i] else ""
+            upper.text(
+                0.98, 0.98, mark, transform=upper.transAxes, ha="right", va="top", color=VERMILLION, weight="bold"
+            )
+            upper.set_ylim(lowest - 0.08 * span, highest + 0.22 * span)  # with room for the mark
+            upper.tick_params(labelbottom=False, labelleft=column == 0)
+            lower.tick_params(labelleft=column == 0)
+            lower.set_xlabel(TIME)
+            if column == 0:
+                upper.set_ylabel(ANGLE)
+                lower.set_ylabel("Residual (mrad)")
+        handles = [
+            Line2D([], [], color="0.7", linewidth=2.8, label=f"data ({' or '.join(dict.fromkeys(sources))})"),
+            Line2D([], [], color=VERMILLION, linewidth=0.8, label="model"),
+            Line2D([], [], color="0.45", linewidth=0.5, label="residual: model minus data"),
+        ]
+        figure.legend(handles=handles, loc="outside upper left", ncols=3)
+        return figure
+
+
+def correlations(estimate: Estimate) -> Figure:
+    """Correlations of the parameters as a heat map; of many, those shared and those of the first release.
+
+    Raises:
+        BadValue: the data do not tell the parameters apart.
+    """
+    if not np.isfinite(estimate.covariance).all() or not np.diag(estimate.covariance).all():
+        raise BadValue("estimate.condition", estimate.condition, "parameters that the data tell apart")
+    few = len(estimate.parameters) <= MOST
+    chosen = [i for i, p in enumerate(estimate.parameters) if few or p.trial in (None, 0)]
+    names = [_symbol(estimate.parameters[i]) for i in chosen]
+    matrix = estimate.correlation[np.ix_(chosen, chosen)]
+    source = _source(estimate)
+    which = "" if few else f"\nshared, and of release 1 of {len(estimate.trials)}"
+    with style():
+        side = 1.3 + 0.36 * len(chosen)
+        figure = Figure(figsize=(side + 0.5, side), layout="constrained")
+        panel = figure.subplots()
+        mesh = panel.pcolormesh(matrix, cmap="RdBu_r", vmin=-1.0, vmax=1.0, edgecolors="white", linewidth=0.5)
+        for (i, j), value in np.ndenumerate(matrix):
+            color = "white" if abs(value) > 0.6 else "black"
+            number = f"{value:.2f}".replace("-", "−")
+            panel.text(j + 0.5, i + 0.5, number, color=color, ha="center", va="center", fontsize=7.5)
+        centres = np.arange(len(chosen)) + 0.5
+        panel.set_xticks(centres, names)
+        panel.set_yticks(centres, names)
+        panel.tick_params(length=0.0)
+        panel.set_aspect("equal")
+        panel.invert_yaxis()
+        panel.set_title(f"Data: {source}{which}", color=VERMILLION if SYNTHETIC in source else "black")
+        figure.colorbar(mesh, label="Correlation (1)", shrink=0.8)
+        return figure
+
+
+def mathematical(symbol: str) -> str:
+    """A symbol as one writes it in a formula."""
+    letter, _, index = symbol.replace("₀", "_0").replace("²", "^2").partition("_")
+    upright = f"\\mathrm{{{letter}}}" if letter.isupper() and letter.isalpha() else letter
+    return f"${upright}_{{\\mathrm{{{index}}}}}$" if index else f"${upright}$"
+
+
+def _draw_fit(upper: Axes, lower: Axes, given: Estimate) -> None:
+    """Data, model and residuals over the time since the estimated releases; noise as plain pixels: files stay small."""
+    let_go = {p.trial: p.value for p in given.parameters if p.name == "release_time"}
+    pixels: dict[str, Any] = {"rasterized": True, "antialiased": False}
+    for j, (trial, model) in enumerate(zip(given.trials, given.predicted, strict=True)):
+        since = trial.t - let_go.get(j, trial.let_go)
+        upper.plot(since, trial.angle, color="0.7", linewidth=2.8, gid=f"data {j + 1}", **pixels)
+        upper.plot(since, model, color=VERMILLION, linewidth=0.8, zorder=3, gid=f"model {j + 1}")
+        residual = 1e3 * (model - trial.angle)
+        lower.plot(since, residual, color="0.45", linewidth=0.4, gid=f"residual {j + 1}", **pixels)
+    lower.axhline(0.0, color=VERMILLION, linewidth=0.6)
+
+
+def _source(given: Estimate) -> str:
+    """Whether the data are synthetic: all of them, some or none."""
+    marked = sum(trial.synthetic for trial in given.trials)
+    if marked == len(given.trials):
+        return SYNTHETIC
+    return f"{SYNTHETIC} in part" if marked else "measured"
+
+
+def _found(name: str, given: Estimate, width: int) -> str:
+    """Name, fit and parameters of the knee, a line each."""
+    warned = f", warnings: {len(given.warnings)}" if given.warnings else ""
+    lines = [fill(f"{name}: fit {given.fit:.1f} %{warned}", width)]
+    for quantity in dict.fromkeys(p.name for p in given.parameters if p.name not in NUISANCES):
+        same = [p for p in given.parameters if p.name == quantity]
+        symbol, unit = mathematical(QUANTITIES[quantity].symbol), QUANTITIES[quantity].unit
+        deviation = max(p.deviation for p in same)
+        decimals = int(np.clip(1 - np.floor(np.log10(deviation)), 0, 6)) if 0.0 < deviation < np.inf else 4
+        values = " … ".join(dict.fromkeys(f"{pick(p.value for p in same):.{decimals}f}" for pick in (min, max)))
+        error = f"± {deviation:.{decimals}f}" if deviation < np.inf else "± ∞"
+        if len(same) > 1:
+            lines += [f"{symbol} = {values} {unit}", f"    each release its own, {error} at most"]
+        else:
+            lines.append(f"{symbol} = {values} {error} {unit}")
+    return "\n".join(lines)
+
+
+def _symbol(parameter: Parameter) -> str:
+    symbol = mathematical(QUANTITIES[parameter.name].symbol)
+    return symbol if parameter.trial is None else f"{symbol}\n({parameter.trial + 1})"

@@ -1,0 +1,190 @@
+"""Panels of a trajectory, each drawn into axes of the caller's, within `paper.style`; stance is shaded."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.container import Container
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.model.loading import load
+from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, STANCE, STANCE_COLOR, VERMILLION
+
+Span = tuple[int, int]  # first and last sample
+
+LINES = ("-", "--", ":", "-.")  # of one toe after the other
+FLOWS = {  # label and colour of the energy flows, in the order of stacking
+    "motor_knee": ("knee motor", BLUE),
+    "motor_hip": ("hip motor", SKY),
+    "damping": ("damping", VERMILLION),
+    "impact": ("impact", ORANGE),
+    "released": ("spring let go", PURPLE),
+    "slip": ("slip", GREEN),
+    "friction": ("joint friction", "0.5"),
+}
+NEGLIGIBLE = 1e-3  # of the largest flow: too little to be seen
+
+
+def draw_angle(axes: Axes, trajectory: Trajectory, joint: str, gait: Gait | None) -> None:
+    """Angle of a joint over time, with what is commanded in flight and latched in stance."""
+    index = trajectory.coordinates.index(joint)
+    _over_time(axes, trajectory, f"{_words(joint)} angle (rad)")
+    axes.plot(trajectory.t, trajectory.q[:, index], color=BLUE, label="simulated")
+    if gait is not None:
+        _levels(axes, trajectory, _commanded(trajectory, joint, gait), "--", "commanded")
+    if joint in trajectory.spring_joints:
+        engaged = trajectory.engaged[:, trajectory.spring_joints.index(joint)]
+        spans = _runs(trajectory, _bears(trajectory) & engaged)
+        latched = [(span, float(trajectory.q[span[0], index])) for span in spans]
+        _levels(axes, trajectory, latched, ":", "latched")
+    _legend(axes)
+
+
+def draw_force(axes: Axes, trajectory: Trajectory) -> None:
+    """Ground force over time."""
+    _over_time(axes, trajectory, "Ground force (N)")
+    for index, toe in enumerate(trajectory.toes):
+        of_toe = f" of {toe.replace('_', ' ')}" if len(trajectory.toes) > 1 else ""
+        for column, color, label in ((1, BLUE, "normal"), (0, VERMILLION, "tangential")):
+            force = trajectory.force[:, index, column]
+            axes.plot(trajectory.t, force, LINES[index % len(LINES)], color=color, label=label + of_toe)
+    _legend(axes, 4 if len(trajectory.toes) == 1 else 2)
+
+
+def draw_torque(axes: Axes, trajectory: Trajectory, joint: str = "knee") -> None:
+    """Torques on a knee over time."""
+    motor = trajectory.u[:, trajectory.actuated.index(joint)]
+    spring = trajectory.spring[:, trajectory.spring_joints.index(joint)]
+    total = trajectory.tau[:, trajectory.actuated.index(joint)]
+    _over_time(axes, trajectory, f"{_words(joint)} torque (N·m)")
+    axes.axhline(0.0, color="0.6", linewidth=0.5)
+    axes.plot(trajectory.t, motor, color=BLUE, label="motor")
+    axes.plot(trajectory.t, spring, color=GREEN, label="spring")
+    axes.plot(trajectory.t, total - motor - spring, color=VERMILLION, label="damping")
+    _legend(axes)
+
+
+def draw_energy(axes: Axes, trajectory: Trajectory, cycle: str = "Hop") -> None:
+    """The energy ledger, hop by hop, the motors of several legs taken together."""
+    ledger = trajectory.ledger
+    if trajectory.cycles == 0:
+        raise BadValue("trajectory.cycles", 0, "at least one whole hop")
+    hops = np.arange(1, trajectory.cycles + 1)
+    floor = NEGLIGIBLE * float(np.abs(ledger.work).max())
+    top, bottom = np.zeros(len(hops)), np.zeros(len(hops))
+    handles: list[Artist | Container] = []
+    flows: dict[str, NDArray[np.float64]] = {}
+    for flow in ledger.flows:
+        kind = _of_all_legs(flow)
+        flows[kind] = flows.get(kind, 0.0) + ledger[flow]
+    for flow in sorted(flows, key=lambda name: list(FLOWS).index(name) if name in FLOWS else len(FLOWS)):
+        energy = flows[flow]
+        if np.abs(energy).max() <= floor:
+            continue
+        label, color = FLOWS.get(flow, (flow.replace("_", " "), "0.7"))
+        gain, loss = np.maximum(energy, 0.0), np.minimum(energy, 0.0)
+        # two bars, for a flow may change its sign from hop to hop
+        handles.append(axes.bar(hops, gain, 0.7, top, color=color, label=label))
+        axes.bar(hops, loss, 0.7, bottom, color=color)
+        top, bottom = top + gain, bottom + loss
+    handles += axes.plot(hops, ledger.change, "D", color="black", markersize=2.5, label="stored")
+    axes.axhline(0.0, color="black", linewidth=0.6)
+    axes.set_xlim(0.4, len(hops) + 0.6)
+    axes.set_ylim(1.1 * min(float(bottom.min()), float(ledger.change.min())), 1.1 * float(top.max()))
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=12))
+    axes.set_xlabel(cycle)
+    axes.set_ylabel("Energy (J)")
+    axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
+
+
+def draw_height(axes: Axes, trajectory: Trajectory, coordinate: str = "boom_z") -> None:
+    """Height of the hip over time."""
+    rise = trajectory.coordinates.index(coordinate)
+    apexes = trajectory.named("apex")
+    _over_time(axes, trajectory, "Height of the hip (m)")
+    axes.plot(trajectory.t, trajectory.q[:, rise], color=BLUE, label="hip")
+    if apexes:
+        axes.plot([e.time for e in apexes], [e.q[rise] for e in apexes], "o", color=VERMILLION, label="apex")
+    _legend(axes)
+
+
+def draw_clearance(axes: Axes, trajectory: Trajectory) -> None:
+    """Height of the toes above the ground over time."""
+    robot = load(trajectory.robot, toes=trajectory.toes)
+    locked = [name for name in robot.coordinates if name not in trajectory.coordinates]
+    if locked:
+        robot = load(trajectory.robot, toes=trajectory.toes, locked=locked)
+    _over_time(axes, trajectory, "Clearance (mm)")
+    ground = trajectory.ground or Ground()
+    for index, toe in enumerate(trajectory.toes):
+        heights = np.array([ground.foot(robot, q, toe)[0] for q in trajectory.q])
+        axes.plot(trajectory.t, 1e3 * heights, LINES[index % len(LINES)], color=GREEN, label=toe.replace("_", " "))
+    if len(trajectory.toes) > 1:
+        _legend(axes)
+
+
+def _over_time(axes: Axes, trajectory: Trajectory, label: str) -> None:
+    if len(trajectory.t) < 2:
+        raise BadValue("trajectory.t", trajectory.t, "at least two samples")
+    for first, last in _stances(trajectory):
+        axes.axvspan(trajectory.t[first], trajectory.t[last], color=STANCE_COLOR, zorder=0, gid=STANCE)
+    axes.set_xlim(trajectory.t[0], trajectory.t[-1])
+    axes.set_xlabel("Time (s)")
+    axes.set_ylabel(label)
+
+
+def _legend(axes: Axes, columns: int = 4) -> None:
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
+
+
+def _levels(axes: Axes, trajectory: Trajectory, levels: list[tuple[Span, float]], style: str, label: str) -> None:
+    """Constant pieces, as one line with gaps."""
+    times = [time for (first, last), _ in levels for time in (trajectory.t[first], trajectory.t[last], np.nan)]
+    values = [value for _, level in levels for value in (level, level, np.nan)]
+    axes.plot(times, values, style, color=VERMILLION if style == "--" else GREEN, label=label)
+
+
+def _stances(trajectory: Trajectory) -> list[Span]:
+    """The stances."""
+    return _runs(trajectory, _bears(trajectory))
+
+
+def _bears(trajectory: Trajectory) -> NDArray[np.bool_]:
+    """Whether each sample is one of a stance."""
+    return np.asarray(np.char.find(trajectory.phase, STANCE) >= 0)
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ").capitalize()
+
+
+def _of_all_legs(flow: str) -> str:
+    """The flow that one of a leg's motors is part of: "motor_knee" for "motor_left_knee"."""
+    return f"motor_{flow.rpartition('_')[2]}" if flow.startswith("motor_") else flow
+
+
+def _runs(trajectory: Trajectory, chosen: NDArray[np.bool_]) -> list[Span]:
+    """First and last sample of every unbroken run of chosen samples that lasts."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], chosen, [False])).astype(int)))
+    runs = [(int(first), int(end) - 1) for first, end in list(pairwise(edges))[::2]]
+    return [(first, last) for first, last in runs if trajectory.t[last] > trajectory.t[first]]
+
+
+def _commanded(trajectory: Trajectory, joint: str, gait: Gait) -> list[tuple[Span, float]]:
+    """The flights, and what the law commands in each: the hip's depends on the speed at lift-off."""
+    law = gait.system.law
+    hip = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown
+    levels = []
+    for first, last in _runs(trajectory, ~_bears(trajectory)):
+        speed = trajectory.v[first, trajectory.coordinates.index("boom_x")] if law.foot_placement else 0.0
+        commanded = {"hip": hip + law.foot_placement * (speed - law.speed), "knee": law.knee_touchdown}
+        levels.append(((first, last), float(commanded[joint])))
+    return levels

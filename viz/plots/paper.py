@@ -1,0 +1,46 @@
+"""The style of a paper: one style sheet, colours that a print and the colour-blind tell apart, files without a date."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.resources import as_file, files
+from pathlib import Path
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from spear_pin.errors import BadValue
+from spear_pin.files import atomic
+from spear_pin.kinds import typed
+
+STANCE = "stance"
+STANCE_COLOR = "0.92"
+BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
+FORMATS = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}  # with the metadata left out
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """The style sheet, for as long as the block lasts."""
+    with as_file(files("spear_pin.viz.plots").joinpath("paper.mplstyle")) as sheet, rc_context(fname=sheet):
+        yield
+
+
+@typed
+def save_figure(figure: Figure, path: str | Path) -> Path:
+    """Write a figure, whole or not at all, in the format of the path's suffix.
+
+    The text of an svg is drawn as outlines, so that it looks the same without the fonts.
+
+    Raises:
+        BadValue: the suffix is not .svg, .pdf or .png.
+        BadFile: the file cannot be written.
+    """
+    target = Path(path)
+    suffix = target.suffix.lower()
+    if suffix not in FORMATS:
+        raise BadValue("path", str(path), f"a name ending in {', '.join(FORMATS)}")
+    with style(), atomic(target) as temporary:
+        figure.savefig(temporary, format=suffix[1:], metadata=FORMATS[suffix])
+    return target

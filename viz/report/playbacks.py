@@ -1,0 +1,80 @@
+"""Playbacks of the report: pages of `player` that share one viewer, which stands in the report once."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from spear_pin.errors import BadValue
+from spear_pin.studies.audit import runs
+from spear_pin.studies.push_test import WITH_MOTOR, release, spear_ii
+from spear_pin.viz.player import page
+from spear_pin.viz.release_page import record_release
+
+VIEWER = re.compile(r"(?<=<script>).*?(?=</script>)", re.S)  # the first script of a page
+
+
+@dataclass(frozen=True)
+class Playback:
+    """A playback of the report.
+
+    Attributes:
+        id: that it is called by.
+        caption: what moves.
+        make: a function of a module that gives its page.
+        assumes: ids of the assumptions that it rests on.
+    """
+
+    id: str
+    caption: str
+    make: Callable[[], str]
+    assumes: tuple[str, ...] = ()
+
+
+def hop() -> str:
+    """SPEAR-II hopping in place."""
+    return page(runs.hop().system.robot, runs.hops(), title="SPEAR-II hopping in place")
+
+
+def bound() -> str:
+    """Q-SPEAR bounding."""
+    return page(runs.bound().system.robot, runs.strides(), title="Q-SPEAR bounding at 2.5 m/s")
+
+
+def push_test() -> str:
+    """SPEAR-II pushed down by 10 cm and let go."""
+    leg = spear_ii()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "release.html"
+        title = "SPEAR-II released from 10 cm"
+        return record_release(leg, WITH_MOTOR, release(leg, WITH_MOTOR), path, title=title).read_text(encoding="utf-8")
+
+
+def shared(pages: Iterable[str]) -> tuple[str, list[tuple[str, str]]]:
+    """The viewer that pages have in common, and what stands before and after it in each.
+
+    Raises:
+        BadValue: they have not the same viewer.
+    """
+    parts = []
+    for text in pages:
+        found = VIEWER.search(text)
+        if found is None:
+            raise BadValue("pages", text[:80], "pages of a player, with its viewer")
+        parts.append((text[: found.start()], found[0], text[found.end() :]))
+    viewers = {viewer for _, viewer, _ in parts}
+    if len(viewers) > 1:
+        raise BadValue("pages", len(viewers), "pages with the same viewer")
+    return "".join(viewers), [(before, after) for before, _, after in parts]
+
+
+PLAYBACKS = (
+    Playback("play-hop", "The hop in place.", hop, ("touchdown", "stance-torque", "friction")),
+    Playback(
+        "play-bound", "Two strides of the bound.", bound, ("bound", "virtual-stiffness", "torso-length", "friction")
+    ),
+    Playback("play-release", "The push test: held, and let go.", push_test, ("rest-angle",)),
+)
