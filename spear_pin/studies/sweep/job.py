@@ -103,38 +103,21 @@ def asked(
     system: HybridSystem, points: Mapping[str, ArrayLike], vary: tuple[str, ...], target: Any, rtol: float
 ) -> Job:
     """Job as it was asked for, checked; points of one robot stand together."""
-    if system.kind not in KINDS or not built_as_named(system):
-        raise BadValue("system", system.kind, f"one of {', '.join(KINDS)}, made by the builder of that name")
-    check_lanes(system)
-    kept = replaced(system)
-    for name in kept:
-        if name not in CARRIED:
-            raise BadValue(
-                f"{name} of the system", kept[name], "as built: what replaces it cannot go to other processes"
-            )
-    for change in system.changes:
-        if not is_dataclass(change):
-            raise BadValue("a change of the system", change, "a dataclass that is called, to tell sweeps apart")
+    kept = _check_system(system)
     given = {name: np.array(values, dtype=float) for name, values in points.items()}
-    n = max((values.size for values in given.values()), default=0)
     of_robot = [name for name in given if name in PARAMETERS and system.robot.source in PARAMETERS[name].robots]
-    measured = [name for name in given if name in system.measures]
-    for name, values in given.items():
-        if values.shape != (n,) or not n or not np.isfinite(values).all():
-            raise BadValue(f"points[{name!r}]", values, "finite numbers, as many for each name")
-        if name in vary:
-            raise BadValue("vary", name, "what is not among the points")
-        if name not in (*of_robot, *measured):
+    measured = {name: values for name, values in given.items() if name in system.measures}
+    n = _check_points(given, vary)
+    for name in given:
+        if name not in of_robot and name not in measured:
             _check_name(system, name)
-    if not given:
-        raise BadValue("points", points, "at least one parameter")
-    wanted = {**target, **{name: float(np.median(given[name])) for name in measured}}
+    wanted = {**target, **{name: float(np.median(values)) for name, values in measured.items()}}
     if len(wanted) != len(vary):
         raise BadValue("target", list(wanted), f"as many targets as parameters to vary, {len(vary)}")
     for name in wanted:
         if name not in system.measures or name not in MEASURES:
             raise UnknownName("target", name, [each for each in system.measures if each in MEASURES])
-    check_wanted(system, {**target, **{name: given[name] for name in measured}})
+    check_wanted(system, {**target, **measured})
     for name in vary:
         parameter(system, name)
     order = np.lexsort([given[name] for name in of_robot[::-1]]) if of_robot else np.arange(n)
@@ -142,6 +125,35 @@ def asked(
     given = {name: values[order] for name, values in given.items()}
     nowhere = np.zeros(system.robot.nq), np.zeros(system.robot.nv)
     return Job(system.kind, system.robot, parts, system.changes, kept, given, vary, dict(target), nowhere, rtol)
+
+
+def _check_system(system: HybridSystem) -> dict[str, Any]:
+    """Fields that were replaced in a system, which other processes can make with them; others are refused."""
+    if system.kind not in KINDS or not built_as_named(system):
+        raise BadValue("system", system.kind, f"one of {', '.join(KINDS)}, made by the builder of that name")
+    check_lanes(system)
+    kept = replaced(system)
+    for name in kept:
+        if name not in CARRIED:
+            expected = "as built: what replaces it cannot go to other processes"
+            raise BadValue(f"{name} of the system", kept[name], expected)
+    for change in system.changes:
+        if not is_dataclass(change):
+            raise BadValue("a change of the system", change, "a dataclass that is called, to tell sweeps apart")
+    return kept
+
+
+def _check_points(given: Mapping[str, Array], vary: tuple[str, ...]) -> int:
+    """Number of points, which each name has a number for."""
+    if not given:
+        raise BadValue("points", dict(given), "at least one parameter")
+    n = max(values.size for values in given.values())
+    for name, values in given.items():
+        if values.shape != (n,) or not n or not np.isfinite(values).all():
+            raise BadValue(f"points[{name!r}]", values, "finite numbers, as many for each name")
+        if name in vary:
+            raise BadValue("vary", name, "what is not among the points")
+    return n
 
 
 def _shapes(system: HybridSystem) -> dict[str, tuple[int, ...]]:
