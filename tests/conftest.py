@@ -33,6 +33,16 @@ def pytest_runtest_makereport(item):
     return report
 
 
+@pytest.fixture(scope="session", autouse=True)
+def soon_compiled():
+    """Tests compile much and run little of it: `tests/hybrid/test_lanes.py` holds it against what is optimised."""
+    from spear_pin.hybrid.engines import taylor
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(taylor, "LEVEL", 0)
+        yield
+
+
 def speed_at_lift_off(run):
     """Forward speed of the hip at lift-off, a measure of one cycle."""
     return run.event("lift_off").v_before[0]

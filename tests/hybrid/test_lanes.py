@@ -40,6 +40,7 @@ class TestLanes:
     @pytest.mark.parametrize("spread", [0.01, 0.1])
     def test_one_by_one(self, hop, spread, monkeypatch):
         """Few lanes run one by one: to rounding as together, whatever they meet on their way."""
+        monkeypatch.setattr(taylor, "LEVEL", 3)  # rounding decides which are refused
         q, v = around(hop, spread, 24)
         monkeypatch.setattr(journey, "FEW", 0)
         together = simulate_many(hop.system, q, v, 3, observe=True)
@@ -125,10 +126,15 @@ class TestLanes:
         assert (found.reason[0], found.cycles[0], found.repeated[0]) == ("not_finite", 2, True)
         np.testing.assert_allclose(found.observed["apex"][0][:3], seen[1], rtol=0, atol=1e-7)
 
-    def test_unrolled_code(self, hop):
-        """It computes the same."""
+    @pytest.mark.parametrize("unroll", [False, True])
+    def test_however_it_is_compiled(self, hop, unroll, monkeypatch):
+        """It computes the same, with loops or without, optimised or not; one lane alone, too."""
         q, v = around(hop, 0.02, 20)
-        assert_same(simulate_many(hop.system, q, v, 2, unroll=False), simulate_many(hop.system, q, v, 2), 1e-9)
+        plain = simulate_many(hop.system, q, v, 2, unroll=unroll)
+        monkeypatch.setattr(taylor, "LEVEL", 3)
+        assert_same(simulate_many(hop.system, q, v, 2), plain, 1e-9)
+        monkeypatch.setattr(journey, "FEW", 20)
+        assert_same(simulate_many(hop.system, q, v, 2), plain, 1e-9)
 
     @pytest.mark.parametrize("few", [0, 12])
     def test_events_at_the_same_instant(self, hop, few, monkeypatch):

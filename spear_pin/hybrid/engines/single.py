@@ -119,7 +119,7 @@ def entering(code: Compiled) -> Any:
     later = code.field(t + AHEAD, state)
     feet = [number for toe, mode in code.closed for number in footing(code.here.motion, toe, mode)]
     outputs = [*code.here.guards, *feet, *code.here.kinks, *later.guards, *later.kinks, *state]
-    return require().cfunc([require().expression(0.0) + output for output in outputs], y)
+    return require().cfunc([require().expression(0.0) + output for output in outputs], y, opt_level=code.level)
 
 
 class Impact:
@@ -128,9 +128,10 @@ class Impact:
     Args:
         structure: the system's.
         toe: the toe that strikes.
+        level: of LLVM's optimisation.
     """
 
-    def __init__(self, structure: Structure, toe: str) -> None:
+    def __init__(self, structure: Structure, toe: str, level: int) -> None:
         hy, system = require(), structure.system
         self._nv = nv = system.robot.nv
         state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates])
@@ -140,7 +141,7 @@ class Impact:
         along, up = (substitute(factorize(terms.mass_matrix), row) for row in (x, z))
         a_tt, a_tn, a_nn, slide, approach = dot(x, along), dot(x, up), dot(z, up), dot(x, v), dot(z, v)
         outputs = [a_tt, a_tn, a_nn, slide, approach, numbers.ground.friction, *along, *up]
-        self._function = hy.cfunc([hy.expression(0.0) + value for value in outputs], state)
+        self._function = hy.cfunc([hy.expression(0.0) + value for value in outputs], state, opt_level=level)
 
     def __call__(self, y: Array, parameters: Array) -> Array:
         """The state afterwards, by Routh's method."""
@@ -154,6 +155,6 @@ class Impact:
 
 
 @lru_cache(MOST)
-def impact(structure: Structure, toe: str) -> Impact:
+def impact(structure: Structure, toe: str, level: int) -> Impact:
     """An impact compiled, once for each structure."""
-    return Impact(structure, toe)
+    return Impact(structure, toe, level)

@@ -65,7 +65,7 @@ class Compilation:
         """A toe's impact."""
         if toe not in self._impacts:
             structure = layout.Structure(self.system, self.system.domains[0], {}, self.planar)
-            self._impacts[toe] = impact(structure, toe)
+            self._impacts[toe] = impact(structure, toe, self._code.level)
         return self._impacts[toe]
 
 
