@@ -31,6 +31,7 @@ templates_path = ["_templates"]
 autodoc_typehints_format = "short"
 autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike", "Change", "GuardValue", "Held", "Latch", "Law")}
 autodoc_preserve_defaults = True
+autodoc_use_type_comments = False  # there are none, and it takes seconds to look for them
 maximum_signature_line_length = 120
 autodoc_member_order = "bysource"
 # a name in backquotes is a link where it can be one, and code where not

@@ -9,10 +9,11 @@ import tomllib
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cache
 from html import escape
 from importlib import import_module
 from pathlib import Path
-from types import FrameType
+from types import CodeType, FrameType
 from typing import Any
 
 from docutils import nodes
@@ -151,7 +152,7 @@ def path_of_a_hop() -> Call:
 
     def watch(frame: FrameType, event: str, argument: Any) -> None:
         if event == "call":
-            entered = described(frame)
+            entered = described(frame.f_code)
             new = entered is not None and entered.name not in seen and len(open_calls) <= DEEPEST
             if entered is not None and new:
                 seen.add(entered.name)
@@ -169,9 +170,10 @@ def path_of_a_hop() -> Call:
     return next(call for call in top.calls if call.name == "hybrid.run.run")
 
 
-def described(frame: FrameType) -> Call | None:
-    """The function that a frame is of, if it is a public one of these floors with a docstring."""
-    path, name = Path(frame.f_code.co_filename), frame.f_code.co_qualname
+@cache
+def described(code: CodeType) -> Call | None:
+    """The function that code is of, if it is a public one of these floors with a docstring."""
+    path, name = Path(code.co_filename), code.co_qualname
     if PACKAGE not in path.parents or "<" in name or any(part.startswith("_") for part in name.split(".")):
         return None
     module = ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
