@@ -5,7 +5,6 @@ import logging
 import numpy as np
 import pinocchio as pin
 import pytest
-import yourdfpy
 
 from spear_pin.model.loading import ROBOTS, load
 
@@ -124,15 +123,22 @@ class TestDrake:
             assert_close(robot.bias(q, v), change.T @ (bias[velocities] + there @ rate))
 
 
+def read(name, **options):
+    """By yourdfpy, which is slow to import."""
+    import yourdfpy
+
+    return yourdfpy.URDF.load(str(ROBOTS[name].path), **options)
+
+
 @each_robot
 class TestYourdfpy:
     def test_valid(self, name):
-        urdf = yourdfpy.URDF.load(str(ROBOTS[name].path))
+        urdf = read(name)
         assert urdf.validate(), urdf.errors
 
     def test_toe_positions(self, name):
         robot = load(name)
-        urdf = yourdfpy.URDF.load(str(ROBOTS[name].path), load_meshes=False)
+        urdf = read(name, load_meshes=False)
         for q, _ in random_states(robot):
             turning = [joint for joint, floating in joints(robot) if not floating]
             urdf.update_cfg(dict(zip(turning, q[-len(turning) :], strict=True)))

@@ -7,6 +7,7 @@ leg rests on it. They differ by the weight's share, Sᵀ G / k, about 0.2 rad.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import scipy
@@ -20,6 +21,7 @@ from spear_pin.studies.push_test.passive_knee import PassiveKnee
 
 
 @typed
+@cache
 def spear_ii(ratio: float | None = 15.0) -> PinnedLeg:
     """SPEAR-II on its slider, its toe pinned.
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.stats import beta
+import scipy
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.parameters import with_parameters
@@ -16,6 +16,7 @@ compiles = pytest.mark.extra("heyoka")
 def test_interval_is_clopper_and_pearsons():
     found = Robustness({}, np.arange(10), np.array(["complete"] * 7 + ["fall"] * 3))
     assert found.share == pytest.approx(0.7)
+    beta = scipy.stats.beta
     assert found.interval(0.9) == pytest.approx((beta.ppf(0.05, 7, 4), beta.ppf(0.95, 8, 3)), abs=1e-9)
 
 

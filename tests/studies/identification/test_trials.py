@@ -1,5 +1,8 @@
 """Releases found in records: when, how many, and none where there is none."""
 
+from dataclasses import replace
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -84,35 +87,43 @@ class TestFound:
         assert trial.let_go == pytest.approx(moments[0], abs=5e-3)
 
 
-class TestCut:
-    RECORD, MOMENTS = pushed(LEGS[15.0], [0.1, 0.1], 1.0)
+@cache
+def twice():
+    """Two releases."""
+    return pushed(LEGS[15.0], [0.1, 0.1], 1.0)
 
+
+class TestCut:
     @pytest.mark.parametrize(("before", "after"), [(0.5, 1.5), (0.05, 0.1), (0.2, 2.0), (0.06, 0.5)])
     def test_what_is_kept(self, before, after):
-        trials, remarks = cut(self.RECORD, before, after)
+        record, _ = twice()
+        trials, remarks = cut(record, before, after)
         assert len(trials) == 2 and remarks == []
         for trial in trials:
             assert trial.t[0] == pytest.approx(trial.let_go - before, abs=1.1e-3)
             assert trial.t[-1] == pytest.approx(trial.let_go + after, abs=1.1e-3)
-            first = np.searchsorted(self.RECORD.t, trial.t[0])
-            np.testing.assert_array_equal(trial.angle, self.RECORD.angle[first : first + trial.t.size])
+            first = np.searchsorted(record.t, trial.t[0])
+            np.testing.assert_array_equal(trial.angle, record.angle[first : first + trial.t.size])
 
     def test_hold_ends_where_the_push_does(self):
-        trials, _ = cut(self.RECORD, before=30.0)
-        for trial, moment in zip(trials, self.MOMENTS, strict=True):
+        record, moments = twice()
+        trials, _ = cut(record, before=30.0)
+        for trial, moment in zip(trials, moments, strict=True):
             assert moment - 1.35 < trial.t[0] < moment - 0.9
 
     def test_next_push_shortens(self):
-        trials, remarks = cut(self.RECORD, after=4.0)
-        assert trials[0].t[-1] < self.MOMENTS[0] + SWING + PUSH
+        record, moments = twice()
+        trials, remarks = cut(record, after=4.0)
+        assert trials[0].t[-1] < moments[0] + SWING + PUSH
         assert (
             "release 1 is followed for" in remarks[0] and "release 2 is followed for 3.00 s, not for 4 s" in remarks[1]
         )
 
     def test_next_release_is_not_taken_for_a_swing(self):
-        trials, remarks = cut(self.RECORD, after=30.0)
-        assert [trial.let_go for trial in trials] == pytest.approx(self.MOMENTS, abs=3e-3)
-        assert trials[0].t[-1] < self.MOMENTS[0] + SWING + PUSH and len(remarks) == 2
+        record, moments = twice()
+        trials, remarks = cut(record, after=30.0)
+        assert [trial.let_go for trial in trials] == pytest.approx(moments, abs=3e-3)
+        assert trials[0].t[-1] < moments[0] + SWING + PUSH and len(remarks) == 2
 
     def test_swings_are_not_told(self):
         record, _ = pushed(LEGS[15.0], [0.1], knee=PassiveKnee(damping=0.1))
@@ -132,10 +143,10 @@ class TestCut:
     @pytest.mark.parametrize("value", [-1, 0.0, 61, float("nan"), float("inf"), "long"])
     def test_bad_values(self, name, value):
         with pytest.raises(BadValue, match=f"^{name} is "):
-            cut(self.RECORD, **{name: value})
+            cut(twice()[0], **{name: value})
 
     def test_synthetic_stays_so(self):
-        record = Record("here.csv", self.RECORD.t, self.RECORD.angle, synthetic=True)
+        record = replace(twice()[0], synthetic=True)
         assert all(trial.synthetic for trial in cut(record)[0])
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.stats import kstest
+import scipy
 
 from spear_pin.studies.identification import MovingAverage
 from spear_pin.studies.identification.uncertainty import nrmse_fit, scatter, whiteness
@@ -155,7 +155,7 @@ class TestWhiteness:
     def test_uniform_for_white_noise(self):
         rng = np.random.default_rng(2)
         found = [whiteness([rng.normal(size=400), rng.normal(size=600) * 3 + 1]) for _ in range(400)]
-        assert kstest(found, "uniform").pvalue > 0.01
+        assert scipy.stats.kstest(found, "uniform").pvalue > 0.01
 
     @pytest.mark.parametrize("share", [0.3, -0.3, 0.9])
     def test_small_for_correlated_noise(self, share):

@@ -17,7 +17,7 @@ from spear_pin.errors import BadValue
 from spear_pin.studies.audit.printed_estimates import TABLE_4_1, TABLE_4_2, average
 from spear_pin.studies.identification import Estimate, MovingAverage, identify, smoothed
 from spear_pin.studies.laboratory import synthetic_trial
-from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, gear_study, release, spear_ii
+from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, Release, gear_study, release, spear_ii
 from spear_pin.viz.plots import identification as identification_plots
 from spear_pin.viz.plots import push as push_plots
 from spear_pin.viz.plots import save_figure, style
@@ -26,14 +26,19 @@ from tests.slow import slow_but
 
 LABEL = re.compile(r"\((s|rad|mrad|m|cm|N|kg·m²|N·m/rad|N·m·s/rad|1)\)$")
 NAMES_NOT_NUMBERS = {("gears", 1, "y"), ("correlations", 0, "x"), ("correlations", 0, "y"), ("correlations", 1, "x")}
-RELEASES = {
-    "with motor": release(spear_ii(), WITH_MOTOR, rate=200.0),
-    "no motor": release(spear_ii(None), WITHOUT_MOTOR, rate=200.0),
-}
-ROWS = gear_study()
-
-
 FIGURES = ("release", "gears", "correlations", "tables", "fit 1", "fit 2", "fit 3", "fit 4", "fit 6")
+
+
+@cache
+def released() -> dict[str, Release]:
+    """One with motor and one without."""
+    return {
+        "with motor": release(spear_ii(), WITH_MOTOR, rate=200.0),
+        "no motor": release(spear_ii(None), WITHOUT_MOTOR, rate=200.0),
+    }
+
+
+geared = cache(gear_study)
 
 
 @cache
@@ -113,8 +118,8 @@ def figure(name: str) -> Figure:
         given |= {"warned": replace(estimate(), warnings=("one", "two")), "part": measured(estimate(), 1)}
         return identification_plots.fit_summary(dict(list({**given, "6": estimate()}.items())[: int(count)]))
     return {
-        "release": lambda: push_plots.release_summary(RELEASES),
-        "gears": lambda: push_plots.gear_comparison(ROWS),
+        "release": lambda: push_plots.release_summary(released()),
+        "gears": lambda: push_plots.gear_comparison(geared()),
         "correlations": lambda: identification_plots.correlations(estimate()),
         "tables": source_plots.source_comparison,
     }[name]()
@@ -122,19 +127,19 @@ def figure(name: str) -> Figure:
 
 class TestRelease:
     def test_shows_angle_height_and_force(self):
-        knee, hip, force = push_plots.release_summary(RELEASES).axes
-        for name, given in RELEASES.items():
+        knee, hip, force = push_plots.release_summary(released()).axes
+        for name, given in released().items():
             assert np.array_equal(line(knee, name), [given.t, given.angle])
             assert np.array_equal(line(hip, name), [given.t, given.height])
             assert np.array_equal(line(force, name), [given.t, given.force[:, 1]])
             assert set(line(knee, f"rest {name}")[1]) == {given.rest}
 
     def test_marks_where_the_pin_pulls(self):
-        _, _, force = push_plots.release_summary(RELEASES).axes
+        _, _, force = push_plots.release_summary(released()).axes
         shaded = {drawn.get_gid(): drawn.get_paths() for drawn in force.collections}
         assert not shaded["pull with motor"] and len(shaded["pull no motor"]) == 1
         outline = shaded["pull no motor"][0].vertices
-        given = RELEASES["no motor"]
+        given = released()["no motor"]
         assert outline[:, 1].min() == given.force[:, 1].min() < 0.0
         assert outline[:, 1].max() == pytest.approx(0.0, abs=1e-9)
         assert outline[:, 0].min() == pytest.approx(given.lift_off)
@@ -143,15 +148,15 @@ class TestRelease:
         assert legend == ["a free toe would lift off", "the pin pulls"]
 
     def test_speaks_of_no_pull_where_there_is_none(self):
-        _, _, force = push_plots.release_summary({"with motor": RELEASES["with motor"]}).axes
+        _, _, force = push_plots.release_summary({"with motor": released()["with motor"]}).axes
         assert force.get_legend() is None
 
     def test_says_what_ended_a_motion(self):
-        figure = push_plots.release_summary({"deep": replace(RELEASES["no motor"], reason="limit")})
+        figure = push_plots.release_summary({"deep": replace(released()["no motor"], reason="limit")})
         assert "deep, ended by limit" in texts(figure)
 
     def test_needs_releases(self):
-        for releases in ({}, {f"{n}": RELEASES["no motor"] for n in range(8)}):
+        for releases in ({}, {f"{n}": released()["no motor"] for n in range(8)}):
             with pytest.raises(BadValue, match="releases"):
                 push_plots.release_summary(releases)
 
@@ -160,16 +165,16 @@ class TestGears:
     NAMES = ("no motor", "15:1", "30:1", "66:1")
 
     def test_shows_each_ratio_with_its_first_turn(self):
-        knee, _ = push_plots.gear_comparison(ROWS).axes
-        for name, row in zip(self.NAMES, ROWS, strict=True):
+        knee, _ = push_plots.gear_comparison(geared()).axes
+        for name, row in zip(self.NAMES, geared(), strict=True):
             assert np.array_equal(line(knee, name), [row.release.t, row.release.angle])
             assert line(knee, f"turn {name}").ravel().tolist() == [row.release.turns[0], row.release.extrema[0]]
 
     def test_the_bars_are_the_effective_inertia_and_its_shares(self):
-        _, inertia = push_plots.gear_comparison(ROWS).axes
+        _, inertia = push_plots.gear_comparison(geared()).axes
         leg, rotor = ([bar.get_width() for bar in group] for group in inertia.containers)
-        assert rotor == pytest.approx([row.rotor for row in ROWS])
-        for row, body, reflected in zip(ROWS, leg, rotor, strict=True):
+        assert rotor == pytest.approx([row.rotor for row in geared()])
+        for row, body, reflected in zip(geared(), leg, rotor, strict=True):
             whole = float(spear_ii(row.ratio).effective_inertia(row.release.rest))
             assert body + reflected == pytest.approx(whole)
             assert reflected / whole == pytest.approx(row.swing.rotor_share)
