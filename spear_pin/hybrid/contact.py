@@ -67,8 +67,9 @@ def constrained(D: Array, force: Array, A: Array, G: Array, drift: Array) -> tup
         for a slipping toe this is the pivot, and where it is not positive the equation has no
         solution or two (Painlevé).
     """
-    k = 1 if force.ndim == 1 else force.shape[1]
-    solved = solve(D, np.column_stack([force, G]))
+    forces = force[:, None] if force.ndim == 1 else force
+    k = forces.shape[1]
+    solved = solve(D, np.concatenate((forces, G), axis=1))
     free, response = solved[:, :k], solved[:, k:]
     schur = A @ response
     approach = A @ free

@@ -75,6 +75,7 @@ class Flow:
         self._holding = np.zeros(len(self._stuck))
         self._passive, self._applied = np.zeros(robot.nv), np.zeros(robot.nv)
         self._motors = robot.actuation_matrix
+        self._acting = np.column_stack([self._zeros, self._motors])
         self._hardware = system.hardware
         self._nx = len(system.hardware.names) if system.hardware is not None else 0
         self._nw = len(flow_names(system))
@@ -269,7 +270,8 @@ class Flow:
         applied = self._passive - self._data.nle
         if self._has_friction:
             applied += self._viscous
-        forces = np.column_stack([applied, self._motors])
+        forces = self._acting.copy()
+        forces[:, 0] = applied
         if self._at_rest:
             rows, drifts = self._rows(self._at_rest)
             jacobian = np.concatenate(rows)
