@@ -33,13 +33,14 @@ def pytest_runtest_makereport(item):
     return report
 
 
-@pytest.fixture(scope="session", autouse=True)
-def soon_compiled():
-    """Tests compile much and run little of it: `tests/hybrid/test_lanes.py` holds it against what is optimised."""
+@pytest.fixture(scope="module", autouse=True)
+def soon_compiled(request):
+    """Tests compile much and run little of it, so it is not optimised; in modules marked `optimised` it is."""
     from spear_pin.hybrid.engines import taylor
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(taylor, "LEVEL", 0)
+        if request.node.get_closest_marker("optimised") is None:
+            patch.setattr(taylor, "LEVEL", 0)
         yield
 
 

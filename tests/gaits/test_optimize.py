@@ -81,10 +81,17 @@ class TestSearch:
             np.testing.assert_allclose(found, known, rtol=0, atol=1e-5)
         np.testing.assert_allclose(np.abs(gait.multipliers), np.abs(shipped.multipliers), rtol=0, atol=1e-3)
 
-    def test_springs_that_are_not_linear(self, q_spear, coarse):
-        """The simulated gait takes the effort that the optimiser reckoned with, by every part of a spring's curve."""
-        table = (0.0, 0.0), (0.2, 16.0), (0.4, 38.0), (0.8, 100.0)
-        request = Request(stiffness=0.0, hardening=60.0, preload=3.0, table=table)
+    @pytest.mark.parametrize(
+        "wish",
+        [
+            {"stiffness": 80.0, "hardening": 100.0, "preload": 4.0},
+            {"stiffness": 0.0, "table": ((0.0, 0.0), (0.2, 20.0), (0.4, 50.0), (0.8, 130.0))},
+        ],
+        ids=str,
+    )
+    def test_springs_that_are_not_linear(self, q_spear, coarse, wish):
+        """The simulated gait takes the effort that the optimiser reckoned with."""
+        request = Request(**wish)
         gait, solution = search(q_spear, request, start=coarse[1])
         assert gait.residual < 1e-9
         assert gait.system.spring == request.spring(request.stiffness)

@@ -21,6 +21,8 @@ from spear_pin.hybrid.record import Options
 from spear_pin.hybrid.run import run
 from tests.hybrid.lanes import FINE, around, assert_agree, assert_same, compiles
 
+pytestmark = pytest.mark.optimised
+
 
 @compiles
 class TestLanes:
@@ -40,7 +42,6 @@ class TestLanes:
     @pytest.mark.parametrize("spread", [0.01, 0.1])
     def test_one_by_one(self, hop, spread, monkeypatch):
         """Few lanes run one by one: to rounding as together, whatever they meet on their way."""
-        monkeypatch.setattr(taylor, "LEVEL", 3)  # rounding decides which are refused
         q, v = around(hop, spread, 24)
         monkeypatch.setattr(journey, "FEW", 0)
         together = simulate_many(hop.system, q, v, 3, observe=True)
@@ -130,8 +131,9 @@ class TestLanes:
     def test_however_it_is_compiled(self, hop, unroll, monkeypatch):
         """It computes the same, with loops or without, optimised or not; one lane alone, too."""
         q, v = around(hop, 0.02, 20)
-        plain = simulate_many(hop.system, q, v, 2, unroll=unroll)
-        monkeypatch.setattr(taylor, "LEVEL", 3)
+        with monkeypatch.context() as patch:
+            patch.setattr(taylor, "LEVEL", 0)
+            plain = simulate_many(hop.system, q, v, 2, unroll=unroll)
         assert_same(simulate_many(hop.system, q, v, 2), plain, 1e-9)
         monkeypatch.setattr(journey, "FEW", 20)
         assert_same(simulate_many(hop.system, q, v, 2), plain, 1e-9)
