@@ -275,13 +275,24 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/section",
+        ["hybrid/test_section"],
+        {
+            "a direction of velocity missing from the chart": (
+                "null_spaces(velocity_rows(jacobians, slides)))",
+                "null_spaces(velocity_rows(jacobians, slides))[:, :, 1:])",
+            ),
+            "a sliding toe held along its path": ("np.column_stack([~slides,", "np.column_stack([slides | True,"),
+            "charts on the ground of the first lanes": (
+                "heights, jacobians[moving] = self.section.take(moving)",
+                "heights, jacobians[moving] = self.section.take(np.arange(len(moving)))",
+            ),
+        },
+    ),
+    *mistakes_in(
         "hybrid/periodic",
         ["hybrid/test_periodic"],
         {
-            "a direction of velocity missing from the chart": (
-                "null_space(_velocity_rows(system, q, state)))",
-                "null_space(_velocity_rows(system, q, state))[:, 1:])",
-            ),
             "steps of differences ten thousand times longer": ("STEP = 1e-5", "STEP = 1e-1"),
             "differences over half their width": ("/ (2.0 * h)", "/ h"),
             "residual of positions only": (

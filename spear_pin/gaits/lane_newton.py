@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import NoGait, SpearError
-from spear_pin.gaits.charts import Charts, applied
 from spear_pin.gaits.search import SHORTEST_CYCLE, TOLERANCE
 from spear_pin.hybrid import periodic
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import Batch, simulate_many
 from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.per_lane import applied
 from spear_pin.hybrid.periodic import STEP
 from spear_pin.hybrid.record import State
+from spear_pin.hybrid.section import Charts
 from spear_pin.hybrid.translation import without
 
 Array = NDArray[np.float64]

@@ -15,7 +15,6 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.charts import Section
 from spear_pin.gaits.lane_newton import Problem, multipliers, newton, valid
 from spear_pin.gaits.search import RESIDUAL, SETTLE
 from spear_pin.gaits.targets import check_wanted
@@ -23,9 +22,10 @@ from spear_pin.hybrid import reasons
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import Batch, simulate_many
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.layout import OF_GROUND, with_fields
+from spear_pin.hybrid.engines.layout import OF_GROUND
 from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.record import State
+from spear_pin.hybrid.section import section
 from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
@@ -210,8 +210,7 @@ class _Lanes:
     def __init__(self, search: _Search, start: Array, on_lanes: Callable[[int], object]) -> None:
         n, robot = len(start), search.system.robot
         self.search, self.start, self.on_lanes = search, start, on_lanes
-        own = {name: values for name, values in search.fixed.items() if name in OF_GROUND}
-        self.section = Section(search.system, with_fields(search.system.ground, own))
+        self.section = section(search.system, search.fixed)
         self.q, self.v = np.full((n, robot.nq), np.nan), np.full((n, robot.nv), np.nan)
         self.solved = np.full(start.shape, np.nan)
         self.residual, self.norm = np.full(n, np.nan), np.full(n, np.inf)

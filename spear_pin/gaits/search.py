@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import EVALUATIONS, STEP, chart, displacement, multipliers, newton, return_map
 from spear_pin.hybrid.record import Moment, Options, Run, State
 from spear_pin.hybrid.run import run
+from spear_pin.hybrid.section import Chart
 from spear_pin.hybrid.translation import translations, without
 from spear_pin.kinds import typed
 
@@ -140,7 +141,8 @@ class _Search:
         def unknowns(z: Array) -> tuple[HybridSystem, State]:
             values = dict(zip(self.vary, (z[d:] * scale).tolist(), strict=True))
             trial = with_parameters(system, values)
-            return trial, replace(local, system=trial).state(z[:d])  # on its own ground
+            own = {name: np.array([value]) for name, value in values.items()}
+            return trial, Chart(local.lane.on(own)).state(z[:d])  # on its own ground
 
         def function(z: Array) -> Array | None:
             try:

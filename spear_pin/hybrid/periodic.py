@@ -1,100 +1,23 @@
-"""Periodic orbits: the section and its chart, the return map, Newton's method, Floquet multipliers.
-
-The Poincaré section lies just after the section's event (4.11). Points on it satisfy the closed
-toes' constraints, so the chart has fewer coordinates than the state: three for a hop with boom_x
-locked, four with it free, translation along the ground being left out.
-"""
+"""Periodic orbits: the return map on the section, Newton's method, Floquet multipliers."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from spear_pin.errors import NoGait
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.record import Options, Run, State
-from spear_pin.hybrid.rules.footing import still
 from spear_pin.hybrid.run import run
+from spear_pin.hybrid.section import chart as chart
 from spear_pin.hybrid.translation import translations, without
 
 Array = NDArray[np.float64]
 PATIENCE = 7  # iterations in which the residual has to be halved
 STEP = 1e-5  # of differences: errors of order STEP, of order STEP² where they are central, and rtol / STEP
 EVALUATIONS = 60_000  # right-hand sides of one cycle; a gait's takes some thousands, even near an rtol of 1e-13
-
-
-@dataclass(frozen=True)
-class Chart:
-    """Coordinates ξ of the section near a state: displacements along its tangent space.
-
-    Attributes:
-        system: the system.
-        origin: the state (q, v) with ξ = 0.
-        q_basis: tangent directions of q, orthonormal, (nq, dq).
-        v_basis: tangent directions of v, orthonormal, (nv, dv).
-    """
-
-    system: HybridSystem
-    origin: State
-    q_basis: Array
-    v_basis: Array
-
-    @property
-    def dimension(self) -> int:
-        """Number of coordinates."""
-        return int(self.q_basis.shape[1] + self.v_basis.shape[1])
-
-    def state(self, xi: Array) -> State:
-        """The state on the section with coordinates ξ."""
-        dq = self.q_basis.shape[1]
-        q = self.origin[0] + self.q_basis @ xi[:dq]
-        v = self.origin[1] + self.v_basis @ xi[dq:]
-        for _ in range(8):
-            heights, rows = _section_rows(self.system, q)
-            if np.abs(heights).max(initial=0.0) < 1e-15:
-                break
-            q = q - np.linalg.pinv(rows) @ heights
-        velocity_rows = _velocity_rows(self.system, q, self.origin)
-        return q, v - np.linalg.pinv(velocity_rows) @ (velocity_rows @ v)
-
-    def coordinates(self, state: State) -> Array:
-        """ξ of a state on the section."""
-        q, v = state
-        return np.concatenate([self.q_basis.T @ (q - self.origin[0]), self.v_basis.T @ (v - self.origin[1])])
-
-
-def chart(system: HybridSystem, state: State) -> Chart:
-    """The chart of the section around a state on it."""
-    q, v = state
-    _, height_rows = _section_rows(system, q)
-    q_basis = scipy.linalg.null_space(np.vstack([height_rows, translations(system)]))
-    return Chart(system, (q.copy(), v.copy()), q_basis, scipy.linalg.null_space(_velocity_rows(system, q, state)))
-
-
-def _closed_toes(system: HybridSystem) -> list[str]:
-    contacts = system.of_phase(system.section_phase)[0].contacts
-    return [toe for toe, mode in zip(system.robot.toes, contacts, strict=True) if mode != OPEN]
-
-
-def _section_rows(system: HybridSystem, q: Array) -> tuple[Array, Array]:
-    """Distances of the closed toes from the ground and their gradients."""
-    feet = [system.ground.foot(system.robot, q, toe) for toe in _closed_toes(system)]
-    return np.array([height for height, _ in feet]), np.array([jacobian[1] for _, jacobian in feet])
-
-
-def _velocity_rows(system: HybridSystem, q: Array, origin: State) -> Array:
-    """Rows of the closed toes' Jacobians along which the velocity vanishes: not along a slipping toe's path."""
-    rows = []
-    for toe in _closed_toes(system):
-        (_, jacobian), (_, begun) = (system.ground.foot(system.robot, at, toe) for at in (q, origin[0]))
-        slides = not still((begun @ origin[1])[0])
-        rows += [jacobian[1]] if slides else [jacobian[0], jacobian[1]]
-    return np.array(rows)
 
 
 def return_map(system: HybridSystem, state: State, rtol: float = 1e-10) -> Run:

@@ -6,11 +6,10 @@ import pytest
 from spear_pin import Gait, find_gait
 from spear_pin.errors import BadValue, MissingExtra, UnknownName
 from spear_pin.gaits import many
-from spear_pin.gaits.charts import Section
 from spear_pin.gaits.many import CONVERGED, REASONS, find_many
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.periodic import chart, multipliers
+from spear_pin.hybrid.periodic import multipliers
 
 compiles = pytest.mark.extra("heyoka")
 WANTED = {"flight_time": 0.2}
@@ -31,32 +30,6 @@ def assert_is(table, i, gait):
         assert table.durations[phase][i] == pytest.approx(seconds, abs=1e-7)
     for name, value in gait.parameters.items():
         assert table.parameters[name][i] == pytest.approx(value, abs=1e-6)
-
-
-class TestCharts:
-    @pytest.mark.parametrize("name", ["hop", "free_hop", "bound"])
-    def test_are_those_of_one_state(self, name, request):
-        gait = Gait.load("long_stride") if name == "bound" else request.getfixturevalue(name)
-        section, local = Section(gait.system), chart(gait.system, gait.state)
-        rng = np.random.default_rng(1)
-        xi = 1e-2 * rng.normal(size=(5, local.dimension))
-        q, v = (np.repeat(part[None], 5, axis=0) for part in gait.state)
-        charts = section.charts(q, v, section.sliding(q, v)[0])
-        assert charts.dimension == local.dimension
-        # the bases may be turned, the spaces are the same
-        for own, other in ((charts.q_bases, local.q_basis), (charts.v_bases, local.v_basis)):
-            np.testing.assert_allclose(own[2] @ own[2].T, other @ other.T, rtol=0, atol=1e-12)
-        q, v = charts.states(xi)
-        heights, jacobians = section.geometry(q)
-        assert np.abs(heights).max() < 1e-14
-        assert np.abs(jacobians[:, :, 1] @ v[:, :, None]).max() < 1e-13
-        np.testing.assert_allclose(charts.coordinates(q, v), xi, rtol=0, atol=1e-2)
-        for i in range(5):
-            own = np.concatenate([local.q_basis.T @ charts.q_bases[i] @ xi[i, : local.q_basis.shape[1]],
-                                  local.v_basis.T @ charts.v_bases[i] @ xi[i, local.q_basis.shape[1] :]])  # fmt: skip
-            expected = local.state(own)
-            np.testing.assert_allclose(q[i], expected[0], rtol=0, atol=1e-13)
-            np.testing.assert_allclose(v[i], expected[1], rtol=0, atol=1e-12)
 
 
 @compiles

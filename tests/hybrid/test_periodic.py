@@ -1,4 +1,4 @@
-"""Periodic orbits: the section's chart, Newton's method, and multipliers against an independent closed loop."""
+"""Periodic orbits: Newton's method and multipliers against an independent closed loop."""
 
 import math
 from dataclasses import replace
@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin import Contact, HoppingLaw, find_gait, hopping, simulate
+from spear_pin import HoppingLaw, find_gait, hopping, simulate
 from spear_pin.errors import NoGait
 from spear_pin.hybrid.periodic import (
     EVALUATIONS,
@@ -18,7 +18,6 @@ from spear_pin.hybrid.periodic import (
     return_map,
 )
 from tests.hybrid.by_hand import Hopper
-from tests.lagrangian import monopod
 
 
 def by_modulus(values):
@@ -157,50 +156,6 @@ class TestMultipliers:
         system = hopping(robot, HoppingLaw(stance_torque=0.0))
         with pytest.raises(NoGait, match="does not close"):
             multipliers(system, hop.state)
-
-
-class TestChart:
-    @pytest.mark.parametrize(("name", "dimension"), [("hop", 3), ("free_hop", 4)])
-    def test_covers_the_section(self, name, dimension, request):
-        """The toe at rest on the ground takes one position and two rates; translation is left out."""
-        gait = request.getfixturevalue(name)
-        local = chart(gait.system, gait.state)
-        lagrangian = monopod(gait.system.robot.coordinates)
-        assert local.dimension == dimension
-        rng = np.random.default_rng(1)
-        for xi in 0.05 * rng.normal(size=(20, dimension)):
-            q, v = local.state(xi)
-            at = lagrangian.terms(q, v)
-            assert abs(at.toes["toe"][1]) < 1e-14
-            assert np.abs(at.jacobians["toe"] @ v).max() < 1e-12
-            if "boom_x" in gait.system.robot.coordinates:
-                assert q[0] == pytest.approx(gait.state[0][0], abs=1e-15)
-            # the chart projects along its normals, which leaves the coordinates to first order
-            assert np.abs(local.coordinates((q, v)) - xi).max() < 0.05
-
-    def test_origin(self, hop):
-        local = chart(hop.system, hop.state)
-        q, v = local.state(np.zeros(3))
-        np.testing.assert_allclose(q, hop.state[0], rtol=0, atol=1e-14)
-        np.testing.assert_allclose(v, hop.state[1], rtol=0, atol=1e-12)
-        np.testing.assert_allclose(local.coordinates(hop.state), 0.0, atol=1e-15)
-
-    def test_tangent_to_first_order(self, hop):
-        local = chart(hop.system, hop.state)
-        jacobian = differentiate(lambda xi: local.coordinates(local.state(xi)), np.zeros(3), np.full(3, 1e-6))
-        np.testing.assert_allclose(jacobian, np.eye(3), rtol=0, atol=1e-8)
-
-    def test_a_toe_that_slides_has_one_coordinate_more(self, robot, hop):
-        system = hopping(robot, hop.system.law, contact=Contact(0.02))
-        q, v = return_map(system, hop.state).state
-        toe_velocity = robot.toe_jacobian(q, "toe") @ v
-        assert abs(toe_velocity[0]) > 1e-3 and abs(toe_velocity[1]) < 1e-9
-        local = chart(system, (q, v))
-        assert local.dimension == 4
-        xi = np.array([0.01, 0.02, -0.03, 0.04])
-        moved, rates = local.state(xi)
-        assert abs(robot.toe_position(moved, "toe")[1]) < 1e-14
-        assert abs((robot.toe_jacobian(moved, "toe") @ rates)[1]) < 1e-12
 
 
 class TestNewton:

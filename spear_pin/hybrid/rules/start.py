@@ -10,6 +10,12 @@ from spear_pin.hybrid.rules.footing import AT_REST
 from spear_pin.hybrid.rules.guards import ON_GROUND
 
 STATE_AT_REST = 10.0 * AT_REST  # m/s: of a state that is given
+PLACED = 1e-15  # m: what rounding leaves of the height of a toe that is put on the ground
+
+
+def placed(height: Any) -> Any:
+    """Whether a toe at a distance from the ground, in m, is on it as exactly as one can be put there."""
+    return abs(height) < PLACED
 
 
 def below_ground(height: Any) -> Any:

@@ -6,7 +6,7 @@ import pytest
 from spear_pin.hybrid.rules.footing import AT_REST
 from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.rules.latching import latched
-from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
+from spear_pin.hybrid.rules.start import PLACED, STATE_AT_REST, below_ground, placed, rests, start
 
 HEIGHTS = {-2.0 * ON_GROUND: True, -ON_GROUND: True, 0.0: True, ON_GROUND: True, 2.0 * ON_GROUND: False}
 SPEEDS = {0.0: True, AT_REST: True, -AT_REST: True, 2.0 * AT_REST: False, -0.5: False}
@@ -20,6 +20,12 @@ def test_rests(n):
             assert (rests(np.full(n, height), np.full(n, speed)) == (near and still)).all()
             assert below_ground(height) == (height < -ON_GROUND) == below_ground(np.full(n, height)).all()
     assert rests(0.0, STATE_AT_REST, STATE_AT_REST) and not rests(0.0, STATE_AT_REST)
+
+
+@pytest.mark.parametrize("n", [1, 64])
+def test_placed(n):
+    for height, on_it in {0.0: True, 0.5 * PLACED: True, -0.5 * PLACED: True, PLACED: False, -PLACED: False}.items():
+        assert placed(height) == on_it and (placed(np.full(n, height)) == on_it).all()
 
 
 def test_as_if_the_phase_had_just_begun(hop):

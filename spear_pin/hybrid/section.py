@@ -1,0 +1,230 @@
+"""The Poincaré section just after its event (4.11), and charts of it around many states, or one.
+
+Points on it satisfy the closed toes' constraints, so a chart has fewer coordinates than the state: three for a hop with
+boom_x locked, four with it free, translation along the ground being left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.engines.layout import OF_GROUND, with_fields
+from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.per_lane import applied, null_spaces
+from spear_pin.hybrid.record import State
+from spear_pin.hybrid.rules.footing import closed_toes, still
+from spear_pin.hybrid.rules.start import placed
+from spear_pin.hybrid.translation import translations
+from spear_pin.model.planar import Planar
+from spear_pin.model.robot import Robot
+
+Array = NDArray[np.float64]
+Lanes = NDArray[np.int64]
+PROJECTIONS = 8  # onto the ground at most; each squares what is left
+FARTHEST = 1e6  # m, rad: there is no state farther off
+
+
+@dataclass(frozen=True)
+class Section:
+    """The toes that are closed just after the section's event, and the ground that they are on.
+
+    Attributes:
+        robot: the robot.
+        planar: its dynamics.
+        toes: the closed ones.
+        ground: its numbers are arrays where lanes have ground of their own.
+        translations: directions along which nothing changes, (k, nv), or (n, k, nv) where lanes have slopes of theirs.
+    """
+
+    robot: Robot
+    planar: Planar
+    toes: tuple[str, ...]
+    ground: Ground
+    translations: Array
+
+    def take(self, lanes: Any) -> Section:
+        """Section of some lanes."""
+        own = {name: value[lanes] for name, value in vars(self.ground).items() if isinstance(value, np.ndarray)}
+        if not own:
+            return self
+        along = self.translations[lanes] if self.translations.ndim == 3 else self.translations
+        return replace(self, ground=with_fields(self.ground, own), translations=along)
+
+    def on(self, numbers: Mapping[str, Array]) -> Section:
+        """Section on ground that has other numbers in each lane, (n,), of all by name those that are the ground's."""
+        own = {name: values for name, values in numbers.items() if name in OF_GROUND}
+        return replace(self, ground=with_fields(self.ground, own)) if own else self
+
+    def geometry(self, q: Array) -> tuple[Array, Array]:
+        """Distances of the closed toes from the ground, (n, k), their Jacobians, (n, k, 2, nv), of configurations."""
+        heights, jacobians = np.empty((len(q), len(self.toes))), np.empty((len(q), len(self.toes), 2, self.planar.nv))
+        if type(self.ground) is not Ground:  # what its shape is may be said of numbers only
+            for lane, configuration in enumerate(q):
+                ground = _of_lane(self.ground, lane)
+                for i, toe in enumerate(self.toes):
+                    heights[lane, i], jacobians[lane, i] = ground.foot(self.robot, configuration, toe)
+            return heights, jacobians
+        rows = list(np.ascontiguousarray(q.T))
+        feet = self.ground.seen(self.planar.feet(rows, [0.0] * self.planar.nv, np), np)
+        for i, toe in enumerate(self.toes):
+            heights[:, i] = feet.positions[toe][1]
+            for axis, row in enumerate(feet.jacobians[toe]):
+                for j, value in enumerate(row):
+                    jacobians[:, i, axis, j] = value
+        return heights, jacobians
+
+    def sliding(self, q: Array, v: Array) -> NDArray[np.bool_]:
+        """Which closed toes slide, (n, k)."""
+        return np.asarray(~still(applied(self.geometry(q)[1][:, :, 0], v)))
+
+    def charts(self, q: Array, v: Array, slides: NDArray[np.bool_]) -> Charts:
+        """Charts around states in all of which the same toes slide, (k,)."""
+        _, jacobians = self.geometry(q)
+        fixed = np.broadcast_to(self.translations, (len(q), *self.translations.shape[-2:]))
+        q_bases = null_spaces(np.concatenate([jacobians[:, :, 1], fixed], axis=1))
+        return Charts(self, slides, q, v, q_bases, null_spaces(velocity_rows(jacobians, slides)))
+
+
+def section(system: HybridSystem, numbers: Mapping[str, Array] | None = None) -> Section:
+    """Section of a system.
+
+    Args:
+        system: the system.
+        numbers: that differ from lane to lane, (n,) each, by name; those of the ground are its own in each lane.
+    """
+    ground = with_fields(system.ground, {name: each for name, each in (numbers or {}).items() if name in OF_GROUND})
+    domain = system.of_phase(system.section_phase)[0]
+    toes = tuple(toe for toe, _ in closed_toes(system.robot.toes, domain))
+    return Section(system.robot, Planar(system.robot), toes, ground, translations(system, ground))
+
+
+@dataclass(frozen=True)
+class Charts:
+    """Coordinates ξ of the section near each of many states: displacements along its tangent spaces.
+
+    Attributes:
+        section: what they share.
+        slides: which closed toes slide, (k,), the same ones in every lane.
+        q: configurations with ξ = 0, (n, nv).
+        v: velocities with ξ = 0, (n, nv).
+        q_bases: tangent directions of q, orthonormal, (n, nv, dq).
+        v_bases: tangent directions of v, orthonormal, (n, nv, dv).
+    """
+
+    section: Section
+    slides: NDArray[np.bool_]
+    q: Array
+    v: Array
+    q_bases: Array
+    v_bases: Array
+
+    def __len__(self) -> int:
+        """Number of lanes."""
+        return len(self.q)
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates."""
+        return int(self.q_bases.shape[2] + self.v_bases.shape[2])
+
+    def take(self, lanes: Lanes) -> Charts:
+        """Some lanes, in any order, one as often as wanted."""
+        parts = (part[lanes] for part in (self.q, self.v, self.q_bases, self.v_bases))
+        return Charts(self.section.take(lanes), self.slides, *parts)
+
+    def on(self, numbers: Mapping[str, Array]) -> Charts:
+        """The same coordinates of the section on other ground, see `Section.on`."""
+        return replace(self, section=self.section.on(numbers))
+
+    def states(self, xi: Array) -> tuple[Array, Array]:
+        """The states on the section with coordinates ξ, (n, d); not finite where there is none."""
+        dq = self.q_bases.shape[2]
+        q, v = self.q + applied(self.q_bases, xi[:, :dq]), self.v + applied(self.v_bases, xi[:, dq:])
+        near = np.abs(q).max(axis=1) < FARTHEST  # also False where it is not finite
+        q[~near], v[~near] = np.nan, np.nan
+        moving = lanes = np.flatnonzero(near)
+        jacobians = np.empty((len(q), len(self.slides), 2, q.shape[1]))
+        for _ in range(PROJECTIONS):
+            heights, jacobians[moving] = self.section.take(moving).geometry(q[moving])
+            off = ~placed(heights).all(axis=1)
+            moving = moving[off]
+            if not len(moving):
+                break
+            q[moving] -= applied(np.linalg.pinv(jacobians[moving, :, 1]), heights[off])
+        rows = velocity_rows(jacobians[lanes], self.slides)
+        v[lanes] -= applied(np.linalg.pinv(rows), applied(rows, v[lanes]))
+        return q, v
+
+    def coordinates(self, q: Array, v: Array) -> Array:
+        """ξ of states on the section, (n, d)."""
+        parts = (self.q_bases, q - self.q), (self.v_bases, v - self.v)
+        return np.concatenate([applied(np.swapaxes(bases, 1, 2), part) for bases, part in parts], axis=1)
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Coordinates ξ of the section near a state: charts with one lane, seen without the axis of lanes.
+
+    Attributes:
+        lane: the charts.
+    """
+
+    lane: Charts
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates."""
+        return self.lane.dimension
+
+    @property
+    def q_basis(self) -> Array:
+        """Tangent directions of q, orthonormal, (nq, dq)."""
+        basis: Array = self.lane.q_bases[0]
+        return basis
+
+    @property
+    def v_basis(self) -> Array:
+        """Tangent directions of v, orthonormal, (nv, dv)."""
+        basis: Array = self.lane.v_bases[0]
+        return basis
+
+    def state(self, xi: Array) -> State:
+        """The state on the section with coordinates ξ."""
+        q, v = self.lane.states(xi[None])
+        return q[0], v[0]
+
+    def coordinates(self, state: State) -> Array:
+        """ξ of a state on the section."""
+        q, v = state
+        xi: Array = self.lane.coordinates(q[None], v[None])[0]
+        return xi
+
+
+def chart(system: HybridSystem, state: State) -> Chart:
+    """The chart of the section around a state on it.
+
+    Raises:
+        BadValue: the state has the wrong shape or is not finite.
+    """
+    system.robot.bias(*state)  # checks both
+    q, v = (np.array(part, dtype=float)[None] for part in state)
+    whole = section(system)
+    return Chart(whole.charts(q, v, whole.sliding(q, v)[0]))
+
+
+def velocity_rows(jacobians: Array, slides: NDArray[np.bool_]) -> Array:
+    """Rows along which the velocity vanishes, (n, r, nv): not along a slipping toe's path."""
+    n, k, axes, nv = jacobians.shape
+    return jacobians.reshape(n, k * axes, nv)[:, np.column_stack([~slides, np.ones_like(slides)]).ravel()]
+
+
+def _of_lane(ground: Ground, lane: int) -> Ground:
+    """The ground of one lane."""
+    own = {name: float(value[lane]) for name, value in vars(ground).items() if isinstance(value, np.ndarray)}
+    return with_fields(ground, own)
