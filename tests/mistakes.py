@@ -290,15 +290,36 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/newton",
+        ["hybrid/test_newton", "hybrid/test_periodic"],
+        {
+            "steps of differences ten thousand times longer": ("STEP = 1e-5", "STEP = 1e-1"),
+            "differences over half their width": ("/ (2.0 * step)", "/ step"),
+            "Jacobians updated after every step": ("size / lanes.norm < quick", "size / lanes.norm < np.inf"),
+            "any step is taken": ("(1.0 - 0.1 * trials.damping) * trials.norm", "np.inf * trials.norm"),
+            "steps are not damped": (
+                "np.where(lanes.fresh, 0.5 * lanes.damping, 1.0)",
+                "np.where(lanes.fresh, 0.0, 1.0)",
+            ),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/shooting",
+        ["hybrid/test_shooting"],
+        {
+            "targets of other lanes": ("after.measured - self.wanted[lanes]", "after.measured - self.wanted[:1]"),
+            "a cycle of no length is one": ("(sum(after.durations.values()) < SHORTEST_CYCLE)", "False"),
+        },
+    ),
+    *mistakes_in(
         "hybrid/periodic",
         ["hybrid/test_periodic"],
         {
-            "steps of differences ten thousand times longer": ("STEP = 1e-5", "STEP = 1e-1"),
-            "differences over half their width": ("/ (2.0 * h)", "/ h"),
             "residual of positions only": (
                 "np.concatenate([without(translations(system), after[0] - before[0]), after[1] - before[1]])",
                 "without(translations(system), after[0] - before[0])",
             ),
+            "multipliers by increasing modulus": ("-np.round(np.abs(values), 9)", "np.round(np.abs(values), 9)"),
         },
     ),
     *mistakes_in(

@@ -12,8 +12,11 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.bounding_law import INPUTS
 from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.newton import jacobian
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import STEP, chart, differentiate, eigenvalues, multipliers, return_map
+from spear_pin.hybrid.periodic import chart, eigenvalues, multipliers, one_by_one, return_map
+from spear_pin.hybrid.record import Run, State
+from spear_pin.hybrid.shooting import Shooting
 from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
@@ -39,16 +42,16 @@ def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[
     scales = np.array([SCALES.get(name, 1.0) for name in inputs])
     n = local.dimension
 
-    def mapped(z: Array) -> Array | None:
-        values = nominal + scales * z[n:]
+    def cycle(begun: State, values: Array) -> tuple[Run, Array]:
         trial = with_parameters(system, dict(zip(inputs, values.tolist(), strict=True)))
-        result = return_map(trial, local.state(z[:n]), rtol)
-        return local.coordinates(result.state) if result.cycles else None
+        return return_map(trial, begun, rtol), np.empty(0)
 
-    jacobian = differentiate(mapped, np.zeros(n + len(inputs)), np.full(n + len(inputs), STEP))
-    if jacobian is None:
+    shooting = Shooting(local.lane, one_by_one(cycle), tuple(inputs))
+    centre, sizes = np.concatenate([np.zeros(n), nominal]), np.concatenate([np.ones(n), scales])
+    found, why = jacobian(lambda lanes, z: shooting.mapped(lanes, centre + sizes * z), np.zeros(len(centre)))
+    if why:
         raise NoGait("a perturbed cycle does not close", gait.residual)
-    return jacobian[:, :n], jacobian[:, n:] / scales
+    return found[:, :n], found[:, n:] / scales
 
 
 @typed

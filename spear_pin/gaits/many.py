@@ -15,30 +15,34 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.lane_newton import Problem, multipliers, newton, valid
-from spear_pin.gaits.search import RESIDUAL, SETTLE
+from spear_pin.gaits.lane_cycles import NO_MULTIPLIERS, NOT_VALID, LaneCycles, multipliers, valid
+from spear_pin.gaits.search import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid import reasons
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import Batch, simulate_many
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.layout import OF_GROUND
+from spear_pin.hybrid.newton import CONVERGED as CONVERGED
+from spear_pin.hybrid.newton import Roots, Words
 from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.record import State
 from spear_pin.hybrid.section import section
+from spear_pin.hybrid.shooting import SHORT_CYCLE, Shooting
 from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
 Measure = Callable[[HybridSystem, Array, Batch], Array]
 ROUNDS = 6  # times at most that a lane begins from a neighbour
+CALLS = 30  # of the engine at most, in which a lane has to converge
 
-CONVERGED = "converged"
+NO_CONVERGENCE = "no_convergence"
 REASONS: Mapping[str, str] = {
     CONVERGED: "a fixed point was found, with its multipliers",
-    "no_convergence": "Newton's method makes no progress",
-    "no_multipliers": "a fixed point was found, but a cycle that begins beside it does not close",
-    "short_cycle": "the toe leaves the ground and returns at once",
-    "not_valid": "a parameter is out of its range",
+    NO_CONVERGENCE: "Newton's method makes no progress",
+    NO_MULTIPLIERS: "a fixed point was found, but a cycle that begins beside it does not close",
+    SHORT_CYCLE: "the toe leaves the ground and returns at once",
+    NOT_VALID: "a parameter is out of its range",
     **{name: text for name, text in reasons.REASONS.items() if name != "complete"},
 }
 
@@ -196,12 +200,12 @@ class _Search:
     rtol: float
     features: Array
 
-    def problem(self, lanes: NDArray[np.int64]) -> Problem:
-        """The equations of some lanes."""
+    def cycle(self, lanes: NDArray[np.int64]) -> LaneCycles:
+        """Cycles of some lanes."""
         fixed = {name: values[lanes] for name, values in self.fixed.items()}
         measures = [MEASURES[name] for name in self.target]
         observe = any(name in OBSERVED for name in self.target)
-        return Problem(self.system, fixed, self.vary, measures, self.wanted[lanes], self.rtol, observe)
+        return LaneCycles(self.system, fixed, self.vary, measures, self.rtol, observe)
 
 
 class _Lanes:
@@ -218,7 +222,7 @@ class _Lanes:
         self.durations = {phase: np.full(n, np.nan) for phase in search.system.phases}
         self.reason = np.full(n, "", dtype=object)
         numbers = {**search.fixed, **dict(zip(search.vary, start.T, strict=True))}
-        self.reason[~valid(search.system, numbers, n)] = "not_valid"
+        self.reason[~valid(search.system, numbers, n)] = NOT_VALID
 
     def run(self, guess: State) -> None:
         """From the guess, from neighbours, from where simulation from the guess leads, and from neighbours again."""
@@ -232,7 +236,7 @@ class _Lanes:
     @property
     def failed(self) -> NDArray[np.int64]:
         """Lanes that may still be found."""
-        return np.flatnonzero((self.reason != CONVERGED) & (self.reason != "not_valid"))
+        return np.flatnonzero((self.reason != CONVERGED) & (self.reason != NOT_VALID))
 
     def from_neighbours(self) -> None:
         """Begin from the nearest lane that converged, in parameters that are scaled to their spans."""
@@ -269,12 +273,13 @@ class _Lanes:
         slides = self.section.take(lanes).sliding(q, v)
         for pattern in np.unique(slides, axis=0):
             chosen = (slides == pattern).all(axis=1)
-            problem, own = self.search.problem(lanes[chosen]), lanes[chosen]
+            own = lanes[chosen]
             charts = self.section.take(own).charts(q[chosen], v[chosen], pattern)
-            root = newton(problem, charts, start[chosen])
-            self.fail(own, root.reason, root.norm)
-            there = np.flatnonzero(root.reason == CONVERGED)
-            self.finish(own[there], *charts.take(there).states(root.xi[there]), root.values[there])
+            shooting = Shooting(charts, self.search.cycle(own), self.search.vary, self.search.wanted[own])
+            roots = shooting.solve(start[chosen], TOLERANCE, CALLS)
+            self.fail(own, _why(roots), roots.norm)
+            there = np.flatnonzero(roots.end == CONVERGED)
+            self.finish(own[there], *shooting.states(there, roots.x[there]), roots.x[there, charts.dimension :])
 
     def fail(self, lanes: NDArray[np.int64], reason: NDArray[np.object_], norm: Array) -> None:
         """Note why lanes failed, of several attempts the nearest to a gait."""
@@ -288,9 +293,9 @@ class _Lanes:
             chosen = (slides == pattern).all(axis=1)
             own = lanes[chosen]
             charts = self.section.take(own).charts(q[chosen], v[chosen], pattern)
-            found = multipliers(self.search.problem(own), charts, values[chosen])
+            found = multipliers(self.search.cycle(own), charts, values[chosen])
             closes = found.residual <= max(RESIDUAL, 10.0 * self.search.rtol)
-            reason = np.where(closes, found.reason, "no_convergence").astype(object)
+            reason = np.where(closes, found.reason, NO_CONVERGENCE).astype(object)
             self.fail(own, reason, found.residual)
             good = reason == CONVERGED
             own = own[good]
@@ -308,6 +313,12 @@ class _Lanes:
         width = int(np.isfinite(self.multipliers).any(axis=0).sum()) or 1
         values, reason = self.multipliers[:, :width], self.reason.astype(str)
         return GaitTable(self.q, self.v, parameters, self.residual, values, self.durations, reason)
+
+
+def _why(roots: Roots) -> Words:
+    """Of each lane a key of `REASONS`: where there is no value, why, else whether it converged."""
+    ended = np.where(roots.end == CONVERGED, CONVERGED, NO_CONVERGENCE)
+    return np.where(roots.reason == "", ended, roots.reason).astype(object)
 
 
 def _repeated(state: State, n: int) -> tuple[Array, Array]:

@@ -12,11 +12,12 @@ from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.newton import CONVERGED, NO_NEIGHBOUR, NO_PROGRESS, NO_START, TOO_LONG, Lanes
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import EVALUATIONS, STEP, chart, displacement, multipliers, newton, return_map
+from spear_pin.hybrid.periodic import EVALUATIONS, chart, displacement, multipliers, one_by_one, return_map
 from spear_pin.hybrid.record import Moment, Options, Run, State
 from spear_pin.hybrid.run import run
-from spear_pin.hybrid.section import Chart
+from spear_pin.hybrid.shooting import Shooting
 from spear_pin.hybrid.translation import translations, without
 from spear_pin.kinds import typed
 
@@ -30,8 +31,13 @@ TOLERANCE = 1e-10  # of Newton's method, or the integrator's where that is finer
 ROUGH_RTOL, ROUGH_TOLERANCE = 1e-8, 1e-6  # of the integrator and of Newton's method until a solution is near
 RESIDUAL = 1e-9
 FACTORS = (1.0, 0.9, 1.1, 0.8, 1.2)  # of the varied parameters' starting values, tried in turn
-SHORTEST_CYCLE = 1e-3  # s: a toe that leaves and returns within it makes no gait, though it is nearly periodic
 SHORTEST_STEP = 1.0 / 16.0  # of the way to the targets: the first one, and the last where steps have to shrink
+WHY: Mapping[str, str] = {
+    NO_START: "the cycle does not close at the starting point",
+    NO_NEIGHBOUR: "the cycle does not close near an iterate",
+    NO_PROGRESS: "Newton's method makes no progress",
+    TOO_LONG: "Newton's method did not converge in {n} iterations",
+}
 
 
 @typed
@@ -134,32 +140,30 @@ class _Search:
     ) -> tuple[HybridSystem, State]:
         """Newton's method from a state on the section and the system's own parameters."""
         local = chart(system, state)
-        start = np.array([parameter(system, name) for name in self.vary])
-        scale = np.maximum(1.0, np.abs(start))
-        d = local.dimension
+        start = np.array([[parameter(system, name) for name in self.vary]])
 
-        def unknowns(z: Array) -> tuple[HybridSystem, State]:
-            values = dict(zip(self.vary, (z[d:] * scale).tolist(), strict=True))
-            trial = with_parameters(system, values)
-            own = {name: np.array([value]) for name, value in values.items()}
-            return trial, Chart(local.lane.on(own)).state(z[:d])  # on its own ground
-
-        def function(z: Array) -> Array | None:
+        def cycle(begun: State, values: Array) -> tuple[Run, Array] | str:
             try:
-                trial, at = unknowns(z)
-                result = return_map(trial, at, rtol)
+                result = return_map(with_parameters(system, self.named(values)), begun, rtol)
                 self._look_after(result)
-                if not result.cycles or sum(result.durations.values()) < SHORTEST_CYCLE:
-                    return None
-                moved = local.coordinates(result.state) - local.coordinates(at)
-                value = np.concatenate([moved, self.measure(result) - wanted])
-                return value if np.isfinite(value).all() else None
-            except SpearError:  # a parameter out of range, a toe below ground, an event that did not happen
-                return None
+                return result, self.measure(result) if result.cycles else np.empty(0)
+            except SpearError as error:  # a parameter out of range, a toe below ground, an event that did not happen
+                return str(error)
 
-        z = np.concatenate([np.zeros(d), start / scale])
-        z, _ = newton(function, z, np.full(len(z), STEP), tolerance, on_iteration=self.on_iteration)
-        return unknowns(z)
+        shooting = Shooting(local.lane, one_by_one(cycle, len(self.measures)), self.vary, wanted[None])
+        roots = shooting.solve(start, tolerance, on_iterates=self._tell)
+        if roots.end[0] != CONVERGED:
+            raise NoGait(WHY[roots.end[0]].format(n=roots.iteration[0]), float(roots.norm[0]))
+        q, v = shooting.states(np.zeros(1, dtype=np.int64), roots.x)
+        return with_parameters(system, self.named(roots.x[0, local.dimension :])), (q[0], v[0])
+
+    def named(self, values: Array) -> dict[str, float]:
+        """Values of what varies, by name."""
+        return dict(zip(self.vary, values.tolist(), strict=True))
+
+    def _tell(self, lanes: Lanes, iteration: Lanes, norm: Array) -> None:
+        for n, residual in zip(iteration.tolist(), norm.tolist(), strict=True):
+            self.on_iteration(n, residual)
 
     def _look_after(self, result: Run) -> None:
         """Give the search up when too many cycles took more evaluations than any gait's."""

@@ -1,4 +1,4 @@
-"""Periodic orbits: the return map on the section, Newton's method, Floquet multipliers."""
+"""Periodic orbits by the reference engine: the return map on the section, its residual, Floquet multipliers."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import NoGait
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.newton import STEP, Lanes, jacobian
 from spear_pin.hybrid.record import Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import chart as chart
+from spear_pin.hybrid.shooting import NOT_FINITE, Cycle, Cycles, Shooting
 from spear_pin.hybrid.translation import translations, without
 
 Array = NDArray[np.float64]
-PATIENCE = 7  # iterations in which the residual has to be halved
-STEP = 1e-5  # of differences: errors of order STEP, of order STEP² where they are central, and rtol / STEP
 EVALUATIONS = 60_000  # right-hand sides of one cycle; a gait's takes some thousands, even near an rtol of 1e-13
 
 
@@ -36,71 +36,37 @@ def residual(system: HybridSystem, state: State, rtol: float = 1e-10) -> float:
     return float(np.abs(displacement(system, state, result.state)).max()) if result.cycles else np.inf
 
 
-def differentiate(
-    function: Callable[[Array], Array | None], x: Array, step: Array, value: Array | None = None
-) -> Array | None:
-    """Jacobian by differences: forward from a `value` that is known at x, else central; None where there is none."""
-    columns = []
-    for i, h in enumerate(step):
-        offset = np.zeros_like(x)
-        offset[i] = h
-        ahead, behind = function(x + offset), function(x - offset) if value is None else value
-        if ahead is None or behind is None:
-            return None
-        columns.append((ahead - behind) / (2.0 * h) if value is None else (ahead - behind) / h)
-    return np.array(columns).T
-
-
-def newton(
-    function: Callable[[Array], Array | None],
-    x: Array,
-    step: Array,
-    tolerance: float,
-    iterations: int = 15,
-    on_iteration: Callable[[int, float], object] = lambda n, norm: None,
-) -> tuple[Array, float]:
-    """Damped Newton's method with forward differences, for a function that may have no value somewhere.
+def one_by_one(cycle: Callable[[State, Array], tuple[Run, Array] | str], measures: int = 0) -> Cycle:
+    """Cycles of lanes, run one after the other; of a lane none after one that does not close.
 
     Args:
-        function: the residual, or None where it is undefined.
-        x: start.
-        step: difference step for each unknown.
-        tolerance: on the residual's largest component.
-        iterations: at most so many.
-        on_iteration: called with the iteration and the residual.
-
-    Returns:
-        the root and its residual.
-
-    Raises:
-        NoGait: it does not converge; the text says why.
+        cycle: runs one from a state with values of what varies; the run with its measures, or why there is none.
+        measures: how many there are.
     """
-    value = function(x)
-    if value is None:
-        raise NoGait("the cycle does not close at the starting point", np.inf)
-    norm = float(np.abs(value).max())
-    norms: list[float] = []
-    for n in range(iterations + 1):
-        on_iteration(n, norm)
-        norms.append(norm)
-        if norm <= tolerance:
-            return x, norm
-        if n == iterations or (n >= PATIENCE and norm > 0.5 * norms[n - PATIENCE]):
-            break
-        jacobian = differentiate(function, x, step, value)
-        if jacobian is None:
-            raise NoGait("the cycle does not close near an iterate", norm)
-        direction = np.linalg.lstsq(jacobian, -value, rcond=None)[0]
-        for damping in 0.5 ** np.arange(6):
-            trial = function(x + damping * direction)
-            if trial is not None and float(np.abs(trial).max()) < (1.0 - 0.1 * damping) * norm:
-                x, value, norm = x + damping * direction, trial, float(np.abs(trial).max())
-                break
-        else:
-            if norm <= 10.0 * tolerance:
-                return x, norm  # as close as the integration's noise allows
-            raise NoGait("Newton's method makes no progress", norm)
-    raise NoGait(f"Newton's method did not converge in {n} iterations", norm)
+
+    def cycles(lanes: Lanes, q: Array, v: Array, values: Array) -> Cycles:
+        n = len(lanes)
+        ends, measured = (np.full_like(q, np.nan), np.full_like(v, np.nan)), np.full((n, measures), np.nan)
+        durations: dict[str, Array] = {}
+        failed: dict[int, str] = {}
+        reason = np.full(n, "", dtype=object)
+        for i, lane in enumerate(lanes.tolist()):
+            if lane not in failed:
+                finite = np.isfinite(q[i]).all() and np.isfinite(v[i]).all()
+                found = cycle((q[i], v[i]), values[i]) if finite else NOT_FINITE
+                if isinstance(found, str):
+                    failed[lane] = found
+                elif not found[0].cycles:
+                    failed[lane] = found[0].reason
+                else:
+                    result, measured[i] = found
+                    ends[0][i], ends[1][i] = result.state
+                    for phase, seconds in result.durations.items():
+                        durations.setdefault(phase, np.zeros(n))[i] = seconds
+            reason[i] = failed.get(lane, "")
+        return Cycles(*ends, measured, durations, reason, np.ones(n, dtype=bool))
+
+    return cycles
 
 
 def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10, step: float = STEP) -> NDArray[np.complex128]:
@@ -112,18 +78,18 @@ def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10, step: f
         NoGait: a perturbed cycle does not close.
     """
     local = chart(system, state)
-
-    def mapped(xi: Array) -> Array | None:
-        result = return_map(system, local.state(xi), rtol)
-        return local.coordinates(result.state) if result.cycles else None
-
-    jacobian = differentiate(mapped, np.zeros(local.dimension), np.full(local.dimension, step))
-    if jacobian is None:
+    cycle = one_by_one(lambda begun, _: (return_map(system, begun, rtol), np.empty(0)))
+    found, why = jacobian(Shooting(local.lane, cycle).mapped, np.zeros(local.dimension), step)
+    if why:
         raise NoGait("a perturbed cycle does not close", residual(system, state, rtol))
-    return eigenvalues(jacobian)
+    return eigenvalues(found)
 
 
-def eigenvalues(matrix: Array) -> NDArray[np.complex128]:
-    """Eigenvalues by decreasing modulus; of a pair, the one above the real axis first, however rounding falls."""
-    values = np.linalg.eigvals(matrix).astype(np.complex128)
-    return np.array(sorted(values.tolist(), key=lambda value: (-round(abs(value), 9), -value.imag)))
+def eigenvalues(matrices: Array) -> NDArray[np.complex128]:
+    """Eigenvalues by decreasing modulus, (..., d).
+
+    Of a pair, the one above the real axis comes first, however rounding falls.
+    """
+    values = np.linalg.eigvals(matrices).astype(np.complex128)
+    order = np.lexsort((-values.imag, -np.round(np.abs(values), 9)), axis=-1)
+    return np.take_along_axis(values, order, axis=-1)

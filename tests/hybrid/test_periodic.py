@@ -1,4 +1,4 @@
-"""Periodic orbits: Newton's method and multipliers against an independent closed loop."""
+"""Periodic orbits: the return map and its multipliers against an independent closed loop."""
 
 import math
 from dataclasses import replace
@@ -8,15 +8,7 @@ import pytest
 
 from spear_pin import HoppingLaw, find_gait, hopping, simulate
 from spear_pin.errors import NoGait
-from spear_pin.hybrid.periodic import (
-    EVALUATIONS,
-    chart,
-    differentiate,
-    multipliers,
-    newton,
-    residual,
-    return_map,
-)
+from spear_pin.hybrid.periodic import EVALUATIONS, chart, eigenvalues, multipliers, residual, return_map
 from tests.hybrid.by_hand import Hopper
 
 
@@ -158,69 +150,13 @@ class TestMultipliers:
             multipliers(system, hop.state)
 
 
-class TestNewton:
-    STEP = np.full(2, 1e-6)
+class TestEigenvalues:
+    PAIR, TRIPLE = np.array([[0.3, -0.4], [0.4, 0.3]]), np.diag([0.1, -2.0, 0.5])
 
-    def test_finds_a_root(self):
-        root, norm = newton(lambda x: np.array([x[0] ** 2 - 2.0, x[0] * x[1] - 1.0]), np.ones(2), self.STEP, 1e-12)
-        np.testing.assert_allclose(root, [math.sqrt(2), math.sqrt(0.5)], rtol=1e-12)
-        assert norm <= 1e-12
+    def test_their_order(self):
+        np.testing.assert_allclose(eigenvalues(self.PAIR), [0.3 + 0.4j, 0.3 - 0.4j], rtol=0, atol=1e-15)
+        np.testing.assert_allclose(eigenvalues(self.TRIPLE), [-2.0, 0.5, 0.1], rtol=0, atol=1e-15)
 
-    def test_steps_back_from_where_the_function_has_no_value(self):
-        calls = []
-
-        def function(x):
-            calls.append(x[0])
-            return np.array([math.log(x[0])]) if x[0] > 0 else None
-
-        root, _ = newton(function, np.array([5.0]), self.STEP[:1], 1e-12)
-        assert root[0] == pytest.approx(1.0, abs=1e-12)
-        assert min(calls) < 0.0
-
-    def test_tells_of_its_iterations(self):
-        told = []
-        newton(lambda x: x - 1.0, np.zeros(2), self.STEP, 1e-9, on_iteration=lambda n, norm: told.append((n, norm)))
-        assert [n for n, _ in told] == list(range(len(told)))
-        assert told[0][1] == 1.0 and told[-1][1] <= 1e-9
-
-    @pytest.mark.parametrize(
-        ("function", "reason"),
-        [
-            (lambda x: None, "does not close at the starting point"),
-            (lambda x: x if (x == 1.0).all() else None, "does not close near an iterate"),
-            (lambda x: 1.0 + x**2, "no progress"),
-        ],
-    )
-    def test_failures(self, function, reason):
-        with pytest.raises(NoGait, match=reason) as error:
-            newton(function, np.ones(2), self.STEP, 1e-12)
-        assert "\n" not in str(error.value)
-
-    def test_gives_up(self):
-        with pytest.raises(NoGait, match="did not converge in 3 iterations"):
-            newton(lambda x: np.cbrt(x) ** 5 + 1e-3, np.full(2, 50.0), self.STEP, 1e-12, iterations=3)
-
-    def test_the_last_iteration_counts(self):
-        root, norm = newton(lambda x: x - 1.0, np.zeros(2), self.STEP, 1e-6, iterations=1)
-        np.testing.assert_allclose(root, 1.0, rtol=1e-6)
-        assert norm <= 1e-6
-
-    def test_central_differences_are_of_second_order(self):
-        def function(x):
-            return np.array([x[0] ** 2 * x[1], x[1] ** 3])
-
-        x = np.array([2.0, 3.0])
-        exact = np.array([[12.0, 4.0], [0.0, 27.0]])
-        coarse = differentiate(function, x, np.full(2, 1e-2)) - exact
-        np.testing.assert_allclose(coarse, [[0.0, 0.0], [0.0, 1e-4]], rtol=0, atol=1e-10)
-
-    def test_forward_differences_ask_for_each_direction_once(self):
-        asked = []
-        jacobian = differentiate(lambda x: asked.append(1) or x**2, np.ones(3), np.full(3, 1e-3), np.ones(3))
-        np.testing.assert_allclose(jacobian, 2.001 * np.eye(3), rtol=0, atol=1e-10)
-        assert len(asked) == 3
-
-    def test_differences_each_in_its_own_step(self):
-        seen = []
-        differentiate(lambda x: seen.append(x.copy()) or x, np.zeros(2), np.array([0.1, 0.3]))
-        np.testing.assert_array_equal(seen, [[0.1, 0], [-0.1, 0], [0, 0.3], [0, -0.3]])
+    def test_of_many_matrices_are_those_of_each(self):
+        matrices = np.random.default_rng(0).normal(size=(64, 4, 4))
+        np.testing.assert_array_equal(eigenvalues(matrices), [eigenvalues(matrix) for matrix in matrices])

@@ -1,0 +1,242 @@
+"""Newton's method and differences for many functions at once, each lane with an iterate of its own.
+
+What the lanes ask for next, trial steps of some and difference columns of others, goes to the evaluator in one call:
+that is what makes many lanes fast where it does them side by side. One lane alone is the usual method.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from itertools import count
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.per_lane import applied
+
+Array = NDArray[np.float64]
+Lanes = NDArray[np.int64]
+Words = NDArray[np.object_]
+Evaluate = Callable[[Lanes, Array], tuple[Array, Words]]
+"""Values of functions, (m, r), at unknowns, (m, k), each of the lane that is named for it, and why there is none, ""
+where there is one. A lane is named more than once only for differences, which are of no use when one of them has no
+value: the evaluator may leave out the others then, with the same word."""
+OnIterates = Callable[[Lanes, NDArray[np.int64], Array], object]
+
+STEP = 1e-5  # of differences: errors of order STEP, of order STEP² where they are central, and rtol / STEP
+QUICK = 0.2  # of the residual left by a step: the Jacobian is good enough to go on with, updated
+SHORTEST = 1.0 / 32.0  # of a step
+ITERATIONS, PATIENCE = 15, 7  # at most, and in which the residual has to be halved
+NOISE = 10.0  # tolerances: a residual that no step lessens is as small as the evaluator's noise allows
+
+CONVERGED, NO_START, NO_NEIGHBOUR = "converged", "no_start", "no_neighbour"
+NO_PROGRESS, TOO_LONG = "no_progress", "too_long"
+
+
+def ignored(lanes: Lanes, iteration: NDArray[np.int64], norm: Array) -> None:
+    """Nobody is told of the iterates."""
+
+
+@dataclass(frozen=True)
+class Roots:
+    """Where Newton's method ended.
+
+    Attributes:
+        x: the unknowns, (n, k).
+        norm: largest component of the residual, (n,); infinite where there is none at the start.
+        iteration: steps taken, (n,).
+        end: `CONVERGED`, or `NO_START` (there is no value), `NO_NEIGHBOUR` (nor beside an iterate), `NO_PROGRESS` (no
+            step lessens the residual), `TOO_LONG` (it lessens too slowly), (n,).
+        reason: the evaluator's word where there is no value, (n,).
+    """
+
+    x: Array
+    norm: Array
+    iteration: NDArray[np.int64]
+    end: Words
+    reason: Words
+
+
+@dataclass(frozen=True)
+class _Iterates:
+    """The lanes' iterates, each with what it asks for next.
+
+    Attributes:
+        x: scaled unknowns, (n, k).
+        residual: there, (n, k).
+        norm: its largest component, (n,); infinite before the first value.
+        norms: of all iterates so far, (n, iterations + 1).
+        iteration: steps taken, (n,); -1 before the first value.
+        jacobian: (n, k, k); zero before the first.
+        fresh: whether it was differentiated at x, (n,).
+        damping: of the next trial step, (n,).
+        differs: whether differences are asked for instead, (n,).
+        end, reason: as of `Roots`; "" while it goes on.
+    """
+
+    x: Array
+    residual: Array
+    norm: Array
+    norms: Array
+    iteration: NDArray[np.int64]
+    jacobian: Array
+    fresh: NDArray[np.bool_]
+    damping: Array
+    differs: NDArray[np.bool_]
+    end: Words
+    reason: Words
+
+    def take(self, lanes: Lanes | NDArray[np.bool_]) -> _Iterates:
+        return _Iterates(*(getattr(self, field.name)[lanes] for field in fields(self)))
+
+    def put(self, lanes: Lanes, others: _Iterates) -> None:
+        for field in fields(self):
+            getattr(self, field.name)[lanes] = getattr(others, field.name)
+
+
+def newton(
+    evaluate: Evaluate,
+    start: Array,
+    scale: Array,
+    tolerance: float,
+    *,
+    iterations: int = ITERATIONS,
+    calls: int | None = None,
+    quick: float = QUICK,
+    on_iterates: OnIterates = ignored,
+) -> Roots:
+    """Damped Newton's method with forward differences, updated (Broyden) while a step gains a lot.
+
+    Args:
+        evaluate: the residuals, as many as unknowns.
+        start: unknowns, (n, k).
+        scale: of each unknown, (n, k).
+        tolerance: on the residual's largest component.
+        iterations: at most so many steps.
+        calls: of the evaluator at most, if there is a bound.
+        quick: of the residual, what a step may leave for the Jacobian to be updated, not differentiated anew.
+        on_iterates: called with the lanes that have taken a step (or a first value), how many each, and the residuals.
+    """
+    lanes, k = _begun(start / scale, iterations), start.shape[1]
+    for _ in range(calls) if calls is not None else count():
+        going = lanes.end == ""
+        trying, differing = np.flatnonzero(going & ~lanes.differs), np.flatnonzero(going & lanes.differs)
+        if not len(trying) and not len(differing):
+            break
+        trials, differences = lanes.take(trying), lanes.take(differing)
+        steps = _steps(trials)
+        asked = np.concatenate([trying, np.repeat(differing, k)])
+        points = np.concatenate([trials.x + steps, (differences.x[:, None] + STEP * np.eye(k)).reshape(-1, k)])
+        values, why = evaluate(asked, points * scale[asked])
+
+        m = len(trying)
+        better = np.abs(values[:m]).max(axis=1) < (1.0 - 0.1 * trials.damping) * trials.norm  # any value is, at first
+        took, refused = trying[better], trying[~better]
+        lanes.put(took, _accepted(trials.take(better), steps[better], values[:m][better], tolerance, quick))
+        lanes.put(refused, _refused(trials.take(~better), why[:m][~better], tolerance))
+        lanes.put(differing, _differentiated(differences, values[m:].reshape(-1, k, k), why[m:].reshape(-1, k)))
+        if len(took):
+            on_iterates(took, lanes.iteration[took], lanes.norm[took])
+    end = np.where(lanes.end == "", TOO_LONG, lanes.end).astype(object)
+    return Roots(lanes.x * scale, lanes.norm, lanes.iteration, end, lanes.reason)
+
+
+def _begun(x: Array, iterations: int) -> _Iterates:
+    """The lanes before anything is known: a step of no length is to be tried."""
+    n, k = x.shape
+    return _Iterates(
+        x=x,
+        residual=np.zeros((n, k)),
+        norm=np.full(n, np.inf),
+        norms=np.full((n, iterations + 1), np.nan),
+        iteration=np.full(n, -1),
+        jacobian=np.zeros((n, k, k)),
+        fresh=np.zeros(n, dtype=bool),
+        damping=np.ones(n),
+        differs=np.zeros(n, dtype=bool),
+        end=np.full(n, "", dtype=object),
+        reason=np.full(n, "", dtype=object),
+    )
+
+
+def _steps(lanes: _Iterates) -> Array:
+    """The damped steps, (n, k)."""
+    return -lanes.damping[:, None] * applied(np.linalg.pinv(lanes.jacobian), lanes.residual)
+
+
+def _accepted(lanes: _Iterates, steps: Array, values: Array, tolerance: float, quick: float) -> _Iterates:
+    """The lanes after steps that lessen the residual: what is left says what the Jacobian is worth."""
+    size, iteration, last = np.abs(values).max(axis=1), lanes.iteration + 1, lanes.norms.shape[1] - 1
+    norms, jacobian = lanes.norms.copy(), lanes.jacobian.copy()
+    norms[np.arange(len(size)), iteration] = size
+    earlier = norms[np.arange(len(size)), np.maximum(iteration - PATIENCE, 0)]
+    too_long = (iteration == last) | ((iteration >= PATIENCE) & (size > 0.5 * earlier))
+    good = (size / lanes.norm < quick) & (iteration > 0)
+    jacobian[good] = broyden(jacobian[good], steps[good], (values - lanes.residual)[good])
+    return replace(
+        lanes,
+        x=lanes.x + steps,
+        residual=values,
+        norm=size,
+        norms=norms,
+        iteration=iteration,
+        jacobian=jacobian,
+        fresh=np.zeros(len(size), dtype=bool),
+        damping=np.ones(len(size)),
+        differs=~good,
+        end=np.where(size <= tolerance, CONVERGED, np.where(too_long, TOO_LONG, "")).astype(object),
+    )
+
+
+def _refused(lanes: _Iterates, why: Words, tolerance: float) -> _Iterates:
+    """The lanes after steps that gain nothing: an old Jacobian is to blame, or else the step's length."""
+    begins = lanes.iteration < 0
+    damping = np.where(lanes.fresh, 0.5 * lanes.damping, 1.0)
+    left = np.where(lanes.norm <= NOISE * tolerance, CONVERGED, NO_PROGRESS)
+    end = np.where(begins, NO_START, np.where(damping < SHORTEST, left, "")).astype(object)
+    reason = np.where(begins, why, "").astype(object)
+    return replace(lanes, damping=damping, differs=~lanes.fresh, end=end, reason=reason)
+
+
+def _differentiated(lanes: _Iterates, values: Array, why: Words) -> _Iterates:
+    """The lanes after forward differences with these values, (n, k, k), a row for each unknown."""
+    n, whole = len(values), np.asarray(np.isfinite(values).all(axis=(1, 2), keepdims=True))
+    return replace(
+        lanes,
+        jacobian=np.where(whole, np.swapaxes(values - lanes.residual[:, None], 1, 2) / STEP, 0.0),
+        fresh=np.ones(n, dtype=bool),
+        damping=np.ones(n),
+        differs=np.zeros(n, dtype=bool),
+        end=np.where(whole[:, 0, 0], "", NO_NEIGHBOUR).astype(object),
+        reason=first_words(why),
+    )
+
+
+def broyden(jacobian: Array, step: Array, change: Array) -> Array:
+    """Broyden's update of Jacobians, (n, k, k), after steps with changes of the residual, (n, k) each."""
+    missed = change - applied(jacobian, step)
+    return np.asarray(jacobian + missed[:, :, None] * (step / (step * step).sum(axis=1, keepdims=True))[:, None, :])
+
+
+def first_words(why: Words) -> Words:
+    """Of each row of words, (n, m), the first that is one; "" where none is."""
+    return np.array([next((word for word in row if word), "") for row in why], dtype=object)
+
+
+def stencil(k: int, step: float = STEP) -> Array:
+    """Offsets of k unknowns at which central differences are taken, (2 k, k)."""
+    return step * np.concatenate([np.eye(k), -np.eye(k)])
+
+
+def differentiated(values: Array, step: float = STEP) -> Array:
+    """Jacobians, (n, r, k), of the values on a stencil, (n, 2 k, r)."""
+    k = values.shape[1] // 2
+    return np.swapaxes(values[:, :k] - values[:, k:], 1, 2) / (2.0 * step)
+
+
+def jacobian(evaluate: Evaluate, x: Array, step: float = STEP) -> tuple[Array, str]:
+    """Jacobian of one lane's function by central differences, (r, k), and why there is none, "" where there is."""
+    offsets = stencil(len(x), step)
+    values, why = evaluate(np.zeros(len(offsets), dtype=np.int64), x + offsets)
+    return differentiated(values[None], step)[0], first_words(why[None])[0]

@@ -1,0 +1,97 @@
+"""Shooting: the return map P of (4.11) in the section's coordinates, and the equations of a gait, x = P(x) and targets.
+
+They are of lanes, whichever engine runs their cycles; one lane is a search for one gait.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.newton import Lanes, OnIterates, Roots, Words, ignored, newton
+from spear_pin.hybrid.section import Charts
+
+Array = NDArray[np.float64]
+SHORTEST_CYCLE = 1e-3  # s: a toe that leaves and returns within it makes no gait, though it is nearly periodic
+NOT_FINITE, SHORT_CYCLE = "not_finite", "short_cycle"
+
+
+@dataclass(frozen=True)
+class Cycles:
+    """One cycle of some lanes; NaN where it does not close.
+
+    Attributes:
+        q: configurations reached, (n, nq).
+        v: velocities reached, (n, nv).
+        measured: the measures that have targets, (n, k).
+        durations: seconds in each phase, (n,) each.
+        reason: why it does not close, "" where it does, (n,).
+        reference: whether the reference engine ran it, (n,).
+    """
+
+    q: Array
+    v: Array
+    measured: Array
+    durations: Mapping[str, Array]
+    reason: Words
+    reference: NDArray[np.bool_]
+
+
+Cycle = Callable[[Lanes, Array, Array, Array], Cycles]
+"""One cycle of some lanes, (n,), from states q and v with values of what varies, (n, k)."""
+
+
+@dataclass(frozen=True)
+class Shooting:
+    """Cycles of lanes from states near those of charts. Unknowns are ξ and then the values of what varies, (n, d + k).
+
+    Attributes:
+        charts: a chart of each lane.
+        cycle: runs the cycles.
+        vary: names of the parameters that are solved for.
+        wanted: the targets, (n, k).
+    """
+
+    charts: Charts
+    cycle: Cycle
+    vary: tuple[str, ...] = ()
+    wanted: Array = field(default_factory=lambda: np.empty((1, 0)))
+
+    def states(self, lanes: Lanes, unknowns: Array) -> tuple[Array, Array]:
+        """The states on the section, (n, nq) and (n, nv); it is on the ground as it varies."""
+        return self._on_ground(lanes, unknowns).states(unknowns[:, : self.charts.dimension])
+
+    def _on_ground(self, lanes: Lanes, unknowns: Array) -> Charts:
+        values = unknowns[:, self.charts.dimension :]
+        return self.charts.take(lanes).on(dict(zip(self.vary, values.T, strict=True)))
+
+    def mapped(self, lanes: Lanes, unknowns: Array) -> tuple[Array, Words]:
+        """ξ of P(x), (n, d)."""
+        charts, d = self._on_ground(lanes, unknowns), self.charts.dimension
+        after = self.cycle(lanes, *charts.states(unknowns[:, :d]), unknowns[:, d:])
+        return charts.coordinates(after.q, after.v), after.reason
+
+    def residuals(self, lanes: Lanes, unknowns: Array) -> tuple[Array, Words]:
+        """ξ of P(x) less that of x, and measures less targets, (n, d + k)."""
+        charts, d = self._on_ground(lanes, unknowns), self.charts.dimension
+        q, v = charts.states(unknowns[:, :d])
+        after = self.cycle(lanes, q, v, unknowns[:, d:])
+        moved = charts.coordinates(after.q, after.v) - charts.coordinates(q, v)
+        values = np.concatenate([moved, after.measured - self.wanted[lanes]], axis=1)
+        reason = after.reason.copy()
+        reason[(reason == "") & (sum(after.durations.values()) < SHORTEST_CYCLE)] = SHORT_CYCLE
+        reason[(reason == "") & ~np.isfinite(values).all(axis=1)] = NOT_FINITE
+        values[reason != ""] = np.nan
+        return values, reason
+
+    def solve(
+        self, start: Array, tolerance: float, calls: int | None = None, on_iterates: OnIterates = ignored
+    ) -> Roots:
+        """Newton's method from the charts' origins and values of what varies, (n, k); arguments as of `newton`."""
+        still = np.zeros((len(start), self.charts.dimension))
+        scale = np.concatenate([np.ones_like(still), np.maximum(1.0, np.abs(start))], axis=1)
+        begin = np.concatenate([still, start], axis=1)
+        return newton(self.residuals, begin, scale, tolerance, calls=calls, on_iterates=on_iterates)
