@@ -22,10 +22,10 @@ from tqdm import tqdm
 from spear_pin import Gait, Ground, Spring, find_gait, hopping, load, simulate_many
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.lanes.journey import FEW
+from spear_pin.hybrid.lanes.runner import FEW
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import chart
-from spear_pin.hybrid.record import FINEST, Options
+from spear_pin.hybrid.result import FINEST, Options
 from spear_pin.hybrid.run import run
 
 Array = NDArray[np.float64]

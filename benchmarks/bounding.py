@@ -15,11 +15,11 @@ from typing import Any
 
 from spear_pin import load
 from spear_pin.errors import SpearError
+from spear_pin.gaits.bounding_programme import transcribe
 from spear_pin.gaits.collocation import Solution, resampled
 from spear_pin.gaits.library import REQUESTS
 from spear_pin.gaits.optimize import search
 from spear_pin.gaits.request import Request
-from spear_pin.gaits.transcription import transcribe
 
 ROBOT = load("q_spear")
 MESHES = (6, 10, 16, 24)  # intervals of each phase

@@ -23,7 +23,7 @@ from tqdm import tqdm
 from spear_pin import Contact, Gait
 from spear_pin.gaits.bounding import bounding
 from spear_pin.hybrid.automaton import SHORTEST_FLIGHT
-from spear_pin.hybrid.record import Options, Run
+from spear_pin.hybrid.result import Options, Run
 from spear_pin.hybrid.run import run
 from tests.random_starts import outcomes
 

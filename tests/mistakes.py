@@ -411,16 +411,16 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "hybrid/engines/single",
-        ["hybrid/test_track"],
+        "hybrid/engines/taylor_single",
+        ["hybrid/test_lone_runner"],
         {
             "lane alone: a guard that stays on zero": ("if stays_on_zero(guards[i], values[i], change)", "if False"),
             "lane alone: a kink that stays on zero": (", values[self._kinks[1]])", ", [])"),
         },
     ),
     *mistakes_in(
-        "hybrid/lanes/track",
-        ["hybrid/test_track", "hybrid/test_ties"],
+        "hybrid/lanes/lone_runner",
+        ["hybrid/test_lone_runner", "hybrid/test_ties"],
         {
             "lane alone: any number of events in an instant": (" or now.crowd == FEW_AT_ONCE", ""),
             "lane alone: a cycle of an instant": (" or not whole(now.past)", ""),
@@ -432,8 +432,8 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "hybrid/lanes/journey",
-        ["hybrid/test_track"],
+        "hybrid/lanes/runner",
+        ["hybrid/test_lone_runner"],
         {
             "lane alone: time stands still": ("began += sum(spent.values())", "pass"),
             "lane alone: repeated from its beginning": (

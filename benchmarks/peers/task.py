@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from spear_pin import Gait, find_gait, hopping, load, simulate
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.periodic import chart
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 
 Array = NDArray[np.float64]

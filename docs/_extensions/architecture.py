@@ -142,7 +142,7 @@ class Call:
 def path_of_a_hop() -> Call:
     """Public functions of the floors from `gaits` down that a hop goes through, each where it is called first."""
     from spear_pin import hopping, load
-    from spear_pin.hybrid.record import Options
+    from spear_pin.hybrid.result import Options
     from spear_pin.hybrid.run import run
 
     system = hopping(load("spear_ii", locked=["boom_x"]))

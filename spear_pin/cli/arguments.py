@@ -115,7 +115,7 @@ def add_simulation(parser: argparse.ArgumentParser, cycles: int, called: str, pa
 
 def check_simulation(arguments: argparse.Namespace) -> None:
     """Refuse what cannot be simulated or written, before anything is solved for."""
-    from spear_pin.hybrid.record import Options
+    from spear_pin.hybrid.result import Options
 
     check_out(arguments)
     Options(rtol=arguments.rtol)

@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from tqdm import tqdm
 
     from spear_pin.gaits.targets import check_wanted
-    from spear_pin.hybrid.record import Options
+    from spear_pin.hybrid.result import Options
     from spear_pin.studies.sweep import grid, reasons, sample, store, sweep
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.sweep import sweep_map

@@ -34,7 +34,7 @@ from spear_pin.hybrid.domain import Domain, Guard, Held, Law, Mount, Reset
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.ground import Ground, as_ground, given
 from spear_pin.hybrid.phases import contact_domains, fall, spring_switches, touchdown
-from spear_pin.hybrid.record import Run
+from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring

@@ -15,7 +15,7 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.newton import jacobian
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, eigenvalues, multipliers, one_by_one, return_map
-from spear_pin.hybrid.record import Run, State
+from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.shooting import Shooting
 from spear_pin.kinds import typed
 

@@ -23,7 +23,7 @@ from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dry_friction import DryFriction
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.parameters import LIMITS, PARTS, Fitted, limits, parameter, rebuilt, replaced
-from spear_pin.hybrid.record import State
+from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
 from spear_pin.model.loading import load
 from spear_pin.model.spring import Spring

@@ -15,7 +15,7 @@ from spear_pin.hybrid.batch import Batch, simulate_many
 from spear_pin.hybrid.newton import CONVERGED, Words, differentiated, stencil
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import eigenvalues
-from spear_pin.hybrid.record import State
+from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import Charts
 from spear_pin.hybrid.shooting import NOT_FINITE, Cycles
 from spear_pin.hybrid.translation import without

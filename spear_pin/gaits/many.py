@@ -22,11 +22,11 @@ from spear_pin.hybrid import reasons
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import Batch, simulate_many
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.layout import OF_GROUND
+from spear_pin.hybrid.engines.structure import OF_GROUND
 from spear_pin.hybrid.newton import CONVERGED as CONVERGED
 from spear_pin.hybrid.newton import Roots, Words
 from spear_pin.hybrid.parameters import parameter
-from spear_pin.hybrid.record import State
+from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import section
 from spear_pin.hybrid.shooting import SHORT_CYCLE, Shooting
 from spear_pin.kinds import typed

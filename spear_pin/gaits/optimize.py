@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, Infeasible, NoGait
 from spear_pin.gaits.bounding import SPEED_BY, bounding
+from spear_pin.gaits.bounding_programme import Transcription, transcribe
 from spear_pin.gaits.collocation import Progress, Solution, resampled
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.request import Request
 from spear_pin.gaits.search import find_gait
-from spear_pin.gaits.transcription import Transcription, transcribe
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.ground import as_ground
 from spear_pin.kinds import typed

@@ -13,12 +13,12 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import PINNED
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.layout import NONZERO
+from spear_pin.hybrid.engines.structure import NONZERO
 from spear_pin.hybrid.ground import Ground
-from spear_pin.hybrid.lanes.journey import Lanes
 from spear_pin.hybrid.lanes.numbers import OTHERS
+from spear_pin.hybrid.lanes.runner import Lanes
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]

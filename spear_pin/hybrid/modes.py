@@ -14,7 +14,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import PINNED
 from spear_pin.hybrid.domain import Held
 from spear_pin.hybrid.engines.pinocchio import Flow
-from spear_pin.hybrid.record import Moment
+from spear_pin.hybrid.result import Moment
 from spear_pin.hybrid.rules.footing import UNFIT, closed_toes, fitness, footing, rate_fits, torn_off
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start

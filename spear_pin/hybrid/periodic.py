@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from spear_pin.errors import NoGait
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.newton import STEP, Lanes, jacobian
-from spear_pin.hybrid.record import Options, Run, State
+from spear_pin.hybrid.result import Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import chart as chart
 from spear_pin.hybrid.shooting import NOT_FINITE, Cycle, Cycles, Shooting

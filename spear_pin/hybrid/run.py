@@ -22,8 +22,8 @@ from spear_pin.hybrid.events import BEND, Watch, bends
 from spear_pin.hybrid.filippov import going_on, sliding
 from spear_pin.hybrid.hardware import HARDWARE_TOLERANCE
 from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn
-from spear_pin.hybrid.record import BOOKED, FINEST, Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.resting import resting
+from spear_pin.hybrid.result import BOOKED, FINEST, Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.rules import cycles as rules
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.filippov import flow_of
-from spear_pin.hybrid.record import Segment
+from spear_pin.hybrid.result import Segment
 
 Array = NDArray[np.float64]
 

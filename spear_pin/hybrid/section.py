@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.engines.layout import OF_GROUND, with_fields
+from spear_pin.hybrid.engines.structure import OF_GROUND, with_fields
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.per_lane import applied, null_spaces
-from spear_pin.hybrid.record import State
+from spear_pin.hybrid.result import State
 from spear_pin.hybrid.rules.footing import closed_toes, still
 from spear_pin.hybrid.rules.start import placed
 from spear_pin.hybrid.translation import translations

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from spear_pin.errors import require
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines.pinocchio import electrical_flows, flow_names
-from spear_pin.hybrid.record import BOOKED, Moment, Options, Run, State
+from spear_pin.hybrid.result import BOOKED, Moment, Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.sampling import Sampler
 from spear_pin.hybrid.trajectory import Ledger, Trajectory

@@ -8,7 +8,7 @@ import pytest
 from spear_pin import Gait, simulate
 from spear_pin.gaits import library
 from spear_pin.gaits.virtual_constraints import Outputs
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from tests.lagrangian import Q_SPEAR_PAIR, quadruped
 from tests.slow import slow_but

@@ -12,7 +12,7 @@ from spear_pin.gaits.bounding_law import evolution
 from spear_pin.gaits.virtual_constraints import dot, errors
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.reasons import NUMERICAL
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from tests.gaits.bounding_gaits import LEGS, NAMES, OUTPUTS, each_gait, gait, rigid
 from tests.slow import slow_but

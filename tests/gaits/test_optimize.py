@@ -13,11 +13,11 @@ import pytest
 from spear_pin import Gait, load, simulate
 from spear_pin.errors import BadValue, Infeasible, MissingExtra, UnknownName
 from spear_pin.gaits import library
+from spear_pin.gaits.bounding_programme import transcribe
 from spear_pin.gaits.collocation import Programme, Solution, hermite_simpson, node_name, quadrature, resampled
 from spear_pin.gaits.library import REQUESTS
 from spear_pin.gaits.optimize import search
 from spear_pin.gaits.request import Request
-from spear_pin.gaits.transcription import transcribe
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.model.variants import vary

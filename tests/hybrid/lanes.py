@@ -5,7 +5,7 @@ import pytest
 
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import chart
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 
 FINE = 1e-11

@@ -11,7 +11,7 @@ from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import with_hardware
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.model.boom import on_rotary_boom
 from spear_pin.studies.hardware import Rig

@@ -11,7 +11,7 @@ from spear_pin.hybrid.domain import Alternation
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.filippov import Sliding, Unloaded
 from spear_pin.hybrid.modes import choose, fitting
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.rules.surface import CHATTER, chatter
 from spear_pin.hybrid.run import run
 from tests import random_starts

@@ -19,7 +19,7 @@ from spear_pin.hybrid.modes import choose
 from spear_pin.hybrid.parameters import with_hardware, with_parameters
 from spear_pin.hybrid.phases import height
 from spear_pin.hybrid.reasons import NUMERICAL
-from spear_pin.hybrid.record import Moment, Options
+from spear_pin.hybrid.result import Moment, Options
 from spear_pin.hybrid.run import run
 from spear_pin.studies.hardware import Rig
 from tests import random_starts

@@ -9,7 +9,7 @@ import pytest
 from spear_pin import Contact, HoppingLaw, hopping, simulate
 from spear_pin.hybrid.domain import Guard, Reset
 from spear_pin.hybrid.reasons import REASONS
-from spear_pin.hybrid.record import Moment
+from spear_pin.hybrid.result import Moment
 
 
 def finite(trajectory):

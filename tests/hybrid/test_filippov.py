@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from spear_pin import HoppingLaw, hopping, load, simulate
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.rules.surface import CHATTER
 from spear_pin.hybrid.run import run
 

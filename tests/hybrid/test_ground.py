@@ -19,7 +19,7 @@ from spear_pin import (
     simulate_many,
 )
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from tests.biped import example
 

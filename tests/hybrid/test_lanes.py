@@ -13,11 +13,11 @@ from spear_pin.hybrid import batch
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.domain import Guard, Reset
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.lanes import journey
-from spear_pin.hybrid.lanes.track import Track
+from spear_pin.hybrid.lanes import runner
+from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.parameters import changed, with_parameters
 from spear_pin.hybrid.periodic import chart
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from tests.hybrid.lanes import FINE, around, assert_agree, assert_same, compiles
 
@@ -28,7 +28,7 @@ pytestmark = pytest.mark.optimised
 class TestLanes:
     def test_do_not_depend_on_each_other(self, hop, monkeypatch):
         """The same in another order and in chunks, to the last digit."""
-        monkeypatch.setattr(journey, "FEW", 0)
+        monkeypatch.setattr(runner, "FEW", 0)
         q, v = around(hop, 0.05, 20)
         everything = simulate_many(hop.system, q, v)
         backwards = simulate_many(hop.system, q[::-1], v[::-1])
@@ -43,11 +43,11 @@ class TestLanes:
     def test_one_by_one(self, hop, spread, monkeypatch):
         """Few lanes run one by one: to rounding as together, whatever they meet on their way."""
         q, v = around(hop, spread, 24)
-        monkeypatch.setattr(journey, "FEW", 0)
+        monkeypatch.setattr(runner, "FEW", 0)
         together = simulate_many(hop.system, q, v, 3, observe=True)
-        monkeypatch.setattr(journey, "FEW", 24)
-        laps, lap = [], Track.lap
-        monkeypatch.setattr(Track, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
+        monkeypatch.setattr(runner, "FEW", 24)
+        laps, lap = [], LoneRunner.lap
+        monkeypatch.setattr(LoneRunner, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
         alone = simulate_many(hop.system, q, v, 3, observe=True)
         refused = sum(each is None for each in laps)
         assert refused == 0 if spread < 0.1 else 0 < refused < len(laps) / 2
@@ -57,34 +57,34 @@ class TestLanes:
         q, v = around(hop, 0.01, 8)
         given = {"stiffness": np.linspace(47.0, 50.0, 8), "stance_torque": np.full(8, 7.9), "friction": np.full(8, 0.7)}
         alone = simulate_many(hop.system, q, v, 2, parameters=given)
-        monkeypatch.setattr(journey, "FEW", 0)
+        monkeypatch.setattr(runner, "FEW", 0)
         assert_same(alone, simulate_many(hop.system, q, v, 2, parameters=given))
 
     def test_strides_one_by_one(self, monkeypatch):
         gait = Gait.load("force_lift_off")
         q, v = around(gait, 2e-4, 3)
-        laps, lap = [], Track.lap
-        monkeypatch.setattr(Track, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
+        laps, lap = [], LoneRunner.lap
+        monkeypatch.setattr(LoneRunner, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
         alone = simulate_many(gait.system, q, v, 2)
         assert len(laps) == 6 and None not in laps
-        monkeypatch.setattr(journey, "FEW", 0)
+        monkeypatch.setattr(runner, "FEW", 0)
         assert_same(alone, simulate_many(gait.system, q, v, 2), 1e-8)
 
     def test_lanes_that_are_refused_are_left(self, hop, monkeypatch):
         laps = []
-        monkeypatch.setattr(Track, "lap", lambda *given: laps.append(given))
+        monkeypatch.setattr(LoneRunner, "lap", lambda *given: laps.append(given))
         found = simulate_many(hop.system, *(part[None] for part in hop.state), 6)
-        assert len(laps) == journey.PATIENCE and found.cycles[0] == 6
+        assert len(laps) == runner.PATIENCE and found.cycles[0] == 6
 
     def test_an_event_at_once_is_no_reason_to_refuse(self, robot, hop, monkeypatch):
         """The limit on flexion becomes active at touchdown."""
         system = hopping(robot, replace(hop.system.law, minimum_force=12.0), Spring(), Contact())
-        laps, lap = [], Track.lap
-        monkeypatch.setattr(Track, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
+        laps, lap = [], LoneRunner.lap
+        monkeypatch.setattr(LoneRunner, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
         q, v = (part[None] for part in hop.state)
         alone = simulate_many(system, q, v, 6)
         assert None not in laps and laps[0].held["limited"] == 0.0
-        monkeypatch.setattr(journey, "FEW", 0)
+        monkeypatch.setattr(runner, "FEW", 0)
         assert_same(alone, simulate_many(system, q, v, 6), 1e-8)
 
     def test_when_a_lane_ends(self, robot, hop, monkeypatch):
@@ -92,18 +92,18 @@ class TestLanes:
         law = replace(hop.system.law, stance_torque=1.15 * hop.system.law.stance_torque)
         system = hopping(robot, law, Spring(), Contact(friction=0.3))
         q, v = around(hop, 0.1, 16, seed=1)
-        laps, lap = [], Track.lap
-        monkeypatch.setattr(Track, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
+        laps, lap = [], LoneRunner.lap
+        monkeypatch.setattr(LoneRunner, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
         alone = simulate_many(system, q, v, 6)
         later = (alone.reason == "fall") & (alone.cycles >= 1) & ~alone.repeated
         assert later.any() and any(laps)
-        monkeypatch.setattr(journey, "FEW", 0)
+        monkeypatch.setattr(runner, "FEW", 0)
         assert_same(alone, simulate_many(system, q, v, 6), 1e-8)
 
     @pytest.mark.parametrize("few", [0, 16])
     def test_what_was_seen_before_the_cycle_that_is_repeated(self, hop, few, monkeypatch):
         """The last apex is that of an earlier cycle, as the third lift-off latches no number."""
-        monkeypatch.setattr(journey, "FEW", few)
+        monkeypatch.setattr(runner, "FEW", few)
         state = chart(hop.system, hop.state).state(np.array([0.01, 0.02, 0.02]))
         whole = run(hop.system, state, 3, Options(FINE))
         seen = [event.q for event in whole.events if event.name == "apex"]
@@ -135,13 +135,13 @@ class TestLanes:
             patch.setattr(taylor, "LEVEL", 0)
             plain = simulate_many(hop.system, q, v, 2, unroll=unroll)
         assert_same(simulate_many(hop.system, q, v, 2), plain, 1e-9)
-        monkeypatch.setattr(journey, "FEW", 20)
+        monkeypatch.setattr(runner, "FEW", 20)
         assert_same(simulate_many(hop.system, q, v, 2), plain, 1e-9)
 
     @pytest.mark.parametrize("few", [0, 12])
     def test_events_at_the_same_instant(self, hop, few, monkeypatch):
         """One that is only observed does not hide the one that it falls together with."""
-        monkeypatch.setattr(journey, "FEW", few)
+        monkeypatch.setattr(runner, "FEW", few)
 
         def tied(domain):
             slips = [
@@ -157,7 +157,7 @@ class TestLanes:
     @pytest.mark.parametrize("few", [0, 12])
     def test_beyond_a_guard(self, hop, few, monkeypatch):
         """A guard that is negative on entering is an event even if it rises."""
-        monkeypatch.setattr(journey, "FEW", few)
+        monkeypatch.setattr(runner, "FEW", few)
         late = Guard("late", lambda t, q, v, held, p, dyn, ops: t - 5e-7, ends="overload")
         domains = [replace(each, guards=(late, *each.guards[each.phase != "flight" :])) for each in hop.system.domains]
         system = replace(hop.system, domains=tuple(domains))
@@ -166,7 +166,7 @@ class TestLanes:
 
     @pytest.mark.parametrize("few", [0, 12])
     def test_a_latch_that_divides_by_zero(self, hop, few, monkeypatch):
-        monkeypatch.setattr(journey, "FEW", few)
+        monkeypatch.setattr(runner, "FEW", few)
 
         def divides(domain):
             def latch(q, v, held, p):
@@ -185,7 +185,7 @@ class TestLanes:
     @pytest.mark.parametrize("few", [0, 12])
     def test_a_latch_without_a_value_for_some(self, hop, few, monkeypatch):
         """One that is no arithmetic for arrays, and so is asked lane by lane."""
-        monkeypatch.setattr(journey, "FEW", few)
+        monkeypatch.setattr(runner, "FEW", few)
         torques = [hop.system.law.stance_torque, 0.9 * hop.system.law.stance_torque]
         runs = [
             run(with_parameters(hop.system, {"stance_torque": torque}), hop.state, 1, Options()) for torque in torques
@@ -210,7 +210,7 @@ class TestLanes:
     @pytest.mark.parametrize("few", [0, 12])
     def test_a_section_within_a_phase(self, hop, few, monkeypatch):
         """The phase goes on behind it, its clock running, which the law reads."""
-        monkeypatch.setattr(journey, "FEW", few)
+        monkeypatch.setattr(runner, "FEW", few)
 
         def at_apex(domain):
             guards = []
@@ -239,7 +239,7 @@ class TestLanes:
     @pytest.mark.parametrize("few", [0, 12])
     def test_schedules_and_latches_are_each_systems_own(self, hop, few, monkeypatch):
         """Compiled code is shared by systems that differ in what their events do."""
-        monkeypatch.setattr(journey, "FEW", few)
+        monkeypatch.setattr(runner, "FEW", few)
         simulate_many(hop.system, *(part[None] for part in hop.state))
 
         def later(domain):

@@ -10,7 +10,7 @@ from spear_pin.hybrid.contact import PINNED
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.phases import contact_domains
-from spear_pin.hybrid.record import Moment
+from spear_pin.hybrid.result import Moment
 from tests.lagrangian import monopod
 
 ROBOT = load("spear_ii", locked=["boom_x"])

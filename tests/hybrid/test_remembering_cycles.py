@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, simulate_many
-from spear_pin.hybrid.lanes import journey
+from spear_pin.hybrid.lanes import runner
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 
 pytestmark = pytest.mark.extra("heyoka")
@@ -40,7 +40,7 @@ def expected(gait):
 @pytest.mark.parametrize("cycles", [2, 3])
 def test_what_they_remember(gait, expected, few, cycles, monkeypatch):
     """Such a cycle goes on in the double stance, and where the reference engine repeats it, it knows."""
-    monkeypatch.setattr(journey, "FEW", few)
+    monkeypatch.setattr(runner, "FEW", few)
     lanes = {name: [number] for name, number in NUMBERS.items()}
     found = simulate_many(gait.system, [Q], [V], cycles, 1e-9, parameters=lanes)
     assert found.reason.tolist() == ["complete"]

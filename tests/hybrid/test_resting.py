@@ -17,7 +17,7 @@ from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.filippov import Sliding, Unloaded
 from spear_pin.hybrid.modes import torn
 from spear_pin.hybrid.reasons import NUMERICAL
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.rules.surface import CHATTER
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.shares import weights

@@ -9,7 +9,7 @@ import pytest
 
 from spear_pin import simulate
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.record import Options, Piece
+from spear_pin.hybrid.result import Options, Piece
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.simulate import sample
 from spear_pin.hybrid.trajectory import SAMPLED

@@ -9,10 +9,10 @@ import pytest
 from spear_pin import Gait, Ground, HoppingLaw, Spring, hopping, load
 from spear_pin.gaits.series_hopping import series_hopping
 from spear_pin.hybrid.elimination import factorize, solve, solve_sparse, substitute
-from spear_pin.hybrid.engines.layout import Numbers, with_fields
 from spear_pin.hybrid.engines.pinocchio import Flow
+from spear_pin.hybrid.engines.structure import Scalars, with_fields
 from spear_pin.hybrid.engines.symbolic import Motion
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.model.planar import Planar
 
@@ -41,7 +41,7 @@ SYSTEMS = hops()
 
 def of(system):
     joints = system.robot.model.damping.tolist()
-    return Numbers(system.law, system.spring, system.ground, joints)
+    return Scalars(system.law, system.spring, system.ground, joints)
 
 
 def compare(system, domain, held, q, v, t=0.01):

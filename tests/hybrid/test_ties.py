@@ -8,10 +8,10 @@ from scipy.optimize import fsolve
 
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.engines.taylor import Code
-from spear_pin.hybrid.lanes.entry import choose
 from spear_pin.hybrid.lanes.groups import Group, spread
+from spear_pin.hybrid.lanes.lone_runner import LoneRunner
+from spear_pin.hybrid.lanes.modes import choose
 from spear_pin.hybrid.lanes.numbers import Numbers
-from spear_pin.hybrid.lanes.track import Track
 from spear_pin.hybrid.modes import choose as choose_one
 from spear_pin.hybrid.modes import starting_phase
 from spear_pin.hybrid.rules.footing import STARTS_TO_SLIDE
@@ -73,6 +73,6 @@ def test_lanes(tied, n):
 def test_a_lane_alone(tied):
     system, phase, held, y, mode = tied
     numbers = Numbers(system, {}, Code(1e-12))
-    track = Track(numbers, 0)
-    ready, _ = track._enter(track._begin(phase, y[: 2 * system.robot.nv], held, [np.inf]))
+    lone = LoneRunner(numbers, 0)
+    ready, _ = lone._enter(lone._begin(phase, y[: 2 * system.robot.nv], held, [np.inf]))
     assert ready.domain.contacts == (mode,)

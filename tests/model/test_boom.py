@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from spear_pin import find_gait, hopping, load, simulate, vary
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.record import Moment
+from spear_pin.hybrid.result import Moment
 from spear_pin.model.boom import Arm, RotaryBoom, on_rotary_boom
 from tests.hybrid.test_dry_friction import in_the_air
 

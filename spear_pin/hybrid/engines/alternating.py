@@ -10,7 +10,7 @@ from typing import Any
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain
-from spear_pin.hybrid.engines.layout import Numbers
+from spear_pin.hybrid.engines.structure import Scalars
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.model.planar import Planar
@@ -43,7 +43,7 @@ class Alternating:
         q: Sequence[Any],
         v: Sequence[Any],
         held: Mapping[str, Any],
-        numbers: Numbers,
+        numbers: Scalars,
         ops: Any,
     ) -> None:
         between = domain.between

@@ -27,8 +27,8 @@ from spear_pin.hybrid.elimination import (
     substitute,
     times,
 )
-from spear_pin.hybrid.engines import layout
-from spear_pin.hybrid.engines.layout import Numbers, with_fields
+from spear_pin.hybrid.engines import structure
+from spear_pin.hybrid.engines.structure import Scalars, with_fields
 from spear_pin.model.planar import Planar
 from spear_pin.model.spring import Spring
 
@@ -73,7 +73,7 @@ class Motion:
         q: Sequence[Any],
         v: Sequence[Any],
         held: Mapping[str, Any],
-        numbers: Numbers,
+        numbers: Scalars,
         ops: Any,
         at_rest: Sequence[str] | None = None,
     ) -> None:
@@ -260,7 +260,9 @@ class Motion:
 
     def _spring(self, mount: Mount) -> Spring:
         """A mount's spring: the system's numbers, whatever they are, or ones of its own, which do not vary."""
-        shared = {name: getattr(self.numbers.spring, name) for name in layout.shared(mount.spring, self.system.spring)}
+        shared = {
+            name: getattr(self.numbers.spring, name) for name in structure.shared(mount.spring, self.system.spring)
+        }
         return with_fields(mount.spring, shared)
 
     def _at_rest(self) -> tuple[Matrix, list[Any]]:

@@ -20,7 +20,7 @@ from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.dynamics import Operations
 from spear_pin.hybrid.elimination import solve
 from spear_pin.hybrid.engines.alternating import Alternating
-from spear_pin.hybrid.engines.layout import Structure, symbols
+from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.rules.footing import Footing, closed_toes, fitness, footing
 from spear_pin.model.planar import Planar

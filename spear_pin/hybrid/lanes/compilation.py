@@ -8,10 +8,10 @@ from typing import Any
 
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain
-from spear_pin.hybrid.engines import layout, taylor
+from spear_pin.hybrid.engines import structure, taylor
 from spear_pin.hybrid.engines.identity import Reader
-from spear_pin.hybrid.engines.single import Impact, Single, impact
 from spear_pin.hybrid.engines.taylor import Code, Ready
+from spear_pin.hybrid.engines.taylor_single import CompiledImpact, Single, impact
 from spear_pin.hybrid.lanes.groups import Held
 from spear_pin.model.planar import Planar
 
@@ -28,14 +28,14 @@ class Compilation:
 
     def __init__(self, system: HybridSystem, code: Code) -> None:
         self.system, self.planar = system, Planar(system.robot)
-        self.robot = layout.robot_numbers(system, self.planar)
+        self.robot = structure.robot_numbers(system, self.planar)
         self._code = code
         # with what was made of them domains are kept, so that their identities stay their own
         self._domains: dict[Any, Ready] = {}
         self._singles: dict[Any, Single] = {}
-        self._impacts: dict[str, Impact] = {}
+        self._impacts: dict[str, CompiledImpact] = {}
         self._reader = Reader()
-        for function in chain.from_iterable(map(layout.functions, system.domains)):
+        for function in chain.from_iterable(map(structure.functions, system.domains)):
             self._reader.identity(function)
 
     def current(self) -> bool:
@@ -48,24 +48,24 @@ class Compilation:
         Raises:
             TypeError: it cannot be: a latch branches on a value.
         """
-        key = id(domain), layout.shape_of(held)
+        key = id(domain), structure.shape_of(held)
         if key not in self._domains:
-            structure = layout.Structure(self.system, domain, held, self.planar)
-            self._domains[key] = Ready(domain, taylor.compiled(structure, self._code))
+            one = structure.Structure(self.system, domain, held, self.planar)
+            self._domains[key] = Ready(domain, taylor.compiled(one, self._code))
         return self._domains[key]
 
     def single(self, domain: Domain, held: Held) -> Single:
         """A domain, compiled for one lane and for what is held."""
-        key = id(domain), layout.shape_of(held)
+        key = id(domain), structure.shape_of(held)
         if key not in self._singles:
             self._singles[key] = Single(self.domain(domain, held))
         return self._singles[key]
 
-    def impact(self, toe: str) -> Impact:
+    def impact(self, toe: str) -> CompiledImpact:
         """A toe's impact."""
         if toe not in self._impacts:
-            structure = layout.Structure(self.system, self.system.domains[0], {}, self.planar)
-            self._impacts[toe] = impact(structure, toe, self._code.level)
+            whole = structure.Structure(self.system, self.system.domains[0], {}, self.planar)
+            self._impacts[toe] = impact(whole, toe, self._code.level)
         return self._impacts[toe]
 
 

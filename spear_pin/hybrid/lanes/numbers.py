@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Reset
-from spear_pin.hybrid.engines import layout
-from spear_pin.hybrid.engines.layout import with_fields
+from spear_pin.hybrid.engines import structure
+from spear_pin.hybrid.engines.structure import with_fields
 from spear_pin.hybrid.engines.taylor import Code, Point, Ready
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.lanes.compilation import compilation
@@ -22,7 +22,7 @@ from spear_pin.hybrid.rules.entry import ahead
 from spear_pin.hybrid.rules.latching import latched
 
 Array = NDArray[np.float64]
-OTHERS = (*layout.OF_SPRINGS, "friction", *layout.OF_GROUND)  # numbers beside the law's in which lanes may differ
+OTHERS = (*structure.OF_SPRINGS, "friction", *structure.OF_GROUND)  # numbers beside the law's in which lanes may differ
 
 
 class Numbers:
@@ -38,7 +38,7 @@ class Numbers:
         self.system, self.nv, self._given = system, system.robot.nv, given
         self.compilation = compilation(system, code)
         self.planar = self.compilation.planar
-        self._others = {name: given.get(name, value) for name, value in layout.others(system).items()}
+        self._others = {name: given.get(name, value) for name, value in structure.others(system).items()}
 
     def of_lane(self, lane: int) -> dict[str, float]:
         """The numbers in which a lane differs."""
@@ -51,7 +51,7 @@ class Numbers:
     def constants(self, lane: int) -> list[float]:
         """A lane's run-time parameters ahead of what is held."""
         law, others = self.law_of(lane), [float(take(value, lane)) for value in self._others.values()]
-        return layout.flattened(
+        return structure.flattened(
             (*(getattr(law, field.name) for field in fields(law)), *others, *self.compilation.robot)
         )
 
@@ -66,7 +66,7 @@ class Numbers:
     def parameters(self, group: Group) -> Array:
         """Run-time parameters of a group, (p, n)."""
         others = [take(value, group.lanes) for value in self._others.values()]
-        return layout.parameters(self.law(group.lanes), others, self.compilation.robot, group.held, len(group))
+        return structure.parameters(self.law(group.lanes), others, self.compilation.robot, group.held, len(group))
 
     def compiled(self, domain: Domain, group: Group) -> Ready:
         """The domain, compiled for what the group holds.

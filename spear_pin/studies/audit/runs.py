@@ -16,7 +16,7 @@ from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.hardware import Sensing
 from spear_pin.hybrid.parameters import with_hardware
-from spear_pin.hybrid.record import Options, Run
+from spear_pin.hybrid.result import Options, Run
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.simulate import sample, simulate
 from spear_pin.hybrid.trajectory import Trajectory

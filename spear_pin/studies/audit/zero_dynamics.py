@@ -16,7 +16,7 @@ from spear_pin.gaits.bounding_law import evolution, phases_of
 from spear_pin.gaits.virtual_constraints import errors
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import rebuilt
-from spear_pin.hybrid.record import Moment, Options, Run, Segment
+from spear_pin.hybrid.result import Moment, Options, Run, Segment
 from spear_pin.hybrid.run import run
 from spear_pin.model.robot import Robot
 

@@ -12,7 +12,7 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.periodic import chart
-from spear_pin.hybrid.record import Moment, Options
+from spear_pin.hybrid.result import Moment, Options
 from spear_pin.hybrid.run import run
 from spear_pin.kinds import typed
 

@@ -11,7 +11,7 @@ from spear_pin.gaits.bounding_law import INPUTS
 from spear_pin.gaits.feedback import regulated, speed_regulated
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import Measure, find_gait
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.kinds import typed
 

@@ -13,7 +13,7 @@ from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.record import Options, State
+from spear_pin.hybrid.result import Options, State
 from spear_pin.hybrid.run import run
 from spear_pin.studies.explore.knobs import Knobs
 

@@ -18,7 +18,7 @@ import numpy as np
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.periodic import displacement
-from spear_pin.hybrid.record import State
+from spear_pin.hybrid.result import State
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.studies.explore.engines import Engine

@@ -26,7 +26,7 @@ from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset
 from spear_pin.hybrid.dry_friction import DryFriction
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.phases import rate, spring_switches
-from spear_pin.hybrid.record import Moment, Options, Run
+from spear_pin.hybrid.result import Moment, Options, Run
 from spear_pin.hybrid.rules.footing import AT_REST
 from spear_pin.hybrid.run import run
 from spear_pin.kinds import typed

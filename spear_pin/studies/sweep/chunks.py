@@ -21,7 +21,7 @@ from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import PARTS, with_parameters
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
 from spear_pin.studies.sweep import store
 from spear_pin.studies.sweep.job import Job, Rows, asked

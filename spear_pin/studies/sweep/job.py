@@ -18,7 +18,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.parameters import PARTS, Change, changed, parameter, replaced, with_parameters
-from spear_pin.hybrid.record import State
+from spear_pin.hybrid.result import State
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import PARAMETERS, vary
 

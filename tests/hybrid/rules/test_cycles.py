@@ -11,7 +11,7 @@ from spear_pin.hybrid.automaton import SHORTEST_FLIGHT
 from spear_pin.hybrid.domain import Reset, Switch
 from spear_pin.hybrid.hardware import Sensing
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.rules.cycles import (
     AT_ONCE,
     CREEP,

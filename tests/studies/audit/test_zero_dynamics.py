@@ -6,7 +6,7 @@ import pytest
 from scipy.optimize import brentq
 
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.record import Moment, Options
+from spear_pin.hybrid.result import Moment, Options
 from spear_pin.hybrid.run import run
 from spear_pin.studies.audit import zero_dynamics
 from spear_pin.studies.audit.runs import bound, stride_run

@@ -5,7 +5,7 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.studies.basin.attraction import attraction, dropped
 

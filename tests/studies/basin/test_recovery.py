@@ -6,7 +6,7 @@ import pytest
 from spear_pin import Gait
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.periodic import displacement
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.studies.basin import airborne, basin, midway, pushed, recover
 

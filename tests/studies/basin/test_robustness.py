@@ -6,7 +6,7 @@ import scipy
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.studies.basin.robustness import Robustness, robustness
 

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from spear_pin import simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.record import Moment
+from spear_pin.hybrid.result import Moment
 from spear_pin.studies.push_test import PassiveKnee, spear_ii
 from spear_pin.studies.push_test.motion import PARAMETERS, move, released
 from tests.lagrangian import monopod

@@ -27,7 +27,7 @@ from spear_pin.gaits.request import (
     Request,
 )
 from spear_pin.gaits.virtual_constraints import Evolution, desired, dot, resume
-from spear_pin.hybrid.engines.layout import with_fields
+from spear_pin.hybrid.engines.structure import with_fields
 from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
 

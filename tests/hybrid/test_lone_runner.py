@@ -7,15 +7,15 @@ import pytest
 
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.domain import Guard, Reset, Switch
-from spear_pin.hybrid.engines.layout import flattened
-from spear_pin.hybrid.engines.single import UNCLEAR
+from spear_pin.hybrid.engines.structure import flattened
 from spear_pin.hybrid.engines.taylor import Code
-from spear_pin.hybrid.lanes import journey
+from spear_pin.hybrid.engines.taylor_single import UNCLEAR
+from spear_pin.hybrid.lanes import runner
+from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.lanes.numbers import Numbers
-from spear_pin.hybrid.lanes.track import Track
 from spear_pin.hybrid.modes import starting_phase
 from spear_pin.hybrid.parameters import rebuilt
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from tests.hybrid.lanes import FINE
 
@@ -58,7 +58,7 @@ def laps(system, gait):
     """The first cycle by a lane alone, or None."""
     numbers = Numbers(system, {}, Code(1e-12))
     phase, held = starting_phase(system, gait.state)
-    return Track(numbers, 0).lap(phase, np.concatenate(gait.state), held, [0.0])
+    return LoneRunner(numbers, 0).lap(phase, np.concatenate(gait.state), held, [0.0])
 
 
 def entered(system, gait):
@@ -174,8 +174,8 @@ class TestCyclesBefore:
             asked.append(cycles)
             return run(system, state, cycles, options)
 
-        monkeypatch.setattr(journey, "run", recorded)
-        monkeypatch.setattr(journey.Lanes, "finish", given_up(journey.Lanes.finish))
+        monkeypatch.setattr(runner, "run", recorded)
+        monkeypatch.setattr(runner.Lanes, "finish", given_up(runner.Lanes.finish))
         whole = compared(system, state, 8)[0].cycles[0]
         assert asked == [8 - whole]
 

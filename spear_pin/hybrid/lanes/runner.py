@@ -16,16 +16,16 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
-from spear_pin.hybrid.engines.layout import shape_of
+from spear_pin.hybrid.engines.structure import shape_of
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Point, Ready
-from spear_pin.hybrid.lanes.entry import away, choose, first_event
 from spear_pin.hybrid.lanes.groups import Flags, Group, Indices, alone, along, finite, merged, spread, stacked
+from spear_pin.hybrid.lanes.lone_runner import LoneRunner
+from spear_pin.hybrid.lanes.modes import away, choose, first_event
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.sliding import Came, slide
-from spear_pin.hybrid.lanes.track import Track
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.reasons import REASONS
-from spear_pin.hybrid.record import Options
+from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.rules.cycles import CYCLE_EVENTS, counts_to, crowded, due, left_at_once, retouches, whole
 from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.impact import joint_impact, rises, routh, struck_toes
@@ -34,7 +34,7 @@ from spear_pin.hybrid.run import run
 
 Array = NDArray[np.float64]
 FEW = 16  # lanes that are faster one by one
-PATIENCE = 3  # cycles of a lane that its track refuses before it is left
+PATIENCE = 3  # cycles of a lane that its lone runner refuses before it is left
 CROWD = 10  # events in an instant, of a lane that is then left to the reference engine, as may be a Zeno point
 
 
@@ -76,7 +76,7 @@ class Lanes:
         self.repeated = np.zeros(n, bool)
         seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and code.observing}
         self.observed = {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
-        self._tracks = [Track(self.numbers, lane) for lane in range(n)] if n <= FEW else []
+        self._lone = [LoneRunner(self.numbers, lane) for lane in range(n)] if n <= FEW else []
         self._alone: list[tuple[str, Group, Came | None]] = []
         self._entering: dict[Any, tuple[str, Came | None, list[Group]]] = {}
         self._flying: dict[int, tuple[Ready, list[Group]]] = {}
@@ -126,7 +126,7 @@ class Lanes:
     def go_on(self, phase: str, group: Group, came: Came | None) -> None:
         """Have lanes begin a cycle, one by one if they are few, that has not failed too often, and a phase begins."""
         lanes = group.lanes
-        single = bool(self._tracks) & self.on_section[lanes] & (self.refused[lanes] < PATIENCE) & (group.t == 0.0)
+        single = bool(self._lone) & self.on_section[lanes] & (self.refused[lanes] < PATIENCE) & (group.t == 0.0)
         self._alone += [(phase, group.take([i]), came) for i in np.flatnonzero(single)]
         if not single.all():
             self.put(phase, group.take(~single), came)
@@ -138,7 +138,7 @@ class Lanes:
         start, fresh, began = y, 0, float(self.began[lane])
         wanted = self.wanted - int(self.cycles[lane])
         ago = (self.began[lane] - self.grounded[:, lane]).tolist()
-        while n < wanted and (lap := self._tracks[lane].lap(phase, y, held, ago)) is not None:
+        while n < wanted and (lap := self._lone[lane].lap(phase, y, held, ago)) is not None:
             ago = lap.ago
             n, y, held, spent, phase, came = n + 1, lap.y, lap.held, lap.spent, lap.phase, lap.came
             if came[1] is self._fresh:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.elimination import dot, factorize, substitute
-from spear_pin.hybrid.engines.layout import Structure, symbols
+from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.taylor import FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, require
 from spear_pin.hybrid.rules.entry import AWAY, NONE, bent, clear, falls, stays_on_zero, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness, footing
@@ -122,7 +122,7 @@ def entering(code: Compiled) -> Any:
     return require().cfunc([require().expression(0.0) + output for output in outputs], y, opt_level=code.level)
 
 
-class Impact:
+class CompiledImpact:
     """The plastic impact of one toe, compiled.
 
     Args:
@@ -155,6 +155,6 @@ class Impact:
 
 
 @lru_cache(MOST)
-def impact(structure: Structure, toe: str, level: int) -> Impact:
+def impact(structure: Structure, toe: str, level: int) -> CompiledImpact:
     """An impact compiled, once for each structure."""
-    return Impact(structure, toe, level)
+    return CompiledImpact(structure, toe, level)

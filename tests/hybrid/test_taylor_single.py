@@ -5,12 +5,12 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.layout import flattened
-from spear_pin.hybrid.engines.single import AHEAD, UNCLEAR, Entry
+from spear_pin.hybrid.engines.structure import flattened
 from spear_pin.hybrid.engines.taylor import Code
+from spear_pin.hybrid.engines.taylor_single import AHEAD, UNCLEAR, Entry
 from spear_pin.hybrid.lanes.compilation import compilation
-from spear_pin.hybrid.lanes.entry import choose
 from spear_pin.hybrid.lanes.groups import Group, alone, spread
+from spear_pin.hybrid.lanes.modes import choose
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.rules.entry import NONE

@@ -27,8 +27,8 @@ NONZERO = (*OF_SPRINGS, *OF_GROUND)  # numbers that are run-time parameters wher
 
 
 @dataclass(frozen=True)
-class Numbers:
-    """Numbers of a system, as scalars.
+class Scalars:
+    """Scalars of a system, as scalars.
 
     Attributes:
         law: parameters of the control law.
@@ -53,13 +53,13 @@ def with_fields(instance: D, values: Mapping[str, Any]) -> D:
 
 
 def others(system: HybridSystem) -> dict[str, float]:
-    """Numbers beside the law's that are run-time parameters, in their order."""
+    """Scalars beside the law's that are run-time parameters, in their order."""
     parts = [(system.spring, OF_SPRINGS), (system.ground, OF_GROUND)]
     nonzero = {name: value for part, names in parts for name in names if (value := getattr(part, name)) != 0.0}
     return {"friction": system.ground.friction, **nonzero}
 
 
-def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tuple[Planar, Numbers, dict[str, Any]]:
+def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tuple[Planar, Scalars, dict[str, Any]]:
     """The robot, the system's numbers and what is held, as run-time parameters par[0], par[1], ...
 
     What is zero of the robot, the springs and the ground stays zero; what is no number stays what it is.
@@ -71,11 +71,11 @@ def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tup
     bodies = [_with_numbers(body, *map(counter.nonzero, _numbers(body))) for body in planar.bodies]
     joints = [counter.nonzero(float(b)) for b in system.robot.model.damping]
     kept = Latched({name: counter.number(value) for name, value in held.items()})
-    return planar.with_bodies(bodies), Numbers(law, spring, ground, joints), kept
+    return planar.with_bodies(bodies), Scalars(law, spring, ground, joints), kept
 
 
 def robot_numbers(system: HybridSystem, planar: Planar) -> list[float]:
-    """Numbers of the robot that are run-time parameters, in their order."""
+    """Scalars of the robot that are run-time parameters, in their order."""
     bodies = [number for body in planar.bodies for number in _numbers(body)]
     return [number for number in (*bodies, *map(float, system.robot.model.damping)) if number != 0.0]
 
@@ -161,7 +161,7 @@ def shared(own: Spring, common: Spring) -> list[str]:
 
 
 class _Counter:
-    """Numbers become the next run-time parameters; what is no number is structure."""
+    """Scalars become the next run-time parameters; what is no number is structure."""
 
     def __init__(self, par: Any) -> None:
         self._par, self._count = par, 0

@@ -1,8 +1,8 @@
 """A lane on its own, from section to section, as long as nothing calls for a second look.
 
-Where `journey` decides for many lanes whatever may come, this goes one cycle through what is clear at a glance: a
+Where `runner` decides for many lanes whatever may come, this goes one cycle through what is clear at a glance: a
 domain that fits, guards that rise from zero, impacts of one toe. At anything else it gives up, and the cycle is run
-again by `journey`.
+again by `runner`.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
-from spear_pin.hybrid.engines.layout import flattened, shape_of
-from spear_pin.hybrid.engines.single import UNCLEAR, Entry, Single
+from spear_pin.hybrid.engines.structure import flattened, shape_of
 from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT
+from spear_pin.hybrid.engines.taylor_single import UNCLEAR, Entry, Single
 from spear_pin.hybrid.lanes.groups import Held
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.rules.cycles import crowded, due, left_at_once, retouches, whole
@@ -89,7 +89,7 @@ class _Now:
     crowd: int = 0
 
 
-class Track:
+class LoneRunner:
     """One lane's cycles.
 
     Args:
