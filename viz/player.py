@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import html
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -23,7 +22,7 @@ from spear_pin.viz.playback.overlays import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
 from spear_pin.viz.playback.scene import Scene, moving, still
 from spear_pin.viz.playback.stage import HORIZON
 from spear_pin.viz.playback.trajectory import Part, TrajectoryLike, last, read_times
-from spear_pin.viz.template import asset, css, filled, viewer_parts
+from spear_pin.viz.template import css, environment
 
 MOST_BYTES = 2_000_000
 # frames per second; more frames than this never fit
@@ -151,12 +150,8 @@ def _first_rate(trajectory: TrajectoryLike) -> float:
 
 
 def _page(frames: Frames, scene: Scene, animation: str, title: str) -> str:
-    parts = {
-        "title": html.escape(title),
-        "style": asset("player.css"),
-        **viewer_parts(_data(frames, scene, animation, title), "player.js"),
-    }
-    return filled("player.html", parts)
+    template = environment().get_template("player.html")
+    return template.render(title=title, data=_data(frames, scene, animation, title))
 
 
 def _data(frames: Frames, scene: Scene, animation: str, title: str) -> dict[str, Any]:

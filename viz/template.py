@@ -1,14 +1,43 @@
-"""Contents of pages that hold everything themselves: files of this package, meshcat's viewer, data."""
+"""Pages that hold everything themselves: Jinja templates of this package, its scripts and styles, meshcat's viewer."""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import cache
 from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from markupsafe import Markup
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+
+@cache
+def environment(**filters: Callable[..., Any]) -> Environment:
+    """Where the templates of this package stand, by their paths below `viz`; what they are given is escaped.
+
+    Args:
+        filters: that they may use, beside those of all pages.
+    """
+    # most of what imports this module makes no page
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    made = Environment(
+        loader=PackageLoader("spear_pin.viz", ""),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    made.globals |= {"asset": asset, "library": library, "licences": licences}
+    made.filters |= {"script_json": script_json, **filters}
+    return made
 
 
 def filled(template: str, parts: Mapping[str, str]) -> str:
@@ -16,32 +45,22 @@ def filled(template: str, parts: Mapping[str, str]) -> str:
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], asset(template))
 
 
-def asset(name: str) -> str:
-    """Text of a file of this package, by its path below `viz`."""
-    return files("spear_pin.viz").joinpath(name).read_text(encoding="utf-8")
+def asset(name: str) -> Markup:
+    """A style or script of this package, by its path below `viz`: no template, for braces have a meaning there."""
+    return Markup(files("spear_pin.viz").joinpath(name).read_text(encoding="utf-8"))
 
 
-def viewer_parts(data: Mapping[str, Any], script: str) -> dict[str, str]:
-    """The parts "controls" and "viewer" of a page: buttons and time bar; meshcat's viewer with data and a script."""
-    parts = {
-        "licences": _comment(licences()),
-        "library": library(),
-        "data": script_json(data),
-        "script": asset("viewer.js") + asset(script),
-    }
-    return {"controls": asset("controls.html"), "viewer": filled("viewer.html", parts)}
-
-
-def library() -> str:
+def library() -> Markup:
     """The script of meshcat's viewer."""
-    return (_folder() / "dist" / "main.min.js").read_text(encoding="utf-8")
+    return Markup((_folder() / "dist" / "main.min.js").read_text(encoding="utf-8"))
 
 
-def licences() -> str:
-    """Those of all that is in it."""
+def licences() -> Markup:
+    """Those of all that is in it, as they may stand in a comment of HTML."""
     papers = "LICENSE", "dist/main.min.js.LICENSE.txt", "dist/main.min.js.THIRD_PARTY_LICENSES.json"
     paths = (_folder() / paper for paper in papers)
-    return "\n\n".join(path.read_text(encoding="utf-8") for path in paths if path.is_file())
+    text = "\n\n".join(path.read_text(encoding="utf-8") for path in paths if path.is_file())
+    return Markup(text.replace("--", "- -").replace("<", "&lt;").replace(">", "&gt;"))
 
 
 def _folder() -> Path:
@@ -52,15 +71,14 @@ def _folder() -> Path:
     return Path(spec.submodule_search_locations[0]) / "viewer"
 
 
-def script_json(data: Mapping[str, Any]) -> str:
-    """Data as JSON that may stand in a script: a title may hold the end of one, or of a comment."""
-    return json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
+def script_json(data: Mapping[str, Any]) -> Markup:
+    """Data as JSON that may stand in a script: a title may hold the end of one, or of a comment.
+
+    Jinja's `tojson` would escape every quote, ampersand and `>` of the scripts that a report holds as data, too.
+    """
+    return Markup(json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c"))
 
 
 def css(color: tuple[float, float, float]) -> str:
     """A colour, each part from 0 to 1, as CSS has it."""
     return "#" + "".join(f"{round(255 * value):02x}" for value in color)
-
-
-def _comment(text: str) -> str:
-    return text.replace("--", "- -").replace("<", "&lt;").replace(">", "&gt;")

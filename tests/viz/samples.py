@@ -1,4 +1,4 @@
-"""Trajectories made by kinematics alone: a hop in place and a bound."""
+"""Trajectories made by kinematics alone, a hop in place and a bound, and words that a page has to escape."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 LINK = 0.318
 GRAVITY = 9.81
+ODD = """</script><b>x</b> "a" & 'b' {{ c }} {% d %}"""
 
 
 def hop(hops: int = 2, samples: int = 160, start: float = 0.0) -> SimpleNamespace:

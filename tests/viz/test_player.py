@@ -9,10 +9,12 @@ import sys
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import pinocchio as pin
 import pytest
+from lxml import etree
 
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.model.loading import load
@@ -139,9 +141,9 @@ def test_record_needs_a_file_in_a_folder(spear: Robot, hop: SimpleNamespace, tmp
         player.record(spear, hop, tmp_path / where)
 
 
-def pogo(tmp_path: Path) -> tuple[Robot, SimpleNamespace]:
+def pogo(tmp_path: Path, name: str = "pogo", mesh: str = "leg.dae") -> tuple[Robot, SimpleNamespace]:
     path = tmp_path / "pogo stick.urdf"
-    path.write_text(USER_URDF)
+    path.write_text(USER_URDF.replace('"pogo"', quoteattr(name)).replace('"leg.dae"', quoteattr(mesh)))
     t = np.linspace(0.0, 1.0, 30)
     return load(path, toes=["tip"]), SimpleNamespace(
         t=t,
@@ -166,6 +168,18 @@ def test_a_users_urdf_plays_without_its_meshes(tmp_path: Path) -> None:
     ]
     assert spring_path(up, "spring/slide") in record.paths
     assert not any("force" in path for path in record.paths)
+
+
+def test_odd_names_are_shown_as_they_are(tmp_path: Path) -> None:
+    robot, trajectory = pogo(tmp_path, name=samples.ODD, mesh=f"{samples.ODD}.dae")
+    text = player.page(robot, trajectory)
+    tree = etree.HTML(text)
+    assert tree.xpath("//title/text()") == tree.xpath("//h1/text()") == [samples.ODD]
+    assert len(tree.xpath("//script")) == 3 and not tree.xpath("//b")
+    data = read(text).data
+    assert (
+        data["title"] == samples.ODD and data["notes"][1] == f"not drawn: mesh {f'{samples.ODD}.dae'!r} of link 'leg'"
+    )
 
 
 def test_a_robot_whose_urdf_is_gone_plays_as_bones(tmp_path: Path) -> None:
@@ -214,7 +228,8 @@ def test_a_spring_needs_a_joint(spear: Robot, hop: SimpleNamespace) -> None:
 
 
 def test_importing_the_player_is_cheap() -> None:
-    script = "import sys, spear_pin.viz.player; print({'meshcat', 'zmq', 'yourdfpy', 'IPython'} & set(sys.modules))"
+    costly = {"meshcat", "zmq", "yourdfpy", "IPython", "jinja2"}
+    script = f"import sys, spear_pin.viz.player; print({costly} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-W", "error", "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
 

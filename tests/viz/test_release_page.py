@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from lxml import etree
 
 from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, release, resting_at, spear_ii
 from spear_pin.viz import release_page
+from tests.viz.samples import ODD
 
 
 @pytest.fixture
@@ -55,5 +57,7 @@ def test_says_where_the_pin_pulls(played):
 
 def test_writes_a_page(tmp_path):
     leg = spear_ii()
-    path = release_page.record_release(leg, WITH_MOTOR, release(leg, WITH_MOTOR, duration=0.2), tmp_path / "a.html")
+    motion = release(leg, WITH_MOTOR, duration=0.2)
+    path = release_page.record_release(leg, WITH_MOTOR, motion, tmp_path / "a.html", title=ODD)
     assert path.stat().st_size > 100_000
+    assert etree.HTML(path.read_text(encoding="utf-8")).xpath("//h1/text()") == [ODD]

@@ -24,7 +24,7 @@ from spear_pin.viz.playback.overlays import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
 from spear_pin.viz.playback.scene import Scene, moving
 from spear_pin.viz.playback.stage import HORIZON, WORLD
 from spear_pin.viz.player import SPEEDS, in_words
-from spear_pin.viz.template import asset, css, filled, viewer_parts
+from spear_pin.viz.template import css, environment
 
 CLIENT = "Spear-Client"  # header by which a page tells itself from others; what comes without is one client
 RATE = 60.0  # frames per second
@@ -52,11 +52,7 @@ PLOTS = (  # title, unit, and the series with their labels and colours, those of
 
 def page(engine: Engine) -> str:
     """The text of the page."""
-    parts = {
-        "style": asset("player.css") + asset("explore/page.css"),
-        **viewer_parts(_opening(engine), "explore/page.js"),
-    }
-    return filled("explore/page.html", parts)
+    return environment().get_template("explore/page.html").render(data=_opening(engine))
 
 
 def answer(view: str, hops: Hops) -> dict[str, Any]:

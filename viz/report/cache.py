@@ -19,7 +19,7 @@ from pathlib import Path
 from spear_pin.errors import BadFile
 from spear_pin.files import atomic
 
-LIBRARIES = ("numpy", "scipy", "pin", "matplotlib", "meshcat")
+LIBRARIES = ("numpy", "scipy", "pin", "matplotlib", "meshcat", "jinja2")
 SUFFIXES = (".py", ".urdf", ".json", ".mplstyle", ".html", ".css", ".js")
 MOST_BYTES = 60_000_000
 
