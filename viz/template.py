@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable, Mapping
 from functools import cache
 from importlib.resources import files
@@ -38,11 +37,6 @@ def environment(**filters: Callable[..., Any]) -> Environment:
     made.globals |= {"asset": asset, "library": library, "licences": licences}
     made.filters |= {"script_json": script_json, **filters}
     return made
-
-
-def filled(template: str, parts: Mapping[str, str]) -> str:
-    """A template of this package, by its path below `viz`, with its {{parts}}."""
-    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], asset(template))
 
 
 def asset(name: str) -> Markup:

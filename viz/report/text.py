@@ -1,10 +1,15 @@
-"""Text of the report as HTML: numbers, symbols with their indices, and the little Markdown of the errata."""
+"""Text of the report as HTML: numbers, symbols with their indices, and the little Markdown of the errata.
+
+Not by a library of Markdown: indices, links without targets and framed tables would be rules of ours with one, too.
+"""
 
 from __future__ import annotations
 
-import html
 import math
 import re
+from typing import TypeAlias
+
+from markupsafe import Markup, escape
 
 from spear_pin.studies.audit.statements.criteria import Value
 
@@ -17,49 +22,45 @@ INLINE = (
 )
 DIGITS = 4
 
-
-def text(words: str) -> str:
-    """Words with the indices of their symbols, escaped."""
-    return SUPERSCRIPT.sub(r"<sup>\1</sup>", SUBSCRIPT.sub(r"\1<sub>\2</sub>", html.escape(words)))
+Table: TypeAlias = list[list[str]]
 
 
-def number(value: float) -> str:
+def symbols(words: str) -> Markup:
+    """Words with the indices of their symbols."""
+    return Markup(SUPERSCRIPT.sub(r"<sup>\1</sup>", SUBSCRIPT.sub(r"\1<sub>\2</sub>", str(escape(words)))))
+
+
+def number(value: float) -> Markup:
     """A number to four digits, a power of ten where it is far from one, with a minus sign."""
     if value == 0.0:
-        return "0"
+        return Markup("0")
     exponent = math.floor(math.log10(abs(value)))
     if -4 <= exponent < 6:
         plain = f"{value:.{max(DIGITS - 1 - exponent, 0)}f}"
-        return (plain.rstrip("0").rstrip(".") if "." in plain else plain).replace("-", "−")
+        return Markup((plain.rstrip("0").rstrip(".") if "." in plain else plain).replace("-", "−"))
     mantissa, power = f"{value:.{DIGITS - 2}e}".split("e")
-    return f"{mantissa}·10<sup>{int(power)}</sup>".replace("-", "−")
+    return Markup(f"{mantissa}·10<sup>{int(power)}</sup>".replace("-", "−"))
 
 
-def numbers(value: Value, unit: str = "") -> str:
+def numbers(value: Value, unit: str = "") -> Markup:
     """Numbers with their unit."""
-    shown = "; ".join(map(number, value)) if isinstance(value, tuple) else number(value)
-    return f"{shown} {html.escape(unit)}".rstrip()
+    shown = Markup("; ").join(map(number, value)) if isinstance(value, tuple) else number(value)
+    return Markup("{} {}").format(shown, unit).rstrip()
 
 
-def markdown(source: str) -> str:
-    """Paragraphs and tables; links lose their targets, which are not in the report."""
-    return "".join(
-        _table(block) if block.startswith("|") else f"<p>{_inline(block)}</p>" for block in source.split("\n\n")
-    )
+def blocks(source: str) -> list[str | Table]:
+    """Paragraphs and tables of Markdown, these as rows of cells, the first of them the head."""
+    return [_rows(block) if block.startswith("|") else block for block in source.split("\n\n")]
 
 
-def _inline(block: str) -> str:
-    escaped = text(block)
+def _rows(block: str) -> Table:
+    head, _, *body = ([cell.strip() for cell in line.strip("|").split("|")] for line in block.splitlines())
+    return [head, *body]
+
+
+def prose(block: str) -> Markup:
+    """A paragraph or cell of Markdown; links lose their targets, which are not in the report."""
+    escaped = str(symbols(block))
     for pattern, replacement in INLINE:
         escaped = pattern.sub(replacement, escaped)
-    return escaped
-
-
-def _table(block: str) -> str:
-    head, _, *body = ([cell.strip() for cell in line.strip("|").split("|")] for line in block.splitlines())
-    rows = [head, *body]
-    cells = [
-        "".join(f"<{tag}>{_inline(cell)}</{tag}>" for cell in row)
-        for row, tag in zip(rows, ["th", *["td"] * len(body)], strict=True)
-    ]
-    return f'<div class="wide"><table class="data">{"".join(f"<tr>{row}</tr>" for row in cells)}</table></div>'
+    return Markup(escaped)

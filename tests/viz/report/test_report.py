@@ -10,15 +10,17 @@ from lxml import etree
 from matplotlib.figure import Figure
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.studies.audit.statements import ASSUMPTIONS, STATEMENTS, VERDICTS
+from spear_pin.studies.audit.statements import ASSUMPTIONS, STATEMENTS, VERDICTS, Case, Finding
+from spear_pin.studies.audit.statements.criteria import Criterion
 from spear_pin.studies.audit.statements.tables import TABULATIONS
 from spear_pin.viz.report import Report, Selection, make, select, write_figures
 from spear_pin.viz.report.cache import Cache
 from spear_pin.viz.report.page import MOST_BYTES, render
 from spear_pin.viz.report.pictures import NOTHING_TO_COMPUTE, PICTURES
 from spear_pin.viz.report.playbacks import PLAYBACKS, shared
-from spear_pin.viz.report.text import markdown, number, numbers, text
+from spear_pin.viz.report.text import blocks, number, numbers, prose, symbols
 from tests.viz import chromium
+from tests.viz.samples import ODD
 
 QUICK = ["fig-2.1", "fig-2.4", "fig-3.2", "table-3.1", "flight-law-sign", "motor-length", "play-release"]
 ALL = [picture for chapter in PICTURES.values() for picture in chapter]
@@ -104,8 +106,36 @@ class TestMaking:
 
     def test_a_picture_that_fails_says_so(self):
         picture = PICTURES[2][0]
-        report = Report(Selection((), (picture,), (), ()), failures={picture.id: "BadValue: <this> is 0"})
-        assert "BadValue: &lt;this&gt; is 0" in render(report)
+        report = Report(Selection((), (picture,), (), ()), failures={picture.id: f"BadValue: {ODD} is 0"})
+        (reason,) = etree.HTML(render(report)).xpath("//p[@class='reason']")
+        assert "".join(reason.itertext()) == f"!failed BadValue: {ODD} is 0"
+
+    def test_odd_words_are_shown_as_they_are(self, report):
+        """In every place that a report takes words from elsewhere."""
+        statement = replace(
+            next(each for each in STATEMENTS if each.id == "flight-law-sign"),
+            place=ODD, says=ODD, finds=ODD, unit=ODD, remark=ODD, criterion=Criterion(ODD, bool),
+        )  # fmt: skip
+        table = replace(TABULATIONS[3][0], place=ODD, caption=ODD, head=(ODD,))
+        playback = replace(PLAYBACKS[0], caption=ODD)
+        picture = replace(PICTURES[2][0], place=ODD, caption=ODD, shows=ODD)
+        finding = Finding(statement.id, (1.0, 2.0), "failed", ODD, (Case(ODD, 1.0, True),))
+        odd = Report(
+            Selection((statement,), (picture,), (table,), (playback,)),
+            {statement.id: finding},
+            {picture.id: report.pictures[picture.id]},
+            {table.id: [(ODD,)]},
+            {playback.id: f"<title>{ODD}</title><script>{ODD}</script>"},
+        )
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setitem(PICTURES, 2, (picture,))
+            patch.setitem(TABULATIONS, 3, (table,))
+            tree = etree.HTML(render(odd))
+        assert not tree.xpath("//b[text()='x']") and len(tree.xpath("//script")) == 2
+        shown = "".join(tree.xpath("//body//text()[not(ancestor::script)]"))
+        # statement, picture, table, playback; of these picture and table stand in the contents, too
+        assert shown.count(ODD) == 9 + 3 + 4 + 1 + 2
+        assert tree.xpath("//svg/@aria-label") == [f"{ODD}: {ODD}"]
 
     def test_figures_in_other_formats(self, tmp_path):
         report = make(select(["fig-2.1"]), formats=("svg", "pdf", "png"))
@@ -153,6 +183,13 @@ class TestPage:
         assert rules == [verdict for verdict in VERDICTS if verdict != "failed"]
         rows = tree.xpath("//section[@id='assumptions']//tr")
         assert len(rows) == len(ASSUMPTIONS) and all(row.xpath(".//p[@class='remark']") for row in rows)
+
+    def test_errata_have_their_tables(self, tree):
+        tables = tree.xpath("//section[@id='errata']//div[@class='wide']/table")
+        assert tables
+        for table in tables:
+            head, *rows = ([cell.tag for cell in row] for row in table.iter("tr"))
+            assert set(head) == {"th"} and rows == [["td"] * len(head)] * len(rows)
 
     def test_the_head_counts(self, tree, report):
         shown = [int(word) for word in tree.xpath("//ul[@class='tiles']//strong/text()")]
@@ -215,12 +252,17 @@ class TestText:
         ],
     )
     def test_indices(self, words, shown):
-        assert text(words) == shown
+        assert symbols(words) == shown
 
-    def test_markdown(self):
-        shown = markdown("A `b_c` of [d](e.md) *not* f.\n\n| g | h |\n| --- | --- |\n| 1 | <2> |")
-        assert shown.startswith("<p>A <code>") and "</code> of d <em>not</em> f.</p>" in shown
-        assert "<tr><th>g</th><th>h</th></tr><tr><td>1</td><td>&lt;2&gt;</td></tr>" in shown
+    def test_a_unit_is_escaped(self):
+        assert numbers((1.0, 2.0), "<N>") == "1; 2 &lt;N&gt;"
+
+    def test_prose(self):
+        shown = prose("A `b_c` of [d](e.md) *not* f < g.")
+        assert shown == "A <code>b<sub>c</sub></code> of d <em>not</em> f &lt; g."
+
+    def test_blocks(self):
+        assert blocks("a\n\n| g | h |\n| --- | --- |\n| 1 | <2> |") == ["a", [["g", "h"], ["1", "<2>"]]]
 
 
 @pytest.fixture(scope="module")
