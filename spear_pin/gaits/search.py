@@ -82,17 +82,18 @@ def find_gait(
     start = np.array([parameter(system, name) for name in vary])
     factors = FACTORS if vary else FACTORS[:1]
     begun = [with_parameters(system, dict(zip(vary, (k * start).tolist(), strict=True))) for k in factors]
+    attempts = [(search.directly, i) for i in range(len(begun))]
+    attempts += [(search.by_continuation, i) for i in range(2)] if vary else []
     settled: list[State] = []
     failures: list[NoGait] = []
     try:
-        for approach, starts in ((search.directly, begun), (search.by_continuation, begun[:2])):
-            for i, trial in enumerate(starts if vary or approach == search.directly else ()):
-                if len(settled) == i:
-                    settled.append(guess if guess is not None else _settle(trial))
-                try:
-                    return search.gait(*approach(trial, settled[i]))
-                except NoGait as failure:
-                    failures.append(failure)
+        for approach, i in attempts:
+            if len(settled) == i:
+                settled.append(guess if guess is not None else _settle(begun[i]))
+            try:
+                return search.gait(*approach(begun[i], settled[i]))
+            except NoGait as failure:
+                failures.append(failure)
     except _Hopeless:
         residual = min((failure.residual for failure in failures), default=np.inf)
         raise NoGait(f"cycles take more than {EVALUATIONS} evaluations each, which no gait's does", residual) from None
