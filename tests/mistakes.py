@@ -106,7 +106,7 @@ MUTATIONS = [
             "gaits/test_hopping",
         ],
         {
-            "damping drives": ("self.held, OPS) + drag", "self.held, OPS) - drag"),
+            "damping drives": ("self.held, FLOATS) + drag", "self.held, FLOATS) - drag"),
             "drift dropped in stance": ("drifts.append(", "drifts.append(0.0 * "),
             "spatial acceleration in stance": (
                 "pin.getFrameClassicalAcceleration(model, data",

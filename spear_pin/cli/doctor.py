@@ -12,7 +12,20 @@ from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.errors import BadValue
 
 # as the project's metadata have them
-REQUIRED = ("pin", "yourdfpy", "numpy", "scipy", "meshcat", "lxml", "matplotlib", "pandas", "tqdm", "u-msgpack-python")
+REQUIRED = (
+    "pin",
+    "yourdfpy",
+    "numpy",
+    "scipy",
+    "meshcat",
+    "lxml",
+    "matplotlib",
+    "pandas",
+    "tqdm",
+    "u-msgpack-python",
+    "jinja2",
+    "markupsafe",
+)
 OPTIONAL = ("casadi", "heyoka", "joblib", "xarray", "zarr", "dask", "drake", "mujoco")
 
 

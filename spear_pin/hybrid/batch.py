@@ -14,7 +14,6 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import PINNED
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import NONZERO
-from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.lanes.numbers import OTHERS
 from spear_pin.hybrid.lanes.runner import Lanes
 from spear_pin.hybrid.parameters import parameter, with_parameters
@@ -109,15 +108,12 @@ def check_lanes(system: HybridSystem) -> None:
     """Refuse a system of which many lanes cannot be run.
 
     Raises:
-        BadValue: it has hardware, dry friction of joints or a pinned toe, its ground is no plane, or its robot is on a
-            rotary boom.
+        BadValue: it has hardware, dry friction of joints or a pinned toe, or its robot is on a rotary boom.
     """
     if system.hardware is not None or any(domain.rubs for domain in system.domains):
         raise BadValue("system", system.kind, "one without hardware and without dry friction of joints")
     if any(PINNED in domain.contacts for domain in system.domains):
         raise BadValue("system", system.kind, "one without pinned toes")
-    if type(system.ground) is not Ground:
-        raise BadValue("ground", system.ground, "a plane")
     if system.robot.added is not None:
         raise BadValue("robot", system.robot, "one on its slider")
 

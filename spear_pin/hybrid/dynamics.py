@@ -5,9 +5,12 @@ Scalars are whatever the engine reckons with: numbers, arrays of many lanes, sym
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
+
+from spear_pin.hybrid.contact import solve
 
 Row = Sequence[tuple[int, Any]]
 """A row vector over the coordinates, as (index, weight) of its entries; those of the same index add up."""
@@ -31,6 +34,19 @@ class Operations:
     exp: Callable[[Any], Any]
     maximum: Callable[[Any, Any], Any]
     solve: Callable[[Any, Any], Any]
+
+
+FLOATS = Operations(
+    sin=math.sin,
+    cos=math.cos,
+    tan=math.tan,
+    tanh=math.tanh,
+    sqrt=math.sqrt,
+    exp=math.exp,
+    maximum=max,
+    solve=solve,
+)
+"""Those of plain numbers."""
 
 
 class Dynamics(Protocol):

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.dynamics import FLOATS, Operations
 from spear_pin.hybrid.elimination import plus, times
 from spear_pin.kinds import typed
 from spear_pin.model.planar import Feet, Terms
@@ -57,7 +58,7 @@ class Ground(Contact):
         """Whether it is level, at height zero, and no other shape than a plane."""
         return type(self).above is Ground.above and self.level and _is_zero(self.height)
 
-    def axes(self, x: Any, z: Any, ops: Any = math) -> tuple[Any, Any]:
+    def axes(self, x: Any, z: Any, ops: Operations = FLOATS) -> tuple[Any, Any]:
         """Tangential and normal component of a vector (x, z), or of a row of vectors if those are arrays."""
         if self.level:
             return x, z
@@ -67,7 +68,7 @@ class Ground(Contact):
         """A vector (x, z) of its components along the ground and normal to it, the inverse of `axes`."""
         return _turned(along, normal, math.cos(self.slope), -math.sin(self.slope))
 
-    def above(self, x: Any, z: Any, ops: Any = math) -> Any:
+    def above(self, x: Any, z: Any, ops: Operations = FLOATS) -> Any:
         """Distance of a point from the ground, along its normal, in m; negative below it."""
         _, normal = self.axes(x, z, ops)
         if _is_zero(self.height):
@@ -79,7 +80,7 @@ class Ground(Contact):
         return self.height + x * math.tan(self.slope)
 
     def seen(self, feet: Feet | Terms, ops: Any) -> Feet:
-        """Toes in its axes, their positions along and above it; `ops` has `sin` and `cos`."""
+        """Toes in its axes, their positions along and above it; `ops` are for their scalars."""
         if self.plain:
             return Feet(feet.positions, feet.jacobians, feet.drifts)
         places = {toe: (self.axes(*place, ops)[0], self.above(*place, ops)) for toe, place in feet.positions.items()}
@@ -91,7 +92,8 @@ class Ground(Contact):
 
     def foot(self, robot: Robot, q: ArrayLike, toe: str) -> tuple[float, Array]:
         """Distance of a toe from the ground, in m, and its Jacobian along and normal to it, (2, nv)."""
-        return float(self.above(*robot.toe_position(q, toe))), np.array(self.axes(*robot.toe_jacobian(q, toe)))
+        (x, z), jacobian = robot.toe_position(q, toe), robot.toe_jacobian(q, toe)
+        return float(self.above(x, z, FLOATS)), np.array(self.axes(*jacobian))
 
 
 def as_ground(contact: Contact) -> Ground:

@@ -18,9 +18,12 @@ from spear_pin import (
     simulate,
     simulate_many,
 )
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadValue, NotSymbolic
+from spear_pin.hybrid.dynamics import FLOATS
+from spear_pin.hybrid.engines.structure import Structure
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
+from spear_pin.model.planar import Planar
 from tests.biped import example
 
 LAW = HoppingLaw(hip_touchdown=0.5, stance_torque=8.0)
@@ -33,29 +36,74 @@ class Step(Ground):
     at: float = 0.5
     rise: float = 0.02
 
-    def above(self, x, z, ops=math):
-        return super().above(x, z, ops) - self.rise * (x > self.at)
+    def above(self, x, z, ops=FLOATS):
+        return -ops.maximum(-z, -ops.maximum(z - self.rise, self.at - x))
+
+
+@dataclass(frozen=True)
+class Hole(Ground):
+    """A step down, of which the higher tread is what is near to everything."""
+
+    at: float = 0.5
+    depth: float = 0.02
+
+    def above(self, x, z, ops=FLOATS):
+        return -ops.maximum(-(z + self.depth), -ops.maximum(z, x - self.at))
+
+
+@pytest.fixture(scope="module", params=[Step(), Hole()], ids=["up", "down"])
+def uneven(request):
+    """The biped that runs over a step, and where it then is."""
+    robot, ground = load("biped"), request.param
+    system = example().running(robot, example().RunningLaw(set_back=0.117809), ground=ground)
+    return system, simulate(system, system.guess(), 6, rtol=1e-11), ground.rise if isinstance(ground, Step) else -0.02
 
 
 class TestStep:
-    @pytest.mark.parametrize("rise", [0.02, -0.02])
-    def test_is_run_over(self, rise):
+    def test_is_run_over(self, uneven):
         """Every foot lands on its tread, and the biped goes on at its pace."""
-        robot = load("biped")
-        system = example().running(robot, example().RunningLaw(set_back=0.117809), ground=Step(rise=rise))
-        trajectory = simulate(system, system.guess(), 6)
+        system, trajectory, rise = uneven
+        robot = system.robot
         assert trajectory.complete and np.abs(trajectory.ledger.residual).max() < 2e-9
         landed = [event for event in trajectory.events if event.name.endswith("_touchdown")]
         places = np.array([robot.toe_position(event.q, f"{event.name.split('_')[0]}_toe") for event in landed])
         assert places[-1, 0] > 5.0
         np.testing.assert_allclose(places[:, 1], np.where(places[:, 0] > 0.5, rise, 0.0), atol=1e-9)
 
-    def test_is_for_the_reference_engine(self, tmp_path, hop):
-        system = hopping(hop.system.robot, hop.system.law, ground=Step())
-        with pytest.raises(BadValue, match=r"ground is Step\(.*expected a plane"):
+    @pytest.mark.extra("heyoka")
+    @pytest.mark.parametrize("n", [1, 20])
+    def test_is_run_over_in_lanes(self, uneven, n):
+        """As by the reference engine, one alone and many together."""
+        system, trajectory, _ = uneven
+        q, v = (np.tile(part, (n, 1)) for part in system.guess())
+        found = simulate_many(system, q, v, 6, 1e-11)
+        assert (found.reason == "complete").all() and not found.repeated.any()
+        np.testing.assert_allclose(found.q, np.tile(trajectory.q[-1], (n, 1)), rtol=0, atol=1e-8)
+
+    @pytest.mark.extra("heyoka")
+    def test_that_branches_on_a_value_is_named(self, hop):
+        """By the lanes; the reference engine takes it."""
+
+        class Stair(Ground):
+            def above(self, x, z, ops=FLOATS):
+                return z - (0.02 if x > 0.5 else 0.0)
+
+        system = hopping(hop.system.robot, hop.system.law, ground=Stair())
+        assert run(system, hop.state, 1, Options()).cycles == 1
+        with pytest.raises(NotSymbolic, match="ground does not take symbols"):
             simulate_many(system, hop.state[0][None], hop.state[1][None])
+
+    def test_of_another_shape_is_compiled_anew(self, uneven):
+        """Its own numbers are compiled in, and so is what it says."""
+        system, _, _ = uneven
+        domain = system.domains[0]
+        grounds = [Ground(), system.ground, replace(system.ground, at=0.4)]
+        keys = {Structure(replace(system, contact=each), domain, {}, Planar(system.robot)) for each in grounds}
+        assert len(keys) == 3
+
+    def test_is_not_for_files(self, tmp_path, hop):
         with pytest.raises(BadValue, match="ground that is no plane"):
-            replace(hop, system=system).save(tmp_path / "hop.json")
+            replace(hop, system=hopping(hop.system.robot, hop.system.law, ground=Step())).save(tmp_path / "hop.json")
 
 
 class TestGround:

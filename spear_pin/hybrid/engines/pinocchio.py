@@ -16,23 +16,13 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, SIGN, constrained, solve
 from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
-from spear_pin.hybrid.dynamics import Operations, Row
+from spear_pin.hybrid.dynamics import FLOATS, Row
 from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
 from spear_pin.hybrid.rules.footing import Rubbing
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.robot import WORLD_ALIGNED
 
 Array = NDArray[np.float64]
-OPS = Operations(
-    sin=math.sin,
-    cos=math.cos,
-    tan=math.tan,
-    tanh=math.tanh,
-    sqrt=math.sqrt,
-    exp=math.exp,
-    maximum=max,
-    solve=solve,
-)
 
 
 def flow_names(system: HybridSystem) -> tuple[str, ...]:
@@ -136,16 +126,16 @@ class Flow:
         damped = 0.0
         for index, mount in self._springs:
             drag = mount.spring.drag(rates[index])
-            self._passive[index] = mount.torque(mount.spring, angles[index], self.held, OPS) + drag
+            self._passive[index] = mount.torque(mount.spring, angles[index], self.held, FLOATS) + drag
             damped += drag * rates[index]
         slopes: list[float] = []
         electrical: list[float] = []
         if self._hardware is None:
-            self.u = u = self._law(t, angles, rates, self.held, self._p, self, OPS)
+            self.u = u = self._law(t, angles, rates, self.held, self._p, self, FLOATS)
         else:
             x = y[2 * nv : 2 * nv + self._nx].tolist()
             read = self._hardware.read(x, self._actuated, angles, rates)
-            commands = self._law(t, *read, self.held, self._p, self, OPS)
+            commands = self._law(t, *read, self.held, self._p, self, FLOATS)
             self.driven = drive(self._hardware, x, commands, [rates[index] for index in self._actuated])
             self.u, slopes, electrical = self.driven.torques, self.driven.slopes, self.driven.powers
             u = self.u
@@ -176,7 +166,7 @@ class Flow:
         """Torque of the joint's spring in the last call, in N·m; 0 where none is engaged."""
         for index, mount in self._springs:
             if mount.joint == joint:
-                return float(mount.torque(mount.spring, self.q[index], self.held, OPS))
+                return float(mount.torque(mount.spring, self.q[index], self.held, FLOATS))
         return 0.0
 
     def holding(self, joint: str) -> float:
@@ -192,7 +182,7 @@ class Flow:
         """A guard's value, not a number where it has none; the flow has to have been called with the same (t, y)."""
         nv = self._nv
         try:
-            return float(guard.value(t, y[:nv], y[nv : 2 * nv], self.held, self._p, self, OPS))
+            return float(guard.value(t, y[:nv], y[nv : 2 * nv], self.held, self._p, self, FLOATS))
         except (ArithmeticError, ValueError, np.linalg.LinAlgError):
             return math.nan
 
@@ -237,7 +227,7 @@ class Flow:
                 raise UnknownName("frame", frame, [each.name for each in self._model.frames])
             self._frame_ids[frame] = self._model.getFrameId(frame)
         place = pin.updateFramePlacement(self._model, self._data, self._frame_ids[frame]).translation
-        return float(place[2] if self._plain else self._ground.above(place[0], place[2]))
+        return float(place[2] if self._plain else self._ground.above(place[0], place[2], FLOATS))
 
     def force(self, toe: str) -> tuple[float, float]:
         """Ground force on a toe in the last call, along the ground and normal to it, in N."""

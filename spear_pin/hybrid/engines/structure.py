@@ -138,7 +138,8 @@ class Structure:
         rubbing = tuple(b != 0.0 for b in system.robot.model.damping)
         law = tuple((f.name, _shape(getattr(system.law, f.name))) for f in fields(system.law))
         parts = spring.unilateral, spring.rest, tuple(others(system)), law, shape_of(self.held)
-        return system.kind, type(system.law), robot, springs, rubbing, parts, domain.contacts, _identity(domain)
+        ground = _shape_of_ground(system.ground)
+        return system.kind, type(system.law), robot, springs, rubbing, parts, ground, domain.contacts, _identity(domain)
 
     def __hash__(self) -> int:
         return hash(self.key)
@@ -153,6 +154,14 @@ def _mounted(mount: Mount, common: Spring) -> Any:
     numbers = tuple(None if name in shared(own, common) else getattr(own, name) for name in OF_SPRINGS)
     others = tuple(getattr(own, field.name) for field in fields(own) if field.name not in OF_SPRINGS)
     return mount.joint, mount.rest, mount.taut, mount.side, type(own), numbers, others
+
+
+def _shape_of_ground(ground: Ground) -> Any:
+    """Of a ground that is no plane what it says of itself, and its numbers that are no parameters."""
+    if type(ground) is Ground:
+        return None
+    own = tuple(getattr(ground, field.name) for field in fields(ground) if field.name not in ("friction", *OF_GROUND))
+    return type(ground), own, Reader().identity(type(ground).above), Reader().identity(type(ground).axes)
 
 
 def shared(own: Spring, common: Spring) -> list[str]:

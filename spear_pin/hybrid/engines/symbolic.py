@@ -29,7 +29,7 @@ from spear_pin.hybrid.elimination import (
 )
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.structure import Scalars, with_fields
-from spear_pin.model.planar import Planar
+from spear_pin.model.planar import Feet, Planar
 from spear_pin.model.spring import Spring
 
 
@@ -82,7 +82,7 @@ class Motion:
         robot = system.robot
         self._index = {name: i for i, name in enumerate(robot.coordinates)}
         self._terms = planar.terms(q, v, ops)
-        self._feet = numbers.ground.seen(self._terms, ops)
+        self._feet: Feet = _asked("the ground", numbers.ground.seen, (self._terms, ops))
         self._factors = factorize(self._terms.mass_matrix)
         self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
         self._taken = [toe for toe, _ in self._closed] if at_rest is None else list(at_rest)
@@ -319,7 +319,7 @@ class Motion:
 
 
 def _asked(what: str, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """What a law or a guard says.
+    """What a law, a guard or the ground says.
 
     Raises:
         NotSymbolic: it does not take such scalars.

@@ -127,7 +127,7 @@ class Compiled:
 
         def field(t: Any, y: list[Any]) -> Field:
             kinks: list[Any] = []
-            q, v, ops = y[: self.nv], y[self.nv :], _operations(kinks)
+            q, v, ops = y[: self.nv], y[self.nv :], operations(kinks)
             motion = (
                 Motion(system, domain, planar, t, q, v, kept, self.numbers, ops)
                 if domain.between is None
@@ -266,7 +266,7 @@ def compiled(structure: Structure, code: Code) -> Compiled:
     return Compiled(structure.system, structure.domain, structure.held, code)
 
 
-def _operations(kinks: list[Any]) -> Operations:
+def operations(kinks: list[Any]) -> Operations:
     """Elementary functions of expressions; where they are not smooth is added to `kinks`."""
     hy = require()
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.elimination import dot, factorize, substitute
 from spear_pin.hybrid.engines.structure import Structure, symbols
-from spear_pin.hybrid.engines.taylor import FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, require
+from spear_pin.hybrid.engines.taylor import FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, operations, require
 from spear_pin.hybrid.rules.entry import AWAY, NONE, bent, clear, falls, stays_on_zero, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness, footing
 from spear_pin.hybrid.rules.impact import routh
@@ -137,7 +137,7 @@ class CompiledImpact:
         state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates])
         planar, numbers, _ = symbols(system, structure.planar, {}, hy.par)
         terms = planar.terms(state[:nv], state[nv:], hy)
-        (x, z), v = numbers.ground.seen(terms, hy).jacobians[toe], state[nv:]
+        (x, z), v = numbers.ground.seen(terms, operations([])).jacobians[toe], state[nv:]
         along, up = (substitute(factorize(terms.mass_matrix), row) for row in (x, z))
         a_tt, a_tn, a_nn, slide, approach = dot(x, along), dot(x, up), dot(z, up), dot(x, v), dot(z, v)
         outputs = [a_tt, a_tn, a_nn, slide, approach, numbers.ground.friction, *along, *up]
