@@ -7,13 +7,13 @@ from spear_pin import Gait
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import flattened
 from spear_pin.hybrid.engines.taylor import Code
-from spear_pin.hybrid.engines.taylor_single import AHEAD, UNCLEAR, Entry
+from spear_pin.hybrid.engines.taylor_single import UNCLEAR, Entry
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, alone, spread
 from spear_pin.hybrid.lanes.modes import choose
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.periodic import chart
-from spear_pin.hybrid.rules.entry import NONE
+from spear_pin.hybrid.rules.entry import AHEAD, NONE
 from spear_pin.hybrid.rules.footing import LEAVES
 from spear_pin.hybrid.rules.impact import plastic_impact
 

@@ -18,7 +18,8 @@ from spear_pin.hybrid.parameters import changed, with_hardware
 from spear_pin.studies.hardware import Rig
 from spear_pin.studies.sweep import chunks, grid, reasons, sample, store, sweep
 
-pytestmark = pytest.mark.extra("heyoka", "joblib", "xarray", "zarr")
+# workers, which compile as it ships, are held to the bit against what is computed here
+pytestmark = [pytest.mark.extra("heyoka", "joblib", "xarray", "zarr"), pytest.mark.optimised]
 
 ROOT = Path(__file__).parents[3]
 POINTS = grid({"stiffness": np.linspace(46.0, 52.0, 12), "knee_ratio": [15.0, 14.0]})
