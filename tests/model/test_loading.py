@@ -94,9 +94,8 @@ class TestPath:
         np.testing.assert_allclose(robot.toe_position([0, 0], "foot_mount"), [0.5, 0, 0.2], atol=1e-15)
 
     def test_nothing_moves(self, write):
-        robot = load(
-            write(ARM.replace('type="revolute"', 'type="fixed"').split("<transmission")[0] + "</robot>"), ["foot"]
-        )
+        text = ARM.replace('type="revolute"', 'type="fixed"').split("<transmission")[0] + "</robot>"
+        robot = load(write(text), ["foot"], base="fixed", motors=[])
         assert (robot.nq, robot.nv, robot.nu) == (0, 0, 0)
         np.testing.assert_allclose(robot.toe_position([], "foot")[-1], 0.2, atol=1e-15)
 
@@ -161,7 +160,9 @@ class TestInertia:
     def test_urdf_without_inertia(self, write):
         path = write(self.without_inertial("boom"))
         error = refusal(BadFile, lambda: load(path))
-        assert str(error) == f"{path}: joint 'pitch' moves no inertia: give its links an <inertial>"
+        assert (
+            str(error) == f"{path}: joint 'pitch' moves no inertia: give its links an <inertial> (repair=True mends it)"
+        )
 
     def test_massless_carrier_is_fine(self, write):
         assert load(write(self.without_inertial("column"))).nv == 2
