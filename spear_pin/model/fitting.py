@@ -23,13 +23,13 @@ def drivable(model: pin.Model) -> list[str]:
 
 
 def with_motors(
-    model: pin.Model, wanted: Sequence[str] | None, locked: Sequence[str] = ()
+    model: pin.Model, wanted: Sequence[str], locked: Sequence[str] = ()
 ) -> tuple[pin.Model, tuple[str, ...]]:
     """The model, every joint that is to have a motor with a gear ratio, and their names in its order.
 
     Args:
         model: it is changed.
-        wanted: names of joints; None are all that can.
+        wanted: names of joints, or "all" for each that can.
         locked: names of joints that may be wanted, but are no more.
 
     Raises:
@@ -37,12 +37,13 @@ def with_motors(
         BadValue: the joint has several degrees of freedom.
     """
     valid = drivable(model)
-    for joint in wanted or ():
+    wanted = valid if wanted == "all" else wanted
+    for joint in wanted:
         if joint not in valid and joint not in locked:
             if joint in list(model.names)[1:]:
                 raise BadValue("motors", joint, f"joints of one degree of freedom: {', '.join(valid) or 'none'}")
             raise UnknownName("joint", joint, valid)
-    actuated = tuple(joint for joint in valid if wanted is None or joint in wanted)
+    actuated = tuple(joint for joint in valid if joint in wanted)
     ratios = model.rotorGearRatio.copy()
     for joint in actuated:
         row = model.joints[model.getJointId(joint)].idx_v

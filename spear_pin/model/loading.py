@@ -108,11 +108,12 @@ def load(
         raise BadValue("base", base, "'free' or 'fixed'")
     draft = _draft(source, base, repair)
     locked = _names(locked)
+    wanted = "all" if motors == "all" else None if motors is None else _names(motors)
     model, mended = with_inertia(draft.place, hold(draft.model, locked), repair)
-    model, actuated = with_motors(model, draft.motors if motors is None else _wanted(motors), locked)
+    model, actuated = with_motors(model, draft.motors if wanted is None else wanted, locked)
     shipped = ROBOTS.get(str(source))
     notes = [*draft.notes, *mended]
-    if motors is None and not draft.motors and drivable(model):
+    if wanted is None and not draft.motors and drivable(model):
         notes.append('no joint has a motor: motors="all" gives one to each, motors=[...] to those that it names')
     for note in notes:
         warnings.warn(RobotWarning(f"{draft.name}: {note}"), stacklevel=3)
@@ -123,6 +124,11 @@ def load(
         actuated=actuated,
         locked=locked,
         source=draft.source,
+        options={
+            name: value
+            for name, value in (("base", base), ("motors", wanted), ("repair", repair or None))
+            if value is not None
+        },
     )
 
 
@@ -143,11 +149,6 @@ def hold(model: pin.Model, joints: Sequence[str]) -> pin.Model:
 def _names(names: Iterable[str]) -> tuple[str, ...]:
     """Names in order, each once; one string is one name."""
     return tuple(dict.fromkeys([names] if isinstance(names, str) else names))
-
-
-def _wanted(motors: str | Iterable[str]) -> tuple[str, ...] | None:
-    """Names of the joints that are to have motors; None are all."""
-    return None if isinstance(motors, str) and motors == "all" else _names(motors)
 
 
 def _draft(source: str | Path | pin.Model, base: Base | None, repair: bool) -> Draft:
