@@ -13,6 +13,7 @@ import pinocchio as pin
 from spear_pin.errors import BadValue, RobotWarning, UnknownName
 from spear_pin.kinds import typed
 from spear_pin.model.draft import Draft, of_model, of_urdf
+from spear_pin.model.examples import PACKAGE, example_robots
 from spear_pin.model.fitting import drivable, with_inertia, with_motors
 from spear_pin.model.robot import Robot
 from spear_pin.model.urdf import Base, read_urdf
@@ -89,8 +90,8 @@ def load(
     What is left out of a file, or mended, and what may not be meant, is said by a `RobotWarning`, a line each.
 
     Args:
-        source: a name in `ROBOTS`, the path of a URDF (anything with a suffix or a separator), or a `pin.Model`,
-            which is copied.
+        source: a name in `ROBOTS`, or of a robot of example-robot-data if that is installed; the path of a URDF
+            (anything else with a suffix or a separator); or a `pin.Model`, which is copied.
         toes: frame names of the points that may touch the ground; shipped robots know theirs.
         locked: names of joints to hold at zero, for instance `["boom_x"]`.
         base: "free" puts a floating joint under the root link, unless it has one; "fixed" holds the root. By default
@@ -132,6 +133,26 @@ def load(
     )
 
 
+def path_of(source: str | Path) -> Path:
+    """Path of the file that a robot is loaded from.
+
+    Args:
+        source: a name in `ROBOTS`, or of a robot of example-robot-data if that is installed; or a path.
+
+    Raises:
+        UnknownName: it is no such name, nor a path: it has no suffix or separator.
+    """
+    if str(source) in ROBOTS:
+        return ROBOTS[str(source)].path
+    examples = example_robots()
+    if str(source) in examples:
+        return examples[str(source)]
+    if not ({"/", "\\", "."} & set(str(source))):
+        others = examples or [f"with the extra 'robots' those of {PACKAGE}"]
+        raise UnknownName("robot", str(source), [*ROBOTS, *others, "the path of a URDF"])
+    return Path(source)
+
+
 def hold(model: pin.Model, joints: Sequence[str]) -> pin.Model:
     """A model with some joints held at zero.
 
@@ -156,8 +177,6 @@ def _draft(source: str | Path | pin.Model, base: Base | None, repair: bool) -> D
         return of_model(source, base)
     if not isinstance(source, (str, Path)):
         raise BadValue("source", source, "the name of a robot, the path of a URDF, or a pinocchio.Model")
-    shipped = ROBOTS.get(str(source))
-    if shipped is None and not ({"/", "\\", "."} & set(str(source))):
-        raise UnknownName("robot", str(source), [*ROBOTS, "the path of a URDF"])
-    draft = of_urdf(read_urdf(shipped.path if shipped else source, base, repair), base)
-    return replace(draft, source=str(source), name=str(source) if shipped else draft.name)
+    path = path_of(source)
+    draft = of_urdf(read_urdf(path, base, repair), base)
+    return replace(draft, source=str(source), name=draft.name if path == Path(source) else str(source))

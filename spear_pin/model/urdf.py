@@ -201,7 +201,8 @@ def _check_tree(path: Path, root: Any) -> str:
             raise BadFile(path, f"joint {name!r} has a zero axis", axis.sourceline)
     roots = [link for link in links if link not in parents]
     if len(roots) != 1:
-        raise BadFile(path, f"the links form no single tree; roots: {', '.join(roots) or 'none (a loop)'}")
+        found = ", ".join(roots) or ("none (a loop)" if links else "none (there is no <link>)")
+        raise BadFile(path, f"the links form no single tree; roots: {found}")
     reached = {roots[0], *(joint.find("child").get("link") for joint in _outward(root, roots[0]))}
     looped = next((link for link in links if link not in reached), None)
     if looped is not None:
