@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pinocchio as pin
 
 from spear_pin.errors import BadFile
 from spear_pin.model.memory import check_memory
+from spear_pin.model.mjcf_reading import Mjcf
 from spear_pin.model.urdf import BASE, WORLD, Base, Urdf
 
 MODEL = "pinocchio.Model"  # the source of what was built elsewhere
@@ -69,6 +71,40 @@ def of_urdf(urdf: Urdf, base: Base | None) -> Draft:
     notes = urdf.notes if urdf.root == WORLD else (*urdf.notes, *fixed_trunk(model, urdf.root, base))
     motors = tuple(transmission.joint for transmission in urdf.transmissions)
     return Draft(model, urdf.name, urdf.path, motors, notes, str(urdf.path))
+
+
+def of_mjcf(mjcf: Mjcf, base: Base | None) -> Draft:
+    """The robot of an MJCF file; its armatures are reflected already.
+
+    Raises:
+        BadFile: Pinocchio cannot build it.
+    """
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "robot.xml"
+        path.write_text(mjcf.text, encoding="utf-8")
+        try:
+            model = pin.buildModelFromMJCF(str(path))
+        except (ValueError, RuntimeError, IndexError) as error:
+            problem = str(error).strip().splitlines()[-1].replace(str(path), "it")
+            raise BadFile(mjcf.path, f"Pinocchio cannot build it: {problem}") from None
+    check_memory(mjcf.path, model.njoints - 1, model.nv)
+    model.gravity.linear = np.array(mjcf.gravity)
+    armature, damping = np.zeros(model.nv), np.zeros(model.nv)
+    for name, (inertia, drag) in mjcf.rubbing.items():
+        joint = model.joints[model.getJointId(name)]
+        rows = slice(joint.idx_v, joint.idx_v + joint.nv)
+        armature[rows], damping[rows] = inertia, drag
+    model.armature, model.damping = armature, damping
+    rotor_inertia, gear_ratio = np.zeros(model.nv), np.zeros(model.nv)
+    effort = np.array(model.upperEffortLimit)
+    for drive in mjcf.drives:
+        row = model.joints[model.getJointId(drive.joint)].idx_v
+        gear_ratio[row], rotor_inertia[row] = drive.gear, armature[row] / drive.gear**2
+        effort[row] = min(effort[row], drive.effort)
+    model.rotorInertia, model.rotorGearRatio = rotor_inertia, gear_ratio
+    model.upperEffortLimit, model.lowerEffortLimit = effort, -effort
+    notes = (*mjcf.notes, *fixed_trunk(model, mjcf.root, base))
+    return Draft(model, mjcf.name, mjcf.path, tuple(drive.joint for drive in mjcf.drives), notes, str(mjcf.path))
 
 
 def of_model(model: pin.Model, base: Base | None) -> Draft:

@@ -12,11 +12,13 @@ import pinocchio as pin
 
 from spear_pin.errors import BadValue, RobotWarning, UnknownName
 from spear_pin.kinds import typed
-from spear_pin.model.draft import Draft, of_model, of_urdf
+from spear_pin.model.draft import Draft, of_mjcf, of_model, of_urdf
+from spear_pin.model.elements import parse
 from spear_pin.model.examples import PACKAGE, example_robots
 from spear_pin.model.fitting import drivable, with_inertia, with_motors
+from spear_pin.model.mjcf_reading import mjcf_of
 from spear_pin.model.robot import Robot
-from spear_pin.model.urdf import Base, read_urdf
+from spear_pin.model.urdf import Base, urdf_of
 
 
 @dataclass(frozen=True)
@@ -85,19 +87,19 @@ def load(
     motors: str | Iterable[str] | None = None,
     repair: bool = False,
 ) -> Robot:
-    """Load a shipped robot, any URDF, or what Pinocchio has built.
+    """Load a shipped robot, any URDF or MJCF file, or what Pinocchio has built.
 
     What is left out of a file, or mended, and what may not be meant, is said by a `RobotWarning`, a line each.
 
     Args:
         source: a name in `ROBOTS`, or of a robot of example-robot-data if that is installed; the path of a URDF
-            (anything else with a suffix or a separator); or a `pin.Model`, which is copied.
+            or an MJCF file (anything else with a suffix or a separator); or a `pin.Model`, which is copied.
         toes: frame names of the points that may touch the ground; shipped robots know theirs.
         locked: names of joints to hold at zero, for instance `["boom_x"]`.
         base: "free" puts a floating joint under the root link, unless it has one; "fixed" holds the root. By default
             it is as the file has it, with a warning where a root link with inertia stays fixed.
         motors: "all" for one on each joint that turns or slides, or names of joints. By default those of the file's
-            `<transmission>`s and `<ros2_control>`, with a warning where there are none.
+            `<transmission>`s, `<ros2_control>` or actuators, with a warning where there are none.
         repair: mend inertias that are not positive semidefinite, and joints that move no inertia, with a warning.
 
     Raises:
@@ -149,7 +151,7 @@ def path_of(source: str | Path) -> Path:
         return examples[str(source)]
     if not ({"/", "\\", "."} & set(str(source))):
         others = examples or [f"with the extra 'robots' those of {PACKAGE}"]
-        raise UnknownName("robot", str(source), [*ROBOTS, *others, "the path of a URDF"])
+        raise UnknownName("robot", str(source), [*ROBOTS, *others, "the path of a URDF or an MJCF file"])
     return Path(source)
 
 
@@ -176,7 +178,8 @@ def _draft(source: str | Path | pin.Model, base: Base | None, repair: bool) -> D
     if isinstance(source, pin.Model):
         return of_model(source, base)
     if not isinstance(source, (str, Path)):
-        raise BadValue("source", source, "the name of a robot, the path of a URDF, or a pinocchio.Model")
-    path = path_of(source)
-    draft = of_urdf(read_urdf(path, base, repair), base)
+        raise BadValue("source", source, "the name of a robot, the path of a file, or a pinocchio.Model")
+    path, root = parse(path_of(source))
+    mujoco = root.tag == "mujoco"
+    draft = of_mjcf(mjcf_of(path, root, base), base) if mujoco else of_urdf(urdf_of(path, root, base, repair), base)
     return replace(draft, source=str(source), name=draft.name if path == Path(source) else str(source))

@@ -70,7 +70,7 @@ def read_urdf(path: str | Path, base: Base | None = None, repair: bool = False) 
 def urdf_of(path: Path, root: Any, base: Base | None = None, repair: bool = False) -> Urdf:
     """What `read_urdf` reads, from the root element of the file."""
     if root.tag != "robot":
-        raise BadFile(path, f"the root element is <{root.tag}>; expected <robot>", root.sourceline)
+        raise BadFile(path, f"the root element is <{root.tag}>; expected <robot>, or <mujoco>", root.sourceline)
     _check_expanded(path, root)
     if len(root.findall("link")) > MAX_LINKS:
         raise BadFile(path, f"has {len(root.findall('link'))} links; at most {MAX_LINKS} are read")
