@@ -73,7 +73,8 @@ def with_inertia(path: str | Path, model: pin.Model, repair: bool) -> tuple[pin.
         armature = model.armature.copy()
         armature[model.joints[model.getJointId(joint)].idx_v] += MENDED
         model.armature = armature
-        notes.append(f"{problem}: an armature of {MENDED:g} kg·m² (kg, if it slides) was added to joint {joint!r}")
+        where = "" if repr(joint) in problem else f" on joint {joint!r}"
+        notes.append(f"{problem}: mended by an armature of {MENDED:g} kg·m² (kg, if it slides){where}")
     return model, notes
 
 

@@ -11,6 +11,7 @@ from lxml import etree
 from spear_pin.errors import BadFile
 from spear_pin.model.elements import child, number, numbers
 
+ROUNDING = 1e-15  # kg·m²: a principal moment this little below zero is none
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
@@ -35,11 +36,12 @@ def copy_inertial(path: Path, inertial: Any, link: Any, repair: bool) -> str | N
         raise BadFile(path, f"link {name!r} has the negative mass {mass}", inertial.sourceline)
     element = child(path, inertial, "inertia")
     moments = {each: number(path, element, each) for each in MOMENTS}
-    if not _semidefinite(*moments.values()):
+    mended, least = _mended(moments)
+    if not _semidefinite(*moments.values()) and least < -ROUNDING:
         problem = f"link {name!r} has an inertia that is not positive semidefinite"
         if not repair:
             raise BadFile(path, f"{problem} (repair=True mends it)", element.sourceline)
-        moments, least = _mended(moments)
+        moments = mended
         note = f"{problem}, by a principal moment of {least:.3g} kg·m²: set to zero"
     part = etree.SubElement(link, "inertial")
     copy_origin(path, inertial, part)

@@ -158,12 +158,19 @@ class TestRepair:
         assert least == pytest.approx(0.0, abs=1e-15) and middle == pytest.approx(0.01)
         assert most == pytest.approx(np.linalg.eigvalsh([[0.03, 0.05, 0], [0.05, 0.02, 0], [0, 0, 0.01]])[-1])
 
+    def test_rounding_needs_none(self, write):
+        link = '<link name="tip"><inertial><mass value="1e-9"/><inertia {}/></inertial></link>'.format(
+            'ixx="-1.4e-20" iyy="1e-20" izz="0" ixy="0" ixz="0" iyz="0"'
+        )
+        tip = '<joint name="t" type="fixed"><parent link="lower"/><child link="tip"/></joint>'
+        assert load(write(edited("</robot>", f"{link}{tip}</robot>"))).nv == 2
+
     def test_joint_without_inertia(self, write):
         start = ARM.index('<link name="lower">')
         path = write(ARM[:start] + '<link name="lower"/>' + ARM[ARM.index("</link>", start) + 7 :])
         assert "repair=True" in refusal(path, load).problem
         robot, text = said(path, repair=True)
-        assert "joint 'elbow' moves no inertia: an armature of 0.0001 kg·m²" in text
+        assert "joint 'elbow' moves no inertia: mended by an armature of 0.0001 kg·m²" in text
         assert robot.mass_matrix(Q)[1, 1] == 1e-4 and robot.mass_matrix(Q)[0, 1] == 0.0
 
     def test_two_joints_that_move_alike(self, write):
