@@ -28,7 +28,9 @@ JOINT = ("axis", "pos", "frictionloss", "range", "ref", "actuatorfrcrange")
 GEOM = ("size", "mass", "density")
 SOLIDS = ("sphere", "capsule", "cylinder", "box", "ellipsoid")  # geoms whose mass is read
 UNREAD = ("frame", "replicate", "composite", "flexcomp", "attach", "plugin")  # in a body: they would change it
-FROM_GEOMS = ("boundmass", "boundinertia", "balanceinertia", "settotalmass", "inertiagrouprange")
+# settings of the compiler that change masses, and values of them that change nothing
+MASSES = {"boundmass": ("0", 1e-9), "boundinertia": ("0", 1e-9), "settotalmass": ("-1", 0.0)}
+FLAGS = {"balanceinertia": "false", "inertiagrouprange": "0 5"}
 REMEDY = "let MuJoCo write it anew (mujoco.mj_saveLastXML), which expands it"
 
 
@@ -111,7 +113,7 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None) -> Mjcf:
     if len(gravity) != 3:
         raise BadFile(path, f"has a gravity of {len(gravity)} numbers; expected 3")
     lost = [f"{what} of {_listed(names)}" for what, names in writing.lost.items()]
-    lost += _beside(root, compiler, [other.get("name") or "nameless" for other in others]) + left_out
+    lost += _beside(path, root, compiler, [other.get("name") or "nameless" for other in others]) + left_out
     notes = [f"not taken over: {'; '.join(lost)}"] if lost else []
     text = str(etree.tostring(written, encoding="unicode"))
     name, first = root.get("model") or path.stem, world.find("body").get("name")
@@ -132,14 +134,15 @@ def _robot(path: Path, root: Any) -> tuple[Any, list[Any]]:
     return robot, [body for body in bodies if body is not robot]
 
 
-def _beside(root: Any, compiler: Mapping[str, str], bodies: list[str]) -> list[str]:
+def _beside(path: Path, root: Any, compiler: Mapping[str, str], bodies: list[str]) -> list[str]:
     """What a file has beside its robot that would act on it."""
     found = [f"the bodies beside it, {_listed(bodies)}"] if bodies else []
     for tag, what in (("equality", "equality constraints"), ("tendon", "tendons")):
         names = [each.get("name") or f"a {each.tag}" for each in section(root, tag)]
         if names:
             found.append(f"{what}, {_listed(names)}")
-    odd = [key for key in FROM_GEOMS if compiler.get(key, "false") not in ("false", "0", "-1", "0 5")]
+    odd = [key for key, (usual, least) in MASSES.items() if _values(path, root, compiler.get(key, usual))[0] > least]
+    odd += [key for key, usual in FLAGS.items() if compiler.get(key, usual) != usual]
     return found + ([f"of <compiler> {_listed(odd)}"] if odd else [])
 
 

@@ -9,7 +9,9 @@ import pytest
 from spear_pin import RobotWarning, load
 from spear_pin.errors import BadFile
 from spear_pin.model.limits import Limits
-from tests.model.queries import refusal
+from spear_pin.model.loading import ROBOTS
+from spear_pin.model.mjcf import to_mjcf
+from tests.model.queries import refusal, state
 
 I = 'mass="1" diaginertia="0.1 0.2 0.25"'  # noqa: E741
 DOG = f"""
@@ -199,6 +201,11 @@ class TestLeftOut:
             ('<motor joint="hip"/>', '<motor joint="hip"/><position joint="hip"/>', "for each joint, a position"),
             ("</body></worldbody>", '</body><body name="ball"><freejoint/></body></worldbody>', "beside it, ball"),
             ("<worldbody>", '<compiler settotalmass="3"/><worldbody>', "<compiler> settotalmass"),
+            (
+                "<worldbody>",
+                '<compiler boundmass="0.1" balanceinertia="true"/><worldbody>',
+                "boundmass, balanceinertia",
+            ),
         ],
     )
     def test_it_is_named(self, write_xml, old, new, says):
@@ -216,6 +223,22 @@ class TestLeftOut:
         with pytest.warns(RobotWarning) as caught:
             load(write_xml(text), repair=True)
         assert "mass of a mesh of shank" in str(caught[0].message) and "armature" in str(caught[1].message)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_what_is_written_is_read_back(write_xml, name):
+    """The robot comes back, but for its velocities' limits, which MJCF lacks."""
+    robot = load(name)
+    again = load(write_xml(to_mjcf(robot)), toes=robot.toes)
+    q, v = state(robot)
+    assert (again.coordinates, again.actuated, again.name) == (robot.coordinates, robot.actuated, robot.name)
+    np.testing.assert_allclose(again.mass_matrix(q), robot.mass_matrix(q), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(again.bias(q, v), robot.bias(q, v), rtol=1e-12, atol=1e-12)
+    for toe in robot.toes:
+        np.testing.assert_allclose(again.toe_jacobian(q, toe), robot.toe_jacobian(q, toe), rtol=0, atol=1e-14)
+    for joint in robot.actuated:
+        assert again.limits[joint].effort == pytest.approx(robot.limits[joint].effort)
+        assert again.gear_ratio(joint) == robot.gear_ratio(joint)
 
 
 class TestFiles:
