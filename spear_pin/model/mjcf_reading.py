@@ -26,6 +26,11 @@ INERTIAL = (*PLACE, "mass", "diaginertia", "fullinertia")
 JOINT_TYPES = ("free", "ball", "slide", "hinge")
 JOINT = ("axis", "pos", "frictionloss", "range", "ref", "actuatorfrcrange")
 GEOM = ("size", "mass", "density")
+# how many numbers an attribute has, where that is not free
+COUNTS = {
+    **{"pos": 3, "quat": 4, "axisangle": 4, "xyaxes": 6, "zaxis": 3, "euler": 3, "axis": 3, "fromto": 6},
+    **{"mass": 1, "density": 1, "diaginertia": 3, "fullinertia": 6, "range": 2, "actuatorfrcrange": 2, "ref": 1},
+}
 SOLIDS = ("sphere", "capsule", "cylinder", "box", "ellipsoid")  # geoms whose mass is read
 UNREAD = ("frame", "replicate", "composite", "flexcomp", "attach", "plugin")  # in a body: they would change it
 # settings of the compiler that change masses, and values of them that change nothing
@@ -226,8 +231,8 @@ def _add_mass(writing: _Writing, body: Any, copy: Any, inherited: str | None) ->
     path, inertial = writing.path, body.find("inertial")
     from_geoms = writing.compiler.get("inertiafromgeom", "auto")
     if inertial is not None and from_geoms != "true":
-        _check_inertial(path, body, inertial)
         _copy(path, inertial, etree.SubElement(copy, "inertial"), inertial.attrib, INERTIAL)
+        _check_inertial(path, body, inertial)
     elif from_geoms != "false":
         for geom in body.findall("geom"):
             said = writing.defaults.of(geom, inherited)
@@ -266,7 +271,11 @@ def _add_point(writing: _Writing, element: Any, body: Any, inherited: str | None
 def _copy(path: Path, element: Any, copy: Any, said: Mapping[str, str], attributes: Iterable[str]) -> None:
     for attribute in attributes:
         if attribute in said:
-            copy.set(attribute, " ".join(map(repr, _values(path, element, said[attribute]))))
+            values = _values(path, element, said[attribute])
+            if len(values) != COUNTS.get(attribute, len(values)):
+                what = f"{attribute} of <{element.tag}> is {said[attribute]!r}"
+                raise BadFile(path, f"{what}; expected {COUNTS[attribute]} numbers", element.sourceline)
+            copy.set(attribute, " ".join(map(repr, values)))
 
 
 def _values(path: Path, element: Any, text: str) -> tuple[float, ...]:

@@ -13,7 +13,7 @@ from lxml import etree
 from spear_pin.errors import BadFile
 from spear_pin.model.elements import MAX_BYTES, parse
 
-MAX_INCLUDES = 100
+MAX_INCLUDES, MAX_DEPTH = 100, 256
 MAIN = "main"  # the class of what names none
 ACTUATORS = ("general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion")
 Attributes = Mapping[str, str]
@@ -26,7 +26,7 @@ def include(path: Path, root: Any) -> None:
     Files are read from its folder, or one below, alone; each once.
 
     Raises:
-        BadFile: one is elsewhere, cannot be read, is included twice, or they are too many or too large together.
+        BadFile: one is elsewhere, cannot be read, is included twice, or they are too many, too large or too deep together.
     """
     folder, seen, size = path.resolve().parent, {path.resolve()}, 0
     while (element := root.find(".//include")) is not None:
@@ -45,10 +45,20 @@ def include(path: Path, root: Any) -> None:
         size += target.stat().st_size
         if size > MAX_BYTES:
             raise BadFile(path, f"includes more than {MAX_BYTES} bytes")
+        if sum(1 for _ in element.iterancestors()) + _depth(other) > MAX_DEPTH:
+            raise BadFile(path, f"is nested deeper than {MAX_DEPTH} elements with what it includes")
         parent, place = element.getparent(), element.getparent().index(element)
         parent.remove(element)
         for offset, child in enumerate(list(other)):
             parent.insert(place + offset, child)
+
+
+def _depth(root: Any) -> int:
+    level = deepest = 0
+    for event, _ in etree.iterwalk(root, events=("start", "end")):
+        level += 1 if event == "start" else -1
+        deepest = max(deepest, level)
+    return deepest
 
 
 def section(root: Any, tag: str) -> list[Any]:

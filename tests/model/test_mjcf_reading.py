@@ -268,6 +268,15 @@ class TestFiles:
         path = write_xml(self.SCENE.replace("dog.xml", "a.xml"), "scene.xml")
         assert "again" in refusal(BadFile, lambda: load(path)).problem
 
+    def test_nested_deep(self, write_xml):
+        levels = "<default class='c{}'>" * 100
+        for i in range(9):
+            more = f'<include file="{i + 1}.xml"/>' if i < 8 else ""
+            classes = levels.format(*range(100 * i, 100 * i + 100))
+            write_xml(f"<mujocoinclude>{classes}{more}{'</default>' * 100}</mujocoinclude>", f"{i}.xml")
+        path = write_xml('<mujoco><default><include file="0.xml"/></default></mujoco>', "scene.xml")
+        assert "nested deeper" in refusal(BadFile, lambda: load(path)).problem
+
     def test_missing(self, write_xml):
         path = write_xml(self.SCENE, "scene.xml")
         assert "No such file" in refusal(BadFile, lambda: load(path)).problem
