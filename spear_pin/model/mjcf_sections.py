@@ -26,7 +26,7 @@ def include(path: Path, root: Any) -> None:
     Files are read from its folder, or one below, alone; each once.
 
     Raises:
-        BadFile: one is elsewhere, cannot be read, is included twice, or they are too many, too large or too deep together.
+        BadFile: one is elsewhere, cannot be read, or is included twice; or they are too many, large or deep together.
     """
     folder, seen, size = path.resolve().parent, {path.resolve()}, 0
     while (element := root.find(".//include")) is not None:
