@@ -137,7 +137,7 @@ def fixed_trunk(model: pin.Model, root: str, base: Base | None) -> list[str]:
 def _on_floating_joint(model: pin.Model) -> pin.Model:
     """The model, its universe on a floating joint."""
     name = BASE
-    while model.existJointName(name) or model.existFrame(name):
+    while model.existJointName(name):
         name += "_"
     made, origin = pin.Model(), pin.SE3(np.eye(3), np.zeros(3))
     made.name, made.gravity = model.name, model.gravity

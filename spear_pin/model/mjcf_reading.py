@@ -23,6 +23,7 @@ from spear_pin.model.urdf import BASE, MAX_LINKS, WORLD, Base
 
 PLACE = ("pos", "quat", "axisangle", "xyaxes", "zaxis", "euler")
 INERTIAL = (*PLACE, "mass", "diaginertia", "fullinertia")
+JOINTS = ("joint", "freejoint")
 JOINT_TYPES = ("free", "ball", "slide", "hinge")
 JOINT = ("axis", "pos", "frictionloss", "range", "ref", "actuatorfrcrange")
 GEOM = ("size", "mass", "density")
@@ -71,16 +72,19 @@ class _Writing:
     path: Path
     defaults: Defaults
     compiler: Mapping[str, str]
-    taken: set[str]
+    taken: set[str]  # names of bodies and sites
+    jointed: set[str]  # names of joints, which may be those of bodies
     joints: dict[str, str] = field(default_factory=dict)  # types by name
     rubbing: dict[str, tuple[float, float]] = field(default_factory=dict)
     lost: dict[str, list[str]] = field(default_factory=dict)  # names of joints and bodies by what they lose
     bodies: int = 0
 
-    def name(self, wanted: str) -> str:
-        while wanted in self.taken:
+    def name(self, wanted: str, joint: bool = False) -> str:
+        """A name that no other body, or joint, has."""
+        taken = self.jointed if joint else self.taken
+        while wanted in taken:
             wanted += "_"
-        self.taken.add(wanted)
+        taken.add(wanted)
         return wanted
 
     def lose(self, what: str, name: str) -> None:
@@ -104,8 +108,7 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None) -> Mjcf:
     if compiler.get("coordinate") == "global":
         raise BadFile(path, 'has global coordinates: let MuJoCo 2.3.3 or older save it with coordinate="local"')
     body, others = _robot(path, root)
-    named = {element.get("name") for element in root.iter("body", "joint", "freejoint", "site")}
-    writing = _Writing(path, defaults, compiler, {name for name in named if name})
+    writing = _Writing(path, defaults, compiler, _names(root, "body", "site"), _names(root, *JOINTS))
     written = etree.Element("mujoco", model="robot")
     etree.SubElement(written, "compiler", {key: compiler[key] for key in ("angle", "eulerseq") if key in compiler})
     world = etree.SubElement(written, "worldbody")
@@ -125,6 +128,10 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None) -> Mjcf:
     return Mjcf(path, name, first, text, gravity, drives, writing.rubbing, tuple(notes))
 
 
+def _names(root: Any, *tags: str) -> set[str]:
+    return {each.get("name") for each in root.iter(*tags)} - {None}
+
+
 def _robot(path: Path, root: Any) -> tuple[Any, list[Any]]:
     """The body of the world with the most joints on it, and the others."""
     bodies = []
@@ -135,7 +142,7 @@ def _robot(path: Path, root: Any) -> tuple[Any, list[Any]]:
             bodies.append(element)
     if not bodies:
         raise BadFile(path, "has no <body> in its <worldbody>")
-    robot = max(bodies, key=lambda body: sum(1 for _ in body.iter("joint", "freejoint")))
+    robot = max(bodies, key=lambda body: sum(1 for _ in body.iter(*JOINTS)))
     return robot, [body for body in bodies if body is not robot]
 
 
@@ -163,7 +170,7 @@ def _based(writing: _Writing, body: Any, base: Base | None) -> Any:
         carrier = etree.Element("body", name=writing.name(f"{BASE}_link"))
         carrier.append(body)
         body = carrier
-    body.insert(0, etree.Element("freejoint", name=writing.name(BASE)))
+    body.insert(0, etree.Element("freejoint", name=writing.name(BASE, joint=True)))
     return body
 
 
@@ -184,7 +191,7 @@ def _add_body(writing: _Writing, body: Any, parent: Any, inherited: str | None) 
     if not _floats(writing, body):  # the place of what floats is in q
         _copy(path, body, copy, body.attrib, PLACE)
     inner, children = copy, list(body.iterchildren(etree.Element))
-    for child in (child for child in children if child.tag in ("joint", "freejoint")):
+    for child in (child for child in children if child.tag in JOINTS):
         if len(inner):  # one joint a body
             inner = etree.SubElement(inner, "body", name=writing.name(f"{name}_{len(writing.joints)}"))
         _add_joint(writing, child, inner, name, inherited)
@@ -204,7 +211,7 @@ def _add_joint(writing: _Writing, joint: Any, body: Any, owner: str, inherited: 
     kind = said.get("type", "hinge")
     if kind not in JOINT_TYPES:
         raise BadFile(path, f"a joint has the type {kind!r}; valid: {', '.join(JOINT_TYPES)}", joint.sourceline)
-    name = joint.get("name") or writing.name(BASE if kind == "free" else f"{owner}_joint")
+    name = joint.get("name") or writing.name(BASE if kind == "free" else f"{owner}_joint", joint=True)
     writing.joints[name] = kind
     (armature, *_), (damping, *higher) = (_values(path, joint, said.get(each, "0")) for each in ("armature", "damping"))
     writing.rubbing[name] = armature, damping

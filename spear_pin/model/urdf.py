@@ -103,9 +103,9 @@ def _dynamics(path: Path, root: Any, trunk: str, base: Base | None, repair: bool
         fixed = base == "fixed" and joint.get("name") == floating
         _copy_joint(path, joint, "fixed" if fixed else joint.get("type"), etree.SubElement(robot, "joint"), i)
     if base == "free" and floating is None:
-        taken = [element.get("name") for element in root]
-        world = etree.SubElement(robot, "link", name=_untaken(WORLD, taken))
-        joint = etree.SubElement(robot, "joint", name=f"0000:{_untaken(BASE, taken)}", type="floating")
+        links, joints = ([each.get("name") for each in root.findall(tag)] for tag in ("link", "joint"))
+        world = etree.SubElement(robot, "link", name=_untaken(WORLD, links))
+        joint = etree.SubElement(robot, "joint", name=f"0000:{_untaken(BASE, joints)}", type="floating")
         etree.SubElement(joint, "parent", link=world.get("name"))
         etree.SubElement(joint, "child", link=trunk)
     mimics = [joint.get("name") for joint in root.findall("joint") if joint.find("mimic") is not None]

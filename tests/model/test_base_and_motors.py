@@ -57,6 +57,11 @@ class TestFree:
         robot = load(write(text), base="free")
         assert robot.coordinates[0] == "base__vx" and "base" in robot.coordinates
 
+    def test_a_trunk_called_as_the_joint(self, write):
+        robot = load(write(TRUNK.replace('"trunk"', '"base"')), base="free", toes=["base"])
+        assert robot.coordinates[0] == "base_vx"
+        assert load(robot.model, base="free", motors=[]).coordinates == robot.coordinates
+
     def test_a_root_without_inertia_that_turns_as_its_only_joint_does(self, write):
         """Yaw of the base and of the column move the same."""
         assert "singular" in str(refusal(BadFile, lambda: load(write(ARM), base="free")))
