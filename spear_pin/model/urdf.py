@@ -69,6 +69,8 @@ def read_urdf(path: str | Path, base: Base | None = None, repair: bool = False) 
 
 def urdf_of(path: Path, root: Any, base: Base | None = None, repair: bool = False) -> Urdf:
     """What `read_urdf` reads, from the root element of the file."""
+    if root.tag == "mujoco":
+        raise BadFile(path, "is an MJCF file, where a URDF is needed")
     if root.tag != "robot":
         raise BadFile(path, f"the root element is <{root.tag}>; expected <robot>, or <mujoco>", root.sourceline)
     _check_expanded(path, root)

@@ -5,6 +5,7 @@ import pytest
 from spear_pin import load
 from spear_pin.errors import UnknownName
 from spear_pin.model import examples
+from spear_pin.viz.playback.shapes import read_looks
 from tests.cli.calls import printed, run
 from tests.model.planar_arm import ARM
 from tests.model.queries import refusal
@@ -56,6 +57,13 @@ def test_load(installed):
     robot = load("arm", toes=["lower"])
     assert (robot.name, robot.source, robot.nv, robot.toes) == ("arm", "arm", 2, ("lower",))
     assert load("leg_c").name == "leg_c"
+
+
+def test_its_shapes_are_drawn(installed):
+    path = installed / PARTS[0]
+    box = '<link name="base"><visual><geometry><box size="1 1 1"/></geometry></visual></link>'
+    path.write_text(ARM.replace('<link name="base"/>', box))
+    assert [shape.kind for shape in read_looks(load("arm")).shapes].count("box") == 1
 
 
 def test_a_shipped_robot_goes_before(installed):

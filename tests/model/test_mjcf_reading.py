@@ -241,6 +241,11 @@ def test_what_is_written_is_read_back(write_xml, name):
         assert again.gear_ratio(joint) == robot.gear_ratio(joint)
 
 
+def test_what_needs_a_urdf_says_so(write_xml):
+    robot = load(write_xml(LEG))
+    assert "is an MJCF file, where a URDF is needed" in refusal(BadFile, lambda: to_mjcf(robot)).problem
+
+
 class TestFiles:
     SCENE = '<mujoco model="scene"><include file="dog.xml"/><worldbody><geom type="plane"/></worldbody></mujoco>'
 
