@@ -11,7 +11,7 @@ TYPE_CHECKING = False  # typing takes longer to import than all else here
 if TYPE_CHECKING:
     from typing import Any
 
-    from spear_pin.errors import SpearError
+    from spear_pin.errors import RobotWarning, SpearError
     from spear_pin.gaits.bounding import bounding
     from spear_pin.gaits.bounding_law import BoundingLaw
     from spear_pin.gaits.gait import Gait
@@ -35,6 +35,7 @@ __all__ = [
     "Ground",
     "HoppingLaw",
     "Robot",
+    "RobotWarning",
     "SpearError",
     "Spring",
     "Trajectory",
@@ -49,6 +50,7 @@ __all__ = [
 
 _HOMES = {
     "SpearError": "errors",
+    "RobotWarning": "errors",
     "Robot": "model.robot",
     "load": "model.loading",
     "Spring": "model.spring",

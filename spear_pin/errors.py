@@ -1,4 +1,4 @@
-"""Errors that the package raises: one base class, each kind carrying the offending value and the valid ones."""
+"""Errors that the package raises, each kind carrying the offending value and the valid ones; and its warning."""
 
 from __future__ import annotations
 
@@ -22,6 +22,17 @@ class SpearError(Exception):
 
     def __reduce__(self) -> tuple[object, ...]:
         return _remake, (type(self), self.args, self.__dict__)
+
+
+class RobotWarning(UserWarning):
+    """A robot is not quite what its file says, or perhaps not what was meant; the text is one line.
+
+    `spear_pin.load` warns of what it leaves out or mends, of a trunk that stays fixed and of a robot without motors.
+    `warnings.simplefilter("ignore", RobotWarning)` silences it.
+    """
+
+    def __init__(self, text: str) -> None:
+        super().__init__(shortened(" ".join(text.split())))
 
 
 class UnknownName(SpearError):

@@ -1,6 +1,7 @@
 """Gaits and trajectories that many tests look at, solved once a process, and the rule for tests that skip."""
 
 import os
+from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -15,11 +16,18 @@ SOLVED = Path(__file__).parent / "solved"
 
 
 def pytest_collection_modifyitems(items):
-    """A test skips where a module that its marker `extra` names is missing."""
+    """A test skips where a module, or a package without one, that its marker `extra` names is missing."""
     for item in items:
         needed = {module for marker in item.iter_markers("extra") for module in marker.args}
-        if missing := sorted(module for module in needed if find_spec(module) is None):
+        if missing := sorted(module for module in needed if not _is_there(module)):
             item.add_marker(pytest.mark.skip(reason=f"needs {', '.join(missing)}"))
+
+
+def _is_there(name):
+    try:
+        return find_spec(name) is not None or bool(version(name))
+    except PackageNotFoundError:
+        return False
 
 
 @pytest.hookimpl(wrapper=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -22,8 +23,8 @@ from spear_pin.cli import (
     sweep,
 )
 from spear_pin.cli.arguments import Parser
-from spear_pin.cli.output import complain, draw, open_page, print_result
-from spear_pin.errors import SpearError
+from spear_pin.cli.output import complain, draw, open_page, print_result, tell
+from spear_pin.errors import RobotWarning, SpearError
 
 # as the help lists them
 COMMANDS = (
@@ -49,7 +50,10 @@ def _run(argv: Sequence[str] | None) -> int:
     if arguments.run is None:
         parser.print_help(sys.stderr)
         return 2
-    result: dict[str, Any] = arguments.run(arguments)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", RobotWarning)
+        result: dict[str, Any] = arguments.run(arguments)
+    tell(caught)
     failed, pictures, opened = (result.pop(name, None) for name in ("failed", "pictures", "opened"))
     try:
         print_result(result, arguments.json)

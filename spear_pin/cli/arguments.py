@@ -63,6 +63,24 @@ def add_command(
     return parser
 
 
+def add_loading(parser: Any) -> None:
+    """Declare --lock, --toes, --base, --motors and --repair; `loading` reads them. None is said by default."""
+    parser.add_argument("--lock", nargs="+", metavar="JOINT", help="joints held at zero")
+    parser.add_argument("--toes", nargs="+", metavar="FRAME", help="toe frames of a file")
+    parser.add_argument("--base", choices=("free", "fixed"), help="let the root of the robot float, or not")
+    parser.add_argument(
+        "--motors", nargs="+", metavar="JOINT", help="joints with a motor, or all (default: the file's)"
+    )
+    parser.add_argument("--repair", action="store_true", default=None, help="mend inertias that are not possible")
+
+
+def loading(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Keyword arguments of `load`, from what `add_loading` declares."""
+    motors = "all" if arguments.motors == ["all"] else arguments.motors
+    options = {"locked": arguments.lock or (), "repair": bool(arguments.repair)}
+    return {"toes": arguments.toes, "base": arguments.base, "motors": motors, **options}
+
+
 def add_out(parser: argparse.ArgumentParser, files: str) -> None:
     """Declare --out, the folder for these files; `check_out` goes with it."""
     parser.add_argument("--out", type=folder, default=Path(), metavar="DIR", help=f"folder for {files} (default: here)")

@@ -5,18 +5,17 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from spear_pin.cli.arguments import Commands, add_command
+from spear_pin.cli.arguments import Commands, add_command, add_loading, loading
 from spear_pin.errors import SpearError
 
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     parser = add_command(commands, "dynamics", run, "print D, C, G, J and J̇v of a robot at a state")
-    parser.add_argument("robot", help="a robot's name, or the path of a URDF")
+    parser.add_argument("robot", help="a robot's name, or the path of a URDF or an MJCF file")
     parser.add_argument("--q", type=float, nargs="+", metavar="RAD", help="configuration (default: zero)")
     parser.add_argument("--v", type=float, nargs="+", metavar="RAD/S", help="velocity (default: zero)")
-    parser.add_argument("--lock", nargs="+", default=[], metavar="JOINT", help="joints held at zero")
-    parser.add_argument("--toes", nargs="+", metavar="FRAME", help="toe frames of a URDF")
+    add_loading(parser)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -26,7 +25,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     from spear_pin.model.loading import load
 
-    robot = load(arguments.robot, toes=arguments.toes, locked=arguments.lock)
+    robot = load(arguments.robot, **loading(arguments))
     for option, names in (("q", robot.configuration), ("v", robot.coordinates)):
         given = getattr(arguments, option)
         if given is not None and len(given) != len(names):

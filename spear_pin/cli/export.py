@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.arguments import Commands, add_command, add_loading, add_out, check_out, loading
 from spear_pin.cli.gaits import BOUND
 from spear_pin.cli.output import aligned
 from spear_pin.errors import BadFile, BadValue, SpearError
@@ -22,8 +22,7 @@ URDF = (".urdf", ".xml")  # how its files mostly end
 TRAJECTORY = {"csv": "csv", "mat": "mat", "png": "png", "mp4": "mp4"}
 # what each option goes with
 NEEDS = {
-    "toes": ROBOT,
-    "lock": ROBOT,
+    **dict.fromkeys(("lock", "toes", "base", "motors", "repair"), ROBOT),
     "robot": ("png", "mp4"),
     "size": ("png", "mp4"),
     "time": ("png",),
@@ -41,8 +40,7 @@ def add(commands: Commands) -> None:
     robot = parser.add_argument_group("of a robot")
     robot.add_argument("--mjcf", action="store_true", help="MuJoCo's format, with rotors, motors, toes and ground")
     robot.add_argument("--srdf", action="store_true", help="legs, postures and rotors, to go with the URDF")
-    robot.add_argument("--lock", nargs="+", metavar="JOINT", help="joints held at zero; not with --srdf")
-    robot.add_argument("--toes", nargs="+", metavar="FRAME", help="toe frames of a URDF")
+    add_loading(robot)
     trajectory = parser.add_argument_group("of a trajectory")
     trajectory.add_argument("--csv", action="store_true", help="its samples as a table")
     trajectory.add_argument("--mat", action="store_true", help="samples, events and ledger for MATLAB")
@@ -87,7 +85,7 @@ def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str
     from spear_pin.model.mjcf import to_mjcf
     from spear_pin.model.srdf import to_srdf
 
-    robot = load(arguments.what, toes=arguments.toes, locked=arguments.lock or ())
+    robot = load(arguments.what, **loading(arguments))
     postures = _postures(robot)
     writers = {"mjcf": to_mjcf, "srdf": to_srdf}
     texts = {path: writers[form](robot, postures) for form, path in paths.items()}

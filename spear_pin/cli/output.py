@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import os
 import sys
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from spear_pin.errors import SpearError
+from spear_pin.errors import RobotWarning, SpearError
 
 if TYPE_CHECKING:
     from spear_pin.viz.playback.trajectory import TrajectoryLike
@@ -55,6 +56,15 @@ def complain(text: str) -> None:
     """Write a line to stderr, if that can be written."""
     with suppress(OSError):
         _write(sys.stderr, f"{text}\n")
+
+
+def tell(caught: Iterable[warnings.WarningMessage]) -> None:
+    """Show warnings on stderr: of robots each once in one line, others as Python does."""
+    for text in dict.fromkeys(str(each.message) for each in caught if isinstance(each.message, RobotWarning)):
+        complain(f"spear: {text}")
+    for each in caught:
+        if not isinstance(each.message, RobotWarning):
+            warnings.showwarning(each.message, each.category, each.filename, each.lineno, each.file, each.line)
 
 
 def _write(stream: TextIO, text: str) -> None:

@@ -25,7 +25,9 @@ from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.parameters import LIMITS, PARTS, Fitted, limits, parameter, rebuilt, replaced
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
+from spear_pin.model.draft import MODEL
 from spear_pin.model.loading import load
+from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import vary
 
@@ -93,7 +95,7 @@ class Gait:
         data = {
             "format": FORMAT,
             "kind": self.system.kind,
-            "robot": {"source": robot.source, "toes": robot.toes, "locked": robot.locked, "varied": dict(robot.varied)},
+            "robot": _origin(robot),
             **{part: asdict(getattr(self.system, part)) for part in PARTS},
             "limits": {name: float(limit) for name, limit in limits(self.system).items()},
             "state": {"q": self.state[0].tolist(), "v": self.state[1].tolist()},
@@ -130,7 +132,8 @@ class Gait:
             if data["kind"] not in kinds:
                 raise UnknownName("kind of gait", data["kind"], kinds)
             build, law = kinds[data["kind"]]
-            robot = load(data["robot"]["source"], toes=data["robot"]["toes"], locked=data["robot"]["locked"])
+            origin = data["robot"]
+            robot = load(origin["source"], toes=origin["toes"], locked=origin["locked"], **origin.get("options", {}))
             robot = vary(robot, **data["robot"].get("varied", {}))
             contact = Ground if data["contact"].keys() & {"slope", "height"} else Contact
             kinds_of_parts = zip((law, Spring, contact), PARTS, strict=True)
@@ -153,12 +156,19 @@ def built_as_named(system: HybridSystem) -> bool:
     return system.kind not in KINDS or system.made["builder"] is KINDS[system.kind][0]
 
 
+def _origin(robot: Robot) -> dict[str, Any]:
+    """Where a robot comes from, for `load` and `vary`."""
+    origin = {"source": robot.source, "toes": robot.toes, "locked": robot.locked, "varied": dict(robot.varied)}
+    return origin | ({"options": dict(robot.options)} if robot.options else {})
+
+
 def _unsaid(system: HybridSystem) -> list[str]:
     """Properties of a system that a file does not say, in words."""
     has = {
         "hardware": system.hardware is not None,
         "dry friction of joints": any(domain.rubs for domain in system.domains),
         "ground that is no plane": type(system.contact) not in (Contact, Ground),
+        "a robot that was no file": system.robot.source == MODEL,
         "a robot with added inertia": system.robot.added is not None,
         "another builder than others of its kind": not built_as_named(system),
         "a change of its own": any(not isinstance(change, (DryFriction, Fitted)) for change in system.changes),
@@ -180,7 +190,8 @@ def _check(data: Any) -> None:
         if not isinstance(data[name], dict):
             raise BadValue(name, data[name], "a JSON object")
     robot = data["robot"]
-    check_keys("field of robot", robot, ("source", "toes", "locked"), ("varied",))
+    check_keys("field of robot", robot, ("source", "toes", "locked"), ("varied", "options"))
+    check_keys("option of robot", robot.get("options", {}), (), ("base", "motors", "repair"))
     check_keys("field of state", data["state"], ("q", "v"))
     check_keys("limit", data["limits"], (), LIMITS)
     texts = {"kind": data["kind"], "robot.source": robot["source"]}

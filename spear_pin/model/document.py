@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 from lxml import etree
 
-from spear_pin.model.loading import ROBOTS
+from spear_pin.model.loading import path_of
 from spear_pin.model.robot import Robot
 from spear_pin.model.urdf import read_urdf
 
@@ -18,6 +17,5 @@ def document(robot: Robot) -> Any:
     Raises:
         BadFile: the file is gone, or no longer valid (see `read_urdf`).
     """
-    shipped = ROBOTS.get(robot.source)
-    text = read_urdf(shipped.path if shipped else Path(robot.source)).document
+    text = read_urdf(path_of(robot.source), repair=True).document
     return etree.fromstring(text.encode(), etree.XMLParser(resolve_entities=False, no_network=True))

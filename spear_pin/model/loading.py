@@ -1,20 +1,24 @@
-"""From a name or a URDF to a `Robot`: the shipped robots, rotor inertias set, joints locked on request."""
+"""From a name, a file or a model of Pinocchio to a `Robot`: base, motors and locked joints as asked for."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 
-import numpy as np
 import pinocchio as pin
 
-from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.errors import BadValue, RobotWarning, UnknownName
 from spear_pin.kinds import typed
-from spear_pin.model.memory import check_memory
+from spear_pin.model.draft import Draft, of_mjcf, of_model, of_urdf
+from spear_pin.model.elements import parse
+from spear_pin.model.examples import PACKAGE, example_robots
+from spear_pin.model.fitting import drivable, with_inertia, with_motors
+from spear_pin.model.mjcf_reading import mjcf_of
 from spear_pin.model.robot import Robot
-from spear_pin.model.urdf import Urdf, read_urdf
+from spear_pin.model.urdf import Base, urdf_of
 
 
 @dataclass(frozen=True)
@@ -74,36 +78,81 @@ ROBOTS = {
 
 
 @typed
-def load(source: str | Path, toes: Iterable[str] | None = None, locked: Iterable[str] = ()) -> Robot:
-    """Load a shipped robot or any URDF.
+def load(
+    source: str | Path | pin.Model,
+    toes: Iterable[str] | None = None,
+    locked: Iterable[str] = (),
+    *,
+    base: Base | None = None,
+    motors: str | Iterable[str] | None = None,
+    repair: bool = False,
+) -> Robot:
+    """Load a shipped robot, any URDF or MJCF file, or what Pinocchio has built.
+
+    What is left out of a file, or mended, and what may not be meant, is said by a `RobotWarning`, a line each.
 
     Args:
-        source: a name in `ROBOTS`, or the path of a URDF (anything with a suffix or a separator).
+        source: a name in `ROBOTS`, or of a robot of example-robot-data if that is installed; the path of a URDF
+            or an MJCF file (anything else with a suffix or a separator); or a `pin.Model`, which is copied.
         toes: frame names of the points that may touch the ground; shipped robots know theirs.
         locked: names of joints to hold at zero, for instance `["boom_x"]`.
+        base: "free" puts a floating joint under the root link, unless it has one; "fixed" holds the root. By default
+            it is as the file has it, with a warning where a root link with inertia stays fixed.
+        motors: "all" for one on each joint that turns or slides, or names of joints. By default those of the file's
+            `<transmission>`s, `<ros2_control>` or actuators, with a warning where there are none.
+        repair: mend inertias that are not positive semidefinite, and joints that move no inertia, with a warning.
 
     Raises:
         UnknownName: unknown robot, toe frame or joint; the text lists the valid ones.
-        BadFile: the URDF is missing or invalid (see `read_urdf`), or a joint moves no inertia.
+        BadFile: the file is missing or invalid (see `read_urdf`), or a joint moves no inertia.
+        BadValue: another base, or a motor for a joint of several degrees of freedom.
     """
-    if not isinstance(source, (str, Path)):
-        raise BadValue("source", source, "the name of a robot, or the path of a URDF")
-    shipped = ROBOTS.get(str(source))
-    if shipped is None and not ({"/", "\\", "."} & set(str(source))):
-        raise UnknownName("robot", str(source), [*ROBOTS, "the path of a URDF"])
-    urdf = read_urdf(shipped.path if shipped else source)
+    if base not in (None, "free", "fixed"):
+        raise BadValue("base", base, "'free' or 'fixed'")
+    draft = _draft(source, base, repair)
     locked = _names(locked)
-    model = hold(_model(urdf), locked)
-    _check_inertia(urdf, model)
-    driven = {transmission.joint for transmission in urdf.transmissions}
+    wanted = "all" if motors == "all" else None if motors is None else _names(motors)
+    model, mended = with_inertia(draft.place, hold(draft.model, locked), repair)
+    model, actuated = with_motors(model, draft.motors if wanted is None else wanted, locked)
+    shipped = ROBOTS.get(str(source))
+    notes = [*draft.notes, *mended]
+    if wanted is None and not draft.motors and drivable(model):
+        notes.append('no joint has a motor: motors="all" gives one to each, motors=[...] to those that it names')
+    for note in notes:
+        warnings.warn(RobotWarning(f"{draft.name}: {note}"), stacklevel=3)
     return Robot(
         model,
-        name=str(source) if shipped else urdf.name,
+        name=draft.name,
         toes=_names(toes) if toes is not None else shipped.toes if shipped else (),
-        actuated=[name for name in list(model.names)[1:] if name in driven],
+        actuated=actuated,
         locked=locked,
-        source=str(source),
+        source=draft.source,
+        options={
+            name: value
+            for name, value in (("base", base), ("motors", wanted), ("repair", repair or None))
+            if value is not None
+        },
     )
+
+
+def path_of(source: str | Path) -> Path:
+    """Path of the file that a robot is loaded from.
+
+    Args:
+        source: a name in `ROBOTS`, or of a robot of example-robot-data if that is installed; or a path.
+
+    Raises:
+        UnknownName: it is no such name, nor a path: it has no suffix or separator.
+    """
+    if str(source) in ROBOTS:
+        return ROBOTS[str(source)].path
+    examples = example_robots()
+    if str(source) in examples:
+        return examples[str(source)]
+    if not ({"/", "\\", "."} & set(str(source))):
+        others = examples or [f"with the extra 'robots' those of {PACKAGE}"]
+        raise UnknownName("robot", str(source), [*ROBOTS, *others, "the path of a URDF or an MJCF file"])
+    return Path(source)
 
 
 def hold(model: pin.Model, joints: Sequence[str]) -> pin.Model:
@@ -125,46 +174,12 @@ def _names(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys([names] if isinstance(names, str) else names))
 
 
-def _model(urdf: Urdf) -> pin.Model:
-    try:
-        model = pin.buildModelFromXML(urdf.text)
-    except (ValueError, RuntimeError) as error:
-        raise BadFile(urdf.path, f"Pinocchio cannot build it: {str(error).strip().splitlines()[0]}") from None
-    check_memory(urdf.path, model.njoints - 1, model.nv)
-    # numbered to keep the order of the document, in which Pinocchio would sort by name
-    for i, name in enumerate(model.names):
-        model.names[i] = name.partition(":")[2] or name
-    for frame in model.frames:
-        if frame.type != pin.FrameType.BODY and frame.name != "universe":
-            frame.name = frame.name.partition(":")[2]
-    armature = np.zeros(model.nv)
-    rotor_inertia, gear_ratio = np.zeros(model.nv), np.zeros(model.nv)
-    for transmission in urdf.transmissions:
-        joint = model.joints[model.getJointId(transmission.joint)]
-        if joint.nv != 1:
-            problem = f"a transmission drives {transmission.joint!r}, a joint of {joint.nv} degrees of freedom"
-            raise BadFile(urdf.path, problem)
-        armature[joint.idx_v] = transmission.reflected_inertia
-        rotor_inertia[joint.idx_v] = transmission.rotor_inertia
-        gear_ratio[joint.idx_v] = transmission.gear_ratio
-    # only the armature enters the dynamics; the other two are kept for those who read them
-    model.armature, model.rotorInertia, model.rotorGearRatio = armature, rotor_inertia, gear_ratio
-    return model
-
-
-def _check_inertia(urdf: Urdf, model: pin.Model) -> None:
-    """A joint that moves no inertia makes D singular: say which one."""
-    data = pin.Data(model)
-    rng = np.random.default_rng(0)
-    for _ in range(3):
-        mass_matrix = pin.crba(model, data, pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv)))
-        if not np.isfinite(mass_matrix).all():
-            raise BadFile(urdf.path, "the mass matrix is not finite: some inertia is out of all proportion")
-        diagonal = np.diag(mass_matrix)
-        for joint in range(1, model.njoints):
-            rows = slice(model.joints[joint].idx_v, model.joints[joint].idx_v + model.joints[joint].nv)
-            if diagonal[rows].min() <= 0.0:
-                problem = f"joint {model.names[joint]!r} moves no inertia: give its links an <inertial>"
-                raise BadFile(urdf.path, problem)
-        if model.nv and np.linalg.eigvalsh(mass_matrix / np.sqrt(np.outer(diagonal, diagonal)))[0] < 1e-12:
-            raise BadFile(urdf.path, "the mass matrix is singular: some link lacks inertia")
+def _draft(source: str | Path | pin.Model, base: Base | None, repair: bool) -> Draft:
+    if isinstance(source, pin.Model):
+        return of_model(source, base)
+    if not isinstance(source, (str, Path)):
+        raise BadValue("source", source, "the name of a robot, the path of a file, or a pinocchio.Model")
+    path, root = parse(path_of(source))
+    mujoco = root.tag == "mujoco"
+    draft = of_mjcf(mjcf_of(path, root, base), base) if mujoco else of_urdf(urdf_of(path, root, base, repair), base)
+    return replace(draft, source=str(source), name=draft.name if path == Path(source) else str(source))

@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.model.urdf import MAX_NUMBER
+from spear_pin.model.elements import MAX_NUMBER
+from spear_pin.model.limits import Limits, limits_of
 
 Array = NDArray[np.float64]
 WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-UNCHANGED: Mapping[str, float] = MappingProxyType({})
+UNCHANGED: Mapping[str, Any] = MappingProxyType({})
 Added = Callable[[Array], tuple[int, float, float]]
 """Inertia μ(q) on one coordinate that no body of the model has: its row, μ, and dμ/dq along that coordinate."""
 # what Pinocchio stores for a joint, by how many numbers it has in q and v; others are numbered
 CONFIGURATION = {2: ("cos", "sin"), 7: ("x", "y", "z", "qx", "qy", "qz", "qw")}
 VELOCITY = {6: ("vx", "vy", "vz", "wx", "wy", "wz")}
+# of frames that are called the same, a link's goes first; the last is of a point, as MJCF has them
+FRAMES = (pin.FrameType.BODY, pin.FrameType.FIXED_JOINT, pin.FrameType.JOINT, pin.FrameType.OP_FRAME)
 UNIT = 1e-4  # by which the length of a quaternion in q may be off 1
 OUT_OF_PLANE = 1e-5  # rad or m per unit of a coordinate: a URDF's "1.5708" is a right angle
 
@@ -42,6 +46,8 @@ class Robot:
         locked: names of the joints that are held at zero.
         planar: whether everything moves in the x-z plane; toe queries are then two-dimensional.
         source: what the robot was loaded from, a registered name or a path.
+        options: how it was loaded, by the names of `load`'s arguments: base, motors, repair; what was not said is not
+            there.
         varied: the parameters that are not as there, by name (see `spear_pin.model.variants`).
         added: inertia beside the model's, if there is any (see `spear_pin.model.boom`).
     """
@@ -55,11 +61,13 @@ class Robot:
         actuated: Sequence[str],
         locked: Sequence[str] = (),
         source: str = "",
+        options: Mapping[str, Any] = UNCHANGED,
         varied: Mapping[str, float] = UNCHANGED,
         added: Added | None = None,
     ) -> None:
         self.added = added
         self.name, self.model, self.source = name, model, source or name
+        self.options: Mapping[str, Any] = MappingProxyType(dict(options))
         self.varied: Mapping[str, float] = MappingProxyType(dict(varied))
         self.toes, self.actuated, self.locked = tuple(toes), tuple(actuated), tuple(locked)
         self.nq, self.nv, self.nu = int(model.nq), int(model.nv), len(self.actuated)
@@ -75,8 +83,8 @@ class Robot:
         return f"Robot({self.name!r}, nq={self.nq}, nv={self.nv}, nu={self.nu}, toes={list(self.toes)}{rest})"
 
     def __reduce__(self) -> tuple[object, ...]:
-        varied = dict(self.varied)
-        return _rebuild, (self.model, self.name, self.toes, self.actuated, self.locked, self.source, varied, self.added)
+        parts = (self.model, self.name, self.toes, self.actuated, self.locked, self.source)
+        return _rebuild, (*parts, dict(self.options), dict(self.varied), self.added)
 
     def with_model(
         self, model: pin.Model, *, varied: Mapping[str, float] | None = None, added: Added | None = None
@@ -95,6 +103,7 @@ class Robot:
             actuated=self.actuated,
             locked=self.locked,
             source=self.source,
+            options=self.options,
             varied=self.varied if varied is None else varied,
             added=self.added if added is None else added,
         )
@@ -111,6 +120,11 @@ class Robot:
         for column, joint in enumerate(self.actuated):
             matrix[self.index(joint), column] = 1.0
         return matrix
+
+    @property
+    def limits(self) -> dict[str, Limits]:
+        """Position, velocity and effort that the file allows each joint of one degree of freedom, by its name."""
+        return limits_of(self.model)
 
     def gear_ratio(self, joint: str) -> float:
         """N, turns of a joint's rotor per turn of the joint.
@@ -234,12 +248,12 @@ def _rebuild(
     actuated: Sequence[str],
     locked: Sequence[str],
     source: str,
+    options: Mapping[str, Any],
     varied: Mapping[str, float],
     added: Added | None,
 ) -> Robot:
-    return Robot(
-        model, name=name, toes=toes, actuated=actuated, locked=locked, source=source, varied=varied, added=added
-    )
+    origin: dict[str, Any] = {"locked": locked, "source": source, "options": options}
+    return Robot(model, name=name, toes=toes, actuated=actuated, varied=varied, added=added, **origin)
 
 
 def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]) -> Array:
@@ -264,7 +278,7 @@ def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]
 def _frame_id(model: pin.Model, frame: str) -> int:
     """Index of a frame; a link's where a joint has the same name. An unknown name gives nframes, not an error."""
     if isinstance(frame, str):
-        for kind in (pin.FrameType.BODY, pin.FrameType.FIXED_JOINT, pin.FrameType.JOINT):
+        for kind in FRAMES:
             index = int(model.getFrameId(frame, kind))
             if index < model.nframes:
                 return index

@@ -12,9 +12,9 @@ import pinocchio as pin
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.kinds import typed
+from spear_pin.model.elements import MAX_NUMBER
 from spear_pin.model.loading import hold, load
 from spear_pin.model.robot import Robot
-from spear_pin.model.urdf import MAX_NUMBER
 
 FULL = ("q_spear_full",)
 QUADRUPEDS = ("q_spear", *FULL)

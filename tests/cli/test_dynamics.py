@@ -1,5 +1,7 @@
 """`spear dynamics`: its numbers, and one line for every mistake."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -51,6 +53,22 @@ class TestDynamics:
         result = printed(capsys, "dynamics", ROBOTS["spear_ii"].path, "--toes", "toe", "--q", *STATE[0])
         np.testing.assert_allclose(result["D"], load("spear_ii").mass_matrix(STATE[0]), rtol=1e-15)
         assert list(result["J"]) == ["toe"]
+
+    def test_a_base_and_motors(self, capsys):
+        path = ROBOTS["spear_ii"].path
+        result = printed(capsys, "dynamics", path, "--base", "fixed", "--motors", "all", "--repair")
+        assert np.shape(result["B"]) == (4, 4)
+        assert np.shape(printed(capsys, "dynamics", path, "--motors", "knee")["B"]) == (4, 1)
+        assert "'free', 'fixed'" in refused(capsys, "dynamics", path, "--base", "floating")
+        assert "unknown joint 'ankle'" in refused(capsys, "dynamics", path, "--motors", "ankle")
+
+    def test_what_loading_warns_of_is_one_line(self, capsys, tmp_path):
+        text = ROBOTS["spear_ii"].path.read_text(encoding="utf-8")
+        path = tmp_path / "plain.urdf"
+        path.write_text(re.sub(r"<transmission.*</transmission>", "", text, flags=re.DOTALL), encoding="utf-8")
+        status, out, err = run(capsys, "dynamics", path)
+        assert status == 0 and out and err.startswith("spear: spear_ii: no joint has a motor") and err.count("\n") == 1
+        assert "--q" in refused(capsys, "dynamics", path, "--q", "1")  # a mistake is said alone
 
     def test_a_floating_torso(self, capsys):
         """Its configuration has a quaternion, one number more than its velocity."""

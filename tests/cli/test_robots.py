@@ -15,7 +15,7 @@ class TestRobots:
 
     def test_json(self, capsys):
         rows = {row["name"]: row for row in printed(capsys, "robots")["robots"]}
-        assert set(rows) == set(ROBOTS)
+        assert list(rows)[: len(ROBOTS)] == list(ROBOTS)
         assert rows["spear_ii"]["degrees_of_freedom"] == 4 and rows["spear_ii"]["motors"] == 2
         assert rows["q_spear"]["degrees_of_freedom"] == 7 and rows["q_spear"]["motors"] == 4
         assert rows["spear_ii"]["mass"] == pytest.approx(6.8)

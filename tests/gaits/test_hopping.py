@@ -368,7 +368,7 @@ class TestRefusals:
         path = tmp_path / "limp.urdf"
         path.write_text(text[:begin] + text[end:], encoding="utf-8")
         with pytest.raises(BadValue, match=r"^robot\.actuated is \(\)"):
-            hopping(load(path, toes=["toe"]))
+            hopping(load(path, toes=["toe"], motors=[]))
 
     def test_foot_placement_of_a_locked_robot(self, robot):
         with pytest.raises(BadValue, match=r"^HoppingLaw\.foot_placement is 0.1; expected 0 while boom_x is locked"):

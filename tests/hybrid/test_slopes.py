@@ -134,7 +134,7 @@ class TestSlope:
     def test_holds_a_block_within_the_cone(self, tmp_path, slope, friction, mode):
         """Stick if tan σ < μ; beyond, it slides down with g (sin σ - μ cos σ)."""
         (tmp_path / "block.urdf").write_text(BLOCK)
-        robot = load(tmp_path / "block.urdf", toes=["block"])
+        robot = load(tmp_path / "block.urdf", toes=["block"], motors=[])
         law = lambda *_: ()  # noqa: E731
         stance = contact_domains(Domain("stance", "stance", (STICK,), law), robot.toes, {"block": None})
         domains = (*stance, Domain("flight", "flight", (OPEN,), law))

@@ -45,7 +45,7 @@ def test_a_robot_is_refused_before_it_takes_the_memory(chain, monkeypatch):
 
 def test_what_there_is_enough_for_is_loaded(chain, monkeypatch):
     monkeypatch.setattr(memory, "free_memory", lambda: 1e9)
-    assert load(chain(60)).nv == 60
+    assert load(chain(60), base="fixed", motors=[]).nv == 60
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").is_file(), reason="no /proc here")
@@ -56,7 +56,7 @@ import re
 from spear_pin.model import loading
 peak = lambda: 1024 * int(re.search(r"VmHWM:\\s+(\\d+)", open("/proc/self/status").read())[1])
 before = peak()
-robot = loading.load({str(chain(200))!r})
+robot = loading.load({str(chain(200))!r}, base="fixed", motors=[])
 print(peak() - before)
 """
     taken = int(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout)

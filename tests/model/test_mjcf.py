@@ -58,7 +58,7 @@ class TestDynamics:
 
     @pytest.mark.parametrize("kind", ["revolute", "prismatic", "continuous"])
     def test_of_a_skew_joint(self, kind, tmp_path):
-        robot = load(urdf(tmp_path, kind))
+        robot = load(urdf(tmp_path, kind), motors=[])
         assert_same(robot, read_back(tmp_path, to_mjcf(robot)))
 
 
@@ -89,10 +89,10 @@ class TestContents:
     def test_what_is_missing_is_said(self, tmp_path):
         assert "switchable spring of a knee is not in this file" in re.sub(r"\s+", " ", to_mjcf(load("spear_ii")))
         mesh = '<visual><geometry><mesh filename="nowhere.stl"/></geometry></visual>'
-        assert "a mesh of link arm is left out" in to_mjcf(load(urdf(tmp_path, "revolute", visual=mesh)))
+        assert "a mesh of link arm is left out" in to_mjcf(load(urdf(tmp_path, "revolute", visual=mesh), motors=[]))
 
     def test_friction_and_limits_of_a_joint(self, tmp_path):
-        joint = etree.fromstring(to_mjcf(load(urdf(tmp_path, "prismatic")))).find(".//joint")
+        joint = etree.fromstring(to_mjcf(load(urdf(tmp_path, "prismatic"), motors=[]))).find(".//joint")
         assert (joint.get("damping"), joint.get("frictionloss"), joint.get("range")) == ("0.3", "0.2", None)
         hip = etree.fromstring(to_mjcf(load("spear_ii"))).find(".//joint[@name='hip']")
         assert hip.get("range") == "-3.14 3.14" and hip.get("damping") is hip.get("frictionloss") is None
@@ -112,11 +112,11 @@ class TestContents:
 class TestRefusals:
     def test_a_joint_that_mjcf_lacks(self, tmp_path):
         with pytest.raises(BadValue, match="joint 'planar'.*one axis"):
-            to_mjcf(load(urdf(tmp_path, "planar")))
+            to_mjcf(load(urdf(tmp_path, "planar"), motors=[]))
 
     def test_an_inertia_of_no_body(self, tmp_path):
         with pytest.raises(BadValue, match="inertia of link 'arm'.*MuJoCo"):
-            to_mjcf(load(urdf(tmp_path, "revolute", xx=0.06)))
+            to_mjcf(load(urdf(tmp_path, "revolute", xx=0.06), motors=[]))
 
     def test_inertia_beside_the_model(self):
         with pytest.raises(BadValue, match="inertia beside"):
@@ -124,7 +124,7 @@ class TestRefusals:
 
     def test_entities(self, tmp_path):
         path = urdf(tmp_path, "revolute")
-        robot = load(path)
+        robot = load(path, motors=[])
         path.write_text(f'<!DOCTYPE robot [<!ENTITY a "b">]>{path.read_text()}')
         with pytest.raises(BadFile, match="document type"):
             to_mjcf(robot)

@@ -145,7 +145,7 @@ def pogo(tmp_path: Path, name: str = "pogo", mesh: str = "leg.dae") -> tuple[Rob
     path = tmp_path / "pogo stick.urdf"
     path.write_text(USER_URDF.replace('"pogo"', quoteattr(name)).replace('"leg.dae"', quoteattr(mesh)))
     t = np.linspace(0.0, 1.0, 30)
-    return load(path, toes=["tip"]), SimpleNamespace(
+    return load(path, toes=["tip"], motors=[]), SimpleNamespace(
         t=t,
         q=np.column_stack((0.4 + 0.1 * np.sin(6 * t), 0.05 * np.sin(6 * t))),
         domain=["ride"] * 30,

@@ -56,6 +56,14 @@ def _urdf() -> bytes:
     return ROBOTS["spear_ii"].path.read_bytes()
 
 
+@cache
+def _mjcf() -> bytes:
+    from spear_pin import load
+    from spear_pin.model.mjcf import to_mjcf
+
+    return to_mjcf(load("spear_ii")).encode()
+
+
 def trajectory(path: Path) -> Path:
     """A trajectory that can be read."""
     path.write_bytes(_trajectory())
@@ -194,6 +202,26 @@ URDF: Mapping[str, Damage] = {
     "no links": lambda content: b'<robot name="r"/>',
 }
 
+MJCF: Mapping[str, Damage] = {
+    "no bodies": lambda content: b"<mujoco><worldbody/></mujoco>",
+    "a bomb of entities": lambda content: b'<!DOCTYPE m [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]><mujoco model="&b;"/>',
+    "a file of the disk": lambda content: b'<mujoco><include file="/etc/passwd"/></mujoco>',
+    "an included folder": lambda content: b'<mujoco><include file="."/></mujoco>',
+    "a file that includes itself": lambda content: b'<mujoco><include file="a.xml"/></mujoco>',
+    "a negative mass": _replaced(' mass="', ' mass="-'),
+    "a mass that is none": _replaced(' mass="', ' mass="x'),
+    "an inertia of one number": _replaced(' fullinertia="', ' fullinertia="1" other="'),
+    "a place of two numbers": _replaced("<body ", '<body pos="1 2" '),
+    "an axis of zeros": _replaced('axis="', 'axis="0 0 0" other="'),
+    "an axis of one number": _replaced('axis="', 'axis="1" other="'),
+    "a name twice": _replaced('<joint name="boom_z"', '<joint name="boom_x"'),
+    "a body twice": lambda content: content.replace(b'<body name="thigh"', b'<body name="shank"'),
+    "an unknown type of joint": _replaced('type="slide"', 'type="spiral"'),
+    "a range of one number": _replaced('range="', 'range="1" other="'),
+    "a gear of nothing": _replaced('gear="', 'gear="" other="'),
+    "no end": lambda content: content.replace(b"</mujoco>", b""),
+}
+
 CSV: Mapping[str, Damage] = {
     "a head only": lambda content: b"time,voltage\n",
     "one row": lambda content: b"time,voltage\n0,1\n",
@@ -213,11 +241,12 @@ FORMATS: tuple[tuple[str, str, Callable[[], bytes], Mapping[str, Damage], str, s
     ("gait", "a.json", _gait, GAIT, "bound --gait ./a.json", "spear_pin.Gait.load"),
     ("trajectory", "a.npz", _trajectory, NPZ, "export a.npz --csv", "spear_pin.Trajectory.load"),
     ("URDF", "a.urdf", _urdf, URDF, "dynamics a.urdf", "spear_pin.load"),
+    ("MJCF", "a.xml", _mjcf, MJCF, "dynamics a.xml", "spear_pin.load"),
     ("record", "a.csv", _record, CSV, "identify a.csv --volts-per-rad 1", "studies.identification.read_record"),
     ("record", "a.mat", _record, {}, "identify a.mat --volts-per-rad 1", "studies.identification.read_record"),
 )
 NO_RELEASE = ("nothing happens", "huge numbers", "its first half")  # a record all the same
-FITTING = {("URDF", "utf-16")}  # XML says how it is encoded
+FITTING = {("URDF", "utf-16"), ("MJCF", "utf-16")}  # XML says how it is encoded
 
 
 def cases() -> Iterator[Command | Function]:

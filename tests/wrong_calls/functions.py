@@ -117,7 +117,11 @@ FUNCTIONS: tuple[tuple[str, Callable[[], Mapping[str, Any]], Mapping[str, tuple[
     (
         ":load",
         lambda: {"source": "spear_ii"},
-        {"source": (None, 5, "nope", "", b"spear_ii", [], "no/such.urdf"), "toes": (*NAMES, ["hoof"]), "locked": NAMES},
+        {
+            "source": (None, 5, "nope", "", b"spear_ii", [], "no/such.urdf"),
+            **{"toes": (*NAMES, ["hoof"]), "locked": NAMES, "motors": (5, ["ankle"], "ankle", [5], {"hip": 1})},
+            **{"base": ("floating", "", 5, True, ["free"]), "repair": ("yes", 5, None, [])},
+        },
     ),
     (
         ":Spring",

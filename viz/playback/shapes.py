@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 import pinocchio as pin
-from lxml import etree
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadFile, SpearError
-from spear_pin.model.loading import ROBOTS
+from spear_pin.errors import SpearError
+from spear_pin.model.document import document
 from spear_pin.model.robot import Robot
-from spear_pin.model.urdf import read_urdf
 
 Array = NDArray[np.float64]
 Kind = Literal["box", "cylinder", "sphere"]
@@ -61,12 +58,10 @@ class Looks:
 
 def read_looks(robot: Robot) -> Looks:
     """Shapes from the URDF the robot was loaded from; never fails, what is not drawn is in the notes."""
-    shipped = ROBOTS.get(robot.source)
     try:
-        urdf = read_urdf(shipped.path if shipped else Path(robot.source))
-    except BadFile as error:
+        root = document(robot)
+    except SpearError as error:
         return Looks(_bones(robot, set()), (f"drawn as bones: {error}",))
-    root = etree.fromstring(urdf.document.encode(), etree.XMLParser(resolve_entities=False, no_network=True))
     palette = {material.get("name"): material for material in root.findall("material")}
     shapes, notes = [], []
     for link in root.findall("link"):

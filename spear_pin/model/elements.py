@@ -1,0 +1,129 @@
+"""Elements of an XML file: read safely, with nothing fetched or expanded, and their numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from spear_pin.errors import BadFile
+from spear_pin.files import regular
+
+MAX_BYTES, MAX_NUMBER = 20_000_000, 1e30
+DECLARATION = re.compile(rb"<\?xml\s[^>]*?\?>")
+BOM = b"\xef\xbb\xbf"
+VERSION = re.compile(rb"version\s*=\s*[\"'][^\"']*[\"']")
+
+
+def parse(path: str | Path) -> tuple[Path, Any]:
+    """The root element of an XML file, without comments and instructions, and where it was read.
+
+    An XML declaration of another version than 1.0, or one that does not come first, is read all the same, and so are
+    prefixes that are not declared: URDFs have them, and their other readers do not look.
+
+    Raises:
+        BadFile: the file is missing, too large, not XML, or declares a document type or entities.
+    """
+    try:
+        path = regular(path)
+        if path.stat().st_size > MAX_BYTES:
+            raise BadFile(path, f"has more than {MAX_BYTES} bytes")
+        text = path.read_bytes()
+    except OSError as error:
+        raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
+    try:
+        root = _parsed(text)
+    except etree.XMLSyntaxError as error:
+        root = _parsed_leniently(text)
+        if root is None:
+            raise BadFile(path, f"not well-formed XML: {error.msg}", error.lineno) from None
+    if root.getroottree().docinfo.internalDTD is not None:
+        raise BadFile(path, "declares a document type; a robot may not (entities are not expanded)")
+    return path, root
+
+
+def _parsed(text: bytes, **options: Any) -> Any:
+    parser = etree.XMLParser(
+        resolve_entities=False,
+        no_network=True,
+        load_dtd=False,
+        huge_tree=False,
+        remove_comments=True,
+        remove_pis=True,
+        **options,
+    )
+    root = etree.fromstring(text, parser)
+    faults = {entry.type for entry in parser.error_log}
+    if not faults <= {etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE}:
+        raise etree.XMLSyntaxError(parser.error_log.last_error.message, None, 0, 0)
+    return root
+
+
+def _parsed_leniently(text: bytes) -> Any | None:
+    """The root of what fails but for its declaration, or for prefixes that are not declared; None of all else."""
+    declaration = DECLARATION.search(text)
+    if declaration is not None:
+        first = VERSION.sub(b'version="1.0"', declaration[0]).replace(b"\n", b" ")
+        rest = DECLARATION.sub(lambda found: b"\n" * found[0].count(b"\n"), text.removeprefix(BOM))
+        text = first + rest  # every line keeps its number
+    try:
+        root = _parsed(text, recover=True)
+    except etree.XMLSyntaxError:
+        return None
+    for element in root.iter(etree.Element) if root is not None else ():
+        prefix, colon, name = element.tag.partition(":")
+        if colon and not prefix.startswith("{"):
+            element.tag = f"{{{prefix}}}{name}"
+    return root
+
+
+def child(path: Path, element: Any, tag: str) -> Any:
+    """The child of that tag.
+
+    Raises:
+        BadFile: there is none.
+    """
+    found = element.find(tag)
+    if found is None:
+        name = element.get("name") or element.getparent().get("name")
+        raise BadFile(path, f"<{element.tag}> of {name!r} has no <{tag}>", element.sourceline)
+    return found
+
+
+def optional(element: Any, tag: str, read: Callable[[Any], float]) -> float | None:
+    """Value that `read` makes of a child, whatever the namespace of its tag."""
+    found = element.find("{*}" + tag)
+    return None if found is None else read(found)
+
+
+def number(path: Path, element: Any, attribute: str, default: str | None = None) -> float:
+    """An attribute that is one number."""
+    return parse_number(path, element, element.get(attribute, default))
+
+
+def numbers(path: Path, element: Any, attribute: str, count: int) -> list[float]:
+    """An attribute of that many numbers."""
+    values = [parse_number(path, element, part) for part in (element.get(attribute) or "").split()]
+    if len(values) != count:
+        what = f"{attribute} of <{element.tag}> is {element.get(attribute)!r}"
+        raise BadFile(path, f"{what}; expected {count} number{'s' * (count > 1)}", element.sourceline)
+    return values
+
+
+def parse_number(path: Path, element: Any, text: str | None) -> float:
+    """A finite number, in any notation that Python reads.
+
+    Raises:
+        BadFile: it is none; the text names the element.
+    """
+    try:
+        value = float(text or "")
+    except ValueError:
+        value = math.nan
+    if not abs(value) <= MAX_NUMBER:
+        raise BadFile(path, f"<{element.tag}> has the value {text!r}; expected a finite number", element.sourceline)
+    return value

@@ -1,0 +1,106 @@
+"""A model made ready: inertia for every joint that moves, and motors where they are wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadFile, BadValue, UnknownName
+
+Array = NDArray[np.float64]
+SINGULAR = 1e-12  # least eigenvalue of a mass matrix whose diagonal is 1
+REMEDY = "give its links an <inertial>"
+MENDED = 1e-4  # kg·m² or kg, the armature of a joint that moves no inertia
+
+
+def drivable(model: pin.Model) -> list[str]:
+    """Names of the joints that can have a motor: those of one degree of freedom."""
+    return [name for name, joint in list(zip(model.names, model.joints, strict=True))[1:] if joint.nv == 1]
+
+
+def with_motors(
+    model: pin.Model, wanted: Sequence[str], locked: Sequence[str] = ()
+) -> tuple[pin.Model, tuple[str, ...]]:
+    """The model, every joint that is to have a motor with a gear ratio, and their names in its order.
+
+    Args:
+        model: it is changed.
+        wanted: names of joints, or "all" for each that can.
+        locked: names of joints that may be wanted, but are no more.
+
+    Raises:
+        UnknownName: there is no such joint.
+        BadValue: the joint has several degrees of freedom.
+    """
+    valid = drivable(model)
+    wanted = valid if wanted == "all" else wanted
+    for joint in wanted:
+        if joint not in valid and joint not in locked:
+            if joint in list(model.names)[1:]:
+                raise BadValue("motors", joint, f"joints of one degree of freedom: {', '.join(valid) or 'none'}")
+            raise UnknownName("joint", joint, valid)
+    actuated = tuple(joint for joint in valid if joint in wanted)
+    ratios = model.rotorGearRatio.copy()
+    for joint in actuated:
+        row = model.joints[model.getJointId(joint)].idx_v
+        ratios[row] = ratios[row] or 1.0
+    model.rotorGearRatio = ratios
+    return model, actuated
+
+
+def with_inertia(path: str | Path, model: pin.Model, repair: bool) -> tuple[pin.Model, list[str]]:
+    """The model if its mass matrix is positive definite, and what was mended to make it so.
+
+    Args:
+        path: what errors name.
+        model: it is changed where it is mended.
+        repair: give joints that move no inertia of their own an armature.
+
+    Raises:
+        BadFile: a joint moves no inertia, or two the same, so that the mass matrix is singular; or it is not finite.
+    """
+    notes: list[str] = []
+    while fault := _fault(path, model):
+        joint, problem = fault
+        if joint is None or len(notes) == model.nv:
+            raise BadFile(path, f"{problem}: {REMEDY}")
+        if not repair:
+            raise BadFile(path, f"{problem}: {REMEDY} (repair=True mends it)")
+        armature = model.armature.copy()
+        armature[model.joints[model.getJointId(joint)].idx_v] += MENDED
+        model.armature = armature
+        where = "" if repr(joint) in problem else f" on joint {joint!r}"
+        notes.append(f"{problem}: mended by an armature of {MENDED:g} kg·m² (kg, if it slides){where}")
+    return model, notes
+
+
+def _fault(path: str | Path, model: pin.Model) -> tuple[str | None, str] | None:
+    """What makes the mass matrix singular: the joint that an armature would mend, if any, and what is wrong."""
+    data = pin.Data(model)
+    rng = np.random.default_rng(0)
+    for _ in range(3):
+        mass_matrix = pin.crba(model, data, pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv)))
+        if not np.isfinite(mass_matrix).all():
+            raise BadFile(path, "the mass matrix is not finite: some inertia is out of all proportion")
+        diagonal = np.diag(mass_matrix)
+        for index in range(1, model.njoints):
+            name, joint = model.names[index], model.joints[index]
+            if diagonal[joint.idx_v : joint.idx_v + joint.nv].min() <= 0.0:
+                problem = f"joint {name!r} moves no inertia"
+                return name if joint.nv == 1 else None, problem
+        if model.nv:
+            values, vectors = np.linalg.eigh(mass_matrix / np.sqrt(np.outer(diagonal, diagonal)))
+            if values[0] < SINGULAR:
+                return _outermost(model, vectors[:, 0]), "the mass matrix is singular"
+    return None
+
+
+def _outermost(model: pin.Model, motion: Array) -> str | None:
+    """The last joint, of one degree of freedom, that takes part in a motion."""
+    moving = np.abs(motion) > 0.1 * np.abs(motion).max()
+    names = [name for name in drivable(model) if moving[model.joints[model.getJointId(name)].idx_v]]
+    return names[-1] if names else None
