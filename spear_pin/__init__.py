@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from spear_pin.hybrid.ground import Ground
     from spear_pin.hybrid.simulate import simulate
     from spear_pin.hybrid.trajectory import Trajectory
+    from spear_pin.model.legs import Leg
     from spear_pin.model.loading import load
     from spear_pin.model.robot import Robot
     from spear_pin.model.spring import Spring
@@ -34,6 +35,7 @@ __all__ = [
     "Gait",
     "Ground",
     "HoppingLaw",
+    "Leg",
     "Robot",
     "SpearError",
     "Spring",
@@ -51,6 +53,7 @@ _HOMES = {
     "SpearError": "errors",
     "Robot": "model.robot",
     "load": "model.loading",
+    "Leg": "model.legs",
     "Spring": "model.spring",
     "Contact": "hybrid.contact",
     "Ground": "hybrid.ground",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -10,6 +11,8 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.model.frames import frame_id
+from spear_pin.model.legs import Leg, find_legs
 from spear_pin.model.urdf import MAX_NUMBER
 
 Array = NDArray[np.float64]
@@ -65,7 +68,7 @@ class Robot:
         self.nq, self.nv, self.nu = int(model.nq), int(model.nv), len(self.actuated)
         self.coordinates, self.configuration = _coordinates(model), _configuration(model)
         self._data = pin.Data(model)
-        self._toe_ids = {toe: _frame_id(model, toe) for toe in self.toes}
+        self._toe_ids = {toe: frame_id(model, toe) for toe in self.toes}
         self.planar = _is_planar(model, self._data)
         self._rows = np.array([0, 2]) if self.planar else np.array([0, 1, 2])
 
@@ -98,6 +101,11 @@ class Robot:
             varied=self.varied if varied is None else varied,
             added=self.added if added is None else added,
         )
+
+    @cached_property
+    def legs(self) -> tuple[Leg, ...]:
+        """The legs that end in its toes, in their order, or those that are found if it has none; see `find_legs`."""
+        return find_legs(self)
 
     @property
     def mass(self) -> float:
@@ -195,7 +203,7 @@ class Robot:
         Raises:
             UnknownName: there is no such frame.
         """
-        index = _frame_id(self.model, frame)
+        index = frame_id(self.model, frame)
         pin.forwardKinematics(self.model, self._data, self._q(q))
         return np.array(pin.updateFramePlacement(self.model, self._data, index).translation[self._rows])
 
@@ -259,16 +267,6 @@ def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]
         limited = "a finite number" + (f" within ±{MAX_NUMBER:g}" if np.isfinite(vector[index]) else "")
         raise BadValue(f"{name}[{index}]", float(vector[index]), limited)
     return vector
-
-
-def _frame_id(model: pin.Model, frame: str) -> int:
-    """Index of a frame; a link's where a joint has the same name. An unknown name gives nframes, not an error."""
-    if isinstance(frame, str):
-        for kind in (pin.FrameType.BODY, pin.FrameType.FIXED_JOINT, pin.FrameType.JOINT):
-            index = int(model.getFrameId(frame, kind))
-            if index < model.nframes:
-                return index
-    raise UnknownName("frame", frame, [f.name for f in model.frames if f.name != "universe"])
 
 
 def _coordinates(model: pin.Model) -> tuple[str, ...]:
