@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from spear_pin.hybrid.trajectory import Trajectory
     from spear_pin.model.legs import Leg
     from spear_pin.model.loading import load
+    from spear_pin.model.monopod import monopod
     from spear_pin.model.robot import Robot
     from spear_pin.model.spring import Spring
     from spear_pin.model.variants import vary
@@ -44,6 +45,7 @@ __all__ = [
     "find_gait",
     "hopping",
     "load",
+    "monopod",
     "simulate",
     "simulate_many",
     "vary",
@@ -54,6 +56,7 @@ _HOMES = {
     "Robot": "model.robot",
     "load": "model.loading",
     "Leg": "model.legs",
+    "monopod": "model.monopod",
     "Spring": "model.spring",
     "Contact": "hybrid.contact",
     "Ground": "hybrid.ground",

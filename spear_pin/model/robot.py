@@ -11,6 +11,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.model.cut import Cut
 from spear_pin.model.frames import frame_id
 from spear_pin.model.legs import Leg, find_legs
 from spear_pin.model.urdf import MAX_NUMBER
@@ -47,6 +48,7 @@ class Robot:
         source: what the robot was loaded from, a registered name or a path.
         varied: the parameters that are not as there, by name (see `spear_pin.model.variants`).
         added: inertia beside the model's, if there is any (see `spear_pin.model.boom`).
+        cut: what it was cut out of, if it was (see `spear_pin.model.cut`).
     """
 
     def __init__(
@@ -60,8 +62,9 @@ class Robot:
         source: str = "",
         varied: Mapping[str, float] = UNCHANGED,
         added: Added | None = None,
+        cut: Cut | None = None,
     ) -> None:
-        self.added = added
+        self.added, self.cut = added, cut
         self.name, self.model, self.source = name, model, source or name
         self.varied: Mapping[str, float] = MappingProxyType(dict(varied))
         self.toes, self.actuated, self.locked = tuple(toes), tuple(actuated), tuple(locked)
@@ -78,8 +81,8 @@ class Robot:
         return f"Robot({self.name!r}, nq={self.nq}, nv={self.nv}, nu={self.nu}, toes={list(self.toes)}{rest})"
 
     def __reduce__(self) -> tuple[object, ...]:
-        varied = dict(self.varied)
-        return _rebuild, (self.model, self.name, self.toes, self.actuated, self.locked, self.source, varied, self.added)
+        parts = self.model, self.name, self.toes, self.actuated, self.locked, self.source, dict(self.varied)
+        return _rebuild, (*parts, self.added, self.cut)
 
     def with_model(
         self, model: pin.Model, *, varied: Mapping[str, float] | None = None, added: Added | None = None
@@ -100,12 +103,13 @@ class Robot:
             source=self.source,
             varied=self.varied if varied is None else varied,
             added=self.added if added is None else added,
+            cut=self.cut,
         )
 
     @cached_property
     def legs(self) -> tuple[Leg, ...]:
         """The legs that end in its toes, in their order, or those that are found if it has none; see `find_legs`."""
-        return find_legs(self)
+        return find_legs(self, sides=None if self.cut is None else self.cut.sides)
 
     @property
     def mass(self) -> float:
@@ -244,9 +248,18 @@ def _rebuild(
     source: str,
     varied: Mapping[str, float],
     added: Added | None,
+    cut: Cut | None,
 ) -> Robot:
     return Robot(
-        model, name=name, toes=toes, actuated=actuated, locked=locked, source=source, varied=varied, added=added
+        model,
+        name=name,
+        toes=toes,
+        actuated=actuated,
+        locked=locked,
+        source=source,
+        varied=varied,
+        added=added,
+        cut=cut,
     )
 
 

@@ -82,3 +82,15 @@ def quadruped(float_base=True, extra=(), **of_leg):
         limits = (-2.5, 0.1) if x > 0 else (-0.1, 2.5)
         legs += limb(name, (x, 0.06 * y, 0.0), y, **{"knee_limits": limits, **of_leg})
     return robot(*base, trunk, *legs, *extra)
+
+
+def slider(**of_leg):
+    """One leg on a trunk that slides in the plane and has a mass of 2 kg."""
+    trunk = link("trunk", 2.0, (0.01, 0.02, 0.03), (0.01, 0.02, 0.03, 0, 0, 0))
+    rails = [
+        link("world"),
+        link("carriage"),
+        joint("rail_x", "prismatic", "world", "carriage", axis=(1, 0, 0)),
+        joint("rail_z", "prismatic", "carriage", "trunk", axis=(0, 0, 1)),
+    ]
+    return robot(*rails, trunk, *limb("one", (0.1, 0.06, 0.02), **of_leg))
