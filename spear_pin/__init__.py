@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from spear_pin.model.loading import load
     from spear_pin.model.monopod import monopod
     from spear_pin.model.robot import Robot
+    from spear_pin.model.sagittal import sagittal
     from spear_pin.model.spring import Spring
     from spear_pin.model.variants import vary
 
@@ -46,6 +47,7 @@ __all__ = [
     "hopping",
     "load",
     "monopod",
+    "sagittal",
     "simulate",
     "simulate_many",
     "vary",
@@ -57,6 +59,7 @@ _HOMES = {
     "load": "model.loading",
     "Leg": "model.legs",
     "monopod": "model.monopod",
+    "sagittal": "model.sagittal",
     "Spring": "model.spring",
     "Contact": "hybrid.contact",
     "Ground": "hybrid.ground",

@@ -27,6 +27,7 @@ AHEAD, UP, PITCH, FLEX = (
 """Joints of the plane: two that slide, one that turns the nose up or a knee forward, one that flexes a knee."""
 
 
+ROUNDING = 1e-8  # of SI units: what differs by less is alike
 STAY = pin.SE3(np.eye(3), np.zeros(3))
 
 
@@ -99,10 +100,15 @@ class Cut:
             f"{self.kind} of {self.of}, body {self.body:.4g} kg" + (", x to the rear" if self.mirrored else ""),
             "angles: " + ", ".join(f"{name} = {' = '.join(map(str, turns))}" for name, turns in self.angles.items()),
             f"held at zero: {', '.join(self.held)}" if self.held else "",
-            f"left and right differ: {_listed(self.asymmetric)}" if self.asymmetric else "",
+            _differences(self.asymmetric) if self.asymmetric else "",
             f"neglected: {_listed(self.neglected)}" if self.neglected else "",
         ]
         return "\n".join(line for line in lines if line)
+
+
+def _differences(amounts: Sequence[Amount]) -> str:
+    there = [amount for amount in amounts if amount.value > ROUNDING]
+    return f"left and right differ: {_listed(there)}" if there else "left and right mirror each other"
 
 
 def _listed(amounts: Sequence[Amount]) -> str:

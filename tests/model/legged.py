@@ -13,7 +13,7 @@ def link(name, mass=0.0, com=(0, 0, 0), inertia=(0, 0, 0, 0, 0, 0)):
 
 def joint(name, kind, parent, child, place=(0, 0, 0), axis=(0, 0, 1), limits=(-3.0, 3.0), effort=20.0):
     """A joint, with a little friction and damping if it moves."""
-    moving = kind in ("revolute", "prismatic")
+    moving = kind in ("revolute", "prismatic", "continuous")
     bounds = f'<limit lower="{limits[0]}" upper="{limits[1]}" effort="{effort}" velocity="15"/>' if moving else ""
     rubbing = '<dynamics damping="0.03" friction="0.2"/>' if moving else ""
     return (
@@ -41,7 +41,7 @@ def robot(*parts):
     return f'<robot name="made" xmlns:drake="http://drake.mit.edu">{"".join(parts)}</robot>'
 
 
-def limb(name, place, y=1, hip=1, knee=1, knee_limits=(-0.1, 2.5), ahead=0.0, ankle=False):
+def limb(name, place, y=1, hip=1, knee=1, knee_limits=(-0.1, 2.5), ahead=0.0, ankle=False, kind="revolute"):
     """A leg below the link "trunk", its abduction about x.
 
     Args:
@@ -53,6 +53,7 @@ def limb(name, place, y=1, hip=1, knee=1, knee_limits=(-0.1, 2.5), ahead=0.0, an
         knee_limits: in rad.
         ahead: of the toe before the shank, in m.
         ankle: whether it has one.
+        kind: of hip and knee, "revolute" or "continuous".
     """
     foot = [
         link(f"{name}_foot", 0.06, (0.002, 0, 0), (2e-5, 3e-5, 2e-5, 0, 0, 0)),
@@ -64,9 +65,9 @@ def limb(name, place, y=1, hip=1, knee=1, knee_limits=(-0.1, 2.5), ahead=0.0, an
         link(f"{name}_thigh", 0.9, (0.004, 0.03 * y, -0.02), (5e-3, 4e-3, 1e-3, 2e-4 * y, 1e-4, 3e-4 * y)),
         link(f"{name}_shank", 0.2, (0.005, 0.001 * y, -0.09), (1e-3, 9e-4, 5e-5, 1e-5 * y, 3e-5, 2e-5 * y)),
         joint(f"{name}_swing", "revolute", "trunk", f"{name}_bracket", place, (1, 0, 0), (-0.7, 0.7)),
-        joint(f"{name}_pitch", "revolute", f"{name}_bracket", f"{name}_thigh", (0.02, 0.05 * y, -0.01), (0, hip, 0),
+        joint(f"{name}_pitch", kind, f"{name}_bracket", f"{name}_thigh", (0.02, 0.05 * y, -0.01), (0, hip, 0),
               (-1.0, 2.0), 25.0),
-        joint(f"{name}_bend", "revolute", f"{name}_thigh", f"{name}_shank", (0.0, 0.03 * y, -0.19), (0, knee, 0),
+        joint(f"{name}_bend", kind, f"{name}_thigh", f"{name}_shank", (0.0, 0.03 * y, -0.19), (0, knee, 0),
               knee_limits, 30.0),
         *foot,
         *(motor(f"{name}_{part}", 6.0 + i) for i, part in enumerate(("swing", "pitch", "bend"))),
