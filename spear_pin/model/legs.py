@@ -11,6 +11,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from numbers import Real
 from types import MappingProxyType
 from typing import Any, Protocol, runtime_checkable
 
@@ -38,7 +39,7 @@ SIDES: Mapping[str, Mapping[str, int]] = MappingProxyType(
 
 
 @runtime_checkable
-class Jointed(Protocol):
+class LeggedRobot(Protocol):
     """What legs are found in: a `Robot`."""
 
     model: pin.Model
@@ -102,7 +103,7 @@ class Leg:
 
 
 @typed
-def find_legs(robot: Jointed, toes: Iterable[str] | None = None, sides: Sides | None = None) -> tuple[Leg, ...]:
+def find_legs(robot: LeggedRobot, toes: Iterable[str] | None = None, sides: Sides | None = None) -> tuple[Leg, ...]:
     """The legs of a robot: limbs with two parallel joints in the sagittal plane, each with a toe at its end.
 
     The robot's own toes say which; of a robot without toes the ends of its limbs are found, the ones that end above
@@ -143,9 +144,9 @@ def _named(legs: Sequence[Leg], sides: Sides | None) -> Mapping[str, int]:
     for name, side in named.items():
         if name not in names:
             raise UnknownName("leg", name, names)
-        if side not in (-1, 1):
+        if isinstance(side, bool) or not isinstance(side, Real) or side not in (-1, 1):
             raise BadValue("sides", side, "+1 or -1, for each leg or for all")
-    return named
+    return {name: int(side) for name, side in named.items()}
 
 
 def leg_name(toe: str) -> str:
@@ -153,14 +154,21 @@ def leg_name(toe: str) -> str:
     return re.sub(r"(?i)toe|foot", "", toe).strip("_-. ") or "leg"
 
 
-def named_leg(legs: Sequence[Leg], leg: str | Leg) -> Leg:
+def named_leg(model: pin.Model, legs: Sequence[Leg], leg: str | Leg) -> Leg:
     """The leg of a name, or one that is given as it is.
 
+    Args:
+        model: that of the robot.
+        legs: those of the robot.
+        leg: a name of one of them, or a leg of the robot's joints.
+
     Raises:
-        UnknownName: there is no leg of that name; the text lists the valid ones.
+        UnknownName: there is no such leg; the text lists the valid ones.
     """
     if isinstance(leg, Leg):
-        return leg
+        if all(model.existJointName(joint) for joint in (leg.hip, leg.knee)):
+            return leg
+        leg = leg.name
     for each in legs:
         if each.name == leg:
             return each

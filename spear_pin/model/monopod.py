@@ -39,7 +39,7 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
         BadValue: the leg has other joints, such as an ankle, or it is not known to which side its knee flexes; or the
             mass is none.
     """
-    of = sided(simple(named_leg(robot.legs, leg)))
+    of = sided(simple(named_leg(robot.model, robot.legs, leg)))
     source = Source(robot)
     mass, mirrored = _body(source, robot, of, body), of.bends < 0
     limb = source.limb(of, mirrored)

@@ -19,6 +19,7 @@ from spear_pin.model.robot import Robot
 
 ENDS = ("posterior", "anterior")
 NEAR = 0.25  # of a leg's length, from a hip to the mirror image of the one it is paired with
+PAIRS = "two pairs of different legs, in each the left and the right one"
 ACROSS = np.array([1.0, -1.0, 1.0])
 
 
@@ -136,9 +137,11 @@ def _given(robot: Robot, source: Source, pairs: Sequence[Sequence[str | Leg]]) -
     Raises:
         BadValue: they are not two of two.
     """
-    legs = [[named_leg(robot.legs, leg) for leg in pair] for pair in pairs]
-    if [len(pair) for pair in legs] != [2, 2] or len({leg.hip for pair in legs for leg in pair}) != 4:
-        raise BadValue("pairs", pairs, "two pairs of different legs, in each the left and the right one")
+    if not all(isinstance(pair, Sequence) and len(pair) == 2 for pair in pairs):
+        raise BadValue("pairs", pairs, PAIRS)
+    legs = [[named_leg(robot.model, robot.legs, leg) for leg in pair] for pair in pairs]
+    if len(legs) != 2 or len({leg.hip for pair in legs for leg in pair}) != 4:
+        raise BadValue("pairs", pairs, PAIRS)
     return _paired(source, [(left, right) for left, right in legs])
 
 

@@ -172,7 +172,7 @@ class TestRefused:
     def test_unknown_leg(self):
         refusal(UnknownName, lambda: find_legs(load("q_spear"), sides={"front": 1}))
 
-    @pytest.mark.parametrize("side", [0, 2, "left"])
+    @pytest.mark.parametrize("side", [0, 2, "left", True, 1j, None])
     def test_side(self, side):
         refusal(BadValue, lambda: find_legs(load("q_spear"), sides={"anterior": side}))
 

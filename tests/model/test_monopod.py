@@ -193,6 +193,10 @@ class TestRefused:
     def test_unknown_leg(self):
         assert refusal(UnknownName, lambda: monopod(load("q_spear"), "front")).valid == ("posterior", "anterior")
 
+    def test_leg_of_another_robot(self):
+        (leg,) = load("spear_ii").legs
+        refusal(UnknownName, lambda: monopod(load("q_spear"), leg))
+
     @pytest.mark.parametrize("body", [-1.0, np.nan, np.inf, True, "all", None])
     def test_mass(self, body):
         refusal(BadValue, lambda: monopod(load("q_spear"), "anterior", body=body))

@@ -224,7 +224,9 @@ class TestRefused:
         error = refusal(BadValue, lambda: sagittal(load(write(quadruped(ankle=True)))))
         assert "_sole" in str(error)
 
-    @pytest.mark.parametrize("pairs", [[("FL", "FR")], [("FL", "FR"), ("HL", "FL")], [("FL", "FR"), ("HL",)], []])
+    @pytest.mark.parametrize(
+        "pairs", [[("FL", "FR")], [("FL", "FR"), ("HL", "FL")], [("FL", "FR"), ("HL",)], [], [5, 6]]
+    )
     def test_pairs(self, write, pairs):
         whole = load(write(quadruped()))
         refusal(BadValue, lambda: sagittal(whole, pairs))
