@@ -25,8 +25,6 @@ AHEAD, UP, PITCH, FLEX = (
     pin.JointModelRY(),
 )
 """Joints of the plane: two that slide, one that turns the nose up or a knee forward, one that flexes a knee."""
-
-
 ROUNDING = 1e-8  # of SI units: what differs by less is alike
 STAY = pin.SE3(np.eye(3), np.zeros(3))
 

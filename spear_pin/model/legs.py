@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 Sides = Mapping[str, int] | int
 SPLAY = 1e-2  # rad: axes that are off the normal of the sagittal plane by more turn out of it
 ONE_WAY = 2.0  # a knee flexes to where its limits leave it so many times the room of the other side
+SHORTEST = 1e-6  # m: a thigh or a shank that is shorter has no direction
 BENT = 0.1  # rad: a knee that is bent by less in a posture tells nothing
 ARMS = 0.25  # of the height from the lowest toe to the highest hip: what ends higher is no leg
 SIDES: Mapping[str, Mapping[str, int]] = MappingProxyType(
@@ -122,19 +123,28 @@ def find_legs(robot: LeggedRobot, toes: Iterable[str] | None = None, sides: Side
     """
     model, tree = robot.model, _Tree(robot.model)
     ends = tuple(toes) if toes is not None else robot.toes or tree.ends()
-    tips = {toe: int(model.frames[frame_id(model, toe)].parentJoint) for toe in ends}
+    tips: dict[int, str] = {}
+    for toe in ends:  # of several at one foot the first
+        tips.setdefault(int(model.frames[frame_id(model, toe)].parentJoint), toe)
     legs = []
-    for toe, tip in tips.items():
-        own = [joint for joint in tree.chain(tip) if _alone(joint, set(tips.values()), model)]
-        pitching = [joint for joint in own if tree.pitches(joint)]
-        if len(pitching) >= 2:
-            legs.append(tree.leg(toe, own, pitching[0], pitching[1]))
+    for tip, toe in tips.items():
+        own = [joint for joint in tree.chain(tip) if _alone(joint, set(tips), model)]
+        leg = tree.leg(toe, own, [joint for joint in own if tree.pitches(joint)])
+        if leg is not None:
+            legs.append(leg)
         elif toes is not None:
-            raise BadValue("toes", toe, "frames, each at the end of a limb with two joints about the y axis")
+            raise BadValue("toes", toe, "frames, each below a knee and a hip that turn about the y axis")
+    legs = _told_apart(legs)
     named = _named(legs, sides)
     shipped = SIDES.get(robot.source, {})
     found = {leg.name: named.get(leg.name) or tree.side(leg) or shipped.get(leg.name, 0) for leg in legs}
     return tuple(replace(leg, side=found[leg.name]) for leg in legs)
+
+
+def _told_apart(legs: Sequence[Leg]) -> list[Leg]:
+    """Legs, named as their toes where two would have one name."""
+    names = [leg.name for leg in legs]
+    return [leg if names.count(leg.name) == 1 else replace(leg, name=leg.toe) for leg in legs]
 
 
 def _named(legs: Sequence[Leg], sides: Sides | None) -> Mapping[str, int]:
@@ -227,29 +237,44 @@ class _Tree:
         parents, found = set(map(int, self.model.parents)), []
         for tip in range(1, self.model.njoints):
             pitching = [joint for joint in self.chain(tip) if self.pitches(joint)]
-            if tip not in parents and len(pitching) >= 2:
-                frame = self._end(tip)
-                found.append((frame.name, (self.data.oMi[tip] * frame.placement).translation[2], pitching))
+            frame = self._end(tip, pitching[1]) if tip not in parents and len(pitching) >= 2 else None
+            if frame is not None:
+                found.append((frame.name, self.data.oMf[frame_id(self.model, frame.name)].translation[2], pitching))
         if not found:
             return ()
         lowest = min(height for _, height, _ in found)
         highest = max(self.data.oMi[pitching[0]].translation[2] for _, _, pitching in found)
         return tuple(name for name, height, _ in found if height <= lowest + ARMS * (highest - lowest))
 
-    def _end(self, tip: int) -> Any:
-        """Link that is farthest from the last joint of a limb; of several as far the one named as a toe."""
+    def _end(self, tip: int, knee: int) -> Any:
+        """Link at the end of a limb that is farthest from a joint; of several as far the one named as a toe."""
         frames = [f for f in self.model.frames if int(f.parentJoint) == tip and f.type == pin.FrameType.BODY]
-        distances = [float(np.linalg.norm(frame.placement.translation)) for frame in frames]
-        far = [f for f, distance in zip(frames, distances, strict=True) if distance >= max(distances) - 1e-9]
+        places = [(self.data.oMi[tip] * frame.placement).translation for frame in frames]
+        distances = [float(np.linalg.norm(place - self.data.oMi[knee].translation)) for place in places]
+        longest = max(distances, default=0.0)
+        if longest < SHORTEST:
+            return None
+        far = [f for f, distance in zip(frames, distances, strict=True) if distance >= longest - 1e-9]
         return next((frame for frame in far if re.search("(?i)toe|foot", frame.name)), far[-1])
 
-    def leg(self, toe: str, own: Sequence[int], hip: int, knee: int) -> Leg:
-        """The leg that ends in a toe, of its own joints from the trunk on, without its side."""
-        model, data = self.model, self.data
+    def leg(self, toe: str, own: Sequence[int], pitching: Sequence[int]) -> Leg | None:
+        """The leg that ends in a toe, without its side; None if it is none.
+
+        Args:
+            toe: name of its frame.
+            own: joints of its own, from the trunk on.
+            pitching: those that turn in the sagittal plane.
+        """
+        if len(pitching) < 2:
+            return None
+        model, data, hip, knee = self.model, self.data, *pitching[:2]
         tip = data.oMf[frame_id(model, toe)].translation
         thigh, shank = (
             end - data.oMi[joint].translation for joint, end in ((hip, data.oMi[knee].translation), (knee, tip))
         )
+        lengths = math.hypot(thigh[0], thigh[2]), math.hypot(shank[0], shank[2])
+        if min(lengths) < SHORTEST:
+            return None
         turned = math.atan2(thigh[0], -thigh[2])
         flexed = math.remainder(turned - math.atan2(shank[0], -shank[2]), math.tau)
         hip_sign, knee_sign = -int(np.sign(self.axis(hip)[1])), int(np.sign(self.axis(knee)[1]))
@@ -262,8 +287,8 @@ class _Tree:
             toe=toe,
             abduction=str(model.names[turning[-1]]) if turning else None,
             side=0,
-            thigh=float(math.hypot(thigh[0], thigh[2])),
-            shank=float(math.hypot(shank[0], shank[2])),
+            thigh=lengths[0],
+            shank=lengths[1],
             hip_sign=hip_sign,
             knee_sign=knee_sign,
             hip_zero=0.0 - hip_sign * turned,

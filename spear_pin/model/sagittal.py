@@ -34,16 +34,14 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
     trunk's. How far left and right differ, and what is left out, is in `Robot.cut`, which can be printed.
 
     Args:
-        robot: a quadruped in three dimensions, its x axis forward and z up with every joint at zero.
+        robot: a quadruped, its x axis forward and z up with every joint at zero.
         pairs: the left and the right leg of each pair, by their names in `robot.legs` or of `find_legs`; by default
             those whose hips mirror each other.
 
     Raises:
         UnknownName: there is no such leg.
-        BadValue: the robot is in the plane already, has not two such pairs, or its legs have other joints.
+        BadValue: the robot has not two such pairs, or its legs have other joints.
     """
-    if robot.planar:
-        raise BadValue("robot", robot, "one in three dimensions")
     source = Source(robot)
     found = _found(robot, source) if pairs is None else _given(robot, source, pairs)
     origin = _origin(robot, source)

@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from spear_pin import Leg, load
+from spear_pin import Leg, Robot, load
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.bounding_law import legs_of
 from spear_pin.model.legs import find_legs, leg_name
@@ -77,7 +77,8 @@ class TestFound:
     def test_toes_given(self, write):
         legs = load(write(quadruped()), toes=["HR_foot", "FL_foot"]).legs
         assert [leg.name for leg in legs] == ["HR", "FL"]
-        assert find_legs(load(write(quadruped())), toes=["HL_shank"])[0].toe == "HL_shank"
+        assert find_legs(load(write(quadruped())), toes=["HL_foot", "HL_shank"])[0].toe == "HL_foot"
+        assert len(load(write(quadruped()), toes=["HL_foot", "HL_shank", "FL_foot"]).legs) == 2
 
     @pytest.mark.parametrize("hip", [1, -1])
     @pytest.mark.parametrize("knee", [1, -1])
@@ -115,6 +116,18 @@ class TestFound:
     def test_name(self):
         names = {"anterior_toe": "anterior", "FL_FOOT": "FL", "toe": "leg", "foot": "leg", "toeFL": "FL", "tip": "tip"}
         assert {toe: leg_name(toe) for toe in names} == names
+
+    def test_of_one_name(self, write):
+        text = quadruped().replace("FL_foot", "left_toe").replace("HL_foot", "left_foot")
+        assert [leg.name for leg in load(write(text)).legs] == ["left_toe", "FR", "left_foot", "HR"]
+
+    def test_limbs_without_a_frame_at_their_ends(self, write):
+        """As of a model that was built joint by joint."""
+        model = load(write(quadruped())).model.copy()
+        bare = pin.Model()
+        for i in range(1, model.njoints):
+            bare.addJoint(int(model.parents[i]), model.joints[i], model.jointPlacements[i], model.names[i])
+        assert Robot(bare, name="bare", toes=(), actuated=()).legs == ()
 
     def test_unequal_lengths(self):
         uneven = Leg("leg", "hip", "knee", "toe", None, 1, 0.3, 0.2, 1, 1, 0.0, 0.0, 0.0)
@@ -165,6 +178,9 @@ class TestRefused:
     def test_toe_that_is_no_legs(self):
         error = refusal(BadValue, lambda: find_legs(load("q_spear"), toes=["torso"]))
         assert "torso" in str(error)
+
+    def test_toe_at_the_knee(self, write):
+        refusal(BadValue, lambda: find_legs(load(write(quadruped())), toes=["HL_shank"]))
 
     def test_unknown_toe(self):
         assert "anterior_toe" in refusal(UnknownName, lambda: find_legs(load("q_spear"), toes=["foot"])).valid

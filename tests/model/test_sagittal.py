@@ -172,6 +172,14 @@ class TestMade:
             assert_same(rooted.mass_matrix(q), floating.mass_matrix(q))
             assert_same(rooted.bias(q, v), floating.bias(q, v))
 
+    def test_root_link_without_abduction(self, write):
+        """Nothing of it leaves the plane, and yet it has pairs."""
+        swings = [f"{name}_swing" for name in ("FL", "FR", "HL", "HR")]
+        flat = load(write(quadruped(float_base=False)), locked=swings)
+        assert flat.planar
+        q, v = STATES[0]
+        assert_same(sagittal(flat).bias(q, v), sagittal(load(write(quadruped()))).bias(q, v))
+
     def test_joints_that_turn_without_end(self, write):
         sides = {"FL": -1, "FR": -1, "HL": 1, "HR": 1}
         whole = load(write(quadruped(kind="continuous")))
@@ -215,7 +223,8 @@ class TestSaid:
 
 class TestRefused:
     def test_in_the_plane_already(self):
-        refusal(BadValue, lambda: sagittal(load("q_spear")))
+        error = refusal(BadValue, lambda: sagittal(load("q_spear")))
+        assert "found: posterior, anterior" in str(error)
 
     def test_two_legs(self, arm):
         assert "found: none" in str(refusal(BadValue, lambda: sagittal(arm)))
