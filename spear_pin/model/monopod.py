@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from numbers import Real
 
 import numpy as np
 import pinocchio as pin
 
-from spear_pin.errors import BadValue
+from spear_pin.errors import require
 from spear_pin.kinds import typed
 from spear_pin.model.cut import AHEAD, UP, Amount, Assembly, Cut, Limb, Source, products
 from spear_pin.model.legs import Leg, named_leg, sided, simple
 from spear_pin.model.loading import hold
 from spear_pin.model.robot import Robot
-from spear_pin.model.urdf import MAX_NUMBER
 
 SHARE = "share"
 
@@ -73,8 +71,7 @@ def _body(source: Source, robot: Robot, leg: Leg, body: str | float) -> float:
     if body == SHARE:
         legs = [each for each in robot.legs if each.hip != leg.hip]
         return float(source.lump(source.rest([leg, *legs])).mass) / (len(legs) + 1)
-    if isinstance(body, bool) or not (isinstance(body, Real) and 0 <= body <= MAX_NUMBER):
-        raise BadValue("body", body, f"{SHARE!r}, or a finite number >= 0, in kg")
+    require("body", body, lambda mass: mass >= 0, f"{SHARE!r}, or a finite number >= 0, in kg")
     return float(body)
 
 
