@@ -22,8 +22,11 @@ if TYPE_CHECKING:
     from spear_pin.hybrid.ground import Ground
     from spear_pin.hybrid.simulate import simulate
     from spear_pin.hybrid.trajectory import Trajectory
+    from spear_pin.model.legs import Leg
     from spear_pin.model.loading import load
+    from spear_pin.model.monopod import monopod
     from spear_pin.model.robot import Robot
+    from spear_pin.model.sagittal import sagittal
     from spear_pin.model.spring import Spring
     from spear_pin.model.variants import vary
 
@@ -34,6 +37,7 @@ __all__ = [
     "Gait",
     "Ground",
     "HoppingLaw",
+    "Leg",
     "Robot",
     "RobotWarning",
     "SpearError",
@@ -43,6 +47,8 @@ __all__ = [
     "find_gait",
     "hopping",
     "load",
+    "monopod",
+    "sagittal",
     "simulate",
     "simulate_many",
     "vary",
@@ -53,6 +59,9 @@ _HOMES = {
     "RobotWarning": "errors",
     "Robot": "model.robot",
     "load": "model.loading",
+    "Leg": "model.legs",
+    "monopod": "model.monopod",
+    "sagittal": "model.sagittal",
     "Spring": "model.spring",
     "Contact": "hybrid.contact",
     "Ground": "hybrid.ground",

@@ -83,8 +83,9 @@ class Gait:
         """Write as JSON.
 
         Raises:
-            BadValue: the system has what the file could not say: hardware, dry friction of joints, a rotary boom,
-                another change, a builder of its own under the name of another, or a limit that is not finite.
+            BadValue: the system has what the file could not say: hardware, dry friction of joints, a rotary boom, a
+                robot cut out of another, another change, a builder of its own under the name of another, or a limit
+                that is not finite.
             BadFile: the file cannot be written.
         """
         robot = self.system.robot
@@ -170,6 +171,7 @@ def _unsaid(system: HybridSystem) -> list[str]:
         "ground that is no plane": type(system.contact) not in (Contact, Ground),
         "a robot that was no file": system.robot.source == MODEL,
         "a robot with added inertia": system.robot.added is not None,
+        "a robot that was cut out of another": system.robot.cut is not None,
         "another builder than others of its kind": not built_as_named(system),
         "a change of its own": any(not isinstance(change, (DryFriction, Fitted)) for change in system.changes),
     }

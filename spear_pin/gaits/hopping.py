@@ -19,6 +19,7 @@ from spear_pin.hybrid.phases import contact_domains, fall, rate, spring_switches
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
+from spear_pin.model.scale import only_leg, scale_of, spear_ii, touchdown_inertia
 from spear_pin.model.spring import Spring
 
 FLAT = 1e-9  # 1/m: a normal force that falls less than this with the torque is not changed by it
@@ -86,6 +87,41 @@ class HoppingLaw:
             require("HoppingLaw.minimum_force", self.minimum_force, lambda force: force >= 0, "a number >= 0, in N")
             if self.virtual_stiffness != 0.0:  # the limit reckons with a real spring
                 raise BadValue("HoppingLaw.virtual_stiffness", self.virtual_stiffness, "0 with a minimum_force")
+
+    @classmethod
+    @typed
+    def scaled(cls, robot: Robot, damping_ratio: float | None = None) -> HoppingLaw:
+        """SPEAR-II's law for a robot of another size: torques by m g l, times by √(l/g), the hip's angle by geometry.
+
+        In flight hip and knee swing as often in √(l/g) as SPEAR-II's, each with its own inertia, the diagonal entry of
+        D at touchdown, and as damped. The toe lands below the hip. A flight as long as SPEAR-II's 0.2 s is that times
+        √(l/g) over SPEAR-II's.
+
+        Args:
+            robot: with one leg, as `spear_pin.monopod` cuts it.
+            damping_ratio: of hip and knee in flight, by their own inertias; None: SPEAR-II's, 0.24 and 0.16.
+
+        Raises:
+            BadValue: the robot has not one leg of hip and knee, or the damping ratio is not a number >= 0.
+        """
+        law = cls()
+        scale, inertia = scale_of(robot), touchdown_inertia(robot, law.knee_touchdown)
+        heavier = inertia / touchdown_inertia(spear_ii(), law.knee_touchdown)
+        gains = np.array([law.hip_gain, law.knee_gain]) * heavier / scale.time**2
+        dampings = np.array([law.hip_damping, law.knee_damping]) * heavier / scale.time
+        if damping_ratio is not None:
+            require("damping_ratio", damping_ratio, lambda ratio: ratio >= 0, "a number >= 0, or None")
+            dampings = 2.0 * damping_ratio * np.sqrt(gains * inertia)
+        return replace(
+            law,
+            hip_touchdown=only_leg(robot).lean(law.knee_touchdown),
+            stance_torque=law.stance_torque * scale.torque,
+            frequency=law.frequency / scale.time,
+            hip_gain=float(gains[0]),
+            hip_damping=float(dampings[0]),
+            knee_gain=float(gains[1]),
+            knee_damping=float(dampings[1]),
+        )
 
 
 def flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -11,7 +12,10 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.model.cut import Cut
 from spear_pin.model.elements import MAX_NUMBER
+from spear_pin.model.frames import frame_id
+from spear_pin.model.legs import Leg, find_legs
 from spear_pin.model.limits import Limits, limits_of
 
 Array = NDArray[np.float64]
@@ -50,6 +54,7 @@ class Robot:
             there.
         varied: the parameters that are not as there, by name (see `spear_pin.model.variants`).
         added: inertia beside the model's, if there is any (see `spear_pin.model.boom`).
+        cut: what it was cut out of, if it was (see `spear_pin.model.cut`).
     """
 
     def __init__(
@@ -64,8 +69,9 @@ class Robot:
         options: Mapping[str, Any] = UNCHANGED,
         varied: Mapping[str, float] = UNCHANGED,
         added: Added | None = None,
+        cut: Cut | None = None,
     ) -> None:
-        self.added = added
+        self.added, self.cut = added, cut
         self.name, self.model, self.source = name, model, source or name
         self.options: Mapping[str, Any] = MappingProxyType(dict(options))
         self.varied: Mapping[str, float] = MappingProxyType(dict(varied))
@@ -73,7 +79,7 @@ class Robot:
         self.nq, self.nv, self.nu = int(model.nq), int(model.nv), len(self.actuated)
         self.coordinates, self.configuration = _coordinates(model), _configuration(model)
         self._data = pin.Data(model)
-        self._toe_ids = {toe: _frame_id(model, toe) for toe in self.toes}
+        self._toe_ids = {toe: frame_id(model, toe) for toe in self.toes}
         self.planar = _is_planar(model, self._data)
         self._rows = np.array([0, 2]) if self.planar else np.array([0, 1, 2])
 
@@ -84,7 +90,7 @@ class Robot:
 
     def __reduce__(self) -> tuple[object, ...]:
         parts = (self.model, self.name, self.toes, self.actuated, self.locked, self.source)
-        return _rebuild, (*parts, dict(self.options), dict(self.varied), self.added)
+        return _rebuild, (*parts, dict(self.options), dict(self.varied), self.added, self.cut)
 
     def with_model(
         self, model: pin.Model, *, varied: Mapping[str, float] | None = None, added: Added | None = None
@@ -106,7 +112,13 @@ class Robot:
             options=self.options,
             varied=self.varied if varied is None else varied,
             added=self.added if added is None else added,
+            cut=self.cut,
         )
+
+    @cached_property
+    def legs(self) -> tuple[Leg, ...]:
+        """The legs that end in its toes, in their order, or those that are found if it has none; see `find_legs`."""
+        return find_legs(self, sides=None if self.cut is None else self.cut.sides)
 
     @property
     def mass(self) -> float:
@@ -209,7 +221,7 @@ class Robot:
         Raises:
             UnknownName: there is no such frame.
         """
-        index = _frame_id(self.model, frame)
+        index = frame_id(self.model, frame)
         pin.forwardKinematics(self.model, self._data, self._q(q))
         return np.array(pin.updateFramePlacement(self.model, self._data, index).translation[self._rows])
 
@@ -251,8 +263,9 @@ def _rebuild(
     options: Mapping[str, Any],
     varied: Mapping[str, float],
     added: Added | None,
+    cut: Cut | None,
 ) -> Robot:
-    origin: dict[str, Any] = {"locked": locked, "source": source, "options": options}
+    origin: dict[str, Any] = {"locked": locked, "source": source, "options": options, "cut": cut}
     return Robot(model, name=name, toes=toes, actuated=actuated, varied=varied, added=added, **origin)
 
 
@@ -273,16 +286,6 @@ def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]
         limited = "a finite number" + (f" within ±{MAX_NUMBER:g}" if np.isfinite(vector[index]) else "")
         raise BadValue(f"{name}[{index}]", float(vector[index]), limited)
     return vector
-
-
-def _frame_id(model: pin.Model, frame: str) -> int:
-    """Index of a frame; a link's where a joint has the same name. An unknown name gives nframes, not an error."""
-    if isinstance(frame, str):
-        for kind in FRAMES:
-            index = int(model.getFrameId(frame, kind))
-            if index < model.nframes:
-                return index
-    raise UnknownName("frame", frame, [f.name for f in model.frames if f.name != "universe"])
 
 
 def _coordinates(model: pin.Model) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -12,6 +12,8 @@ import numpy as np
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
 from spear_pin.model.curve import Curve, through
+from spear_pin.model.robot import Robot
+from spear_pin.model.scale import scale_of
 
 STIFFEST = 1e6  # N·m/rad: at a knee as good as rigid
 MOST_POINTS = 30  # of a table: integration begins anew at each, and with more it is slow to compile
@@ -64,6 +66,21 @@ class Spring:
             require("Spring.stiffness", self.stiffness, lambda k: k == 0, "0 with a table, which takes its place")
         if self.rest is not None:
             require("Spring.rest", self.rest, lambda angle: abs(angle) < math.pi, "within ±π rad, or None")
+
+    @classmethod
+    @typed
+    def scaled(cls, robot: Robot) -> Spring:
+        """SPEAR-II's spring for a robot of another size: its stiffness by m g l, its damping by that times √(l/g).
+
+        Args:
+            robot: with one leg, as `spear_pin.monopod` cuts it.
+
+        Raises:
+            BadValue: the robot has not one leg of hip and knee.
+        """
+        spring, scale = cls(), scale_of(robot)
+        stiffness, damping = spring.stiffness * scale.torque, spring.damping * scale.torque * scale.time
+        return replace(spring, stiffness=stiffness, damping=damping)
 
     # its law, of whatever scalars the fields and the arguments are
 

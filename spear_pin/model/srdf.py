@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from spear_pin.errors import BadValue
 from spear_pin.kinds import typed
 from spear_pin.model.document import document
+from spear_pin.model.legs import leg_name
 from spear_pin.model.postures import checked, home
 from spear_pin.model.robot import Robot
 
@@ -48,10 +49,10 @@ def to_srdf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> st
     for toe in robot.toes:
         base = _hip_link(robot, parents, toe)
         if base is not None:
-            group = etree.SubElement(root, "group", name=leg_of(toe))
+            group = etree.SubElement(root, "group", name=leg_name(toe))
             etree.SubElement(group, "chain", base_link=base, tip_link=toe)
             carrier = parents[toe].find("parent").get("link")
-            etree.SubElement(root, "end_effector", name=toe, parent_link=carrier, group=leg_of(toe))
+            etree.SubElement(root, "end_effector", name=toe, parent_link=carrier, group=leg_name(toe))
     for name, q in {"home": home(robot), **(postures or {})}.items():
         _add_posture(robot, root, name, q)
     for child, joint in parents.items():
@@ -63,11 +64,6 @@ def to_srdf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> st
         ratio = repr(robot.gear_ratio(joint))
         etree.SubElement(rotors, "joint", name=joint, mass=repr(inertia), gear_ratio=ratio)
     return str(etree.tostring(root, encoding="unicode", pretty_print=True))
-
-
-def leg_of(toe: str) -> str:
-    """Name of a leg: of "anterior_toe" it is "anterior", of "toe" it is "leg"."""
-    return toe.removesuffix("toe").removesuffix("_") or "leg"
 
 
 def _hip_link(robot: Robot, parents: Mapping[str, Any], toe: str) -> str | None:

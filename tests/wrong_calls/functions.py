@@ -94,6 +94,10 @@ def _monopod() -> dict[str, Any]:
     return {"robot": hop().robot}
 
 
+def _quadruped() -> dict[str, Any]:
+    return {"robot": import_module("spear_pin").load("q_spear_full")}
+
+
 def _at_rest() -> dict[str, Any]:
     return {"self": hop().robot, "q": [0.0] * 3}
 
@@ -208,6 +212,19 @@ FUNCTIONS: tuple[tuple[str, Callable[[], Mapping[str, Any]], Mapping[str, tuple[
         _monopod,
         {"robot": OBJECT, "nope": (1.0,), "knee_ratio": POSITIVE, "boom_damping": NOT_NEGATIVE},
     ),
+    (
+        ":monopod",
+        lambda: {**_quadruped(), "leg": "anterior_left"},
+        {"robot": OBJECT, "leg": NAME, "body": NOT_NEGATIVE, "locked": (*NAMES, ["nope"])},
+    ),
+    (":sagittal", _quadruped, {"robot": (*OBJECT, hop), "pairs": (5, "ab", [], [5, 5], [("a", "b"), ("c", "d")])}),
+    (
+        "model.legs:find_legs",
+        _quadruped,
+        {"robot": OBJECT, "toes": (*NAMES, ["hoof"], ["torso"]), "sides": ("x", 0, 1.5, {"nope": 1}, [1], True)},
+    ),
+    (":HoppingLaw.scaled", _monopod, {"robot": OBJECT, "damping_ratio": NOT_NEGATIVE[1:]}),
+    (":Spring.scaled", _monopod, {"robot": OBJECT}),
     (":Gait.load", dict, {"path": (*PATH, "nope", "none.json")}),
     (":Gait.save", lambda: {"self": gait()}, {"path": (*PATH, "no/such.json")}),
     (":Gait.with_law", lambda: {"self": gait()}, {"nope": (1.0,), "epsilon": POSITIVE, "lift_off": NAME}),

@@ -1,0 +1,280 @@
+"""What is cut out of a robot to move in the sagittal plane: inertias projected onto it, motors and limits carried over.
+
+Where the cut came from, what its angles are, and what it leaves out is said by a `Cut`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.model.legs import Leg
+
+Array = NDArray[np.float64]
+AHEAD, UP, PITCH, FLEX = (
+    pin.JointModelPX(),
+    pin.JointModelPZ(),
+    pin.JointModelRevoluteUnaligned(0.0, -1.0, 0.0),
+    pin.JointModelRY(),
+)
+"""Joints of the plane: two that slide, one that turns the nose up or a knee forward, one that flexes a knee."""
+ROUNDING = 1e-8  # of SI units: what differs by less is alike
+STAY = pin.SE3(np.eye(3), np.zeros(3))
+
+
+class Amount(NamedTuple):
+    """How much of something there is.
+
+    Attributes:
+        what: in words.
+        value: the largest, without sign.
+        unit: of the value.
+    """
+
+    what: str
+    value: float
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.what} {self.value:.3g} {self.unit}"
+
+
+class Turn(NamedTuple):
+    """An angle of a cut, sign (q - zero), of an angle q of the robot.
+
+    Attributes:
+        joint: the robot's.
+        sign: +1 or -1.
+        zero: in rad.
+    """
+
+    joint: str
+    sign: int
+    zero: float
+
+    def __str__(self) -> str:
+        sign = "-" if self.sign < 0 else ""
+        shift = f"{-self.zero:+.4g}" if abs(self.zero) >= 5e-5 else ""
+        return f"{sign}({self.joint} {shift[0]} {shift[1:]})" if shift else f"{sign}{self.joint}"
+
+
+@dataclass(frozen=True)
+class Cut:
+    """What a robot was cut out of, and what that leaves out. It prints in a few lines.
+
+    Attributes:
+        kind: "monopod" or "sagittal".
+        of: name of the robot.
+        source: what that was loaded from.
+        body: mass of what is not legs, as the cut has it, in kg.
+        angles: for each of the cut's joints that turn the robot's joints that turn with it.
+        held: joints of the robot that are held at zero.
+        sides: where it is known, +1 if a leg of the cut flexes its knee to positive angles, -1 if to negative.
+        mirrored: whether the cut's x points to the robot's rear.
+        asymmetric: how far left and right are from each other's mirror images.
+        neglected: what is out of the plane.
+    """
+
+    kind: str
+    of: str
+    source: str
+    body: float
+    angles: Mapping[str, tuple[Turn, ...]]
+    held: tuple[str, ...]
+    sides: Mapping[str, int] = field(default_factory=dict)
+    mirrored: bool = False
+    asymmetric: tuple[Amount, ...] = ()
+    neglected: tuple[Amount, ...] = ()
+
+    def __str__(self) -> str:
+        lines = [
+            f"{self.kind} of {self.of}, body {self.body:.4g} kg" + (", x to the rear" if self.mirrored else ""),
+            "angles: " + ", ".join(f"{name} = {' = '.join(map(str, turns))}" for name, turns in self.angles.items()),
+            f"held at zero: {', '.join(self.held)}" if self.held else "",
+            _differences(self.asymmetric) if self.asymmetric else "",
+            f"neglected: {_listed(self.neglected)}" if self.neglected else "",
+        ]
+        return "\n".join(line for line in lines if line)
+
+
+def _differences(amounts: Sequence[Amount]) -> str:
+    there = [amount for amount in amounts if amount.value > ROUNDING]
+    return f"left and right differ: {_listed(there)}" if there else "left and right mirror each other"
+
+
+def _listed(amounts: Sequence[Amount]) -> str:
+    return "; ".join(map(str, amounts))
+
+
+@dataclass(frozen=True)
+class Limb:
+    """A leg of a cut, which stands for one of the robot's legs or for a pair.
+
+    Attributes:
+        turns: of the hip and of the knee.
+        thigh: inertia about the hip, hanging straight down.
+        shank: inertia about the knee, hanging straight down.
+        lengths: of thigh and shank, in m.
+        hip: place of the hip in the robot with every joint at zero, (3,), in m.
+    """
+
+    turns: tuple[Turn, Turn]
+    thigh: pin.Inertia
+    shank: pin.Inertia
+    lengths: tuple[float, float]
+    hip: Array
+
+
+class Source:
+    """A robot with every joint at zero, out of which legs are cut.
+
+    Args:
+        robot: a `Robot`.
+
+    Raises:
+        BadValue: it has inertia beside its model's.
+    """
+
+    def __init__(self, robot: Any) -> None:
+        if robot.added is not None:
+            raise BadValue("robot", robot, "one whose inertia is all its model's")
+        self.robot, self.model = robot, robot.model
+        self.data = pin.Data(self.model)
+        pin.forwardKinematics(self.model, self.data, pin.neutral(self.model))
+
+    def below(self, joint: str) -> set[int]:
+        """Numbers of the joints that a joint carries, its own among them."""
+        return set(map(int, self.model.subtrees[self.model.getJointId(joint)]))
+
+    def rest(self, legs: Iterable[Leg]) -> set[int]:
+        """Numbers of the joints that carry no leg's thigh or shank, 0 for what is fixed to the world among them."""
+        return set(range(self.model.njoints)).difference(*(self.below(leg.hip) for leg in legs))
+
+    def lump(self, joints: Iterable[int]) -> pin.Inertia:
+        """What some joints move, as one body, in the world."""
+        bodies = (self.data.oMi[joint].act(self.model.inertias[joint]) for joint in sorted(joints))
+        return sum(bodies, pin.Inertia.Zero())
+
+    def limb(self, leg: Leg, mirrored: bool = False) -> Limb:
+        """A leg, alone.
+
+        Args:
+            leg: of the robot.
+            mirrored: whether x is to point to the rear.
+        """
+        hip, knee = (self.data.oMi[self.model.getJointId(joint)].translation for joint in (leg.hip, leg.knee))
+        ahead = -1 if mirrored else 1
+        thigh_at, flexed = -leg.hip_sign * leg.hip_zero, -leg.knee_sign * leg.knee_zero  # with every joint at zero
+        shank = self.below(leg.knee)
+        return Limb(
+            turns=(
+                Turn(leg.hip, ahead * leg.hip_sign, leg.hip_zero),
+                Turn(leg.knee, ahead * leg.knee_sign, leg.knee_zero),
+            ),
+            thigh=_hung(self.lump(self.below(leg.hip) - shank), hip, thigh_at, ahead),
+            shank=_hung(self.lump(shank), knee, thigh_at - flexed, ahead),
+            lengths=(leg.thigh, leg.shank),
+            hip=np.array(hip),
+        )
+
+
+def _hung(body: pin.Inertia, joint: Array, angle: float, ahead: int) -> pin.Inertia:
+    """A body in the world about a joint in it, turned back by the angle it hangs at; its y stays that in the world."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    turned = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
+    placed = pin.SE3(turned, -turned @ (joint * (1.0, 0.0, 1.0))).act(body)
+    mirror = np.diag([float(ahead), 1.0, 1.0])
+    return pin.Inertia(placed.mass, mirror @ placed.lever, mirror @ placed.inertia @ mirror)
+
+
+def flat(body: pin.Inertia) -> pin.Inertia:
+    """A body's projection onto the plane: the mean of it and its mirror image."""
+    inertia = np.array(body.inertia)
+    inertia[[0, 1, 1, 2], [1, 0, 2, 1]] = 0.0
+    return pin.Inertia(body.mass, body.lever * (1.0, 0.0, 1.0), inertia)
+
+
+def products(bodies: Iterable[pin.Inertia]) -> Amount:
+    """The largest product of inertia that `flat` leaves out."""
+    largest = max(float(np.abs(body.inertia[1, [0, 2]]).max()) for body in bodies)
+    return Amount("products of inertia with y", largest, "kg·m²")
+
+
+class Assembly:
+    """A planar model that is put together joint by joint, named as a URDF's is.
+
+    Args:
+        name: of the model.
+        gravity: as of the robot's model.
+    """
+
+    def __init__(self, name: str, gravity: Any) -> None:
+        self.model = pin.Model()
+        self.model.name, self.model.gravity = name, gravity
+
+    def add(self, name: str, kind: Any, parent: int, place: Sequence[float], link: str, body: pin.Inertia) -> int:
+        """Add a joint and the link that it moves; its number."""
+        placement = pin.SE3(np.eye(3), np.array([place[0], 0.0, place[1]]))
+        joint = int(self.model.addJoint(parent, kind, placement, name))
+        self.model.appendBodyToJoint(joint, body, STAY)
+        self.model.addJointFrame(joint)
+        self.model.addBodyFrame(link, joint, STAY, -1)
+        return joint
+
+    def add_leg(self, prefix: str, parent: int, place: Sequence[float], limb: Limb) -> None:
+        """Add hip, knee and toe, their names with a prefix."""
+        thigh, shank = limb.lengths
+        hip = self.add(f"{prefix}hip", PITCH, parent, place, f"{prefix}thigh", flat(limb.thigh))
+        knee = self.add(f"{prefix}knee", FLEX, hip, (0.0, -thigh), f"{prefix}shank", flat(limb.shank))
+        self.model.addBodyFrame(f"{prefix}toe", knee, pin.SE3(np.eye(3), np.array([0.0, 0.0, -shank])), -1)
+
+    def carry(self, robot: Any, angles: Mapping[str, Sequence[Turn]]) -> None:
+        """Take motors, friction and limits from a robot's joints: torques and inertias are the sum of those of a pair.
+
+        Args:
+            robot: a `Robot`.
+            angles: as of `Cut`.
+        """
+        self.model.rotorGearRatio = np.zeros(self.model.nv)  # Pinocchio begins with 1
+        for name, turns in angles.items():
+            row = self.model.joints[self.model.getJointId(name)].idx_v
+            for attribute, value in _carried(robot.model, turns).items():
+                numbers = np.array(getattr(self.model, attribute))
+                numbers[row] = value
+                setattr(self.model, attribute, numbers)
+
+
+def _carried(model: pin.Model, turns: Sequence[Turn]) -> Mapping[str, float]:
+    """Numbers of a joint that stands for some of a model, by what Pinocchio calls them."""
+    joints = [model.joints[model.getJointId(turn.joint)] for turn in turns]
+
+    def each(attribute: str) -> list[float]:
+        return [float(getattr(model, attribute)[joint.idx_v]) for joint in joints]
+
+    speed = min(each("upperVelocityLimit"))
+    numbers = {name: sum(each(name)) for name in ("armature", "rotorInertia", "damping")}
+    numbers |= {"rotorGearRatio": max(each("rotorGearRatio"))}
+    numbers |= {"lowerVelocityLimit": -speed, "upperVelocityLimit": speed}
+    for name in ("Effort", "DryFriction"):
+        bounds = zip(turns, each(f"lower{name}Limit"), each(f"upper{name}Limit"), strict=True)
+        low, high = np.sum([sorted((turn.sign * low, turn.sign * high)) for turn, low, high in bounds], axis=0)
+        numbers |= {f"lower{name}Limit": low, f"upper{name}Limit": high}
+    ranges = [_range(model, joint, turn) for joint, turn in zip(joints, turns, strict=True)]
+    lows, highs = zip(*ranges, strict=True)
+    return numbers | {"lowerPositionLimit": max(lows), "upperPositionLimit": min(highs)}
+
+
+def _range(model: pin.Model, joint: Any, turn: Turn) -> tuple[float, float]:
+    """Least and largest angle of a cut's joint, in rad, by the limits of the robot's."""
+    if joint.nq != 1:
+        return -math.inf, math.inf
+    ends = (float(limits[joint.idx_q]) for limits in (model.lowerPositionLimit, model.upperPositionLimit))
+    low, high = sorted(turn.sign * (end - turn.zero) for end in ends)
+    return low, high

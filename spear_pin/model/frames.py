@@ -1,0 +1,21 @@
+"""Frames of a model by their names."""
+
+from __future__ import annotations
+
+import pinocchio as pin
+
+from spear_pin.errors import UnknownName
+
+
+def frame_id(model: pin.Model, frame: str) -> int:
+    """Index of a frame; a link's where a joint has the same name.
+
+    Raises:
+        UnknownName: there is no such frame; the text lists the valid ones.
+    """
+    if isinstance(frame, str):  # Pinocchio gives nframes for an unknown name, and no error
+        for kind in (pin.FrameType.BODY, pin.FrameType.FIXED_JOINT, pin.FrameType.JOINT):
+            index = int(model.getFrameId(frame, kind))
+            if index < model.nframes:
+                return index
+    raise UnknownName("frame", frame, [f.name for f in model.frames if f.name != "universe"])

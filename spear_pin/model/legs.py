@@ -1,0 +1,329 @@
+"""Legs found in a robot's kinematic tree: a hip and a knee that turn in the sagittal plane, and a toe.
+
+Angles of the convention, whatever the axes and the zeros of the robot's own joints: the hip's is that of the line
+from hip to knee from straight down, positive with the knee forward; the knee's is zero where hip, knee and toe are in
+line, and positive with the shank turned backward. As in `load("spear_ii")`, x is forward and z up.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from numbers import Real
+from types import MappingProxyType
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.kinds import typed
+from spear_pin.model.frames import frame_id
+
+Array = NDArray[np.float64]
+Sides = Mapping[str, int] | int
+SPLAY = 1e-2  # rad: axes that are off the normal of the sagittal plane by more turn out of it
+ONE_WAY = 2.0  # a knee flexes to where its limits leave it so many times the room of the other side
+SHORTEST = 1e-6  # m: a thigh or a shank that is shorter has no direction
+BENT = 0.1  # rad: a knee that is bent by less in a posture tells nothing
+ARMS = 0.25  # of the height from the lowest toe to the highest hip: what ends higher is no leg
+SIDES: Mapping[str, Mapping[str, int]] = MappingProxyType(
+    {
+        "q_spear": {"posterior": 1, "anterior": -1},
+        "q_spear_full": {"posterior_left": 1, "posterior_right": 1, "anterior_left": -1, "anterior_right": -1},
+    }
+)
+"""Sides of knees whose limits leave both open, by the robot's source."""
+
+
+@runtime_checkable
+class LeggedRobot(Protocol):
+    """What legs are found in: a `Robot`."""
+
+    model: pin.Model
+    toes: tuple[str, ...]
+    source: str
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A leg: names of its joints and its toe, and what turns their angles into those of the convention.
+
+    Attributes:
+        name: such as "posterior", of the toe "posterior_toe".
+        hip: joint that turns the thigh in the sagittal plane.
+        knee: joint that turns the shank in the sagittal plane.
+        toe: frame at the leg's end.
+        abduction: joint above the hip that swings the leg out of the plane; None if there is none.
+        side: +1 if the knee's own angle grows as it flexes, -1 if it falls; 0 where neither limits nor a posture
+            tells, so that it must be named (see `find_legs`).
+        thigh: length from hip to knee in the plane, in m.
+        shank: length from knee to toe in the plane, in m.
+        hip_sign: +1 or -1 by the sense of the hip's axis: its angle of the convention is hip_sign (q - hip_zero).
+        knee_sign: the same of the knee.
+        hip_zero: the hip's own angle with the thigh straight down, in rad.
+        knee_zero: the knee's own angle with the leg straight, in rad.
+        across: from the hip to the toe out of the plane with every joint at zero, in m, to the left.
+        others: moving joints of the leg that are none of these, such as an ankle.
+    """
+
+    name: str
+    hip: str
+    knee: str
+    toe: str
+    abduction: str | None
+    side: int
+    thigh: float
+    shank: float
+    hip_sign: int
+    knee_sign: int
+    hip_zero: float
+    knee_zero: float
+    across: float
+    others: tuple[str, ...] = ()
+
+    @property
+    def bends(self) -> int:
+        """+1 if the knee points forward as it flexes, the shank backward; -1 if the other way; 0 as of `side`."""
+        return self.side * self.knee_sign
+
+    def length(self, knee: float) -> float:
+        """From hip to toe in the plane, in m, at an angle of the knee in the convention, in rad."""
+        return math.hypot(self.shank * math.sin(knee), self.thigh + self.shank * math.cos(knee))
+
+    def lean(self, knee: float) -> float:
+        """The hip's angle with the toe straight below it, in rad, at one of the knee, both in the convention.
+
+        It is half of the knee's where thigh and shank are as long. The angle of the line from hip to toe is that
+        of the hip less this.
+        """
+        return math.atan2(self.shank * math.sin(knee), self.thigh + self.shank * math.cos(knee))
+
+
+@typed
+def find_legs(robot: LeggedRobot, toes: Iterable[str] | None = None, sides: Sides | None = None) -> tuple[Leg, ...]:
+    """The legs of a robot: limbs with two parallel joints in the sagittal plane, each with a toe at its end.
+
+    The robot's own toes say which; of a robot without toes the ends of its limbs are found, the ones that end above
+    the rest (arms) left out. Joints that several limbs share, and those of a floating base, are no leg's.
+    The side to which a knee flexes is that to which its limits leave it at least twice the room, else that to which
+    it is bent with every joint at zero, or in the postures of `model.referenceConfigurations`, if these agree.
+
+    Args:
+        robot: a `Robot`, its x axis forward and z up with every joint at zero.
+        toes: frame names of the toes, one a leg; None: the robot's.
+        sides: +1 or -1 for each leg by its name, or for all (see `Leg.side`), where it is not to be found.
+
+    Raises:
+        UnknownName: there is no such frame, or no such leg.
+        BadValue: what ends in one of the toes that are given here is no leg, or a side is neither +1 nor -1.
+    """
+    model, tree = robot.model, _Tree(robot.model)
+    ends = tuple(toes) if toes is not None else robot.toes or tree.ends()
+    tips: dict[int, str] = {}
+    for toe in ends:  # of several at one foot the first
+        tips.setdefault(int(model.frames[frame_id(model, toe)].parentJoint), toe)
+    legs = []
+    for tip, toe in tips.items():
+        own = [joint for joint in tree.chain(tip) if _alone(joint, set(tips), model)]
+        leg = tree.leg(toe, own, [joint for joint in own if tree.pitches(joint)])
+        if leg is not None:
+            legs.append(leg)
+        elif toes is not None:
+            raise BadValue("toes", toe, "frames, each below a knee and a hip that turn about the y axis")
+    legs = _told_apart(legs)
+    named = _named(legs, sides)
+    shipped = SIDES.get(robot.source, {})
+    found = {leg.name: named.get(leg.name) or tree.side(leg) or shipped.get(leg.name, 0) for leg in legs}
+    return tuple(replace(leg, side=found[leg.name]) for leg in legs)
+
+
+def _told_apart(legs: Sequence[Leg]) -> list[Leg]:
+    """Legs, named as their toes where two would have one name."""
+    names = [leg.name for leg in legs]
+    return [leg if names.count(leg.name) == 1 else replace(leg, name=leg.toe) for leg in legs]
+
+
+def _named(legs: Sequence[Leg], sides: Sides | None) -> Mapping[str, int]:
+    """Sides of legs that are named."""
+    names = [leg.name for leg in legs]
+    named = sides if isinstance(sides, Mapping) else {} if sides is None else dict.fromkeys(names, sides)
+    for name, side in named.items():
+        if name not in names:
+            raise UnknownName("leg", name, names)
+        if isinstance(side, bool) or not isinstance(side, Real) or side not in (-1, 1):
+            raise BadValue("sides", side, "+1 or -1, for each leg or for all")
+    return {name: int(side) for name, side in named.items()}
+
+
+def leg_name(toe: str) -> str:
+    """Name of a leg: of "anterior_toe" it is "anterior", of "FL_FOOT" "FL", of "toe" "leg"."""
+    return re.sub(r"(?i)toe|foot", "", toe).strip("_-. ") or "leg"
+
+
+def named_leg(model: pin.Model, legs: Sequence[Leg], leg: str | Leg) -> Leg:
+    """The leg of a name, or one that is given as it is.
+
+    Args:
+        model: that of the robot.
+        legs: those of the robot.
+        leg: a name of one of them, or a leg of the robot's joints.
+
+    Raises:
+        UnknownName: there is no such leg; the text lists the valid ones.
+    """
+    if isinstance(leg, Leg):
+        if all(model.existJointName(joint) for joint in (leg.hip, leg.knee)):
+            return leg
+        leg = leg.name
+    for each in legs:
+        if each.name == leg:
+            return each
+    raise UnknownName("leg", leg, [each.name for each in legs])
+
+
+def simple(leg: Leg) -> Leg:
+    """The leg, if hip, knee and abduction are all that moves in it.
+
+    Raises:
+        BadValue: it has others, such as ankles.
+    """
+    if leg.others:
+        expected = f"a leg of hip and knee; {', '.join(leg.others)} would have to be locked (load(..., locked=[...]))"
+        raise BadValue("leg", leg.name, expected)
+    return leg
+
+
+def sided(leg: Leg) -> Leg:
+    """The leg, if it is known to which side its knee flexes.
+
+    Raises:
+        BadValue: it is not.
+    """
+    if not leg.side:
+        expected = "one whose limits or postures tell where its knee flexes, or find_legs(robot, sides=...) to name it"
+        raise BadValue("leg", leg.name, expected)
+    return leg
+
+
+class _Tree:
+    """A model with every joint at zero."""
+
+    def __init__(self, model: pin.Model) -> None:
+        self.model, self.data = model, pin.Data(model)
+        pin.framesForwardKinematics(model, self.data, pin.neutral(model))
+        pin.computeJointJacobians(model, self.data, pin.neutral(model))
+
+    def chain(self, tip: int) -> list[int]:
+        """Joints from the world to one."""
+        return [int(joint) for joint in self.model.supports[tip] if joint]
+
+    def axis(self, joint: int) -> Array:
+        """Direction about which a joint of one degree of freedom turns, (3,), zero if it slides."""
+        if self.model.joints[joint].nv != 1:
+            return np.zeros(3)
+        jacobian = pin.getJointJacobian(self.model, self.data, joint, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+        return np.asarray(np.reshape(jacobian, (6, -1))[3:, self.model.joints[joint].idx_v])
+
+    def pitches(self, joint: int) -> bool:
+        """Whether a joint turns in the sagittal plane."""
+        return abs(float(self.axis(joint)[1])) >= math.cos(SPLAY)
+
+    def ends(self) -> tuple[str, ...]:
+        """Frames at the ends of the limbs that may be legs, one each."""
+        parents, found = set(map(int, self.model.parents)), []
+        for tip in range(1, self.model.njoints):
+            pitching = [joint for joint in self.chain(tip) if self.pitches(joint)]
+            frame = self._end(tip, pitching[1]) if tip not in parents and len(pitching) >= 2 else None
+            if frame is not None:
+                found.append((frame.name, self.data.oMf[frame_id(self.model, frame.name)].translation[2], pitching))
+        if not found:
+            return ()
+        lowest = min(height for _, height, _ in found)
+        highest = max(self.data.oMi[pitching[0]].translation[2] for _, _, pitching in found)
+        return tuple(name for name, height, _ in found if height <= lowest + ARMS * (highest - lowest))
+
+    def _end(self, tip: int, knee: int) -> Any:
+        """Link at the end of a limb that is farthest from a joint; of several as far the one named as a toe."""
+        frames = [f for f in self.model.frames if int(f.parentJoint) == tip and f.type == pin.FrameType.BODY]
+        places = [(self.data.oMi[tip] * frame.placement).translation for frame in frames]
+        distances = [float(np.linalg.norm(place - self.data.oMi[knee].translation)) for place in places]
+        longest = max(distances, default=0.0)
+        if longest < SHORTEST:
+            return None
+        far = [f for f, distance in zip(frames, distances, strict=True) if distance >= longest - 1e-9]
+        return next((frame for frame in far if re.search("(?i)toe|foot", frame.name)), far[-1])
+
+    def leg(self, toe: str, own: Sequence[int], pitching: Sequence[int]) -> Leg | None:
+        """The leg that ends in a toe, without its side; None if it is none.
+
+        Args:
+            toe: name of its frame.
+            own: joints of its own, from the trunk on.
+            pitching: those that turn in the sagittal plane.
+        """
+        if len(pitching) < 2:
+            return None
+        model, data, hip, knee = self.model, self.data, *pitching[:2]
+        tip = data.oMf[frame_id(model, toe)].translation
+        thigh, shank = (
+            end - data.oMi[joint].translation for joint, end in ((hip, data.oMi[knee].translation), (knee, tip))
+        )
+        lengths = math.hypot(thigh[0], thigh[2]), math.hypot(shank[0], shank[2])
+        if min(lengths) < SHORTEST:
+            return None
+        turned = math.atan2(thigh[0], -thigh[2])
+        flexed = math.remainder(turned - math.atan2(shank[0], -shank[2]), math.tau)
+        hip_sign, knee_sign = -int(np.sign(self.axis(hip)[1])), int(np.sign(self.axis(knee)[1]))
+        turning = [joint for joint in own[: own.index(hip)] if self.axis(joint).any()]
+        below = [joint for joint in own[own.index(hip) + 1 :] if joint != knee]
+        return Leg(
+            name=leg_name(toe),
+            hip=str(model.names[hip]),
+            knee=str(model.names[knee]),
+            toe=toe,
+            abduction=str(model.names[turning[-1]]) if turning else None,
+            side=0,
+            thigh=lengths[0],
+            shank=lengths[1],
+            hip_sign=hip_sign,
+            knee_sign=knee_sign,
+            hip_zero=0.0 - hip_sign * turned,
+            knee_zero=0.0 - knee_sign * flexed,
+            across=float(tip[1] - data.oMi[hip].translation[1]),
+            others=tuple(str(model.names[joint]) for joint in [*turning[:-1], *below]),
+        )
+
+    def side(self, leg: Leg) -> int:
+        """To which side a knee flexes, by its limits or by postures; 0 if they do not tell."""
+        joint = self.model.joints[self.model.getJointId(leg.knee)]
+        down, up = (sign * (limit - leg.knee_zero) for sign, limit in self._limits(joint))
+        if up > ONE_WAY * max(down, 0.0) or down > ONE_WAY * max(up, 0.0):
+            return 1 if up > down else -1
+        postures = [pin.neutral(self.model), *(each.data() for each in self.model.referenceConfigurations)]
+        bent = [math.remainder(_angle(joint, q) - leg.knee_zero, math.tau) for q in postures if q.size == self.model.nq]
+        sides = {int(math.copysign(1, flexion)) for flexion in bent if abs(flexion) > BENT}
+        return sides.pop() if len(sides) == 1 else 0
+
+    def _limits(self, joint: Any) -> tuple[tuple[int, float], tuple[int, float]]:
+        """-1 and a joint's lower limit, 1 and its upper one, in rad; a full turn where it has none."""
+        if joint.nq != 1:
+            return (-1, -math.tau), (1, math.tau)
+        lower, upper = (
+            float(limits[joint.idx_q]) for limits in (self.model.lowerPositionLimit, self.model.upperPositionLimit)
+        )
+        return (-1, max(lower, -math.tau)), (1, min(upper, math.tau))
+
+
+def _alone(joint: int, tips: set[int], model: pin.Model) -> bool:
+    """Whether a joint carries one of the tips only."""
+    return len(tips.intersection(map(int, model.subtrees[joint]))) == 1
+
+
+def _angle(joint: Any, q: Array) -> float:
+    """A joint's angle, in rad, in a configuration."""
+    part = q[joint.idx_q : joint.idx_q + joint.nq]
+    return float(part[0]) if joint.nq == 1 else math.atan2(part[1], part[0])

@@ -1,0 +1,96 @@
+"""One leg of a robot as a monopod on a slider, with the coordinates and the signs of `load("spear_ii")`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+import pinocchio as pin
+
+from spear_pin.errors import require
+from spear_pin.kinds import typed
+from spear_pin.model.cut import AHEAD, UP, Amount, Assembly, Cut, Limb, Source, products
+from spear_pin.model.legs import Leg, named_leg, sided, simple
+from spear_pin.model.loading import hold
+from spear_pin.model.robot import Robot
+
+SHARE = "share"
+
+
+@typed
+def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Iterable[str] = ()) -> Robot:
+    """A leg of a robot on a boom that slides, as SPEAR-II is.
+
+    Its coordinates are "boom_x", "boom_z", "hip" and "knee", its toe is "toe". The hip is positive with the knee
+    forward, the knee positive in flexion, zero with the leg straight: where the robot's knee points to the rear, so
+    does x. Inertias are projected onto the plane, the abduction held at zero; motors, friction and limits are the
+    leg's. What that leaves out is in `Robot.cut`, which can be printed.
+
+    Args:
+        robot: any with legs, its x axis forward and z up with every joint at zero.
+        leg: name of one of `robot.legs`, or a leg of `find_legs`.
+        body: mass on the slider, in kg; "share": of all that is neither thigh nor shank, what falls to a leg.
+        locked: of the monopod's joints those to hold at zero, for instance `["boom_x"]`.
+
+    Raises:
+        UnknownName: there is no such leg, or no such joint to lock; the text lists the valid ones.
+        BadValue: the leg has other joints, such as an ankle, or it is not known to which side its knee flexes; or the
+            mass is none.
+    """
+    of = sided(simple(named_leg(robot.model, robot.legs, leg)))
+    source = Source(robot)
+    mass, mirrored = _body(source, robot, of, body), of.bends < 0
+    limb = source.limb(of, mirrored)
+    angles = {"hip": (limb.turns[0],), "knee": (limb.turns[1],)}
+    built = _assembled(f"{robot.name}_{of.name}", robot, mass, limb)
+    built.carry(robot, angles)
+    moving = {turn.joint: name for name, (turn,) in angles.items()}
+    return Robot(
+        hold(built.model, tuple(locked)),
+        name=built.model.name,
+        toes=("toe",),
+        actuated=[name for joint, name in moving.items() if joint in robot.actuated],
+        locked=tuple(locked),
+        source=f"monopod({robot.source!r}, {of.name!r})",
+        cut=Cut(
+            kind="monopod",
+            of=robot.name,
+            source=robot.source,
+            body=mass,
+            angles=angles,
+            held=() if of.abduction is None else (of.abduction,),
+            sides={"leg": 1},
+            mirrored=mirrored,
+            neglected=_neglected(of, limb),
+        ),
+    )
+
+
+def _body(source: Source, robot: Robot, leg: Leg, body: str | float) -> float:
+    """Mass on the slider, in kg."""
+    if body == SHARE:
+        legs = [each for each in robot.legs if each.hip != leg.hip]
+        return float(source.lump(source.rest([leg, *legs])).mass) / (len(legs) + 1)
+    require("body", body, lambda mass: mass >= 0, f"{SHARE!r}, or a finite number >= 0, in kg")
+    return float(body)
+
+
+def _assembled(name: str, robot: Robot, mass: float, limb: Limb) -> Assembly:
+    built = Assembly(name, robot.model.gravity)
+    nothing = pin.Inertia.Zero()
+    carriage = built.add("boom_x", AHEAD, 0, (0.0, 0.0), "carriage", nothing)
+    point = pin.Inertia(mass, np.zeros(3), np.zeros((3, 3)))
+    boom = built.add("boom_z", UP, carriage, (0.0, 0.0), "boom", point)
+    built.add_leg("", boom, (0.0, 0.0), limb)
+    return built
+
+
+def _neglected(leg: Leg, limb: Limb) -> tuple[Amount, ...]:
+    """What is out of the plane of the hip."""
+    bodies = (limb.thigh, limb.shank)
+    aside = max(abs(float(body.lever[1] - limb.hip[1])) for body in bodies)
+    return (
+        Amount("toe out of the hip's plane by", abs(leg.across), "m"),
+        Amount("centres of mass by", aside, "m"),
+        products(bodies),
+    )

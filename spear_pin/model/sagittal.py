@@ -1,0 +1,207 @@
+"""The sagittal plane of a quadruped: each pair of legs as one, with the coordinates and the signs of `load("q_spear")`.
+
+Where left and right are each other's mirror images and move alike, the trunk in the plane, this is the robot itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from spear_pin.errors import BadValue
+from spear_pin.kinds import typed
+from spear_pin.model.cut import AHEAD, PITCH, UP, Amount, Array, Assembly, Cut, Limb, Source, Turn, flat, products
+from spear_pin.model.legs import Leg, named_leg, simple
+from spear_pin.model.robot import Robot
+
+ENDS = ("posterior", "anterior")
+NEAR = 0.25  # of a leg's length, from a hip to the mirror image of the one it is paired with
+PAIRS = "two pairs of different legs, in each the left and the right one"
+ACROSS = np.array([1.0, -1.0, 1.0])
+
+
+@typed
+def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -> Robot:
+    """A quadruped in the sagittal plane, left and right legs lumped into pairs, as Q-SPEAR is.
+
+    Its coordinates are "torso_x", "torso_z", "pitch" and hip and knee of the posterior and the anterior pair; torso_x
+    and torso_z are those of the floating base's frame, or of the root link's. Pitch is positive nose up, a hip with
+    the knee forward, a knee with the shank backward, zero with the leg straight. Masses, inertias, rotors, friction
+    and torques of a pair are the sum of both legs'. Every other joint is held at zero, and what is no leg's is the
+    trunk's. How far left and right differ, and what is left out, is in `Robot.cut`, which can be printed.
+
+    Args:
+        robot: a quadruped, its x axis forward and z up with every joint at zero.
+        pairs: the left and the right leg of each pair, by their names in `robot.legs` or of `find_legs`; by default
+            those whose hips mirror each other.
+
+    Raises:
+        UnknownName: there is no such leg.
+        BadValue: the robot has not two such pairs, or its legs have other joints.
+    """
+    source = Source(robot)
+    found = _found(robot, source) if pairs is None else _given(robot, source, pairs)
+    origin = _origin(robot, source)
+    trunk = pin.SE3(np.eye(3), -origin).act(source.lump(source.rest(leg for pair in found for leg in pair.legs)))
+    built = _assembled(f"{robot.name}_sagittal", robot, trunk, origin, found)
+    angles = {
+        f"{end}_{part}": tuple(limb.turns[i] for limb in pair.limbs)
+        for end, pair in zip(ENDS, found, strict=True)
+        for i, part in enumerate(("hip", "knee"))
+    }
+    built.carry(robot, angles)
+    return Robot(
+        built.model,
+        name=built.model.name,
+        toes=[f"{end}_toe" for end in ENDS],
+        actuated=[name for name, turns in angles.items() if all(turn.joint in robot.actuated for turn in turns)],
+        source=f"sagittal({robot.source!r})",
+        cut=Cut(
+            kind="sagittal",
+            of=robot.name,
+            source=robot.source,
+            body=float(trunk.mass),
+            angles=angles,
+            held=_held(robot, angles),
+            sides={end: pair.bends for end, pair in zip(ENDS, found, strict=True) if pair.bends},
+            asymmetric=_asymmetric(robot, found, trunk, origin),
+            neglected=_neglected(found, trunk),
+        ),
+    )
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A left and a right leg.
+
+    Attributes:
+        legs: left, then right.
+        limbs: theirs.
+    """
+
+    legs: tuple[Leg, Leg]
+    limbs: tuple[Limb, Limb]
+
+    @property
+    def hip(self) -> Array:
+        """Place midway between the hips, (3,), in m."""
+        return np.asarray(0.5 * (self.limbs[0].hip + self.limbs[1].hip))
+
+    @property
+    def bends(self) -> int:
+        """As of `Leg`, where both are alike."""
+        left, right = (leg.bends for leg in self.legs)
+        return left if left == right else 0
+
+    @property
+    def limb(self) -> Limb:
+        """Both as one."""
+        left, right = self.limbs
+        thigh, shank = np.mean([left.lengths, right.lengths], axis=0)
+        lengths = float(thigh), float(shank)
+        return Limb(left.turns, left.thigh + right.thigh, left.shank + right.shank, lengths, self.hip)
+
+
+def _found(robot: Robot, source: Source) -> list[Pair]:
+    """Pairs of legs whose hips mirror each other, posterior first.
+
+    Raises:
+        BadValue: they are not two.
+    """
+    limbs = {leg: source.limb(leg) for leg in robot.legs}
+    middle = _origin(robot, source)[1]
+    lefts = [leg for leg, limb in limbs.items() if limb.hip[1] > middle]
+    pairs = []
+    for left in lefts:
+        image = limbs[left].hip * ACROSS + (0.0, 2.0 * middle, 0.0)
+        others = {leg: float(np.linalg.norm(limb.hip - image)) for leg, limb in limbs.items() if leg not in lefts}
+        right = min(others, key=lambda leg: others[leg], default=None)
+        if right is not None and others[right] <= NEAR * (left.thigh + left.shank):
+            pairs.append((left, right))
+    matched = {leg for pair in pairs for leg in pair}
+    if len(pairs) != 2 or len(matched) != 4 or len(limbs) != 4:
+        names = ", ".join(leg.name for leg in limbs) or "none"
+        expected = f"four legs (found: {names}), x forward and z up, whose hips mirror each other; or give pairs"
+        raise BadValue("robot", robot, expected)
+    return _paired(source, pairs)
+
+
+def _given(robot: Robot, source: Source, pairs: Sequence[Sequence[str | Leg]]) -> list[Pair]:
+    """Pairs that are given, posterior first.
+
+    Raises:
+        BadValue: they are not two of two.
+    """
+    if not all(isinstance(pair, Sequence) and len(pair) == 2 for pair in pairs):
+        raise BadValue("pairs", pairs, PAIRS)
+    legs = [[named_leg(robot.model, robot.legs, leg) for leg in pair] for pair in pairs]
+    if len(legs) != 2 or len({leg.hip for pair in legs for leg in pair}) != 4:
+        raise BadValue("pairs", pairs, PAIRS)
+    return _paired(source, [(left, right) for left, right in legs])
+
+
+def _paired(source: Source, legs: Iterable[tuple[Leg, Leg]]) -> list[Pair]:
+    pairs = [Pair(pair, (source.limb(simple(pair[0])), source.limb(simple(pair[1])))) for pair in legs]
+    return sorted(pairs, key=lambda pair: float(pair.hip[0]))
+
+
+def _origin(robot: Robot, source: Source) -> Array:
+    """Origin of the floating base, or of the root link, with every joint at zero, (3,), in m."""
+    floats = robot.model.njoints > 1 and robot.model.joints[1].nv == 6
+    return np.array(source.data.oMi[1].translation if floats else np.zeros(3))
+
+
+def _assembled(name: str, robot: Robot, trunk: pin.Inertia, origin: Array, pairs: Sequence[Pair]) -> Assembly:
+    built = Assembly(name, robot.model.gravity)
+    nothing = pin.Inertia.Zero()
+    ahead = built.add("torso_x", AHEAD, 0, (0.0, 0.0), "torso_carriage_x", nothing)
+    up = built.add("torso_z", UP, ahead, (0.0, 0.0), "torso_carriage_z", nothing)
+    torso = built.add("pitch", PITCH, up, (0.0, 0.0), "torso", flat(trunk))
+    for end, pair in zip(ENDS, pairs, strict=True):
+        x, _, z = pair.hip - origin
+        built.add_leg(f"{end}_", torso, (x, z), pair.limb)
+    return built
+
+
+def _held(robot: Robot, angles: Mapping[str, Sequence[Turn]]) -> tuple[str, ...]:
+    """Joints of the robot that are held at zero, without the floating base."""
+    moving = {turn.joint for turns in angles.values() for turn in turns}
+    joints = list(zip(robot.model.names, robot.model.joints, strict=True))[1:]
+    return tuple(str(name) for name, joint in joints if name not in moving and joint.nv != 6)
+
+
+def _asymmetric(robot: Robot, pairs: Sequence[Pair], trunk: pin.Inertia, origin: Array) -> tuple[Amount, ...]:
+    """How far left and right are from each other's mirror images."""
+    hips, lengths, masses, places, inertias, rotors = [], [], [], [], [], []
+    for pair in pairs:
+        left, right = pair.limbs
+        hips.append(np.linalg.norm((left.hip - origin) - (right.hip - origin) * ACROSS))
+        lengths.append(np.abs(np.subtract(left.lengths, right.lengths)).max())
+        for one, other in ((left.thigh, right.thigh), (left.shank, right.shank)):
+            masses.append(abs(one.mass - other.mass))
+            places.append(np.linalg.norm((one.lever - (0, origin[1], 0)) - (other.lever - (0, origin[1], 0)) * ACROSS))
+            inertias.append(np.abs(one.inertia - other.inertia * np.outer(ACROSS, ACROSS)).max())
+        for turns in zip(left.turns, right.turns, strict=True):
+            rows = [robot.index(turn.joint) for turn in turns]
+            rotors.append(abs(float(np.subtract(*robot.model.armature[rows]))))
+    return (
+        Amount("hips by", float(max(hips)), "m"),
+        Amount("lengths by", float(max(lengths)), "m"),
+        Amount("masses by", float(max(masses)), "kg"),
+        Amount("centres of mass by", float(max(places)), "m"),
+        Amount("inertias by", float(max(inertias)), "kg·m²"),
+        Amount("rotors by", max(rotors), "kg·m²"),
+        Amount("the trunk's centre of mass from the middle by", abs(float(trunk.lever[1])), "m"),
+    )
+
+
+def _neglected(pairs: Sequence[Pair], trunk: pin.Inertia) -> tuple[Amount, ...]:
+    """What is out of the plane, or of that of its leg."""
+    across = max(abs(leg.across) for pair in pairs for leg in pair.legs)
+    return (
+        Amount("toes out of their hips' planes by", across, "m"),
+        products([trunk, *(body for pair in pairs for body in (pair.limb.thigh, pair.limb.shank))]),
+    )

@@ -1,0 +1,115 @@
+"""The hop's numbers for robots of other sizes."""
+
+from dataclasses import asdict
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from spear_pin import HoppingLaw, Spring, find_gait, hopping, load, monopod
+from spear_pin.errors import BadValue
+from tests.model.legged import quadruped
+from tests.model.queries import refusal
+
+LONGER, HEAVIER = 0.4, 0.1
+TORQUE, TIME = LONGER * HEAVIER, LONGER**0.5
+
+
+def similar():
+    """SPEAR-II on its test-bed, all lengths shorter and all masses smaller."""
+    robot = load("spear_ii", locked=["boom_x"])
+    model = robot.model.copy()
+    for joint in range(1, model.njoints):
+        model.jointPlacements[joint].translation *= LONGER
+        body = model.inertias[joint]
+        inertia = body.inertia * HEAVIER * LONGER**2
+        model.inertias[joint] = pin.Inertia(body.mass * HEAVIER, body.lever * LONGER, inertia)
+    for frame in model.frames:
+        frame.placement.translation *= LONGER
+    model.inertias[0] = pin.Inertia.Zero()
+    model.armature = model.armature * HEAVIER * LONGER**2
+    return robot.with_model(model)
+
+
+@pytest.fixture
+def four(tmp_path):
+    """A quadruped, its toes before its shanks."""
+    path = tmp_path / "made.urdf"
+    path.write_text(quadruped(ahead=0.03))
+    return load(path)
+
+
+@pytest.fixture(scope="module")
+def small():
+    return similar()
+
+
+class TestNumbers:
+    @pytest.mark.parametrize("locked", [(), ("boom_x",)])
+    def test_those_of_spear_ii_are_its_own(self, locked):
+        robot = load("spear_ii", locked=locked)
+        for own, scaled in ((HoppingLaw(), HoppingLaw.scaled(robot)), (Spring(), Spring.scaled(robot))):
+            expected = asdict(own) | ({"hip_touchdown": 0.5} if isinstance(own, HoppingLaw) else {})
+            numbers = {name: value for name, value in expected.items() if isinstance(value, float)}
+            assert asdict(scaled) == expected | {name: pytest.approx(numbers[name], rel=1e-14) for name in numbers}
+
+    def test_of_a_similar_robot(self, small):
+        law, spring, own = HoppingLaw.scaled(small), Spring.scaled(small), HoppingLaw()
+        assert spring.stiffness == pytest.approx(TORQUE * 48.84)
+        assert spring.damping == pytest.approx(TORQUE * TIME * 1.3)
+        assert law.stance_torque == pytest.approx(TORQUE * own.stance_torque)
+        assert law.frequency == pytest.approx(own.frequency / TIME)
+        for joint in ("hip", "knee"):
+            assert getattr(law, f"{joint}_gain") == pytest.approx(TORQUE * getattr(own, f"{joint}_gain"))
+            assert getattr(law, f"{joint}_damping") == pytest.approx(TORQUE * TIME * getattr(own, f"{joint}_damping"))
+
+    def test_damping_ratio(self, small):
+        law = HoppingLaw.scaled(small, damping_ratio=0.6)
+        inertia = np.diag(small.mass_matrix([0.0, 0.5, 1.0]))[1:]
+        gains, dampings = np.array([law.hip_gain, law.knee_gain]), np.array([law.hip_damping, law.knee_damping])
+        np.testing.assert_allclose(dampings / (2 * np.sqrt(gains * inertia)), 0.6, rtol=1e-12)
+        assert gains == pytest.approx([HoppingLaw.scaled(small).hip_gain, HoppingLaw.scaled(small).knee_gain])
+
+    def test_toe_lands_below_the_hip(self, four):
+        leg = monopod(four, "HR")
+        law = HoppingLaw.scaled(leg)
+        toe = leg.toe_position([0.0, 0.0, law.hip_touchdown, law.knee_touchdown], "toe")
+        assert toe[0] == pytest.approx(0.0, abs=1e-15) and law.hip_touchdown != pytest.approx(0.5, abs=1e-3)
+
+
+class TestHop:
+    def test_of_a_similar_robot_is_similar(self, small):
+        own, scaled = (
+            find_gait(
+                hopping(robot, HoppingLaw.scaled(robot), Spring.scaled(robot)),
+                vary=["stance_torque"],
+                target={"flight_time": 0.2 * time},
+            )
+            for robot, time in ((load("spear_ii", locked=["boom_x"]), 1.0), (small, TIME))
+        )
+        assert scaled.parameters["stance_torque"] == pytest.approx(TORQUE * own.parameters["stance_torque"], rel=1e-6)
+        assert scaled.durations["stance"] == pytest.approx(TIME * own.durations["stance"], rel=1e-6)
+        np.testing.assert_allclose(np.abs(scaled.multipliers), np.abs(own.multipliers), atol=1e-5)
+
+    def test_of_a_quadrupeds_leg(self, four):
+        leg = monopod(four, "FL", locked=["boom_x"])
+        system = hopping(leg, HoppingLaw.scaled(leg, damping_ratio=0.6), Spring.scaled(leg))
+        gait = find_gait(system, vary=["stance_torque"], target={"flight_time": 0.175})
+        assert gait.stable and gait.residual < 1e-9
+        assert gait.durations["flight"] == pytest.approx(0.175, abs=1e-9)
+        assert 0.0 < gait.parameters["stance_torque"] < leg.model.upperEffortLimit[leg.index("knee")]
+
+
+class TestRefused:
+    @pytest.mark.parametrize("name", ["q_spear", "q_spear_full", "biped", "spear_ii_series"])
+    def test_other_robots(self, name):
+        refusal(BadValue, lambda: HoppingLaw.scaled(load(name)))
+        refusal(BadValue, lambda: Spring.scaled(load(name)))
+
+    @pytest.mark.parametrize("ratio", [-0.1, np.nan, np.inf, "0.6", True])
+    def test_damping_ratio(self, ratio):
+        refusal(BadValue, lambda: HoppingLaw.scaled(load("spear_ii"), damping_ratio=ratio))
+
+    def test_no_robot(self):
+        refusal(BadValue, lambda: HoppingLaw.scaled("spear_ii"))
+        refusal(BadValue, lambda: Spring.scaled(None))
