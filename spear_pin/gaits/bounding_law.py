@@ -19,6 +19,8 @@ from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
 Shape = tuple[tuple[float, ...], ...]
+SIDES = (1.0, -1.0)  # to which their knees flex
+ALIKE = 1e-6  # of a length: thigh and shank
 LEGS = ("posterior", "anterior")
 PAIR = 2  # legs that one of the sagittal model stands for, and so motors of a joint
 STIFFNESS = PAIR * 56.0  # N·m/rad: of a pair's knee springs (source: Table 5.1)
@@ -243,14 +245,22 @@ def legs_of(robot: Robot) -> tuple[Leg, Leg]:
     """The posterior and the anterior leg.
 
     Raises:
-        BadValue: the robot has not the coordinates, toes and motors of `q_spear`.
+        BadValue: the robot has not the coordinates, toes and motors of `q_spear`, its knees do not bend as that one's,
+            or a thigh is not as long as its shank.
     """
     joints = tuple(f"{name}_{part}" for name in LEGS for part in ("hip", "knee"))
     expected = ("torso_x", "torso_z", "pitch", *joints)
     if robot.coordinates != expected or robot.actuated != joints or robot.toes != ("posterior_toe", "anterior_toe"):
         raise BadValue("robot", robot, f"the coordinates {', '.join(expected)}, motors on the last four, and two toes")
+    for found, side in zip(robot.legs, SIDES, strict=True):
+        if found.side not in (0, side):  # 0: its limits leave both open
+            flexes = f"{side:+g}: bounding is for knees that point to each other"
+            raise BadValue(f"side of {found.knee} in {robot.name}", found.side, flexes)
+        if abs(found.thigh - found.shank) > ALIKE * found.thigh:
+            alike = f"{found.thigh:.6g} as its thigh: the leg angle of bounding is exact for these alone"
+            raise BadValue(f"shank of the {found.name} leg of {robot.name}", found.shank, alike)
     legs = []
-    for i, (name, side) in enumerate(zip(LEGS, (1.0, -1.0), strict=True)):
+    for i, (name, side) in enumerate(zip(LEGS, SIDES, strict=True)):
         hip, knee = 3 + 2 * i, 4 + 2 * i
         legs.append(Leg(name, hip, knee, side, ((2, 1.0), (hip, 1.0), (knee, -0.5)), (2 * i, 2 * i + 1)))
     return legs[0], legs[1]

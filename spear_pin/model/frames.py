@@ -6,6 +6,8 @@ import pinocchio as pin
 
 from spear_pin.errors import UnknownName
 
+KINDS = (pin.FrameType.BODY, pin.FrameType.FIXED_JOINT, pin.FrameType.JOINT, pin.FrameType.OP_FRAME)
+
 
 def frame_id(model: pin.Model, frame: str) -> int:
     """Index of a frame; a link's where a joint has the same name.
@@ -14,7 +16,7 @@ def frame_id(model: pin.Model, frame: str) -> int:
         UnknownName: there is no such frame; the text lists the valid ones.
     """
     if isinstance(frame, str):  # Pinocchio gives nframes for an unknown name, and no error
-        for kind in (pin.FrameType.BODY, pin.FrameType.FIXED_JOINT, pin.FrameType.JOINT):
+        for kind in KINDS:
             index = int(model.getFrameId(frame, kind))
             if index < model.nframes:
                 return index

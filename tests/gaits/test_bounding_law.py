@@ -1,13 +1,16 @@
 """The bounding law: what the motors give beside the springs, and the parameters and robots that it refuses."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from spear_pin import Spring, bounding, load, simulate
+from spear_pin import Spring, bounding, load, sagittal, simulate
 from spear_pin.errors import BadValue
+from spear_pin.gaits.bounding_law import legs_of
+from spear_pin.model.loading import ROBOTS
 from tests.gaits.bounding_gaits import LEGS, NAMES, each_gait, gait, trajectory
 from tests.slow import slow_but
 
@@ -104,3 +107,27 @@ class TestLaw:
         law = replace(gait(NAMES[0]).system.law, nominal=(), feedback=())
         with pytest.raises(BadValue, match="BoundingLaw.nominal"):
             bounding(load("q_spear"), law).guess()
+
+
+class TestOtherLegs:
+    """What would be wrong without a word is refused."""
+
+    def edited(self, tmp_path, joint, old, new):
+        head, mark, tail = ROBOTS["q_spear"].path.read_text(encoding="utf-8").partition(f'<joint name="{joint}"')
+        path = tmp_path / "other.urdf"
+        path.write_text(head + mark + re.sub(old, new, tail, count=1), encoding="utf-8")
+        return load(path, toes=["posterior_toe", "anterior_toe"])
+
+    def test_as_they_are(self, tmp_path):
+        for robot in (self.edited(tmp_path, "pitch", "", ""), sagittal(load("q_spear_full"))):
+            assert [leg.side for leg in legs_of(robot)] == [1, -1]
+
+    def test_a_knee_that_bends_the_other_way(self, tmp_path):
+        robot = self.edited(tmp_path, "anterior_knee", 'lower="[^"]*" upper="[^"]*"', 'lower="0" upper="2.5"')
+        with pytest.raises(BadValue, match="side of anterior_knee in .* is 1; expected -1: .*point to each other"):
+            legs_of(robot)
+
+    def test_unequal_thigh_and_shank(self, tmp_path):
+        robot = self.edited(tmp_path, "posterior_toe_tip", "-0.318", "-0.3")
+        with pytest.raises(BadValue, match=r"shank of the posterior leg .* is 0.3; expected 0.318 as its thigh"):
+            legs_of(robot)
