@@ -3,31 +3,37 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
+from spear_pin.cli.legs import add_leg, one_leg
 from spear_pin.cli.output import aligned, iterations, shows
 from spear_pin.errors import BadValue, NoGait, SpearError
 
 if TYPE_CHECKING:
+    from spear_pin.gaits.gait import Gait
+    from spear_pin.hybrid.automaton import HybridSystem
+    from spear_pin.model.robot import Robot
     from spear_pin.studies.hardware import Rig
+    from spear_pin.studies.joint_limits import Excess
 
+FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
+LONGER = (1.0, 1.15, 1.3)  # of another leg, in turn: where stance and square wave last alike there is no hop
+NAMES = {"spear_ii": "SPEAR-II"}
 SPRING = ("stiffness", "hardening", "preload")  # options of the spring
 RIG = ("current_limit", "bandwidth", "noise", "losses", "seed")  # options of --hardware
 
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(commands, "hop", run, "solve SPEAR-II's hop in place, simulate it, write page, plots, samples")
+    parser = add_command(commands, "hop", run, "solve a leg's hop in place, simulate it, write page, plots, samples")
     wanted = parser.add_mutually_exclusive_group()
     wanted.add_argument("--flight-time", type=float, metavar="S", help="solve the stance torque for it (default: 0.2)")
     wanted.add_argument("--stance-torque", type=float, metavar="N·m", help="given; solve the fixed point only")
     parser.add_argument("--knee", type=float, default=1.0, metavar="RAD", help="commanded knee angle (default: 1.0)")
-    parser.add_argument(
-        "--frequency", type=float, default=2.56, metavar="HZ", help="of the square wave (default: 2.56)"
-    )
+    parser.add_argument("--frequency", type=float, metavar="HZ", help="of the square wave (default: 2.56)")
     parser.add_argument("--stiffness", type=float, metavar="N·m/RAD", help="of the knee spring (default: 48.84)")
     parser.add_argument("--hardening", type=float, metavar="N·m/RAD³", help="of the knee spring (default: 0)")
     parser.add_argument("--preload", type=float, metavar="N·m", help="of the knee spring (default: 0)")
@@ -48,60 +54,63 @@ def add(commands: Commands) -> None:
     hardware.add_argument("--noise", type=float, metavar="RAD", help="of the angles that the law reads (default: 0)")
     hardware.add_argument("--losses", type=float, metavar="1/S", help="commands lost, for 5 ms each (default: 0)")
     hardware.add_argument("--seed", type=int, metavar="N", help="of noise and losses (default: 0)")
+    add_leg(parser)
     add_simulation(parser, 11, "hops", "hop.html")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Solve the hop, simulate it and write its files."""
-    from dataclasses import replace
+    from dataclasses import asdict, replace
 
-    from spear_pin import Ground, HoppingLaw, Spring, find_gait, hopping, load, simulate
+    from spear_pin import Ground, HoppingLaw, Spring, hopping, load, simulate
     from spear_pin.hybrid.parameters import with_hardware
+    from spear_pin.model.scale import scale_of
     from spear_pin.studies.hop import summarize
+    from spear_pin.studies.joint_limits import excesses
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
     from spear_pin.viz.plots import hop_summary, save_figure
 
     check_simulation(arguments)
-    robot = load("spear_ii", locked=[] if arguments.free_x else ["boom_x"])
-    law = HoppingLaw(
-        knee_touchdown=arguments.knee,
-        frequency=arguments.frequency,
-        hip_touchdown=0.5 * arguments.knee if arguments.free_x else None,
-        foot_placement=arguments.foot_placement,
-        **{} if arguments.stance_torque is None else {"stance_torque": arguments.stance_torque},
+    locked = [] if arguments.free_x else ["boom_x"]
+    other = one_leg(arguments, locked)
+    robot = other or load("spear_ii", locked=locked)
+    law, spring, scale = HoppingLaw(), Spring(), 1.0
+    if other is not None:
+        law, spring, scale = HoppingLaw.scaled(robot), Spring.scaled(robot), scale_of(robot).time
+    given = {name: value for name in ("stance_torque", "frequency") if (value := getattr(arguments, name)) is not None}
+    lean = robot.legs[0].lean(arguments.knee) if arguments.free_x or other is not None else None
+    law = replace(
+        law, knee_touchdown=arguments.knee, hip_touchdown=lean, foot_placement=arguments.foot_placement, **given
     )
-    spring = Spring(**{name: value for name in SPRING if (value := getattr(arguments, name)) is not None})
+    spring = replace(spring, **{name: value for name in SPRING if (value := getattr(arguments, name)) is not None})
     friction = {} if arguments.friction is None else {"friction": arguments.friction}
     rig = _rig(arguments)
+    if rig is not None and other is not None:
+        raise BadValue("--hardware", True, "SPEAR-II's own: nothing is known of the motors of another robot")
     driven = None if rig is None else rig.on(robot)
     if rig is not None and arguments.stance_torque is None:  # what the gears lose is asked for as well
         law = replace(law, stance_torque=law.stance_torque / rig.knee_efficiency)
     system = hopping(robot, law, spring, ground=Ground(slope=arguments.slope, **friction))
     if rig is not None:  # solved with what has no memory, and without noise
         system = with_hardware(system, replace(rig, bandwidth=None, sensing=None).on(robot))
-    target: dict[str, float] = {}
-    if arguments.stance_torque is None:
-        target["stance_torque"] = 0.2 if arguments.flight_time is None else arguments.flight_time
-    if arguments.free_x:
-        target["hip_touchdown"] = 0.0
-    measures = {"stance_torque": "flight_time", "hip_touchdown": "mean_speed"}  # what each parameter is solved for
-    wanted: Any = {measures[name]: value for name, value in target.items()}
-    try:
-        with iterations() as tell:
-            gait = find_gait(system, list(target), wanted, on_iteration=tell)
-    except NoGait as error:
-        raise SpearError(f"{error}; nearer to the defaults there is one: change less, or --knee as well") from None
+    times: list[float | None] = [arguments.flight_time]
+    if arguments.flight_time is None and arguments.stance_torque is None:
+        times = [longer * scale * FLIGHT_TIME for longer in ((1.0,) if other is None else LONGER)]
+    gait = _solved(system, times, arguments.free_x)
     trajectory = simulate(with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol)
     samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
-    summary = summarize(gait, trajectory)
+    beyond = excesses(robot, trajectory)
+    summary = summarize(gait, trajectory) | {"beyond_limits": [asdict(excess) for excess in beyond]}
+    if robot.cut is not None:
+        summary["cut"] = str(robot.cut)
     if trajectory.electrical is not None and trajectory.cycles:
         summary["electrical"] = {flow: trajectory.electrical[flow].mean() for flow in trajectory.electrical.flows}
         summary["peak_current"] = dict(zip(trajectory.actuated, abs(trajectory.current).max(axis=0), strict=True))
     shown = shortened(robot, trajectory)
     page, plots = arguments.out / "hop.html", arguments.out / "hop.svg"
     pictures: dict[Path, Callable[[Path], object]] = {
-        page: lambda path: record(robot, shown, path, title="SPEAR-II hopping in place")
+        page: lambda path: record(robot, shown, path, title=f"{NAMES.get(robot.name, robot.name)} hopping in place")
     }
     if trajectory.cycles:
         pictures[plots] = lambda path: save_figure(hop_summary(trajectory, gait), path)
@@ -111,8 +120,29 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "files": [*map(str, files)],
         "pictures": pictures,
         "opened": page if arguments.open else None,
-        "text": _text(summary, [*shows(shown), ("files", ", ".join(map(str, files)))]),
+        "text": _text(summary, [*_leg(robot), *_beyond(beyond), *shows(shown), ("files", ", ".join(map(str, files)))]),
     }
+
+
+def _solved(system: HybridSystem, flight_times: Sequence[float | None], free: bool) -> Gait:
+    """The hop with the first of some flight times that has one; None: with the stance torque as it is."""
+    from spear_pin import find_gait
+
+    drift = {"hip_touchdown": ("mean_speed", 0.0)} if free else {}
+    failures = []
+    for time in flight_times:
+        solved = drift if time is None else {"stance_torque": ("flight_time", time), **drift}
+        target: Any = dict(solved.values())
+        try:
+            with iterations() as tell:
+                return find_gait(system, list(solved), target, on_iteration=tell)
+        except NoGait as error:
+            failures.append(error)
+    nearer = "nearer to the defaults there is one: change less, or --knee as well"
+    if len(failures) > 1:
+        asked = ", ".join(f"{time:.3g}" for time in flight_times)
+        nearer = f"nor with flight times of {asked} s: give another --flight-time, --frequency or --stiffness"
+    raise SpearError(f"{failures[0]}; {nearer}") from None
 
 
 def _rig(arguments: argparse.Namespace) -> Rig | None:
@@ -170,6 +200,20 @@ def _motors(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a hop"),
         ("motors' work, net", f"{sum(work.values()):.2f} J a hop: {parts}"),
     ]
+
+
+def _leg(robot: Robot) -> list[tuple[str, str]]:
+    """The leg that was cut out, and what is not known of it."""
+    if robot.cut is None:
+        return []
+    lines = [line.strip() for line in str(robot.cut).splitlines()]
+    if not robot.model.armature.any():
+        lines.append("rotors without inertia: the file names none")
+    return [("" if i else "the leg", line) for i, line in enumerate(lines)]
+
+
+def _beyond(excesses: Sequence[Excess]) -> list[tuple[str, str]]:
+    return [("" if i else "beyond its limits", str(excess)) for i, excess in enumerate(excesses)]
 
 
 def _electrical(summary: dict[str, Any]) -> list[tuple[str, str]]:

@@ -71,6 +71,11 @@ OPTIONS = {
         "--slope": (*NUMBER, "1.3", "-1.3"),
         "--foot-placement --free-x": NUMBER,
         "--foot-placement": ("0.1",),
+        "--robot": ("", "nothing", "no_such.urdf", "/", "."),
+        "--leg --robot=q_spear_full": ("", "FL", "hip"),
+        "--side --robot=q_spear_full": ("", "x", "0", "2", "-2", "1.5"),
+        "--body --robot=q_spear_full": (*TEXT, "nan", "inf", "-1"),
+        **dict.fromkeys(("--leg", "--side", "--body"), ("1",)),
         "--current-limit --hardware": (*TEXT, "nan", "-inf", "-1", "0"),  # an infinite one is none
         "--bandwidth --hardware": POSITIVE,
         "--noise --hardware": NOT_NEGATIVE,

@@ -58,6 +58,8 @@ class Looks:
 
 def read_looks(robot: Robot) -> Looks:
     """Shapes from the URDF the robot was loaded from; never fails, what is not drawn is in the notes."""
+    if robot.cut is not None:
+        return Looks(_bones(robot, set()), (f"drawn as bones: cut out of {robot.cut.of}",))
     try:
         root = document(robot)
     except SpearError as error:

@@ -1,0 +1,87 @@
+"""`spear hop --robot`: one leg of somebody else's robot, and one line for every mistake."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spear_pin import HoppingLaw, Spring, Trajectory, hopping, load, monopod, simulate
+from tests.cli.calls import printed, refused, run, words
+from tests.model.legged import quadruped
+
+
+@pytest.fixture(scope="module")
+def dog(tmp_path_factory):
+    path = tmp_path_factory.mktemp("robots") / "dog.urdf"
+    path.write_text(quadruped(), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def blank(tmp_path_factory):
+    """One whose knees may flex to either side."""
+    path = tmp_path_factory.mktemp("robots") / "blank.urdf"
+    path.write_text(quadruped(knee_limits=(-2.5, 2.5)), encoding="utf-8")
+    return path
+
+
+def test_a_leg_hops(capsys, dog, tmp_path):
+    """As the monopod that is cut out does by the Python API; page, plots and samples are its own."""
+    result = printed(capsys, "hop", "--robot", dog, "--leg", "HR", "--flight-time", "0.18", "--out", tmp_path)
+    robot = monopod(load(dog, base="fixed", motors="all"), "HR", locked=["boom_x"])
+    assert result["cut"] == str(robot.cut) and result["beyond_limits"] == []
+    assert result["residual"] < 1e-9 and result["energy_residual"] < 1e-8 * robot.mass * 9.81
+    trajectory = Trajectory.load(tmp_path / "hop.npz")
+    assert trajectory.cycles == 11
+    gait = hopping(
+        robot, replace(HoppingLaw.scaled(robot), stance_torque=result["stance_torque"]), Spring.scaled(robot)
+    )
+    hop = simulate(gait, (trajectory.q[0], trajectory.v[0]), 1)
+    np.testing.assert_allclose(hop.q[-1], trajectory.q[trajectory.cycle == 1][-1], rtol=0, atol=1e-8)
+    page = (tmp_path / "hop.html").read_text(encoding="utf-8")
+    assert "made_HR hopping in place" in page and "drawn as bones: cut out of made" in page
+
+
+def test_what_it_rests_on_is_printed(capsys, dog, tmp_path):
+    status, out, _ = run(capsys, "hop", "--robot", dog, "--flight-time", "0.18", "--cycles", "1", "--out", tmp_path)
+    assert status == 0
+    for said in (
+        "monopod of made",
+        "hip = FL_pitch, knee = -FL_bend",
+        "held at zero: FL_swing",
+        "toe out of the hip's",
+    ):
+        assert said in out
+
+
+def test_a_shipped_robot(capsys, tmp_path):
+    """SPEAR-II is a leg of its own, and hops as it does."""
+    named, plain = (printed(capsys, "hop", *words, "--out", tmp_path) for words in (("--robot", "spear_ii"), ()))
+    for name in ("stance_torque", "flight_time", "apex_height", "peak_force"):
+        assert named[name] == pytest.approx(plain[name], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--leg", "XX"], "unknown leg 'XX'; valid: FL, FR, HL, HR"),
+        (["--leg", "FL", "--side", "2"], "2"),
+        (["--body", "-1"], "-1"),
+        (["--body", "nan"], "nan"),
+        (["--hardware"], "nothing is known of the motors of another robot"),
+    ],
+    ids=words,
+)
+def test_mistakes(capsys, dog, options, said):
+    assert said in refused(capsys, "hop", "--robot", dog, *options)
+
+
+def test_a_knee_of_which_the_side_is_not_known(capsys, blank):
+    assert "--side is None; expected 1 or -1: made does not tell to which side" in refused(
+        capsys, "hop", "--robot", blank
+    )
+
+
+@pytest.mark.parametrize("option", [["--leg", "FL"], ["--side", "1"], ["--body", "2"], ["--repair"]], ids=words)
+def test_goes_with_a_robot(capsys, option):
+    assert f"{option[0]} is" in refused(capsys, "hop", *option)

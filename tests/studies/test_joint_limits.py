@@ -1,0 +1,57 @@
+"""Limits that a motion does not keep."""
+
+import numpy as np
+import pytest
+
+from spear_pin import simulate
+from spear_pin.studies.joint_limits import excesses
+
+
+@pytest.fixture(scope="module")
+def motion(hop):
+    return hop.system.robot, simulate(hop.system, hop.state, 1)
+
+
+def with_limits(robot, **limits):
+    """The robot with other limits of its knee."""
+    model = robot.model.copy()
+    row = robot.index("knee")
+    for name, value in limits.items():
+        column = getattr(model, name).copy()
+        column[row] = value
+        setattr(model, name, column)
+    return robot.with_model(model)
+
+
+def test_kept(motion):
+    robot, trajectory = motion
+    wide = {"upperEffortLimit": 1e3, "upperVelocityLimit": 1e2, "lowerPositionLimit": -9.0, "upperPositionLimit": 9.0}
+    assert excesses(with_limits(robot, **wide), trajectory) == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "limit", "what"),
+    [
+        ("upperEffortLimit", 3.0, "torque"),
+        ("upperVelocityLimit", 2.0, "rate"),
+        ("upperPositionLimit", 1.2, "angle"),
+        ("lowerPositionLimit", 0.99, "angle"),
+    ],
+)
+def test_exceeded(motion, name, limit, what):
+    """What is reached is the farthest beyond, of the samples themselves."""
+    robot, trajectory = motion
+    (found,) = excesses(with_limits(robot, **{name: limit}), trajectory)
+    knee = robot.coordinates.index("knee")
+    q, v, u = trajectory.q[:, knee], trajectory.v[:, knee], trajectory.u[:, 1]
+    reached = {"torque": abs(u).max(), "rate": abs(v).max(), "angle": q.min() if name.startswith("lower") else q.max()}
+    assert (found.joint, found.what, found.limit) == ("knee", what, limit)
+    assert found.value == reached[what] and f"{what} of the knee" in str(found)
+
+
+@pytest.mark.parametrize("unknown", [0.0, np.inf, 1e9])
+def test_unknown(motion, unknown):
+    """Files that know no limit say 0, or a number that none reaches."""
+    robot, trajectory = motion
+    free = with_limits(robot, upperEffortLimit=unknown, upperVelocityLimit=unknown)
+    assert excesses(free, trajectory) == ()
