@@ -7,12 +7,14 @@ joint each, and no meshes. MuJoCo need not be installed.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 from lxml import etree
 
 from spear_pin.errors import BadFile
@@ -25,7 +27,7 @@ PLACE = ("pos", "quat", "axisangle", "xyaxes", "zaxis", "euler")
 INERTIAL = (*PLACE, "mass", "diaginertia", "fullinertia")
 JOINTS = ("joint", "freejoint")
 JOINT_TYPES = ("free", "ball", "slide", "hinge")
-JOINT = ("axis", "pos", "frictionloss", "range", "ref", "actuatorfrcrange")
+JOINT = ("axis", "pos", "frictionloss", "actuatorfrcrange")
 GEOM = ("size", "mass", "density")
 # how many numbers an attribute has, where that is not free
 COUNTS = {
@@ -79,6 +81,11 @@ class _Writing:
     lost: dict[str, list[str]] = field(default_factory=dict)  # names of joints and bodies by what they lose
     bodies: int = 0
 
+    @property
+    def angle(self) -> float:
+        """The file's unit of angles, in rad."""
+        return 1.0 if self.compiler.get("angle") == "radian" else math.pi / 180
+
     def name(self, wanted: str, joint: bool = False) -> str:
         """A name that no other body, or joint, has."""
         taken = self.jointed if joint else self.taken
@@ -110,7 +117,7 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None) -> Mjcf:
     body, others = _robot(path, root)
     writing = _Writing(path, defaults, compiler, _names(root, "body", "site"), _names(root, *JOINTS))
     written = etree.Element("mujoco", model="robot")
-    etree.SubElement(written, "compiler", {key: compiler[key] for key in ("angle", "eulerseq") if key in compiler})
+    etree.SubElement(written, "compiler", angle="radian")
     world = etree.SubElement(written, "worldbody")
     trunk = _based(writing, body, base)
     if trunk.find("joint") is None and trunk.find("freejoint") is None:  # of such a one Pinocchio ignores the place
@@ -187,14 +194,16 @@ def _add_body(writing: _Writing, body: Any, parent: Any, inherited: str | None) 
     if writing.bodies > MAX_LINKS:
         raise BadFile(path, f"has more than {MAX_LINKS} bodies")
     name = body.get("name") or writing.name(f"body_{writing.bodies}")
-    copy = etree.SubElement(parent, "body", name=name)
+    children = list(body.iterchildren(etree.Element))
+    inner = copy = etree.SubElement(parent, "body")
     if not _floats(writing, body):  # the place of what floats is in q
-        _copy(path, body, copy, body.attrib, PLACE)
-    inner, children = copy, list(body.iterchildren(etree.Element))
+        _copy(writing, body, copy, body.attrib, PLACE)
     for child in (child for child in children if child.tag in JOINTS):
         if len(inner):  # one joint a body
-            inner = etree.SubElement(inner, "body", name=writing.name(f"{name}_{len(writing.joints)}"))
+            inner.set("name", writing.name(f"{name}_{len(writing.joints)}"))
+            inner = etree.SubElement(inner, "body")
         _add_joint(writing, child, inner, name, inherited)
+    inner.set("name", name)  # what all its joints move
     _add_mass(writing, body, inner, inherited)
     for child in children:
         if child.tag in UNREAD:
@@ -219,7 +228,11 @@ def _add_joint(writing: _Writing, joint: Any, body: Any, owner: str, inherited: 
         etree.SubElement(body, "freejoint", name=name)
         return
     copy = etree.SubElement(body, "joint", name=name, type=kind)
-    _copy(path, joint, copy, said, JOINT)
+    _copy(writing, joint, copy, said, JOINT)
+    if "range" in said:
+        unit, (ref, *_) = 1.0 if kind == "slide" else writing.angle, _values(path, joint, said.get("ref", "0"))
+        limits = (unit * (limit - ref) for limit in _counted(path, joint, said, "range"))
+        copy.set("range", " ".join(map(repr, limits)))
     auto = _true(writing.compiler.get("autolimits"), True)
     for limited, limits in (("limited", "range"), ("actuatorfrclimited", "actuatorfrcrange")):
         copy.set(limited, "true" if _true(said.get(limited), auto and limits in said) else "false")
@@ -238,7 +251,7 @@ def _add_mass(writing: _Writing, body: Any, copy: Any, inherited: str | None) ->
     path, inertial = writing.path, body.find("inertial")
     from_geoms = writing.compiler.get("inertiafromgeom", "auto")
     if inertial is not None and from_geoms != "true":
-        _copy(path, inertial, etree.SubElement(copy, "inertial"), inertial.attrib, INERTIAL)
+        _copy(writing, inertial, etree.SubElement(copy, "inertial"), inertial.attrib, INERTIAL)
         _check_inertial(path, body, inertial)
     elif from_geoms != "false":
         for geom in body.findall("geom"):
@@ -246,7 +259,7 @@ def _add_mass(writing: _Writing, body: Any, copy: Any, inherited: str | None) ->
             kind = said.get("type", "mesh" if "mesh" in said else "sphere")
             if kind in SOLIDS and "mesh" not in said:
                 placed = ("fromto",) if "fromto" in said else PLACE  # of both, MuJoCo heeds the former
-                _copy(path, geom, etree.SubElement(copy, "geom", type=kind), said, (*placed, *GEOM))
+                _copy(writing, geom, etree.SubElement(copy, "geom", type=kind), said, (*placed, *GEOM))
             elif kind != "plane" and _values(path, geom, said.get("mass", "1"))[0] > 0:
                 writing.lose("mass of a mesh", copy.get("name"))
 
@@ -272,17 +285,43 @@ def _add_point(writing: _Writing, element: Any, body: Any, inherited: str | None
         if name in writing.taken:
             return
         writing.taken.add(name)
-    _copy(writing.path, element, etree.SubElement(body, "site", name=name), said, PLACE)
+    _copy(writing, element, etree.SubElement(body, "site", name=name), said, PLACE)
 
 
-def _copy(path: Path, element: Any, copy: Any, said: Mapping[str, str], attributes: Iterable[str]) -> None:
+def _copy(writing: _Writing, element: Any, copy: Any, said: Mapping[str, str], attributes: Iterable[str]) -> None:
     for attribute in attributes:
         if attribute in said:
-            values = _values(path, element, said[attribute])
-            if len(values) != COUNTS.get(attribute, len(values)):
-                what = f"{attribute} of <{element.tag}> is {said[attribute]!r}"
-                raise BadFile(path, f"{what}; expected {COUNTS[attribute]} numbers", element.sourceline)
+            values = _counted(writing.path, element, said, attribute)
+            if attribute in ("euler", "axisangle"):
+                values, attribute = _quaternion(writing, element, attribute, values), "quat"
             copy.set(attribute, " ".join(map(repr, values)))
+
+
+def _quaternion(writing: _Writing, element: Any, notation: str, values: Sequence[float]) -> tuple[float, ...]:
+    """(w, x, y, z) of a rotation; Pinocchio takes capitals of an Euler sequence, and axes of any length, otherwise."""
+    turned = np.eye(3)
+    if notation == "euler":
+        sequence = writing.compiler.get("eulerseq", "xyz")
+        if len(sequence) != 3 or set(sequence.lower()) - set("xyz"):
+            raise BadFile(writing.path, f"has the eulerseq {sequence!r}; expected three of x, y, z, X, Y and Z")
+        for letter, angle in zip(sequence, values, strict=True):
+            turn = pin.utils.rotate(letter.lower(), angle * writing.angle)
+            turned = turned @ turn if letter.islower() else turn @ turned  # small about turned axes, capital about fixed
+    else:
+        axis = np.array(values[:3])
+        if not axis.any():
+            raise BadFile(writing.path, f"axisangle of <{element.tag}> has no axis", element.sourceline)
+        turned = pin.AngleAxis(values[3] * writing.angle, axis / np.linalg.norm(axis)).matrix()
+    x, y, z, w = map(float, pin.Quaternion(turned).coeffs())
+    return w, x, y, z
+
+
+def _counted(path: Path, element: Any, said: Mapping[str, str], attribute: str) -> tuple[float, ...]:
+    values = _values(path, element, said[attribute])
+    if len(values) != COUNTS.get(attribute, len(values)):
+        what = f"{attribute} of <{element.tag}> is {said[attribute]!r}"
+        raise BadFile(path, f"{what}; expected {COUNTS[attribute]} numbers", element.sourceline)
+    return values
 
 
 def _values(path: Path, element: Any, text: str) -> tuple[float, ...]:

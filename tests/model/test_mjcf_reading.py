@@ -330,3 +330,48 @@ class TestRefused:
 
 def load_quietly(path):
     return said(path)[0]
+
+
+TURNED = """<mujoco><compiler {}/><worldbody><body name="arm" {}><joint name="j" axis="0 1 0"/>
+  <inertial pos="0.1 0.02 -0.3" mass="1" diaginertia="0.1 0.2 0.25"/></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("compiler", "place", "order"),
+    [
+        ('angle="radian" eulerseq="XYZ"', 'euler="0.3 0.2 0.1"', "zyx"),  # capitals: about axes that stay
+        ('angle="radian" eulerseq="xYz"', 'euler="0.3 0.2 0.1"', "yxz"),
+        ("", f'euler="{np.degrees(0.3)} {np.degrees(0.2)} {np.degrees(0.1)}"', "xyz"),
+        ("", f'axisangle="0 3 0 {np.degrees(0.2)}"', "y"),  # of any length
+    ],
+)
+def test_turns_of_every_notation_are_mujocos(tmp_path, compiler, place, order):
+    path = tmp_path / "arm.xml"
+    path.write_text(TURNED.format(compiler, place))
+    rotation = load(path, motors="all").model.jointPlacements[1].rotation
+    expected = np.eye(3)
+    for letter in order:
+        expected = expected @ pin.utils.rotate(letter, {"x": 0.3, "y": 0.2, "z": 0.1}[letter])
+    np.testing.assert_allclose(rotation, expected, atol=1e-12)
+
+
+def test_a_body_of_several_joints_is_the_frame_that_all_of_them_move(tmp_path):
+    path = tmp_path / "hopper.xml"
+    slides = '<joint name="x" type="slide" axis="1 0 0"/><joint name="z" type="slide" axis="0 0 1"/>'
+    path.write_text(
+        f'<mujoco><worldbody><body name="torso" pos="0 0 1">{slides}<joint name="pitch" axis="0 1 0"/>'
+        f'<inertial pos="0 0 0.1" {I}/></body></worldbody></mujoco>'
+    )
+    np.testing.assert_allclose(load(path, motors="all").frame_position([0.3, 0.5, 0.2], "torso"), [0.3, 1.5])
+
+
+def test_ranges_of_slides_are_lengths_and_ref_is_taken_off_places_and_limits(tmp_path):
+    path = tmp_path / "lift.xml"
+    path.write_text(
+        f'<mujoco><worldbody><body name="lift" pos="0 0 1"><joint name="z" type="slide" ref="0.1" range="-1 2"/>'
+        f'<inertial pos="0 0 0.1" {I}/></body></worldbody></mujoco>'
+    )
+    with pytest.warns(RobotWarning, match="ref"):
+        lift = load(path, motors="all")
+    np.testing.assert_allclose(lift.limits["z"].position, (-1.1, 1.9))
+    np.testing.assert_allclose(lift.frame_position([0.0], "lift"), [0.0, 1.0])
