@@ -142,4 +142,10 @@ def _on_floating_joint(model: pin.Model) -> pin.Model:
     made, origin = pin.Model(), pin.SE3(np.eye(3), np.zeros(3))
     made.name, made.gravity = model.name, model.gravity
     frame = made.addJointFrame(made.addJoint(0, pin.JointModelFreeFlyer(), origin, name))
-    return pin.appendModel(made, model, frame, origin)
+    floating = pin.appendModel(made, model, frame, origin)
+    for each in ("armature", "rotorInertia", "rotorGearRatio"):  # which Pinocchio leaves behind
+        setattr(floating, each, np.concatenate([np.zeros(made.nv), getattr(model, each)]))
+    for posture in model.referenceConfigurations:
+        placed = np.concatenate([pin.neutral(made), posture.data()])
+        floating.referenceConfigurations[posture.key()] = placed
+    return floating

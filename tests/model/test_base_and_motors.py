@@ -166,3 +166,18 @@ def test_silent_where_everything_is_said(write, capfd):
         warnings.simplefilter("error")
         load(write(TRUNK), base="free", motors="all", repair=True)
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_model_on_a_base_that_floats_keeps_rotors_and_postures(write):
+    path = write(TRUNK)
+    model = load(path, base="fixed").model.copy()
+    model.armature, model.rotorGearRatio = np.array([0.3, 0.2]), np.array([7.0, -9.0])
+    model.referenceConfigurations["stand"] = np.array([0.4, 0.5])
+    floating, without = load(model, base="free", motors="all"), load(path, base="free")
+    q = pin.neutral(floating.model)
+    added = model.armature - load(path, base="fixed").model.armature
+    np.testing.assert_allclose(
+        floating.mass_matrix(q) - without.mass_matrix(q), np.diag([0.0] * 6 + [*added]), atol=1e-12
+    )
+    assert [floating.gear_ratio(joint) for joint in floating.actuated] == [7.0, -9.0]
+    np.testing.assert_array_equal(floating.model.referenceConfigurations["stand"], [0, 0, 0, 0, 0, 0, 1, 0.4, 0.5])
