@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,8 +35,13 @@ def limits_of(model: pin.Model) -> dict[str, Limits]:
             position = model.lowerPositionLimit[place], model.upperPositionLimit[place]
             bounded = joint.nq == 1 and position[0] < position[1]  # a joint without end has a cosine and a sine
             found[name] = Limits(
-                (float(position[0]), float(position[1])) if bounded else Limits.position,
-                float(model.upperVelocityLimit[row]),
-                float(model.upperEffortLimit[row]),
+                (_open(position[0]), _open(position[1])) if bounded else Limits.position,
+                _open(model.upperVelocityLimit[row]),
+                _open(model.upperEffortLimit[row]),
             )
     return found
+
+
+def _open(limit: float) -> float:
+    """A limit, infinite where it is the largest number there is, which models that are built by hand have."""
+    return float(limit) if abs(limit) < np.finfo(float).max else math.copysign(math.inf, limit)

@@ -8,6 +8,7 @@ joint each, and no meshes. MuJoCo need not be installed.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,12 +21,13 @@ from lxml import etree
 from spear_pin.errors import BadFile
 from spear_pin.model.elements import parse_number
 from spear_pin.model.mjcf_motors import Drive, read_drives
-from spear_pin.model.mjcf_sections import Defaults, include, read_defaults, section, settings
+from spear_pin.model.mjcf_sections import MAIN, Defaults, include, read_defaults, section, settings
 from spear_pin.model.urdf import BASE, MAX_LINKS, WORLD, Base
 
 PLACE = ("pos", "quat", "axisangle", "xyaxes", "zaxis", "euler")
 INERTIAL = (*PLACE, "mass", "diaginertia", "fullinertia")
 JOINTS = ("joint", "freejoint")
+UNIVERSE = "universe"
 JOINT_TYPES = ("free", "ball", "slide", "hinge")
 JOINT = ("axis", "pos", "frictionloss", "actuatorfrcrange")
 GEOM = ("size", "mass", "density")
@@ -115,6 +117,7 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None) -> Mjcf:
     if compiler.get("coordinate") == "global":
         raise BadFile(path, 'has global coordinates: let MuJoCo 2.3.3 or older save it with coordinate="local"')
     body, others = _robot(path, root)
+    _check_names(path, body, defaults)
     writing = _Writing(path, defaults, compiler, _names(root, "body", "site"), _names(root, *JOINTS))
     written = etree.Element("mujoco", model="robot")
     etree.SubElement(written, "compiler", angle="radian")
@@ -124,9 +127,12 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None) -> Mjcf:
         world = etree.SubElement(world, "body", name=writing.name(WORLD))
     _add_body(writing, trunk, world, None)
     drives, left_out = read_drives(path, root, defaults, writing.joints, _true(compiler.get("autolimits"), True))
-    gravity = _values(path, root, settings(root, "option").get("gravity", "0 0 -9.81"))
+    option = settings(root, "option")
+    gravity = _values(path, root, option.get("gravity", "0 0 -9.81"))
     if len(gravity) != 3:
         raise BadFile(path, f"has a gravity of {len(gravity)} numbers; expected 3")
+    if any(flag.get("gravity") == "disable" for flag in section(root, "option")):
+        gravity = (0.0, 0.0, 0.0)
     lost = [f"{what} of {_listed(names)}" for what, names in writing.lost.items()]
     lost += _beside(path, root, compiler, [other.get("name") or "nameless" for other in others]) + left_out
     notes = [f"not taken over: {'; '.join(lost)}"] if lost else []
@@ -137,6 +143,21 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None) -> Mjcf:
 
 def _names(root: Any, *tags: str) -> set[str]:
     return {each.get("name") for each in root.iter(*tags)} - {None}
+
+
+def _check_names(path: Path, body: Any, defaults: Defaults) -> None:
+    """Refuse joints and bodies of one name, the name that Pinocchio calls the world by, and classes that are not there."""
+    for tags in (("body",), JOINTS):
+        named = [each for each in body.iter(*tags) if each.get("name")]
+        for name, count in Counter(each.get("name") for each in named).items():
+            if count > 1:
+                raise BadFile(path, f"{tags[0]} {name!r} is defined {count} times")
+            if name == UNIVERSE:
+                raise BadFile(path, f"a {tags[0]} is called {name!r}, which is Pinocchio's name of the world")
+    for element in body.iter(etree.Element):
+        for attribute in ("class", "childclass"):
+            if element.get(attribute, MAIN) not in defaults.classes:
+                raise BadFile(path, f"there is no class {element.get(attribute)!r}", element.sourceline)
 
 
 def _robot(path: Path, root: Any) -> tuple[Any, list[Any]]:
@@ -160,9 +181,15 @@ def _beside(path: Path, root: Any, compiler: Mapping[str, str], bodies: list[str
         names = [each.get("name") or f"a {each.tag}" for each in section(root, tag)]
         if names:
             found.append(f"{what}, {_listed(names)}")
+    option = settings(root, "option")
     odd = [key for key, (usual, least) in MASSES.items() if _values(path, root, compiler.get(key, usual))[0] > least]
     odd += [key for key, usual in FLAGS.items() if compiler.get(key, usual) != usual]
-    return found + ([f"of <compiler> {_listed(odd)}"] if odd else [])
+    fluid = [key for key in ("density", "viscosity") if any(_values(path, root, option.get(key, "0")))]
+    return (
+        found
+        + ([f"of <compiler> {_listed(odd)}"] if odd else [])
+        + ([f"the fluid's {_listed(fluid)}"] if fluid else [])
+    )
 
 
 def _based(writing: _Writing, body: Any, base: Base | None) -> Any:
@@ -194,6 +221,8 @@ def _add_body(writing: _Writing, body: Any, parent: Any, inherited: str | None) 
     if writing.bodies > MAX_LINKS:
         raise BadFile(path, f"has more than {MAX_LINKS} bodies")
     name = body.get("name") or writing.name(f"body_{writing.bodies}")
+    if any(_values(path, body, body.get("gravcomp", "0"))):
+        writing.lose("gravcomp", name)
     children = list(body.iterchildren(etree.Element))
     inner = copy = etree.SubElement(parent, "body")
     if not _floats(writing, body):  # the place of what floats is in q
@@ -239,6 +268,7 @@ def _add_joint(writing: _Writing, joint: Any, body: Any, owner: str, inherited: 
     for what, numbers in (
         ("damping that is not viscous", higher),
         ("frictionloss", _values(path, joint, said.get("frictionloss", "0"))),
+        ("springdamper", _values(path, joint, said.get("springdamper", "0"))),
         ("stiffness", _values(path, joint, said.get("stiffness", "0"))),
         ("ref (q is MuJoCo's qpos less ref)", _values(path, joint, said.get("ref", "0"))),
     ):
@@ -260,6 +290,8 @@ def _add_mass(writing: _Writing, body: Any, copy: Any, inherited: str | None) ->
             if kind in SOLIDS and "mesh" not in said:
                 placed = ("fromto",) if "fromto" in said else PLACE  # of both, MuJoCo heeds the former
                 _copy(writing, geom, etree.SubElement(copy, "geom", type=kind), said, (*placed, *GEOM))
+                if said.get("shellinertia") == "true":
+                    writing.lose("shellinertia", body.get("name") or "nameless")
             elif kind != "plane" and _values(path, geom, said.get("mass", "1"))[0] > 0:
                 writing.lose("mass of a mesh", copy.get("name"))
 

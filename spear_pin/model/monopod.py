@@ -37,6 +37,7 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
         BadValue: the leg has other joints, such as an ankle, or it is not known to which side its knee flexes; or the
             mass is none.
     """
+    locked = tuple(locked)
     of = sided(simple(named_leg(robot.model, robot.legs, leg)))
     source = Source(robot)
     mass, mirrored = _body(source, robot, of, body), of.bends < 0
@@ -46,11 +47,11 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
     built.carry(robot, angles)
     moving = {turn.joint: name for name, (turn,) in angles.items()}
     return Robot(
-        hold(built.model, tuple(locked)),
+        hold(built.model, locked),
         name=built.model.name,
         toes=("toe",),
         actuated=[name for joint, name in moving.items() if joint in robot.actuated],
-        locked=tuple(locked),
+        locked=locked,
         source=f"monopod({robot.source!r}, {of.name!r})",
         cut=Cut(
             kind="monopod",

@@ -375,3 +375,44 @@ def test_ranges_of_slides_are_lengths_and_ref_is_taken_off_places_and_limits(tmp
         lift = load(path, motors="all")
     np.testing.assert_allclose(lift.limits["z"].position, (-1.1, 1.9))
     np.testing.assert_allclose(lift.frame_position([0.0], "lift"), [0.0, 1.0])
+
+
+def one_body(tmp_path, before="", body="", joint="", geom='<geom type="box" size="0.1 0.2 0.3" pos="0.1 0 0"/>'):
+    path = tmp_path / "one.xml"
+    path.write_text(
+        f'<mujoco>{before}<worldbody><body name="x" {body}><joint name="j" axis="0 1 0" {joint}/>{geom}</body>'
+        "</worldbody></mujoco>"
+    )
+    return path
+
+
+def test_gravity_that_is_disabled(tmp_path):
+    robot = load(one_body(tmp_path, '<option><flag gravity="disable"/></option>'), motors="all")
+    assert robot.gravity([0.3])[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("parts", "lost"),
+    [
+        ({"body": 'gravcomp="1"'}, "gravcomp of x"),
+        ({"joint": 'springdamper="0.1 1"'}, "springdamper of j"),
+        ({"geom": '<geom type="box" size="0.1 0.1 0.1" shellinertia="true"/>'}, "shellinertia of x"),
+        ({"before": '<option viscosity="1"/>'}, "the fluid's viscosity"),
+    ],
+)
+def test_what_acts_on_a_body_and_is_left_out_is_named(tmp_path, parts, lost):
+    with pytest.warns(RobotWarning, match=lost):
+        load(one_body(tmp_path, **parts), motors="all")
+
+
+@pytest.mark.parametrize(
+    ("parts", "problem"),
+    [
+        ({"joint": 'class="typo"'}, "there is no class 'typo'"),
+        ({"geom": '<geom size="0.1"/><body><joint name="j"/><geom size="0.1"/></body>'}, "joint 'j' is defined 2 times"),
+        ({"geom": '<geom size="0.1"/><body name="universe"><geom size="0.1"/></body>'}, "Pinocchio's name"),
+    ],
+)
+def test_names_that_mislead_are_refused(tmp_path, parts, problem):
+    with pytest.raises(BadFile, match=problem):
+        load(one_body(tmp_path, **parts), motors="all")

@@ -212,3 +212,9 @@ def test_what_is_projected_stays_a_body(write):
         assert np.linalg.eigvalsh(inertia.inertia)[0] > 0
     data = pin.Data(leg.model)
     assert pin.computeTotalMass(leg.model, data) == pytest.approx(leg.mass)
+
+
+def test_joints_to_lock_are_read_once():
+    leg = monopod(load("q_spear_full"), "anterior_left", locked=(joint for joint in ["boom_x"]))
+    assert leg.locked == ("boom_x",) and leg.coordinates == ("boom_z", "hip", "knee")
+    assert leg.limits["boom_z"].effort == float("inf")
