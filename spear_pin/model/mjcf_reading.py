@@ -22,12 +22,11 @@ from spear_pin.errors import BadFile
 from spear_pin.model.elements import parse_number
 from spear_pin.model.mjcf_motors import Drive, read_drives
 from spear_pin.model.mjcf_sections import MAIN, Defaults, include, read_defaults, section, settings
-from spear_pin.model.urdf import BASE, MAX_LINKS, WORLD, Base
+from spear_pin.model.urdf import BASE, MAX_LINKS, UNIVERSE, WORLD, Base
 
 PLACE = ("pos", "quat", "axisangle", "xyaxes", "zaxis", "euler")
 INERTIAL = (*PLACE, "mass", "diaginertia", "fullinertia")
 JOINTS = ("joint", "freejoint")
-UNIVERSE = "universe"
 JOINT_TYPES = ("free", "ball", "slide", "hinge")
 JOINT = ("axis", "pos", "frictionloss", "actuatorfrcrange")
 GEOM = ("size", "mass", "density")
@@ -146,14 +145,14 @@ def _names(root: Any, *tags: str) -> set[str]:
 
 
 def _check_names(path: Path, body: Any, defaults: Defaults) -> None:
-    """Refuse joints and bodies of one name, the name that Pinocchio calls the world by, and classes that are not there."""
+    """Refuse names that are taken, by Pinocchio for the world or twice, and classes that are not there."""
     for tags in (("body",), JOINTS):
         named = [each for each in body.iter(*tags) if each.get("name")]
         for name, count in Counter(each.get("name") for each in named).items():
             if count > 1:
                 raise BadFile(path, f"{tags[0]} {name!r} is defined {count} times")
-            if name == UNIVERSE:
-                raise BadFile(path, f"a {tags[0]} is called {name!r}, which is Pinocchio's name of the world")
+            if name == UNIVERSE and tags == JOINTS:
+                raise BadFile(path, f"a joint is called {name!r}, which is Pinocchio's name of the world")
     for element in body.iter(etree.Element):
         for attribute in ("class", "childclass"):
             if element.get(attribute, MAIN) not in defaults.classes:
@@ -260,8 +259,8 @@ def _add_joint(writing: _Writing, joint: Any, body: Any, owner: str, inherited: 
     _copy(writing, joint, copy, said, JOINT)
     if "range" in said:
         unit, (ref, *_) = 1.0 if kind == "slide" else writing.angle, _values(path, joint, said.get("ref", "0"))
-        limits = (unit * (limit - ref) for limit in _counted(path, joint, said, "range"))
-        copy.set("range", " ".join(map(repr, limits)))
+        ends = [unit * (end - ref) for end in _counted(path, joint, said, "range")]
+        copy.set("range", " ".join(map(repr, ends)))
     auto = _true(writing.compiler.get("autolimits"), True)
     for limited, limits in (("limited", "range"), ("actuatorfrclimited", "actuatorfrcrange")):
         copy.set(limited, "true" if _true(said.get(limited), auto and limits in said) else "false")
@@ -338,7 +337,7 @@ def _quaternion(writing: _Writing, element: Any, notation: str, values: Sequence
             raise BadFile(writing.path, f"has the eulerseq {sequence!r}; expected three of x, y, z, X, Y and Z")
         for letter, angle in zip(sequence, values, strict=True):
             turn = pin.utils.rotate(letter.lower(), angle * writing.angle)
-            turned = turned @ turn if letter.islower() else turn @ turned  # small about turned axes, capital about fixed
+            turned = turned @ turn if letter.islower() else turn @ turned  # capitals: about axes that stay
     else:
         axis = np.array(values[:3])
         if not axis.any():

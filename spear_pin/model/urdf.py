@@ -23,6 +23,7 @@ from spear_pin.model.transmissions import Transmission, read_transmissions
 MAX_LINKS = 500
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 AXLESS = ("fixed", "floating")  # joints whose axis means nothing
+UNIVERSE = "universe"
 BASE, WORLD = "base", "world"  # the joint and the link that are put under a root that is to float
 Base = Literal["free", "fixed"]
 
@@ -185,6 +186,8 @@ def _check_tree(path: Path, root: Any) -> str:
                 raise BadFile(path, f"a <{kind}> has no name")
             if count > 1:
                 raise BadFile(path, f"{kind} {name!r} is defined {count} times")
+            if name == UNIVERSE and kind == "joint":
+                raise BadFile(path, f"a joint is called {name!r}, which is Pinocchio's name of the world")
     parents: dict[str, str] = {}
     for joint in joints:
         name, line = joint.get("name"), joint.sourceline

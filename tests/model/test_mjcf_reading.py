@@ -409,8 +409,11 @@ def test_what_acts_on_a_body_and_is_left_out_is_named(tmp_path, parts, lost):
     ("parts", "problem"),
     [
         ({"joint": 'class="typo"'}, "there is no class 'typo'"),
-        ({"geom": '<geom size="0.1"/><body><joint name="j"/><geom size="0.1"/></body>'}, "joint 'j' is defined 2 times"),
-        ({"geom": '<geom size="0.1"/><body name="universe"><geom size="0.1"/></body>'}, "Pinocchio's name"),
+        (
+            {"geom": '<geom size="0.1"/><body><joint name="j"/><geom size="0.1"/></body>'},
+            "joint 'j' is defined 2 times",
+        ),
+        ({"geom": '<geom size="0.1"/><body><joint name="universe"/><geom size="0.1"/></body>'}, "Pinocchio's name"),
     ],
 )
 def test_names_that_mislead_are_refused(tmp_path, parts, problem):

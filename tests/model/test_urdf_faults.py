@@ -37,6 +37,7 @@ FAULTS = {
     "link defined twice": Fault(
         '<link name="base"/>', '<link name="base"/><link name="base"/>', ("link 'base'", "2 times")
     ),
+    "joint called as the world": Fault('"elbow" type', '"universe" type', ("joint", "universe", "Pinocchio's name")),
     "joint defined twice": Fault('"elbow" type', '"shoulder" type', ("joint 'shoulder'", "2 times")),
     "unknown joint type": Fault(
         '"elbow" type="revolute"',
