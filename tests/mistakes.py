@@ -33,7 +33,7 @@ def mistakes_in(file: str, tests: Iterable[str], texts: Mapping[str, tuple[str, 
 
 MUTATIONS = [
     *mistakes_in(
-        "model/loading",
+        "model/draft",
         ["model/test_dynamics", "hybrid/test_events", "hybrid/test_periodic"],
         {
             "gravity upward": (
@@ -44,7 +44,7 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "model/urdf",
+        "model/transmissions",
         ["model/test_dynamics", "hybrid/test_periodic"],
         {"rotors times N, not N²": ("self.gear_ratio**2", "self.gear_ratio")},
     ),

@@ -26,7 +26,7 @@ REQUIRED = (
     "jinja2",
     "markupsafe",
 )
-OPTIONAL = ("casadi", "heyoka", "joblib", "xarray", "zarr", "dask", "drake", "mujoco")
+OPTIONAL = ("casadi", "heyoka", "joblib", "xarray", "zarr", "dask", "drake", "mujoco", "example-robot-data")
 
 
 def add(commands: Commands) -> None:

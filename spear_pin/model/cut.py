@@ -213,9 +213,15 @@ class Assembly:
     Args:
         name: of the model.
         gravity: as of the robot's model.
+
+    Raises:
+        BadValue: gravity is not along z, which a cut's axes are taken by.
     """
 
     def __init__(self, name: str, gravity: Any) -> None:
+        if np.abs(gravity.linear[:2]).max() > ROUNDING:
+            expected = "along z: a slope is the ground's, `Ground(slope=…)`"
+            raise BadValue(f"gravity of {name}", tuple(gravity.linear.tolist()), expected)
         self.model = pin.Model()
         self.model.name, self.model.gravity = name, gravity
 

@@ -218,3 +218,12 @@ def test_joints_to_lock_are_read_once():
     leg = monopod(load("q_spear_full"), "anterior_left", locked=(joint for joint in ["boom_x"]))
     assert leg.locked == ("boom_x",) and leg.coordinates == ("boom_z", "hip", "knee")
     assert leg.limits["boom_z"].effort == float("inf")
+
+
+def test_gravity_that_is_not_along_z(write):
+    """The cut's axes would not be the robot's: a leg whose x points to the rear would fall the wrong way."""
+    robot = load(write(quadruped()))
+    model = robot.model.copy()
+    model.gravity = pin.Motion(np.array([1.0, 0.0, -9.81]), np.zeros(3))
+    with pytest.raises(BadValue, match="gravity of .*expected along z"):
+        monopod(robot.with_model(model), "FL")

@@ -259,7 +259,7 @@ FUNCTIONS: tuple[tuple[str, Callable[[], Mapping[str, Any]], Mapping[str, tuple[
     ("model.motor:Gearbox", lambda: {"ratio": 15.0}, {"ratio": POSITIVE, "efficiency": (*POSITIVE, 1.5)}),
     ("hybrid.hardware:Sensing", dict, {"angle_noise": NOT_NEGATIVE, "losses": NOT_NEGATIVE, "seed": COUNT[:4]}),
     (
-        "hybrid.hardware:with_hardware",
+        "hybrid.parameters:with_hardware",
         lambda: {"system": hop(), "hardware": None},
         {"system": OBJECT, "hardware": OPTIONAL},
     ),
