@@ -1,4 +1,4 @@
-"""What an automaton is made of, as data: domains, guards, resets. Engines assemble right-hand sides from it.
+"""Parts of an automaton, as data: domains, guards, resets. Engines assemble right-hand sides from it.
 
 Control laws and guards share one signature, `f(t, q, v, held, p, dyn, ops)`.
 

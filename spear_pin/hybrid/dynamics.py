@@ -1,4 +1,4 @@
-"""What control laws and guards may ask for: the dynamics where they are evaluated, and elementary functions.
+"""The seam between control laws and engines: the dynamics where laws are evaluated, and elementary functions.
 
 Scalars are whatever the engine reckons with: numbers, arrays of many lanes, symbols.
 """

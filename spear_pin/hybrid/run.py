@@ -252,7 +252,7 @@ class _Runner:
             self._close_cycle()
 
     def _reset(self, name: str, reset: Reset) -> Held:
-        """What an event does to the state, recorded and booked; returns what is held then.
+        """Reset the state at an event, record and book it; returns what is held then.
 
         Raises:
             _Undefined: what it latches has no value.

@@ -139,7 +139,7 @@ class Charts:
         return Charts(self.section.take(lanes), self.slides, *parts)
 
     def on(self, numbers: Mapping[str, Array]) -> Charts:
-        """The same coordinates of the section on other ground, see `Section.on`."""
+        """Charts with these coordinates on other ground, see `Section.on`."""
         return replace(self, section=self.section.on(numbers))
 
     def states(self, xi: Array) -> tuple[Array, Array]:

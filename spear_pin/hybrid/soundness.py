@@ -95,7 +95,7 @@ def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[
 
 
 def _held(latches: Sequence[Latch], q: list[float], v: list[float], law: Any) -> tuple[Latched, UnknownName | None]:
-    """What latches hold, each asked as soon as what it reads is held, and what is missing for the others."""
+    """Values that latches hold, each asked as soon as what it reads is held, and what is missing for the others."""
     held, waiting = Latched(), latches
     while True:
         asked, waiting, missing = waiting, list[Latch](), None

@@ -1,4 +1,4 @@
-"""What the impact of an event does to a robot's state."""
+"""Impacts of events on a robot's state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is cut out of a robot to move in the sagittal plane: inertias projected onto it, motors and limits carried over.
+"""Parts cut out of a robot to move in the sagittal plane: inertias projected onto it, motors and limits carried over.
 
 Where the cut came from, what its angles are, and what it leaves out is said by a `Cut`.
 """
@@ -67,7 +67,7 @@ class Turn(NamedTuple):
 
 @dataclass(frozen=True)
 class Cut:
-    """What a robot was cut out of, and what that leaves out. It prints in a few lines.
+    """Origin of a robot that was cut out of another, and what that leaves out. It prints in a few lines.
 
     Attributes:
         kind: "monopod" or "sagittal".
@@ -158,7 +158,7 @@ class Source:
         return set(range(self.model.njoints)).difference(*(self.below(leg.hip) for leg in legs))
 
     def lump(self, joints: Iterable[int]) -> pin.Inertia:
-        """What some joints move, as one body, in the world."""
+        """The bodies that some joints move, as one, in the world."""
         bodies = (self.data.oMi[joint].act(self.model.inertias[joint]) for joint in sorted(joints))
         return sum(bodies, pin.Inertia.Zero())
 

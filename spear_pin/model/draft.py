@@ -20,7 +20,7 @@ FLOATING = "JointModelFreeFlyer"
 
 @dataclass(frozen=True)
 class Draft:
-    """What a file, or a model, says of a robot.
+    """A robot as a file, or a model, describes it.
 
     Attributes:
         model: with armature, rotors and gear ratios set.
@@ -125,7 +125,7 @@ def of_model(model: pin.Model, base: Base | None) -> Draft:
 
 
 def fixed_trunk(model: pin.Model, root: str, base: Base | None) -> list[str]:
-    """What to say of a root that has inertia and does not move, unless that was asked for."""
+    """Warning of a root that has inertia and does not move, unless that was asked for."""
     mass = float(model.inertias[0].mass)
     if base is not None or mass <= 0.0:
         return []

@@ -17,7 +17,7 @@ SUFFIXES = ("_description", "_data")  # of the folder of a robot, which are no p
 
 
 class Outline(NamedTuple):
-    """What can be told of a URDF at a glance: its base as the file has it, the mass in kg."""
+    """A URDF at a glance: its base as the file has it, the mass in kg."""
 
     links: int
     degrees_of_freedom: int

@@ -79,7 +79,7 @@ def with_inertia(path: str | Path, model: pin.Model, repair: bool) -> tuple[pin.
 
 
 def _fault(path: str | Path, model: pin.Model) -> tuple[str | None, str] | None:
-    """What makes the mass matrix singular: the joint that an armature would mend, if any, and what is wrong."""
+    """Cause of a singular mass matrix: the joint that an armature would mend, if any, and what is wrong."""
     data = pin.Data(model)
     rng = np.random.default_rng(0)
     for _ in range(3):

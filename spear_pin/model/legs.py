@@ -41,7 +41,7 @@ SIDES: Mapping[str, Mapping[str, int]] = MappingProxyType(
 
 @runtime_checkable
 class LeggedRobot(Protocol):
-    """What legs are found in: a `Robot`."""
+    """A robot in which legs are found: a `Robot`."""
 
     model: pin.Model
     toes: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""What the joints of a robot may do, as its file says."""
+"""Limits of a robot's joints, as its file gives them."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ class Mjcf:
 
 @dataclass
 class _Writing:
-    """What is known while a tree of bodies is written."""
+    """State of the writing of a tree of bodies."""
 
     path: Path
     defaults: Defaults
@@ -100,7 +100,7 @@ class _Writing:
 
 
 def mjcf_of(path: Path, root: Any, base: Base | None = None) -> Mjcf:
-    """What the dynamics needs of an MJCF file, from its root element.
+    """The dynamics of an MJCF file, from its root element.
 
     Args:
         path: of the file.
@@ -174,7 +174,7 @@ def _robot(path: Path, root: Any) -> tuple[Any, list[Any]]:
 
 
 def _beside(path: Path, root: Any, compiler: Mapping[str, str], bodies: list[str]) -> list[str]:
-    """What a file has beside its robot that would act on it."""
+    """Elements beside the robot that would act on it."""
     found = [f"the bodies beside it, {_listed(bodies)}"] if bodies else []
     for tag, what in (("equality", "equality constraints"), ("tendon", "tendons")):
         names = [each.get("name") or f"a {each.tag}" for each in section(root, tag)]

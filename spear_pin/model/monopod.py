@@ -87,7 +87,7 @@ def _assembled(name: str, robot: Robot, mass: float, limb: Limb) -> Assembly:
 
 
 def _neglected(leg: Leg, limb: Limb) -> tuple[Amount, ...]:
-    """What is out of the plane of the hip."""
+    """Amounts out of the plane of the hip."""
     bodies = (limb.thigh, limb.shank)
     aside = max(abs(float(body.lever[1] - limb.hip[1])) for body in bodies)
     return (

@@ -263,7 +263,7 @@ def _with_body(load: _Load, body: Body, joint: _Joint, gravity: float) -> _Load:
 
 
 def _hung(above: _Load, load: _Load, body: Body, arm: Vector) -> _Load:
-    """What a joint carries together with the load of one that hangs on it at an arm."""
+    """Load of a joint together with the load of one that hangs on it at an arm."""
     length = _dot(body.placement, body.placement) if body.turns else _dot(arm, arm)
     return _Load(
         above.mass + load.mass,

@@ -199,7 +199,7 @@ def _asymmetric(robot: Robot, pairs: Sequence[Pair], trunk: pin.Inertia, origin:
 
 
 def _neglected(pairs: Sequence[Pair], trunk: pin.Inertia) -> tuple[Amount, ...]:
-    """What is out of the plane, or of that of its leg."""
+    """Amounts out of the plane, or of that of its leg."""
     across = max(abs(leg.across) for pair in pairs for leg in pair.legs)
     return (
         Amount("toes out of their hips' planes by", across, "m"),

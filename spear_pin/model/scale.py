@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 class Scale(NamedTuple):
-    """What torques and times of SPEAR-II are multiplied by to do the same for another robot.
+    """Factors of SPEAR-II's torques and times that do the same for another robot.
 
     Attributes:
         torque: of torques and stiffnesses: the ratio of m g l, of the robot's mass and its leg's length.

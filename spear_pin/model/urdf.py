@@ -69,7 +69,7 @@ def read_urdf(path: str | Path, base: Base | None = None, repair: bool = False) 
 
 
 def urdf_of(path: Path, root: Any, base: Base | None = None, repair: bool = False) -> Urdf:
-    """What `read_urdf` reads, from the root element of the file."""
+    """A description from the root element of the file, for `read_urdf`."""
     if root.tag == "mujoco":
         raise BadFile(path, "is an MJCF file, where a URDF is needed")
     if root.tag != "robot":

@@ -319,7 +319,7 @@ class Motion:
 
 
 def _asked(what: str, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """What a law, a guard or the ground says.
+    """Answer of a law, a guard or the ground.
 
     Raises:
         NotSymbolic: it does not take such scalars.
