@@ -42,6 +42,7 @@ def test_a_leg_hops(capsys, dog, tmp_path):
     assert "made_HR hopping in place" in page and "drawn as bones: cut out of made" in page
 
 
+@pytest.mark.slow
 def test_what_it_rests_on_is_printed(capsys, dog, tmp_path):
     status, out, _ = run(capsys, "hop", "--robot", dog, "--flight-time", "0.18", "--cycles", "1", "--out", tmp_path)
     assert status == 0
@@ -54,6 +55,7 @@ def test_what_it_rests_on_is_printed(capsys, dog, tmp_path):
         assert said in out
 
 
+@pytest.mark.slow
 def test_a_shipped_robot(capsys, tmp_path):
     """SPEAR-II is a leg of its own, and hops as it does."""
     named, plain = (printed(capsys, "hop", *words, "--out", tmp_path) for words in (("--robot", "spear_ii"), ()))

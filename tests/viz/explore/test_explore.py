@@ -272,6 +272,7 @@ class TestPage:
         assert [each["knobs"]["stiffness"] for each in timed] == [47.0, 47.6, 48.2]
         assert all(0.0 < each["simulate"] < each["total"] for each in timed)
 
+    @pytest.mark.slow
     def test_while_an_answer_is_awaited_only_the_latest_wish_is_kept(self, browser, server):
         visit(browser, server, "#t=0.15")
         asked = browser.run("""(async () => {
@@ -302,6 +303,7 @@ class TestPage:
         visit(browser, server, address)
         assert browser.run("explorer.state.hop.knobs") == Knobs(stiffness=52.0, friction=0.4).values
 
+    @pytest.mark.slow
     def test_a_shared_address_out_of_range_is_refused_in_words(self, browser, server):
         visit(browser, server, "?stiffness=1000")
         assert "expected a number from 20 to 100, in N·m/rad" in text(browser, "problem")
@@ -309,6 +311,7 @@ class TestPage:
         move(browser, "friction", 0.5)
         assert browser.run("document.getElementById('problem').hidden") is True
 
+    @pytest.mark.slow
     def test_where_there_is_no_hop_it_says_why(self, browser, server):
         visit(browser, server, "?stance_torque=10.5#t=0.15")
         assert "the run ends 2 hops after the default hop" in text(browser, "verdict")
