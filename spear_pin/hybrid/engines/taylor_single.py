@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.elimination import dot, factorize, substitute
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.taylor import FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, operations, require
-from spear_pin.hybrid.rules.entry import AHEAD, NONE, bent, clear, falls, stays_on_zero, thresholds
+from spear_pin.hybrid.rules.entry import AWAY, NONE, bent, clear, falls, stays_on_zero, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness, footing
 from spear_pin.hybrid.rules.impact import routh
 
 Array = NDArray[np.float64]
 UNCLEAR = -2  # an event on entering a domain that is, or may be, one only later than `AHEAD`
+AHEAD = AWAY[0]  # s: the only step that is tried
 OF_TOE = len(Footing._fields)
 
 
@@ -114,7 +115,9 @@ def entering(code: Compiled) -> Any:
     """
     t, y, k1 = require().time, code.state, code.here.slopes
     k2 = code.field(t + 0.5 * AHEAD, [x + 0.5 * AHEAD * k for x, k in zip(y, k1, strict=True)]).slopes
-    state = [x + AHEAD * k for x, k in zip(y, k2, strict=True)]
+    ends = [x + AHEAD * (2.0 * b - a) for x, a, b in zip(y, k1, k2, strict=True)]
+    k3 = code.field(t + AHEAD, ends).slopes  # Kutta's third order: where toes begin to slide, the second shows
+    state = [x + AHEAD / 6.0 * (a + 4.0 * b + c) for x, a, b, c in zip(y, k1, k2, k3, strict=True)]
     later = code.field(t + AHEAD, state)
     feet = [number for toe, mode in code.closed for number in footing(code.here.motion, toe, mode)]
     outputs = [*code.here.guards, *feet, *code.here.kinks, *later.guards, *later.kinks, *state]

@@ -18,7 +18,6 @@ from spear_pin.hybrid.domain import Guard
 
 Array = NDArray[np.float64]
 GLIMPSES = (1e-7, 1e-6, 1e-5)  # s: how far a guard on zero is followed to tell whether it rises or falls
-AHEAD = 1e-7  # s: so short a step takes guards off zero that the midpoint rule leaves out no more than rounding
 AWAY = (1e-6, 1e-7, 1e-8, 1e-5, 1e-4)  # s: steps, tried in turn, that take guards on zero off it before none falls
 CHANGE = 1e-14  # of a guard's value, in its unit: less is rounding
 BENT = 1e-9  # what changes sign at a kink is on zero within this, in its unit
