@@ -398,9 +398,13 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "gaits/gait",
-        ["gaits/test_gait"],
-        {"a saved gait forgets what is locked": ('"locked": robot.locked', '"locked": ()')},
+        "model/origin",
+        ["gaits/test_gait", "model/test_origin"],
+        {
+            "a saved gait forgets what is locked": ('"locked": list(robot.locked)', '"locked": []'),
+            "a saved cut forgets its mass": ('"body": cut.body, "of"', '"body": 0.0, "of"'),
+            "a cut is not looked at again": ("= not _again(robot)", "= False"),
+        },
     ),
     *mistakes_in(
         "files",

@@ -154,12 +154,15 @@ def _size(text: str) -> tuple[int, int]:
 
 
 def _moving(arguments: argparse.Namespace, trajectory: Trajectory) -> Robot:
-    """The robot of a trajectory, whose joints that it does not have are locked."""
+    """The robot of a trajectory; joints that it does not have are locked in one that is given."""
     from spear_pin.model.loading import load
+    from spear_pin.model.origin import robot_of
 
     try:
+        if arguments.robot is None and trajectory.origin is not None:
+            return robot_of(trajectory.origin)
         whole = load(trajectory.robot if arguments.robot is None else arguments.robot)
-    except SpearError as error:
+    except (SpearError, ValueError) as error:
         if arguments.robot is not None:
             raise
         raise BadFile(arguments.what, f"its robot is not found: {error}; give it by --robot") from None

@@ -55,6 +55,7 @@ def add(commands: Commands) -> None:
     hardware.add_argument("--losses", type=float, metavar="1/S", help="commands lost, for 5 ms each (default: 0)")
     hardware.add_argument("--seed", type=int, metavar="N", help="of noise and losses (default: 0)")
     add_leg(parser)
+    parser.add_argument("--save", action="store_true", help="write hop.json too, the gait for Gait.load")
     add_simulation(parser, 11, "hops", "hop.html")
 
 
@@ -86,6 +87,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     spring = replace(spring, **{name: value for name in SPRING if (value := getattr(arguments, name)) is not None})
     friction = {} if arguments.friction is None else {"friction": arguments.friction}
     rig = _rig(arguments)
+    if rig is not None and arguments.save:
+        raise BadValue("--save", True, "to go without --hardware, which a saved gait does not keep")
     if rig is not None and other is not None:
         raise BadValue("--hardware", True, "SPEAR-II's own: nothing is known of the motors of another robot")
     driven = None if rig is None else rig.on(robot)
@@ -100,6 +103,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     gait = _solved(system, times, arguments.free_x)
     trajectory = simulate(with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol)
     samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
+    saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
     beyond = excesses(robot, trajectory)
     summary = summarize(gait, trajectory) | {"beyond_limits": [asdict(excess) for excess in beyond]}
     if robot.cut is not None:
@@ -114,7 +118,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     }
     if trajectory.cycles:
         pictures[plots] = lambda path: save_figure(hop_summary(trajectory, gait), path)
-    files = [page, samples, *([plots] if plots in pictures else [])]
+    files = [page, samples, *([plots] if plots in pictures else []), *saved]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],

@@ -50,7 +50,7 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
         hold(built.model, locked),
         name=built.model.name,
         toes=("toe",),
-        actuated=[name for joint, name in moving.items() if joint in robot.actuated],
+        actuated=[name for joint, name in moving.items() if joint in robot.actuated and name not in locked],
         locked=locked,
         source=f"monopod({robot.source!r}, {of.name!r})",
         cut=Cut(
@@ -60,6 +60,8 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
             body=mass,
             angles=angles,
             held=() if of.abduction is None else (of.abduction,),
+            robot=robot,
+            legs=((of,),),
             sides={"leg": 1},
             mirrored=mirrored,
             neglected=_neglected(of, limb),

@@ -66,6 +66,8 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
             body=float(trunk.mass),
             angles=angles,
             held=_held(robot, angles),
+            robot=robot,
+            legs=tuple(pair.legs for pair in found),
             sides={end: pair.bends for end, pair in zip(ENDS, found, strict=True) if pair.bends},
             asymmetric=_asymmetric(robot, found, trunk, origin),
             neglected=_neglected(found, trunk),

@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin import HoppingLaw, Spring, Trajectory, hopping, load, monopod, simulate
+from spear_pin import Gait, HoppingLaw, Spring, Trajectory, hopping, load, monopod, simulate
+from spear_pin.hybrid.periodic import residual
+from spear_pin.model.origin import robot_of
 from tests.cli.calls import printed, refused, run, words
 from tests.model.legged import quadruped
 
@@ -40,6 +42,26 @@ def test_a_leg_hops(capsys, dog, tmp_path):
     np.testing.assert_allclose(hop.q[-1], trajectory.q[trajectory.cycle == 1][-1], rtol=0, atol=1e-8)
     page = (tmp_path / "hop.html").read_text(encoding="utf-8")
     assert "made_HR hopping in place" in page and "drawn as bones: cut out of made" in page
+
+
+def test_a_leg_is_saved(capsys, dog, tmp_path):
+    """The gait and the samples know the robot that was cut, and the leg."""
+    asked = ("--leg", "HR", "--flight-time", "0.18", "--cycles", "1", "--save", "--out", tmp_path)
+    result = printed(capsys, "hop", "--robot", dog, *asked)
+    assert str(tmp_path / "hop.json") in result["files"]
+    gait, robot = (
+        Gait.load(tmp_path / "hop.json"),
+        monopod(load(dog, base="fixed", motors="all"), "HR", locked=["boom_x"]),
+    )
+    assert gait.system.robot.model == robot.model and str(gait.system.robot.cut) == result["cut"]
+    assert gait.residual == result["residual"] and residual(gait.system, gait.state) < 1e-9
+    trajectory = Trajectory.load(tmp_path / "hop.npz")
+    moved = robot_of(trajectory.origin)
+    assert moved.model == robot.model and moved.coordinates == trajectory.coordinates
+
+
+def test_hardware_is_not_saved(capsys):
+    assert "--save is True; expected to go without --hardware" in refused(capsys, "hop", "--hardware", "--save")
 
 
 @pytest.mark.slow

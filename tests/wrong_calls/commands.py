@@ -211,6 +211,7 @@ LINES = (
     "hop --bandwidth 5",
     "hop --seed 5",
     "hop --hardware --noise nan --json",
+    "hop --hardware --save",
     "push-test --ratio 15 --no-motor",
     "push-test --ratios 15 --duration nan",
     "push-test --ratios 15 --write-csv x",
