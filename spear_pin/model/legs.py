@@ -100,7 +100,23 @@ class Leg:
         It is half of the knee's where thigh and shank are as long. The angle of the line from hip to toe is that
         of the hip less this.
         """
-        return math.atan2(self.shank * math.sin(knee), self.thigh + self.shank * math.cos(knee))
+        return float(lean(self.thigh, self.shank, knee, math)[0])
+
+
+def lean(thigh: Any, shank: Any, knee: Any, ops: Any) -> tuple[Any, Any, Any]:
+    """The hip's angle with the toe straight below it, as of `Leg.lean`, its slope and its curvature over the knee's.
+
+    Args:
+        thigh: length, in m.
+        shank: length, in m.
+        knee: its angle in the convention, in rad.
+        ops: has sin, cos and atan2 of what the angle is: `math`, NumPy, a module of symbols.
+    """
+    sine, cosine = ops.sin(knee), ops.cos(knee)
+    along = thigh * shank * cosine
+    square, slope = thigh * thigh + shank * shank + 2.0 * along, shank * shank + along  # of hip to toe; times that
+    curvature = thigh * shank * (shank * shank - thigh * thigh) * sine / (square * square)
+    return ops.atan2(shank * sine, thigh + shank * cosine), slope / square, curvature
 
 
 @typed
@@ -193,6 +209,18 @@ def simple(leg: Leg) -> Leg:
     """
     if leg.others:
         expected = f"a leg of hip and knee; {', '.join(leg.others)} would have to be locked (load(..., locked=[...]))"
+        raise BadValue("leg", leg.name, expected)
+    return leg
+
+
+def in_convention(leg: Leg) -> Leg:
+    """The leg, if its joints' own angles are those of the convention.
+
+    Raises:
+        BadValue: an axis or a zero is another.
+    """
+    if (leg.hip_sign, leg.knee_sign, leg.hip_zero, leg.knee_zero) != (1, 1, 0.0, 0.0):
+        expected = "hip and knee with SPEAR-II's signs and zeros, as of monopod(...) and sagittal(...)"
         raise BadValue("leg", leg.name, expected)
     return leg
 
