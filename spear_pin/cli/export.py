@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from spear_pin.model.robot import Robot
 
 ROBOT = {"mjcf": "xml", "srdf": "srdf"}  # formats of a robot, and how their files end
-URDF = (".urdf", ".xml")  # how its files mostly end
+URDF = (".urdf", ".xml", ".toml")  # how its files mostly end
 TRAJECTORY = {"csv": "csv", "mat": "mat", "png": "png", "mp4": "mp4"}
 # what each option goes with
 NEEDS = {
@@ -35,7 +35,7 @@ def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     summary = "write a robot for other programs, or a trajectory as a table, a picture or a film"
     parser = add_command(commands, "export", run, summary)
-    parser.add_argument("what", help="a robot's name, the path of a URDF, or a trajectory that was saved (.npz)")
+    parser.add_argument("what", help="a robot's name, the path of its file, or a trajectory that was saved (.npz)")
     add_out(parser, "the files")
     robot = parser.add_argument_group("of a robot")
     robot.add_argument("--mjcf", action="store_true", help="MuJoCo's format, with rotors, motors, toes and ground")

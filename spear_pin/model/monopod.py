@@ -10,8 +10,8 @@ import pinocchio as pin
 from spear_pin.errors import require
 from spear_pin.kinds import typed
 from spear_pin.model.cut import AHEAD, UP, Amount, Assembly, Cut, Limb, Source, products
+from spear_pin.model.fitting import hold
 from spear_pin.model.legs import Leg, named_leg, sided, simple
-from spear_pin.model.loading import hold
 from spear_pin.model.robot import Robot
 
 SHARE = "share"
@@ -53,6 +53,7 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
         actuated=[name for joint, name in moving.items() if joint in robot.actuated and name not in locked],
         locked=locked,
         source=f"monopod({robot.source!r}, {of.name!r})",
+        settings=None if robot.settings is None else robot.settings.of_cut(angles),
         cut=Cut(
             kind="monopod",
             of=robot.name,

@@ -16,7 +16,8 @@ import pinocchio as pin
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.kinds import typed
 from spear_pin.model.elements import MAX_NUMBER
-from spear_pin.model.loading import hold, load
+from spear_pin.model.fitting import hold
+from spear_pin.model.loading import load
 from spear_pin.model.recut import LIKE, recut
 from spear_pin.model.robot import Robot
 

@@ -60,6 +60,46 @@ def test_a_leg_is_saved(capsys, dog, tmp_path):
     assert moved.model == robot.model and moved.coordinates == trajectory.coordinates
 
 
+@pytest.fixture(scope="module")
+def told(blank):
+    """A TOML file that says what that URDF cannot: sides, springs and motors."""
+    path = blank.with_name("told.toml")
+    path.write_text(
+        """
+        urdf = "blank.urdf"
+        base = "free"
+        legs.HR.side = 1
+        springs.knee = {stiffness = 14.2, damping = 0.277}
+        motors.hip = {motor = "faulhaber_3863h024cr", rotor_inertia = 1e-4}
+        motors.knee = {motor = "faulhaber_3863h024cr", rotor_inertia = 1e-4, efficiency = 0.9}
+        """,
+        encoding="utf-8",
+    )
+    return path
+
+
+def test_a_file_says_springs_and_sides(capsys, told, tmp_path):
+    asked = ("hop", "--robot", told, "--leg", "HR", "--flight-time", "0.18", "--cycles", "1", "--out", tmp_path)
+    result = printed(capsys, *asked, "--save")
+    assert result["stiffness"] == 14.2
+    gait = Gait.load(tmp_path / "hop.json").system
+    assert gait.spring == Spring(14.2, 0.277) == gait.robot.settings.springs["knee"]
+    assert printed(capsys, *asked, "--stiffness", "14")["stiffness"] == 14.0
+
+
+@pytest.mark.slow
+def test_a_file_says_motors(capsys, told, tmp_path):
+    asked = ("--leg", "HR", "--flight-time", "0.18", "--cycles", "1", "--out", tmp_path)
+    result = printed(capsys, "hop", "--robot", told, *asked, "--hardware", "--current-limit", "40")
+    assert set(result["peak_current"]) == {"hip", "knee"} and "electrical" in result
+
+
+def test_a_file_that_is_wrong(capsys, told):
+    wrong = told.with_name("wrong.toml")
+    wrong.write_text('urdf = "blank.urdf"\nlegs.HR.side = 3\n', encoding="utf-8")
+    assert "wrong.toml: legs.HR.side is 3; expected 1 or -1" in refused(capsys, "hop", "--robot", wrong)
+
+
 def test_hardware_is_not_saved(capsys):
     assert "--save is True; expected to go without --hardware" in refused(capsys, "hop", "--hardware", "--save")
 
@@ -92,7 +132,7 @@ def test_a_shipped_robot(capsys, tmp_path):
         (["--leg", "FL", "--side", "2"], "2"),
         (["--body", "-1"], "-1"),
         (["--body", "nan"], "nan"),
-        (["--hardware"], "nothing is known of the motors of another robot"),
+        (["--hardware"], "nothing is known of that of the hip of another robot"),
     ],
     ids=words,
 )

@@ -71,7 +71,7 @@ OPTIONS = {
         "--slope": (*NUMBER, "1.3", "-1.3"),
         "--foot-placement --free-x": NUMBER,
         "--foot-placement": ("0.1",),
-        "--robot": ("", "nothing", "no_such.urdf", "/", "."),
+        "--robot": ("", "nothing", "no_such.urdf", "no_such.toml", "/", "."),
         "--leg --robot=q_spear_full": ("", "FL", "hip"),
         "--side --robot=q_spear_full": ("", "x", "0", "2", "-2", "1.5"),
         "--body --robot=q_spear_full": (*TEXT, "nan", "inf", "-1"),
