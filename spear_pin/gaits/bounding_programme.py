@@ -37,7 +37,7 @@ from spear_pin.model.spring import PAIR_STIFFNESS
 
 Array = NDArray[np.float64]
 CONE = 0.98  # of the friction asked for: what the collocation's error may use up
-WITHIN, AWAY = 0.98, 0.01  # of a torque's or a rate's limit, and rad from an angle's, for the same
+WITHIN, AWAY = 0.95, 0.01  # of a torque's or a rate's limit, and rad from an angle's, for the same
 END = {True: 0.98, False: 1.02}  # s at the end of a stance, where the polynomial is not to run out, and of a flight
 KNEE_REST, HEIGHT = BoundingLaw.knee_rest, 0.57  # rad, m: of Q-SPEAR's knees, and of the hips they hold up
 ANGLES, FLEXIONS = (-STEEPEST, STEEPEST), (-0.2, FLEXED)  # rad: of Bézier coefficients of leg angles and knees

@@ -29,7 +29,6 @@ Array = NDArray[np.float64]
 COARSE, FINE = 6, 10  # intervals of each phase, for a cold start and for what is polished
 ATTEMPTS, APART = 3, 1000  # initial guesses of a cold search, and between their seeds
 PATIENCE = 300  # iterations of each; one that succeeds takes 40 to 250
-STICKY = 0.8  # coefficient of friction that is enough to begin with
 MET = 1e-5  # of a wish's scale: missed by less, it is met
 
 
@@ -75,32 +74,30 @@ def search(
     return polish(robot, transcription, solution, contact), solution
 
 
-def stages(request: Request) -> list[Request]:
-    """Requests on the way to one, from an easier one on: the last differs from it in the objective at most.
+def _cold(robot: Robot, request: Request, seed: int, on_iteration: Progress | None) -> Solution:
+    """A solution on a coarse mesh, from several initial guesses, each at once or by stages."""
+    for attempt in range(ATTEMPTS):
+        for way in ways(request):
+            start = None
+            for stage in way:
+                transcription = transcribe(robot, stage, COARSE, seed=seed + attempt * APART, start=start)
+                solution = transcription.programme.solve(iterations=PATIENCE, on_iteration=on_iteration)
+                if not solution.success:
+                    break
+                start = resampled(solution)
+            if solution.success:
+                return solution
+    raise obstacle(transcription, solution)
 
-    Effort, the easiest objective, leads to others, and what a robot's joints could do without limits to what they can.
+
+def ways(request: Request) -> list[list[Request]]:
+    """Ways to a request from cold, each by stages, from an easier request on to one that leads to it.
+
+    Effort, the easiest objective, leads to others, and what joints could do without limits to what they can.
     """
     last = request if request.objective == "violation" else replace(request, objective="effort")
-    slack = replace(last, within_limits=False, friction=max(last.friction, STICKY)) if last.within_limits else last
-    return list(dict.fromkeys([slack, last]))
-
-
-def _cold(robot: Robot, request: Request, seed: int, on_iteration: Progress | None) -> Solution:
-    """A solution on a coarse mesh: of the first stage from several initial guesses, of others from the one before."""
-    first, *others = stages(request)
-    for attempt in range(ATTEMPTS):
-        transcription = transcribe(robot, first, COARSE, seed=seed + attempt * APART)
-        solution = transcription.programme.solve(iterations=PATIENCE, on_iteration=on_iteration)
-        if solution.success:
-            break
-    for stage in others if solution.success else ():
-        transcription = transcribe(robot, stage, COARSE, start=resampled(solution))
-        solution = transcription.programme.solve(iterations=PATIENCE, on_iteration=on_iteration)
-        if not solution.success:
-            break
-    if not solution.success:
-        raise obstacle(transcription, solution)
-    return solution
+    slack = replace(last, within_limits=False)
+    return [[last]] if slack == last else [[last], [slack, last]]
 
 
 def polish(robot: Robot, transcription: Transcription, solution: Solution, contact: Contact | None = None) -> Gait:

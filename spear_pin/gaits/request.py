@@ -7,6 +7,7 @@ from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.gaits.bounding_law import BoundingLaw, Leg, legs_of
+from spear_pin.hybrid.contact import Contact
 from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive
 from spear_pin.model.robot import Robot
@@ -91,7 +92,8 @@ class Request:
         """Q-SPEAR's request for a robot of another size, within the limits of its joints.
 
         Forces go by m g, torques and stiffnesses by m g l, times by √(l/g), speeds by √(g l). A knee that cannot
-        straighten as far as 40° lands and rests at `SPARE` more than it can.
+        straighten as far as 40° lands and rests at `SPARE` more than it can. All the friction there is may be used:
+        legs whose knees point backward strike the ground at a slant.
 
         Args:
             robot: with two pairs of legs, as `spear_pin.sagittal` cuts it.
@@ -112,6 +114,7 @@ class Request:
             "virtual_stiffness": one.virtual_stiffness * scale.torque,
             "knee_touchdown": bent,
             "knee_rest": bent,
+            "friction": Contact().friction,
             "within_limits": True,
         }
         unknown = values.keys() - vars(one).keys()
