@@ -137,7 +137,7 @@ def find_legs(robot: LeggedRobot, toes: Iterable[str] | None = None, sides: Side
         UnknownName: there is no such frame, or no such leg.
         BadValue: what ends in one of the toes that are given here is no leg, or a side is neither +1 nor -1.
     """
-    model, tree = robot.model, _Tree(robot.model)
+    model, tree = robot.model, Tree(robot.model)
     ends = tuple(toes) if toes is not None else robot.toes or tree.ends()
     tips: dict[int, str] = {}
     for toe in ends:  # of several at one foot the first
@@ -237,7 +237,7 @@ def sided(leg: Leg) -> Leg:
     return leg
 
 
-class _Tree:
+class Tree:
     """A model with every joint at zero."""
 
     def __init__(self, model: pin.Model) -> None:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.model.legs import Leg, in_convention, simple
-from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
@@ -95,12 +94,16 @@ def only_leg(robot: Robot) -> Leg:
 @cache
 def spear_ii() -> Robot:
     """SPEAR-II, loaded once."""
+    from spear_pin.model.loading import load
+
     return load("spear_ii")
 
 
 @cache
 def q_spear() -> Robot:
     """Q-SPEAR in the sagittal plane, loaded once."""
+    from spear_pin.model.loading import load
+
     return load("q_spear")
 
 
