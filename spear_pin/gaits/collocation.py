@@ -189,8 +189,8 @@ class Programme:
             n = len(condition.least)
             missed = np.maximum(np.maximum(condition.least - rows[:n], rows[:n] - condition.most), 0.0)
             rows = rows[n:]
-            most = float((missed * condition.scale).max(initial=0.0))
-            violations[condition.label] = max(violations.get(condition.label, 0.0), most)
+            worst = float((missed * condition.scale).max(initial=0.0))
+            violations[condition.label] = max(violations.get(condition.label, 0.0), worst)
         return Solution(
             values,
             float(result["f"]),

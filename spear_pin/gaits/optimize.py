@@ -19,7 +19,7 @@ from spear_pin.gaits.bounding_programme import Transcription, transcribe
 from spear_pin.gaits.collocation import Progress, Solution, resampled
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.request import Request
-from spear_pin.gaits.search import find_gait
+from spear_pin.gaits.search import gait_beside
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.ground import as_ground
 from spear_pin.kinds import typed
@@ -27,6 +27,8 @@ from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
 COARSE, MESHES = 6, (10, 16)  # intervals of each phase, for a cold start and for what is polished
+# what is varied for the mean speed, which of some gaits does not depend on the first
+POLISHED_BY = (SPEED_BY, "anterior_hip_torque", "anterior_leg_touchdown")
 STRAYS = 0.2  # of a phase's time
 ATTEMPTS, APART = 3, 1000  # initial guesses of a cold search, and between their seeds
 PATIENCE = 300  # iterations of each; one that succeeds takes 40 to 250
@@ -115,16 +117,26 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
         NoGait: there is none nearby: a phase would last longer or shorter by more than `STRAYS` of its time.
     """
     law, state, stiffness = transcription.read(solution)
+    durations = transcription.durations.items()
+    lasting = {phase: float(transcription.programme.read(time, solution)[0]) for phase, time in durations}
     system = bounding(robot, law, transcription.request.spring(stiffness), contact)
     state = _on_ground(robot, ("posterior_toe",), state)
-    gait = find_gait(system, [SPEED_BY], {"mean_speed": transcription.request.speed}, guess=state)
-    for phase, time in transcription.durations.items():
-        lasts = float(transcription.programme.read(time, solution)[0])
-        if abs(gait.durations.get(phase, 0.0) - lasts) > STRAYS * lasts:
-            reason = f"the fixed point beside it is another gait, whose {phase} does not last {lasts:.3g} s"
-            raise NoGait(f"the optimiser's solution is no gait; {reason}", gait.residual)
-    q, v = gait.state
-    return gait.with_law(nominal=(*q[1:].tolist(), *v.tolist()))
+    failure = NoGait("nothing was tried", np.inf)
+    for by in POLISHED_BY:
+        try:
+            gait = gait_beside(system, state, by, {"mean_speed": transcription.request.speed})
+        except NoGait as error:
+            failure = error
+            continue
+        strayed = [phase for phase, time in lasting.items() if abs(gait.durations[phase] - time) > STRAYS * time]
+        if not strayed:
+            q, v = gait.state
+            return gait.with_law(nominal=(*q[1:].tolist(), *v.tolist()))
+        reason = (
+            f"the fixed point beside it is another gait, whose {strayed[0]} does not last {lasting[strayed[0]]:.3g} s"
+        )
+        failure = NoGait(f"the optimiser's solution is no gait: {reason}", gait.residual)
+    raise failure
 
 
 def obstacle(transcription: Transcription, solution: Solution) -> Infeasible | NoGait:

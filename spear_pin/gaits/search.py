@@ -100,6 +100,29 @@ def find_gait(
     raise min(failures, key=lambda failure: failure.residual)
 
 
+def gait_beside(
+    system: HybridSystem, state: State, vary: str, target: Mapping[str, float], rtol: float = 1e-10
+) -> Gait:
+    """The fixed point beside a state that all but is one: Newton's method from there, and nothing else.
+
+    Args:
+        system: as of `find_gait`.
+        state: (q, v) on the section.
+        vary: name of the parameter to solve for.
+        target: wanted value of the measure of a name.
+        rtol: relative tolerance of the integrator.
+
+    Raises:
+        NoGait: Newton's method does not end in one.
+    """
+    measures = tuple(system.measures[name] for name in target)
+    search = _Search((vary,), measures, np.array(list(target.values()), dtype=float), rtol, lambda n, norm: None)
+    try:
+        return search.gait(*search.directly(system, state))
+    except _Hopeless:
+        raise NoGait(f"cycles take more than {EVALUATIONS} evaluations each", np.inf) from None
+
+
 @dataclass(frozen=True)
 class _Search:
     """Search for the gait: what is varied, measured and wanted."""

@@ -148,7 +148,7 @@ class _Stride:
             "period": float(self.t[-1] - self.t[0]),
             "stride": self.stride,
             "knee_at_touchdown": {leg.name: leg.side * float(landed[leg.name][leg.knee]) for leg in self.legs},
-            "leg_at_touchdown": {leg.name: float(value(leg.angle, landed[leg.name])) for leg in self.legs},
+            "leg_at_touchdown": {leg.name: float(value(leg.angle, landed[leg.name].tolist())) for leg in self.legs},
             "pitch": (float(self.q[:, 2].min()), float(self.q[:, 2].max())),
             "height": (float(self.q[:, 1].min()), float(self.q[:, 1].max())),
         }
