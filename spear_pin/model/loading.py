@@ -100,7 +100,7 @@ def load(
             it is as the file has it, with a warning where a root link with inertia stays fixed.
         motors: "all" for one on each joint that turns or slides, or names of joints. By default those of the file's
             `<transmission>`s, `<ros2_control>` or actuators, with a warning where there are none.
-        repair: mend inertias that are not positive semidefinite, and joints that move no inertia, with a warning.
+        repair: mend inertias that no body can have, and joints that move no inertia, with a warning.
 
     Raises:
         UnknownName: unknown robot, toe frame or joint; the text lists the valid ones.
