@@ -181,5 +181,7 @@ def _draft(source: str | Path | pin.Model, base: Base | None, repair: bool) -> D
         raise BadValue("source", source, "the name of a robot, the path of a file, or a pinocchio.Model")
     path, root = parse(path_of(source))
     mujoco = root.tag == "mujoco"
-    draft = of_mjcf(mjcf_of(path, root, base), base) if mujoco else of_urdf(urdf_of(path, root, base, repair), base)
+    draft = (
+        of_mjcf(mjcf_of(path, root, base, repair), base) if mujoco else of_urdf(urdf_of(path, root, base, repair), base)
+    )
     return replace(draft, source=str(source), name=draft.name if path == Path(source) else str(source))
