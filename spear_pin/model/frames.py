@@ -6,6 +6,7 @@ import pinocchio as pin
 
 from spear_pin.errors import UnknownName
 
+# of frames that are called the same, a link's goes first; the last is of a point, as MJCF has them
 KINDS = (pin.FrameType.BODY, pin.FrameType.FIXED_JOINT, pin.FrameType.JOINT, pin.FrameType.OP_FRAME)
 
 

@@ -15,7 +15,7 @@ from spear_pin.kinds import typed
 from spear_pin.model.draft import Draft, of_mjcf, of_model, of_urdf
 from spear_pin.model.elements import parse
 from spear_pin.model.examples import PACKAGE, example_robots
-from spear_pin.model.fitting import drivable, with_inertia, with_motors
+from spear_pin.model.fitting import check_floating, drivable, with_inertia, with_motors
 from spear_pin.model.mjcf_reading import mjcf_of
 from spear_pin.model.robot import Robot
 from spear_pin.model.urdf import Base, urdf_of
@@ -104,7 +104,8 @@ def load(
 
     Raises:
         UnknownName: unknown robot, toe frame or joint; the text lists the valid ones.
-        BadFile: the file is missing or invalid (see `read_urdf`), or a joint moves no inertia.
+        BadFile: the file is missing or invalid (see `read_urdf`), a joint moves no inertia, or a root that is to float
+            has none.
         BadValue: another base, or a motor for a joint of several degrees of freedom.
     """
     if base not in (None, "free", "fixed"):
@@ -112,7 +113,10 @@ def load(
     draft = _draft(source, base, repair)
     locked = _names(locked)
     wanted = "all" if motors == "all" else None if motors is None else _names(motors)
-    model, mended = with_inertia(draft.place, hold(draft.model, locked), repair)
+    held = hold(draft.model, locked)
+    if base == "free":
+        check_floating(draft.place, held)
+    model, mended = with_inertia(draft.place, held, repair)
     model, actuated = with_motors(model, draft.motors if wanted is None else wanted, locked)
     shipped = ROBOTS.get(str(source))
     notes = [*draft.notes, *mended]

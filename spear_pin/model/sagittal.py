@@ -19,6 +19,7 @@ from spear_pin.model.robot import Robot
 
 ENDS = ("posterior", "anterior")
 NEAR = 0.25  # of a leg's length, from a hip to the mirror image of the one it is paired with
+UNLIKE = 0.05  # of the longer of two thighs, or shanks, by which those of a pair may differ
 PAIRS = "two pairs of different legs, in each the left and the right one"
 ACROSS = np.array([1.0, -1.0, 1.0])
 
@@ -40,7 +41,8 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
 
     Raises:
         UnknownName: there is no such leg.
-        BadValue: the robot has not two such pairs, or its legs have other joints.
+        BadValue: the robot has not two such pairs, or its legs have other joints; or those of a pair are not alike: in
+            length, by more than a twentieth, in having motors, or in limits that leave no angle to both.
     """
     source = Source(robot)
     found = _found(robot, source) if pairs is None else _given(robot, source, pairs)
@@ -57,7 +59,7 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
         built.model,
         name=built.model.name,
         toes=[f"{end}_toe" for end in ENDS],
-        actuated=[name for name, turns in angles.items() if all(turn.joint in robot.actuated for turn in turns)],
+        actuated=[name for name, turns in angles.items() if _driven(robot, turns)],
         source=f"sagittal({robot.source!r})",
         cut=Cut(
             kind="sagittal",
@@ -145,6 +147,11 @@ def _given(robot: Robot, source: Source, pairs: Sequence[Sequence[str | Leg]]) -
 
 def _paired(source: Source, legs: Iterable[tuple[Leg, Leg]]) -> list[Pair]:
     pairs = [Pair(pair, (source.limb(simple(pair[0])), source.limb(simple(pair[1])))) for pair in legs]
+    for left, right in (pair.legs for pair in pairs):
+        for part, one, other in (("thighs", left.thigh, right.thigh), ("shanks", left.shank, right.shank)):
+            if abs(one - other) > UNLIKE * max(one, other):
+                expected = f"lengths, in m, that differ by {UNLIKE:.0%} at most, to be lumped into one leg"
+                raise BadValue(f"{part} of {left.name} and {right.name}", (one, other), expected)
     return sorted(pairs, key=lambda pair: float(pair.hip[0]))
 
 
@@ -166,11 +173,26 @@ def _assembled(name: str, robot: Robot, trunk: pin.Inertia, origin: Array, pairs
     return built
 
 
+def _driven(robot: Robot, turns: Sequence[Turn]) -> bool:
+    """Whether the joints of a pair have motors.
+
+    Raises:
+        BadValue: one of both has.
+    """
+    joints = [turn.joint for turn in turns]
+    without = [joint for joint in joints if joint not in robot.actuated]
+    if without and len(without) < len(joints):
+        expected = f"motors on both joints of a pair, or on none: {', '.join(without)} has none (load(..., motors=...))"
+        raise BadValue("robot.actuated", robot.actuated, expected)
+    return not without
+
+
 def _held(robot: Robot, angles: Mapping[str, Sequence[Turn]]) -> tuple[str, ...]:
-    """Joints of the robot that are held at zero, without the floating base."""
+    """Joints of the robot that are held at zero, without the floating base, and those that it had locked."""
     moving = {turn.joint for turns in angles.values() for turn in turns}
     joints = list(zip(robot.model.names, robot.model.joints, strict=True))[1:]
-    return tuple(str(name) for name, joint in joints if name not in moving and joint.nv != 6)
+    held = (str(name) for name, joint in joints if name not in moving and joint.nv != 6)
+    return (*held, *robot.locked)
 
 
 def _asymmetric(robot: Robot, pairs: Sequence[Pair], trunk: pin.Inertia, origin: Array) -> tuple[Amount, ...]:
