@@ -19,7 +19,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.kinds import typed
 from spear_pin.model.frames import frame_id
 from spear_pin.model.limits import limits_of
@@ -68,6 +68,9 @@ class Leg:
         across: from the hip to the toe out of the plane with every joint at zero, in m, to the left.
         others: moving joints of the leg that are none of these, such as an ankle, or a slide above the hip; rails on
             which the trunk of a robot with one leg slides are none of the leg's.
+
+    Raises:
+        BadValue: a sign is none, or a length not positive.
     """
 
     name: str
@@ -84,6 +87,14 @@ class Leg:
     knee_zero: float
     across: float
     others: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        of = f"of leg {self.name!r}"
+        for name, sign in (("hip_sign", self.hip_sign), ("knee_sign", self.knee_sign), ("side", self.side)):
+            if sign not in (-1, 1) and (name, sign) != ("side", 0):
+                raise BadValue(f"{name} {of}", sign, "-1 or 1" if name != "side" else "-1, 0 or 1")
+        for name, length in (("thigh", self.thigh), ("shank", self.shank)):
+            require(f"{name} {of}", length, lambda length: length > 0, "a number > 0, in m")
 
     @property
     def bends(self) -> int:
@@ -173,12 +184,14 @@ def named_leg(model: pin.Model, legs: Sequence[Leg], leg: str | Leg) -> Leg:
         leg: a name of one of them, or a leg of the robot's joints.
 
     Raises:
-        UnknownName: there is no such leg; the text lists the valid ones.
+        UnknownName: there is no such leg, or it has a joint or a toe that is not there; the text lists the valid ones.
     """
     if isinstance(leg, Leg):
-        if all(model.existJointName(joint) for joint in (leg.hip, leg.knee)):
-            return leg
-        leg = leg.name
+        for joint in (leg.hip, leg.knee):
+            if not model.existJointName(joint):
+                raise UnknownName(f"joint of leg {leg.name!r}", joint, list(model.names)[1:])
+        frame_id(model, leg.toe)
+        return leg
     for each in legs:
         if each.name == leg:
             return each

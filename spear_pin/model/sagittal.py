@@ -137,7 +137,7 @@ def _given(robot: Robot, source: Source, pairs: Sequence[Sequence[str | Leg]]) -
     Raises:
         BadValue: they are not two of two.
     """
-    if not all(isinstance(pair, Sequence) and len(pair) == 2 for pair in pairs):
+    if not all(isinstance(pair, Sequence) and not isinstance(pair, str) and len(pair) == 2 for pair in pairs):
         raise BadValue("pairs", pairs, PAIRS)
     legs = [[named_leg(robot.model, robot.legs, leg) for leg in pair] for pair in pairs]
     if len(legs) != 2 or len({leg.hip for pair in legs for leg in pair}) != 4:
@@ -152,7 +152,11 @@ def _paired(source: Source, legs: Iterable[tuple[Leg, Leg]]) -> list[Pair]:
             if abs(one - other) > UNLIKE * max(one, other):
                 expected = f"lengths, in m, that differ by {UNLIKE:.0%} at most, to be lumped into one leg"
                 raise BadValue(f"{part} of {left.name} and {right.name}", (one, other), expected)
-    return sorted(pairs, key=lambda pair: float(pair.hip[0]))
+    behind, ahead = sorted(pairs, key=lambda pair: float(pair.hip[0]))
+    if max(limb.hip[0] for limb in behind.limbs) >= min(limb.hip[0] for limb in ahead.limbs):
+        names = [tuple(leg.name for leg in pair.legs) for pair in (behind, ahead)]
+        raise BadValue("pairs", names, f"{PAIRS}, and one pair behind the other")
+    return [behind, ahead]
 
 
 def _origin(robot: Robot, source: Source) -> Array:

@@ -3,12 +3,18 @@
 URDFs are spoiled in `test_urdf_faults`, files of every kind damaged byte by byte in `tests/wrong_calls`.
 """
 
-from dataclasses import dataclass
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import pytest
 
-from spear_pin import load
+from spear_pin import SpearError, load, monopod, sagittal
 from spear_pin.errors import BadFile
+from spear_pin.model.legs import find_legs
+from tests.cli.calls import refused
+from tests.model.legged import quadruped
 from tests.model.queries import refusal
 
 INERTIAL = '<inertial pos="0 0 -0.1" mass="1" diaginertia="0.1 0.2 0.25"/>'
@@ -122,3 +128,129 @@ def test_spoiled_mjcf(tmp_path, spoiled):
         assert words in error.problem
     line = LEG[: LEG.index(spoiled.old)].count("\n") + 1
     assert str(error).startswith(f"{path}:{line}: ")
+
+
+@dataclass(frozen=True)
+class Robots:
+    """Files of quadrupeds, and one that is loaded.
+
+    Attributes:
+        file: writes the quadruped, its legs made so, with texts replaced; its path.
+        dog: the quadruped.
+    """
+
+    file: Callable
+    dog: object
+
+    def changed(self, joint, old, new):
+        """The quadruped with a text replaced, the first after the name of a joint."""
+        return load(self.file(after=(f'<joint name="{joint}"', old, new)))
+
+
+@pytest.fixture
+def robots(tmp_path):
+    def file(after=None, **of_leg):
+        text = quadruped(**of_leg)
+        if after:
+            start = text.index(after[0])
+            assert after[1] in text[start:]
+            text = text[:start] + text[start:].replace(after[1], after[2], 1)
+        path = tmp_path / "dog.urdf"
+        path.write_text(text)
+        return path
+
+    return Robots(file, load(file()))
+
+
+OPEN = {"knee_limits": (-2.7, 2.7)}
+FEET = ("FL", "FR"), ("HL", "HR")
+# what is called with the robots, and what is said
+CALLS = {
+    "a toe that is no frame": (lambda r: load(r.file(), toes=["FL_hoof"]), ("frame 'FL_hoof'", "valid", "FL_foot")),
+    "a toe that is the world": (lambda r: load(r.file(), toes=["universe"]), ("frame 'universe'", "valid", "FL_foot")),
+    "a motor of no joint": (lambda r: load(r.file(), motors=["FL_knee"]), ("joint 'FL_knee'", "valid", "FL_bend")),
+    "a motor of the base": (lambda r: load(r.file(), motors=["base"]), ("motors", "'base'", "one degree of freedom")),
+    "a lock of no joint": (lambda r: load(r.file(), locked=["FL_knee"]), ("joint 'FL_knee'", "valid", "FL_bend")),
+    "a base that is no word": (lambda r: load(r.file(), base="floating"), ("base", "'floating'", "'free' or 'fixed'")),
+    "a base that rails carry": (lambda r: load("spear_ii", base="free"), ("root 'world'", "leave base out")),
+    "a negative rotor": (
+        lambda r: load(r.file(after=("FL_bend_drive", 'inertia value="0.0001"', 'inertia value="-1e-4"'))),
+        ("dog.urdf:1: ", "'FL_bend'", "rotor inertia -0.0001", ">= 0"),
+    ),
+    "legs to a toe that is no frame": (lambda r: find_legs(r.dog, toes=["hoof"]), ("'hoof'", "valid", "FL_foot")),
+    "legs to the trunk": (lambda r: find_legs(r.dog, toes=["trunk"]), ("toes", "'trunk'", "below a knee and a hip")),
+    "a side of no leg": (lambda r: find_legs(r.dog, sides={"LF": 1}), ("leg 'LF'", "valid: FL, FR, HL, HR")),
+    "a side of zero": (lambda r: find_legs(r.dog, sides={"FL": 0}), ("sides is 0", "+1 or -1")),
+    "no such leg": (lambda r: monopod(r.dog, "LF"), ("leg 'LF'", "valid: FL, FR, HL, HR")),
+    "a leg of another robot": (
+        lambda r: monopod(r.dog, load("spear_ii").legs[0]),
+        ("joint of leg 'leg'", "'hip'", "valid", "FL_pitch"),
+    ),
+    "a leg to no toe": (lambda r: monopod(r.dog, replace(r.dog.legs[0], toe="hoof")), ("'hoof'", "valid", "FL_foot")),
+    "a leg of another side": (lambda r: replace(r.dog.legs[0], side=2), ("side of leg 'FL'", "2", "-1, 0 or 1")),
+    "a leg of no length": (lambda r: replace(r.dog.legs[0], thigh=0.0), ("thigh of leg 'FL'", "0.0", "> 0, in m")),
+    "a leg with an ankle": (
+        lambda r: monopod(load(r.file(ankle=True)), "FL"),
+        ("leg is 'FL'", "FL_sole", "locked"),
+    ),
+    "a knee of unknown side": (lambda r: monopod(load(r.file(**OPEN)), "FL"), ("leg is 'FL'", "find_legs", "sides")),
+    "a negative body": (lambda r: monopod(r.dog, "FL", body=-1.0), ("body is -1.0", "'share'", ">= 0, in kg")),
+    "a body that is no number": (lambda r: monopod(r.dog, "FL", body=math.nan), ("body is nan", ">= 0, in kg")),
+    "a lock of no joint of the monopod": (
+        lambda r: monopod(r.dog, "FL", locked=["boom"]),
+        ("joint 'boom'", "valid: boom_x, boom_z, hip, knee"),
+    ),
+    "a plane of a monopod": (lambda r: sagittal(load("spear_ii")), ("four legs", "found: leg")),
+    "one pair": (lambda r: sagittal(r.dog, FEET[:1]), ("pairs", "'FL', 'FR'", "two pairs")),
+    "pairs that are texts": (lambda r: sagittal(r.dog, ["FL", "FR"]), ("pairs is ['FL', 'FR']", "two pairs")),
+    "pairs across": (
+        lambda r: sagittal(r.dog, [("FL", "HR"), ("HL", "FR")]),
+        ("pairs", "'FL', 'HR'", "one pair behind the other"),
+    ),
+    "pairs of one side": (lambda r: sagittal(r.dog, [("FL", "HL"), ("FR", "HR")]), ("pairs", "behind the other")),
+    "a pair with a leg of no name": (lambda r: sagittal(r.dog, [FEET[0], ("HL", "RR")]), ("'RR'", "valid: FL")),
+    "a pair of different lengths": (
+        lambda r: sagittal(r.changed("FR_bend", "-0.19", "-0.22")),
+        ("thighs of FL and FR", "0.19", "0.22", "5%"),
+    ),
+    "a pair with one motor": (
+        lambda r: sagittal(load(r.file(), motors=["FL_bend"])),
+        ("'FL_bend'", "both joints of a pair", "FR_bend has none"),
+    ),
+    "a pair without common angles": (
+        lambda r: sagittal(r.changed("FR_bend", 'lower="-2.5" upper="0.1"', 'lower="0.2" upper="2.5"')),
+        ("FL_bend and FR_bend", "0.2", "overlap"),
+    ),
+}
+
+
+@pytest.mark.parametrize(("call", "says"), CALLS.values(), ids=CALLS)
+def test_wrong_call(robots, call, says):
+    with pytest.raises(SpearError) as caught:
+        call(robots)
+    text = str(caught.value)
+    assert len(text.splitlines()) == 1
+    for words in says:
+        assert words in text
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("--robot {dog} --leg LF", "unknown leg 'LF'; valid: FL, FR, HL, HR"),
+        ("--robot {dog} --side 0", "--side is 0; expected 1 or -1"),
+        ("--robot {dog} --body -2", "--body is -2.0; expected a finite number >= 0, in kg"),
+        ("--robot {dog}.gone", "dog.urdf.gone: cannot be read: No such file"),
+        ("--robot {leg}", "leg.xml:5: joint 'hip' has the axis '0 0 0'; expected a direction"),
+        ("--robot {ankle}", "FL_sole would have to be locked"),
+        ("--robot solo99", "unknown robot 'solo99'; valid: spear_ii"),
+    ],
+    ids=["leg", "side", "body", "no file", "MJCF", "ankle", "name"],
+)
+def test_wrong_robot_to_hop(capsys, tmp_path, words, says):
+    files = {name: tmp_path / f"{name}.urdf" for name in ("dog", "ankle")}
+    files["dog"].write_text(quadruped())
+    files["ankle"].write_text(quadruped(ankle=True))
+    files["leg"] = tmp_path / "leg.xml"
+    files["leg"].write_text(re.sub('axis="[^"]*"', 'axis="0 0 0"', LEG))
+    assert says in refused(capsys, "hop", *words.format(**files).split())
