@@ -398,9 +398,35 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "gaits/gait",
-        ["gaits/test_gait"],
-        {"a saved gait forgets what is locked": ('"locked": robot.locked', '"locked": ()')},
+        "model/equipping",
+        ["model/test_sidecar"],
+        {
+            "a file's motor forgets the square of its ratio": (
+                "reflected or gearbox.ratio**2 * rotor",
+                "reflected or gearbox.ratio * rotor",
+            ),
+            "a role's motor goes over a joint's": ('(name != "all", name not in roles)', "name in roles"),
+            "a file's side may be beyond the limits": ("- leg.knee_zero) <= 0.0", "- leg.knee_zero) <= -9.0"),
+        },
+    ),
+    *mistakes_in(
+        "model/loading",
+        ["model/test_sidecar"],
+        {"a file goes over the argument": ("own_toes if toes is None else _names(toes)", "own_toes or _names(toes)")},
+    ),
+    *mistakes_in(
+        "model/settings",
+        ["model/test_sidecar"],
+        {"a pair has one spring": ("return spring\n    numbers", "return spring\n    return spring\n    numbers")},
+    ),
+    *mistakes_in(
+        "model/origin",
+        ["gaits/test_gait", "model/test_origin"],
+        {
+            "a saved gait forgets what is locked": ('"locked": list(robot.locked)', '"locked": []'),
+            "a saved cut forgets its mass": ('"body": cut.body, "of"', '"body": 0.0, "of"'),
+            "a cut is not looked at again": ("= not _again(robot)", "= False"),
+        },
     ),
     *mistakes_in(
         "files",

@@ -77,7 +77,7 @@ def add_loading(parser: Any) -> None:
 def loading(arguments: argparse.Namespace) -> dict[str, Any]:
     """Keyword arguments of `load`, from what `add_loading` declares."""
     motors = "all" if arguments.motors == ["all"] else arguments.motors
-    options = {"locked": arguments.lock or (), "repair": bool(arguments.repair)}
+    options = {"locked": arguments.lock, "repair": bool(arguments.repair)}
     return {"toes": arguments.toes, "base": arguments.base, "motors": motors, **options}
 
 

@@ -11,6 +11,8 @@ from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.cli.output import aligned, iterations, shows
 from spear_pin.errors import BadValue
 
+NAMES = {"q_spear": "Q-SPEAR"}
+
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
@@ -50,11 +52,12 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol)
     samples = trajectory.save(arguments.out / "bound.npz")  # before all that could fail or be interrupted
     summary = {"gait": name, **summarize(gait, trajectory)}
-    title = f"Q-SPEAR bounding at {summary['speed']:.2f} m/s"
-    shown = shortened(gait.system.robot, trajectory)
+    robot = gait.system.robot
+    title = f"{NAMES.get(robot.name, robot.name)} bounding at {summary['speed']:.2f} m/s"
+    shown = shortened(robot, trajectory)
     page, plots = arguments.out / "bound.html", arguments.out / "bound.svg"
     pictures = {
-        page: lambda path: record(gait.system.robot, shown, path, title=title),
+        page: lambda path: record(robot, shown, path, title=title),
         plots: lambda path: save_figure(bound_summary(trajectory, gait), path),
     }
     files = [page, samples, plots]

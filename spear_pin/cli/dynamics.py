@@ -12,7 +12,7 @@ from spear_pin.errors import SpearError
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     parser = add_command(commands, "dynamics", run, "print D, C, G, J and J̇v of a robot at a state")
-    parser.add_argument("robot", help="a robot's name, or the path of a URDF or an MJCF file")
+    parser.add_argument("robot", help="a robot's name, or the path of a URDF, an MJCF or a TOML file")
     parser.add_argument("--q", type=float, nargs="+", metavar="RAD", help="configuration (default: zero)")
     parser.add_argument("--v", type=float, nargs="+", metavar="RAD/S", help="velocity (default: zero)")
     add_loading(parser)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from spear_pin.model.robot import Robot
 
 ROBOT = {"mjcf": "xml", "srdf": "srdf"}  # formats of a robot, and how their files end
-URDF = (".urdf", ".xml")  # how its files mostly end
+URDF = (".urdf", ".xml", ".toml")  # how its files mostly end
 TRAJECTORY = {"csv": "csv", "mat": "mat", "png": "png", "mp4": "mp4"}
 # what each option goes with
 NEEDS = {
@@ -35,7 +35,7 @@ def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     summary = "write a robot for other programs, or a trajectory as a table, a picture or a film"
     parser = add_command(commands, "export", run, summary)
-    parser.add_argument("what", help="a robot's name, the path of a URDF, or a trajectory that was saved (.npz)")
+    parser.add_argument("what", help="a robot's name, the path of its file, or a trajectory that was saved (.npz)")
     add_out(parser, "the files")
     robot = parser.add_argument_group("of a robot")
     robot.add_argument("--mjcf", action="store_true", help="MuJoCo's format, with rotors, motors, toes and ground")
@@ -154,12 +154,15 @@ def _size(text: str) -> tuple[int, int]:
 
 
 def _moving(arguments: argparse.Namespace, trajectory: Trajectory) -> Robot:
-    """The robot of a trajectory, whose joints that it does not have are locked."""
+    """The robot of a trajectory; joints that it does not have are locked in one that is given."""
     from spear_pin.model.loading import load
+    from spear_pin.model.origin import robot_of
 
     try:
+        if arguments.robot is None and trajectory.origin is not None:
+            return robot_of(trajectory.origin)
         whole = load(trajectory.robot if arguments.robot is None else arguments.robot)
-    except SpearError as error:
+    except (SpearError, ValueError) as error:
         if arguments.robot is not None:
             raise
         raise BadFile(arguments.what, f"its robot is not found: {error}; give it by --robot") from None

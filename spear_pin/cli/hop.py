@@ -55,6 +55,7 @@ def add(commands: Commands) -> None:
     hardware.add_argument("--losses", type=float, metavar="1/S", help="commands lost, for 5 ms each (default: 0)")
     hardware.add_argument("--seed", type=int, metavar="N", help="of noise and losses (default: 0)")
     add_leg(parser)
+    parser.add_argument("--save", action="store_true", help="write hop.json too, the gait for Gait.load")
     add_simulation(parser, 11, "hops", "hop.html")
 
 
@@ -78,6 +79,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     law, spring, scale = HoppingLaw(), Spring(), 1.0
     if other is not None:
         law, spring, scale = HoppingLaw.scaled(robot), Spring.scaled(robot), scale_of(robot).time
+        spring = spring if robot.settings is None else robot.settings.springs.get("knee", spring)
     given = {name: value for name in ("stance_torque", "frequency") if (value := getattr(arguments, name)) is not None}
     lean = robot.legs[0].lean(arguments.knee) if arguments.free_x or other is not None else None
     law = replace(
@@ -85,9 +87,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     )
     spring = replace(spring, **{name: value for name in SPRING if (value := getattr(arguments, name)) is not None})
     friction = {} if arguments.friction is None else {"friction": arguments.friction}
-    rig = _rig(arguments)
-    if rig is not None and other is not None:
-        raise BadValue("--hardware", True, "SPEAR-II's own: nothing is known of the motors of another robot")
+    rig = _rig(arguments, other)
+    if rig is not None and arguments.save:
+        raise BadValue("--save", True, "to go without --hardware, which a saved gait does not keep")
     driven = None if rig is None else rig.on(robot)
     if rig is not None and arguments.stance_torque is None:  # what the gears lose is asked for as well
         law = replace(law, stance_torque=law.stance_torque / rig.knee_efficiency)
@@ -100,6 +102,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     gait = _solved(system, times, arguments.free_x)
     trajectory = simulate(with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol)
     samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
+    saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
     beyond = excesses(robot, trajectory)
     summary = summarize(gait, trajectory) | {"beyond_limits": [asdict(excess) for excess in beyond]}
     if robot.cut is not None:
@@ -114,7 +117,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     }
     if trajectory.cycles:
         pictures[plots] = lambda path: save_figure(hop_summary(trajectory, gait), path)
-    files = [page, samples, *([plots] if plots in pictures else [])]
+    files = [page, samples, *([plots] if plots in pictures else []), *saved]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
@@ -145,18 +148,25 @@ def _solved(system: HybridSystem, flight_times: Sequence[float | None], free: bo
     raise SpearError(f"{failures[0]}; {nearer}") from None
 
 
-def _rig(arguments: argparse.Namespace) -> Rig | None:
-    """Hardware that drives the joints, if it was asked for."""
+def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
+    """Hardware that drives the joints, if it was asked for: SPEAR-II's, or what is known of another robot's."""
     from spear_pin.hybrid.hardware import Sensing
+    from spear_pin.model.settings import Settings
     from spear_pin.studies.hardware import Rig
 
-    given = {name: value for name in RIG if (value := getattr(arguments, name)) is not None}
+    given: dict[str, Any] = {name: value for name in RIG if (value := getattr(arguments, name)) is not None}
     if not arguments.hardware:
         if given:
             raise BadValue(
                 f"--{next(iter(given)).replace('_', '-')}", next(iter(given.values())), "to go with --hardware"
             )
         return None
+    if other is not None:
+        known = other.settings or Settings("")
+        if missing := [joint for joint in other.actuated if joint not in known.motors]:
+            expected = f"motors that are known: nothing is known of that of the {missing[0]} of another robot"
+            raise BadValue("--hardware", True, f"{expected}; a TOML file beside its own can name it")
+        given |= {**known.motors, **{f"{joint}_efficiency": x for joint, x in known.efficiencies.items()}}
     seed = given.pop("seed", 0)
     if seed < 0:
         raise BadValue("--seed", seed, "a whole number >= 0")
@@ -207,6 +217,10 @@ def _leg(robot: Robot) -> list[tuple[str, str]]:
     if robot.cut is None:
         return []
     lines = [line.strip() for line in str(robot.cut).splitlines()]
+    if robot.settings is not None:
+        said = [f"a spring at the {joint}" for joint in robot.settings.springs]
+        said += [f"{motor.name} at the {joint}" for joint, motor in robot.settings.motors.items()]
+        lines.append(f"{robot.settings.path} says: {', '.join(said) or 'no springs, nor motors'}")
     if not robot.model.armature.any():
         lines.append("rotors without inertia: the file names none")
     return [("" if i else "the leg", line) for i, line in enumerate(lines)]

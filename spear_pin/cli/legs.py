@@ -16,7 +16,7 @@ OPTIONS = ("leg", "side", "body", "repair")
 def add_leg(parser: Any) -> None:
     """Declare --robot, --leg, --side, --body and --repair; `one_leg` reads them. None is said by default."""
     group = parser.add_argument_group("another robot, of which one leg hops; what it rests on is printed")
-    group.add_argument("--robot", metavar="ROBOT", help="name of a robot, or path of a URDF or MJCF file")
+    group.add_argument("--robot", metavar="ROBOT", help="name of a robot, or path of a URDF, MJCF or TOML file")
     group.add_argument("--leg", metavar="NAME", help="which of its legs (default: the first)")
     group.add_argument("--side", type=int, metavar="±1", help="to which its knee flexes, where the file does not tell")
     group.add_argument("--body", type=float, metavar="KG", help="mass on the slider (default: the leg's share)")
@@ -24,7 +24,7 @@ def add_leg(parser: Any) -> None:
 
 
 def one_leg(arguments: argparse.Namespace, locked: list[str]) -> Robot | None:
-    """The leg as a monopod, every joint of it with a motor; None where no other robot is named.
+    """The leg as a monopod, every joint of it with a motor unless its TOML file says which; None if no robot is named.
 
     Raises:
         UnknownName: there is no such robot, or it has no such leg.
@@ -36,23 +36,25 @@ def one_leg(arguments: argparse.Namespace, locked: list[str]) -> Robot | None:
             name, value = next(iter(given.items()))
             raise BadValue(f"--{name}", value, "to go with --robot")
         return None
-    if arguments.side not in (None, 1, -1):
-        raise BadValue("--side", arguments.side, "1 or -1")
     if arguments.body is not None:
         require("--body", arguments.body, lambda mass: mass >= 0, "a finite number >= 0, in kg")
-    from spear_pin import load, monopod
-    from spear_pin.model.legs import find_legs
+    from dataclasses import replace
 
-    robot = load(arguments.robot, base="fixed", motors="all", repair=bool(arguments.repair))
+    from spear_pin import load, monopod
+    from spear_pin.model.loading import sidecar_of
+
+    said = sidecar_of(arguments.robot)
+    unsaid: dict[str, Any] = {"base": "fixed"} if said.base is None else {}
+    unsaid |= {"motors": "all"} if said.motors is None else {}
+    robot = load(arguments.robot, repair=bool(arguments.repair), **unsaid)
     names = [leg.name for leg in robot.legs]
     if not names:
         raise BadValue("--robot", arguments.robot, "a robot with a leg: a hip and a knee about the y axis, and a toe")
     if arguments.leg is not None and arguments.leg not in names:
         raise UnknownName("leg", arguments.leg, names)
-    name = arguments.leg or names[0]
-    sides = None if arguments.side is None else {name: arguments.side}
-    leg = next(leg for leg in find_legs(robot, sides=sides) if leg.name == name)
-    if not leg.side:
+    leg = robot.legs[0 if arguments.leg is None else names.index(arguments.leg)]
+    side = leg.side if arguments.side is None else arguments.side
+    if side not in (-1, 1):
         expected = f"1 or -1: {robot.name} does not tell to which side {leg.knee} flexes"
-        raise BadValue("--side", arguments.side, expected)
-    return monopod(robot, leg, "share" if arguments.body is None else arguments.body, locked)
+        raise BadValue("--side", arguments.side, expected if not leg.side else "1 or -1")
+    return monopod(robot, replace(leg, side=side), "share" if arguments.body is None else arguments.body, locked)

@@ -13,7 +13,6 @@ from spear_pin.cli.request import MOTORS, add_request, requested
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
-    from spear_pin.gaits.collocation import Solution
     from spear_pin.gaits.gait import Gait
     from spear_pin.gaits.request import Request
 
@@ -38,9 +37,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin import simulate
     from spear_pin.gaits.collocation import casadi
     from spear_pin.gaits.feedback import regulated, speed_regulated
+    from spear_pin.gaits.objectives import in_its_unit
     from spear_pin.gaits.optimize import search
     from spear_pin.gaits.request import OBJECTIVES
     from spear_pin.hybrid.contact import Contact
+    from spear_pin.model.scale import scale_of
     from spear_pin.studies.bound import summarize
 
     check_out(arguments)
@@ -65,7 +66,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "gait": arguments.gait,
         "seed": arguments.seed,
         "objective": request.objective,
-        "objective_value": _objective(request, solution),
+        "objective_value": in_its_unit(request, scale_of(robot), solution),
         "objective_unit": unit,
         "objective_meaning": meaning,
         "iterations": solution.iterations,
@@ -78,15 +79,6 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     }
     path = gait.save(arguments.out / "gait.json")
     return summary | {"files": [str(path)], "text": _text(summary, path)}
-
-
-def _objective(request: Request, solution: Solution) -> float:
-    """Its value in its own unit; torques are those of a motor."""
-    if request.objective == "violation":
-        return float(solution.values["violation"][0])
-    if request.objective == "peak":
-        return float(solution.values["peak torque"][0]) / MOTORS
-    return solution.objective * (0.1 if request.objective in ("cot", "electrical") else 100.0)
 
 
 def _shipped_as(request: Request) -> str | None:

@@ -172,9 +172,9 @@ def _check_names(system: HybridSystem, axes: Axes) -> None:
     """Refuse a misspelt name, before anything is missed that is not installed."""
     from spear_pin.gaits.many import MEASURES
     from spear_pin.hybrid.parameters import with_parameters
-    from spear_pin.model.variants import PARAMETERS
+    from spear_pin.model.variants import parameters_of
 
-    robots = [name for name, known in PARAMETERS.items() if system.robot.source in known.robots]
+    robots = parameters_of(system.robot)
     measures = [name for name in system.measures if name in MEASURES]
     for name in [name for name in axes if name not in (*robots, *system.measures)]:
         try:

@@ -7,6 +7,7 @@ on where four phases would have no answer.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -16,7 +17,6 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import (
     NO_ADJUSTMENT,
     STATES,
-    STIFFNESS,
     BoundingLaw,
     Leg,
     Phase,
@@ -27,7 +27,7 @@ from spear_pin.gaits.bounding_law import (
     phases_of,
     stance_law,
 )
-from spear_pin.gaits.virtual_constraints import dot, progress, resume
+from spear_pin.gaits.virtual_constraints import dot, gradient, progress, resume, value
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Law, Mount, Reset
@@ -37,13 +37,15 @@ from spear_pin.hybrid.phases import contact_domains, fall, spring_switches, touc
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
-from spear_pin.model.spring import Spring
+from spear_pin.model.scale import scale_of
+from spear_pin.model.spring import PAIR_STIFFNESS, Spring
 
 Guards = tuple[Guard, ...]
 SPEED_BY = "posterior_hip_torque"  # the parameter to vary for a "mean_speed"
-SLOWEST = 1.0  # 1/s: of s; the gaits that ship begin their phases faster
+LONGEST = 2.0  # s: a phase of Q-SPEAR
+SLOWEST = 1.0  # 1/s: of s; Q-SPEAR's gaits begin their phases faster
 SHORTEST_SPAN = 0.2  # of a stance's span: what is left of it when a stance is resumed late
-OVERLOAD = 1e4  # N·m: a hundred times what the gaits that ship take
+OVERLOAD = 1e4  # N·m: a hundred times what Q-SPEAR's gaits take
 BEYOND = 1e-3  # rad: a knee that flexed so far beyond θ̄ has something to come back from
 
 
@@ -62,10 +64,10 @@ def bounding(
     the phase resets the virtual constraints so that the outputs stay at zero, (5.22).
 
     Args:
-        robot: Q-SPEAR in the sagittal plane.
+        robot: Q-SPEAR in the sagittal plane, or another quadruped as `spear_pin.sagittal` cuts it.
         law: parameters of the controller, for instance those of a shipped gait.
-        spring: the knee springs, of a pair of legs; by default 2 · 56 N·m/rad (source: Table 5.1),
-            without damping (the source gives none for the quadruped).
+        spring: the knee springs, of a pair of legs; by default 2 · 56 N·m/rad (source: Table 5.1), without damping
+            (the source gives none for the quadruped), of another quadruped as of `Spring.scaled`.
         contact: friction of level ground; by default 0.8 (assumption).
         ground: the ground, in place of `contact`.
 
@@ -74,7 +76,7 @@ def bounding(
             contact and ground are given, or the law has event feedback, which goes by the torso's height, and the
             ground is not level at height zero.
     """
-    spring, contact = spring or Spring(STIFFNESS, damping=0.0), given(contact, ground)
+    spring, contact = spring or _spring(robot), given(contact, ground)
     if spring.rest is not None:
         raise BadValue("Spring.rest", spring.rest, "None: bounding switches its springs")
     if law.feedback and not as_ground(contact).plain:
@@ -91,8 +93,12 @@ def bounding(
         build=bounding,
         guess=lambda: _guess(robot, law, as_ground(contact)),
         measures=_MEASURES,
-        phase_limit=2.0,
+        phase_limit=LONGEST * scale_of(robot).time,
     )
+
+
+def _spring(robot: Robot) -> Spring:
+    return Spring(PAIR_STIFFNESS, damping=0.0) if robot.cut is None else Spring.scaled(robot)
 
 
 # domains
@@ -103,6 +109,7 @@ def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]
     legs, phases = legs_of(robot), phases_of(robot)
     stances = {phase.bearing: phase for phase in phases if phase.bearing}
     flights = {phase.lifted: phase for phase in phases if phase.lifted}
+    overload = _overload(OVERLOAD * 10.0 ** round(math.log10(scale_of(robot).torque)))  # compiled for each value
     fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])
 
     def grounded(name: str, bearing: tuple[Leg, ...], control: Law, resets: Mapping[str, Reset], own: Guards) -> Any:
@@ -111,7 +118,7 @@ def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]
             guard for mount, leg in zip(mounts, bearing, strict=True) for guard in spring_switches(mount, leg.knee)
         ]
         contacts = tuple(STICK if leg in bearing else OPEN for leg in legs)
-        domain = Domain(name, name, contacts, control, mounts=mounts, guards=(_overload(), *switches, *own, *fallen))
+        domain = Domain(name, name, contacts, control, mounts=mounts, guards=(overload, *switches, *own, *fallen))
         backs = [guard for leg in bearing for guard in _knee_back(leg, resets[leg.toe])]
         return contact_domains(domain, robot.toes, resets, tuple(backs) if law.lift_off == "knee" else ())
 
@@ -125,7 +132,7 @@ def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]
         leaves = {leg.toe: _lifts(leg, next_stance, other), other.toe: _lifts(other, stance, leg)}
         yield from grounded(double, legs, double_law(legs), leaves, ())
         returns = _lands(leg, stance, "return", resumed=True)
-        guards = (_lands(other, next_stance), returns, _passing(flight), _overload(), *fallen)
+        guards = (_lands(other, next_stance), returns, _passing(flight), overload, *fallen)
         yield Domain(flight.name, flight.name, (OPEN, OPEN), flight_law(flight), guards=guards)
 
 
@@ -165,7 +172,7 @@ def _passing(phase: Phase) -> Guard:
     """The phase variable passes 1, either way."""
 
     def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return (1.0 - 2.0 * held["past"]) * (1.0 - progress(phase.outputs, evolution(held), q))
+        return (1.0 - 2.0 * held["past"]) * (1.0 - progress(phase.outputs, evolution(held), q, ops))
 
     return Guard("end_of_constraint", value, Reset(latch=lambda q, v, held, p: {"past": 1.0 - held["past"]}))
 
@@ -184,11 +191,11 @@ def _knee_back(leg: Leg, reset: Reset) -> tuple[Guard, Guard]:
     return Guard(name, flexes, flexed), Guard(f"{leg.name}_lift_off", returns, reset)
 
 
-def _overload() -> Guard:
+def _overload(most: float) -> Guard:
     """The decoupling matrix is all but singular, and the torques grow without bound."""
 
     def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return OVERLOAD**2 - sum(torque * torque for torque in dyn.u)
+        return most**2 - sum(torque * torque for torque in dyn.u)
 
     return Guard("overload", value, ends="overload")
 
@@ -210,7 +217,7 @@ def _bear(
         f"{name}_rest": q[leg.knee],
         f"{name}_taut": 1.0,
         f"{name}_flexed": 0.0,
-        f"{name}_leg": held[f"{name}_leg"] if resumed and f"{name}_leg" in held else dot(leg.angle, q),
+        f"{name}_leg": held[f"{name}_leg"] if resumed and f"{name}_leg" in held else value(leg.angle, q),
         f"{name}_hip_torque": getattr(p, f"{name}_hip_torque") + adjust[2 * i] + faster,
         f"{name}_knee_torque": getattr(p, f"{name}_knee_torque") + adjust[2 * i + 1],
         "adjust": adjust,
@@ -229,7 +236,7 @@ def _adjustment(p: BoundingLaw, state: Sequence[float]) -> tuple[float, ...]:
 def _swing(leg: Leg, phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
     """The other leg begins to swing while this one supports."""
     whole = getattr(p, f"{phase.name}_span")
-    left = 1.0 - (dot(leg.angle, q) - held[f"{leg.name}_leg"]) / whole
+    left = 1.0 - (value(leg.angle, q) - held[f"{leg.name}_leg"]) / whole
     span = whole * np.maximum(left, SHORTEST_SPAN)
     return _begin(phase, getattr(p, f"{phase.name}_swing"), q, v, span)
 
@@ -257,7 +264,7 @@ def _begin(
     that what begins is continuous in the state.
     """
     begun = resume(phase.outputs, shapes, q, v, span)
-    within = np.minimum(abs(dot(phase.outputs.phase, v) / span) / SLOWEST, 1.0) ** 2
+    within = np.minimum(abs(dot(gradient(phase.outputs.phase, q), v) / span) / SLOWEST, 1.0) ** 2
     alpha = tuple((a, a + within * (b - a), *rest) for a, b, *rest in begun.alpha)
     return {"alpha": alpha, "origin": begun.origin, "span": begun.span, "past": begun.past}
 

@@ -12,18 +12,20 @@ from numbers import Real
 from typing import Any
 
 from spear_pin.errors import BadValue, require
-from spear_pin.gaits.virtual_constraints import Evolution, Outputs, zeroing
+from spear_pin.gaits.virtual_constraints import Evolution, Leaning, Outputs, Variable, zeroing
 from spear_pin.hybrid.domain import Law
-from spear_pin.hybrid.dynamics import Dynamics, Operations, Row
+from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.kinds import typed
+from spear_pin.model.legs import Leg as RobotLeg
+from spear_pin.model.legs import in_convention, sided, simple
 from spear_pin.model.robot import Robot
 
 Shape = tuple[tuple[float, ...], ...]
-SIDES = (1.0, -1.0)  # to which their knees flex
-ALIKE = 1e-6  # of a length: thigh and shank
+AHEAD, PITCH = 0, 2  # indices of the torso's travel and pitch
+SIDES = (1.0, -1.0)  # to which Q-SPEAR's knees flex
+ALIKE = 1e-9  # of a length: thigh and shank, whose leg angle is then linear
 LEGS = ("posterior", "anterior")
 PAIR = 2  # legs that one of the sagittal model stands for, and so motors of a joint
-STIFFNESS = PAIR * 56.0  # N·m/rad: of a pair's knee springs (source: Table 5.1)
 INPUTS = (
     "posterior_hip_torque",
     "posterior_knee_torque",
@@ -167,7 +169,7 @@ class Leg:
         hip: index of its hip.
         knee: index of its knee.
         side: +1 if the knee flexes to positive angles, -1 if to negative.
-        angle: row of its leg angle γ = pitch + hip - knee / 2 (exact: thigh and shank are as long).
+        lengths: of thigh and shank, in m.
         motors: columns of its motors.
     """
 
@@ -175,7 +177,7 @@ class Leg:
     hip: int
     knee: int
     side: float
-    angle: Row
+    lengths: tuple[float, float]
     motors: tuple[int, int]
 
     @property
@@ -189,8 +191,17 @@ class Leg:
         return f"{self.name}_knee"
 
     @property
-    def rows(self) -> tuple[Row, ...]:
-        """Rows of its controlled variables: γ and the knee."""
+    def angle(self) -> Variable:
+        """Its leg angle γ, that of the line from hip to toe: pitch + hip - knee / 2 where thigh and shank are alike."""
+        thigh, shank = self.lengths
+        above = (PITCH, 1.0), (self.hip, 1.0)
+        if abs(thigh - shank) <= ALIKE * thigh:
+            return *above, (self.knee, -0.5)
+        return Leaning(above, self.knee, thigh, shank)
+
+    @property
+    def rows(self) -> tuple[Variable, ...]:
+        """Its controlled variables: γ and the knee."""
         return self.angle, ((self.knee, 1.0),)
 
 
@@ -230,7 +241,7 @@ def phases_of(robot: Robot) -> tuple[Phase, ...]:
     """The four phases of the gait in order.
 
     Raises:
-        BadValue: the robot has not the coordinates, toes and motors of `q_spear`.
+        BadValue: as of `legs_of`.
     """
     posterior, anterior = legs_of(robot)
     return (
@@ -245,25 +256,25 @@ def legs_of(robot: Robot) -> tuple[Leg, Leg]:
     """The posterior and the anterior leg.
 
     Raises:
-        BadValue: the robot has not the coordinates, toes and motors of `q_spear`, its knees do not bend as that one's,
-            or a thigh is not as long as its shank.
+        BadValue: the robot has not the coordinates, signs, toes and motors of `q_spear`, or it is not known to which
+            side a knee flexes.
     """
     joints = tuple(f"{name}_{part}" for name in LEGS for part in ("hip", "knee"))
     expected = ("torso_x", "torso_z", "pitch", *joints)
     if robot.coordinates != expected or robot.actuated != joints or robot.toes != ("posterior_toe", "anterior_toe"):
-        raise BadValue("robot", robot, f"the coordinates {', '.join(expected)}, motors on the last four, and two toes")
-    for found, side in zip(robot.legs, SIDES, strict=True):
-        if found.side not in (0, side):  # 0: its limits leave both open
-            flexes = f"{side:+g}: bounding is for knees that point to each other"
-            raise BadValue(f"side of {found.knee} in {robot.name}", found.side, flexes)
-        if abs(found.thigh - found.shank) > ALIKE * found.thigh:
-            alike = f"{found.thigh:.6g} as its thigh: the leg angle of bounding is exact for these alone"
-            raise BadValue(f"shank of the {found.name} leg of {robot.name}", found.shank, alike)
-    legs = []
-    for i, (name, side) in enumerate(zip(LEGS, SIDES, strict=True)):
-        hip, knee = 3 + 2 * i, 4 + 2 * i
-        legs.append(Leg(name, hip, knee, side, ((2, 1.0), (hip, 1.0), (knee, -0.5)), (2 * i, 2 * i + 1)))
-    return legs[0], legs[1]
+        alike = f"the coordinates {', '.join(expected)}, motors on the last four, and two toes, as of sagittal(...)"
+        raise BadValue("robot", robot, alike)
+    posterior, anterior = (
+        Leg(name, hip, hip + 1, _side(robot, found, usual), (found.thigh, found.shank), (hip - 3, hip - 2))
+        for name, hip, found, usual in zip(LEGS, (3, 5), robot.legs, SIDES, strict=True)
+    )
+    return posterior, anterior
+
+
+def _side(robot: Robot, leg: RobotLeg, usual: float) -> float:
+    """To which side a knee flexes: if its limits do not tell, and it was not cut out of another, as Q-SPEAR's."""
+    in_convention(simple(leg))
+    return float(leg.side or usual) if robot.cut is None else float(sided(leg).side)
 
 
 def _stance(leg: Leg, other: Leg) -> Phase:
@@ -274,7 +285,7 @@ def _stance(leg: Leg, other: Leg) -> Phase:
 def _flight(name: str, lifted: Leg, landing: Leg) -> Phase:
     """Flight: both legs swing, s from the torso's travel."""
     first, second = legs = sorted((lifted, landing), key=lambda leg: leg.hip)
-    outputs = Outputs((*first.rows, *second.rows), ((0, 1.0),), (*first.motors, *second.motors))
+    outputs = Outputs((*first.rows, *second.rows), ((AHEAD, 1.0),), (*first.motors, *second.motors))
     return Phase(name, tuple(legs), outputs, lifted=lifted, landing=landing)
 
 
@@ -288,7 +299,7 @@ def stance_law(leg: Leg, phase: Phase) -> Law:
 
     def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         given = support(leg, q, held, p, dyn)
-        swing = zeroing(phase.outputs, evolution(held), q, v, p.epsilon, given, dyn)
+        swing = zeroing(phase.outputs, evolution(held), q, v, p.epsilon, given, dyn, ops)
         return _ordered([*given, *zip(phase.outputs.motors, swing, strict=True)])
 
     return law
@@ -298,7 +309,7 @@ def flight_law(phase: Phase) -> Law:
     """Torques in flight, (5.20)."""
 
     def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
-        return zeroing(phase.outputs, evolution(held), q, v, p.epsilon, (), dyn)
+        return zeroing(phase.outputs, evolution(held), q, v, p.epsilon, (), dyn, ops)
 
     return law
 

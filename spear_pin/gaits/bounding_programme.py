@@ -7,14 +7,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.gaits.bounding_law import LEGS, STIFFNESS, BoundingLaw, Leg, Phase, legs_of, phases_of, support
+from spear_pin.gaits.bounding_law import LEGS, BoundingLaw, Leg, Phase, legs_of, phases_of, support
 from spear_pin.gaits.collocation import Guess, Programme, Solution, casadi, hermite_simpson, node_name
-from spear_pin.gaits.objectives import ceiling, limit, objective
+from spear_pin.gaits.objectives import at_most, ceiling, limit, objective
 from spear_pin.gaits.request import (
     FARTHEST,
     FASTEST,
@@ -26,15 +26,20 @@ from spear_pin.gaits.request import (
     STEEPEST,
     Request,
 )
-from spear_pin.gaits.virtual_constraints import Evolution, desired, dot, resume
+from spear_pin.gaits.virtual_constraints import Evolution, desired, dot, drift, gradient, resume, value
 from spear_pin.hybrid.engines.structure import with_fields
+from spear_pin.model.legs import lean
+from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
+from spear_pin.model.scale import Scale, scale_of
+from spear_pin.model.spring import PAIR_STIFFNESS
 
 Array = NDArray[np.float64]
 CONE = 0.98  # of the friction asked for: what the collocation's error may use up
+WITHIN, AWAY = 0.95, 0.01  # of a torque's or a rate's limit, and rad from an angle's, for the same
 END = {True: 0.98, False: 1.02}  # s at the end of a stance, where the polynomial is not to run out, and of a flight
-KNEE_REST = BoundingLaw.knee_rest
+KNEE_REST, HEIGHT = BoundingLaw.knee_rest, 0.57  # rad, m: of Q-SPEAR's knees, and of the hips they hold up
 ANGLES, FLEXIONS = (-STEEPEST, STEEPEST), (-0.2, FLEXED)  # rad: of Bézier coefficients of leg angles and knees
 
 
@@ -47,6 +52,21 @@ class _Node:
     a: Any
     u: Any = None
     F: Any = None
+
+
+class _Units(NamedTuple):
+    """What a robot's configurations and so on are of order one in, (7,) each: Q-SPEAR's are in SI units."""
+
+    q: Array
+    v: Array
+    a: Array
+    force: Array
+
+    @classmethod
+    def of(cls, scale: Scale) -> _Units:
+        q = np.array([scale.length, scale.length, *5 * (1.0,)])
+        force = np.array([scale.force, scale.force, *5 * (scale.torque,)])
+        return cls(q, q / scale.time, q / scale.time**2, force)
 
 
 @dataclass
@@ -70,6 +90,7 @@ class Transcription:
         law = BoundingLaw(
             **values,
             virtual_stiffness=request.virtual_stiffness,
+            knee_rest=request.knee_rest,
             lift_off=request.lift_off,
             nominal=(*q[1:].tolist(), *v.tolist()),
         )
@@ -88,12 +109,16 @@ def transcribe(
     """The nonlinear programme of a request.
 
     Args:
-        robot: Q-SPEAR in the sagittal plane.
+        robot: Q-SPEAR in the sagittal plane, or another quadruped as `spear_pin.sagittal` cuts it.
         request: what is asked.
         intervals: of each phase.
         seed: of the perturbation of the initial guess.
         start: values to start from, by name.
+
+    Raises:
+        BadValue: the robot is none of these, or what is asked is beyond what the search considers.
     """
+    request.check(scale_of(robot))
     writer = _Writer(robot, request, Programme(start), np.random.default_rng(seed))
     travelled = 0.0
     for phase in phases_of(robot):
@@ -110,59 +135,139 @@ class _Writer:
     def __init__(self, robot: Robot, request: Request, programme: Programme, rng: np.random.Generator) -> None:
         self.request, self.programme, self.rng = request, programme, rng
         planar = Planar(robot)
+        self.robot, self.scale, self.units = robot, scale_of(robot), _Units.of(scale_of(robot))
         self.legs, self.weight, self.dynamics = legs_of(robot), robot.mass * planar.gravity, _dynamics(planar)
-        self.law = _law(programme, request)
+        self.law = _law(programme, request, self.scale)
         # what `support` reads of a law
-        self.p: Any = SimpleNamespace(virtual_stiffness=request.virtual_stiffness, knee_rest=KNEE_REST)
+        self.p: Any = SimpleNamespace(virtual_stiffness=request.virtual_stiffness, knee_rest=request.knee_rest)
         self.stiffness: Any = request.stiffness
         if request.stiffness is None:
-            self.stiffness = programme.variable("stiffness", STIFFNESS, 0.0, 800.0, 100.0)
-        self.top = ceiling(programme, request)
+            unit = self.scale.torque
+            self.stiffness = programme.variable("stiffness", PAIR_STIFFNESS, 0.0, 800.0, 100.0, unit=unit)
+        self.top = ceiling(programme, request, self.scale)
         self.result = Transcription(request, programme, self.law, self.stiffness)
 
     def add_phase(self, phase: Phase, intervals: int, travelled: float) -> float:
         """One phase by itself; returns how far its guess travels."""
         programme, request, bearing = self.programme, self.request, phase.bearing
-        label, stance = _words(phase), bearing is not None
-        guess, shortest = (0.1, request.minimum_stance) if stance else (0.06, SHORTEST_FLIGHT)
+        label, stance, time = _words(phase), bearing is not None, self.scale.time
+        guess, shortest = (0.1 * time, request.minimum_stance) if stance else (0.06 * time, SHORTEST_FLIGHT * time)
         around = guess * (1.0 + 0.2 * self.rng.uniform(-1, 1))
-        duration = programme.variable(f"{label} lasts", around, shortest, LONGEST_PHASE)
+        duration = programme.variable(f"{label} lasts", around, shortest, LONGEST_PHASE * time)
         nodes = []
         for i in range(2 * intervals + 1):
             s = i / (2 * intervals)
-            posture = _posture(phase.name, travelled, request.speed * guess, s)
-            nodes.append(_node(programme, phase.name, s, posture, request.speed, stance, self.rng))
+            posture = self.posture(phase.name, travelled + request.speed * guess * s, s)
+            nodes.append(self.node(phase.name, s, posture, stance))
         self.result.nodes[phase.name], self.result.durations[phase.name] = nodes, duration
-        span = (dot(phase.outputs.phase, nodes[-1].q) - dot(phase.outputs.phase, nodes[0].q)) / END[stance]
+        ca, measured = casadi(), phase.outputs.phase
+        span = (value(measured, nodes[-1].q, ca) - value(measured, nodes[0].q, ca)) / END[stance]
         self.law[f"{phase.name}_span"] = span
-        begun = resume(phase.outputs, _shapes(programme, self.law, phase), nodes[0].q, nodes[0].v, span)
+        begun = resume(phase.outputs, _shapes(programme, self.law, phase), nodes[0].q, nodes[0].v, span, ca)
         for i, node in enumerate(nodes):
             last = i == 2 * intervals
-            _follow(programme, label, phase, replace(begun, past=0.0 if stance or not last else 1.0), node)
+            _follow(programme, label, phase, replace(begun, past=0.0 if stance or not last else 1.0), node, self.scale)
             if bearing is None:
                 self.fly(label, node, 0 < i and not last)
             else:
                 self.stand(label, phase, bearing, node, 0 < i and not last, last)
-            limit(programme, request, node.u, node.v, self.top)
+            self.limit(node)
         if bearing is not None:
             programme.require(f"sweep of the leg in {label}", span, -1.5, -0.05)
-        for part, slope in (("q", "v"), ("v", "a")):
+        for part, slope, unit in (("q", "v", self.units.q), ("v", "a", self.units.v)):
             x, f = ([getattr(node, name) for node in nodes] for name in (part, slope))
-            hermite_simpson(programme, f"motion in {label}", duration, x, f)
+            hermite_simpson(programme, f"motion in {label}", duration, x, f, unit)
         return request.speed * guess
+
+    def node(self, phase: str, s: float, posture: Array, stance: bool) -> _Node:
+        """Unknowns at a node, about a guess."""
+        scale, units, rng = self.scale, self.units, self.rng
+
+        def variable(part: str, *arguments: Any, unit: Any) -> Any:
+            return self.programme.variable(node_name(phase, s, part), *arguments, unit=unit)
+
+        lower, upper = self.bounds()
+        rates = np.array([self.request.speed / scale.speed, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+        fastest = np.minimum(FASTEST, self.joints("velocity") / units.v)
+        q = variable(
+            "q", np.clip(posture / units.q + 0.03 * rng.normal(size=7), lower, upper), lower, upper, unit=units.q
+        )
+        v = variable("v", rates + 0.1 * rng.normal(size=7), -fastest, fastest, 10.0, unit=units.v)
+        a = variable("a", np.zeros(7), -1500.0, 1500.0, 100.0, unit=units.a)
+        u = variable("u", np.zeros(2 if stance else 4), -600.0, 600.0, 100.0, unit=scale.torque)
+        F = None
+        if stance:
+            F = variable("F", [0.0, 430.0], [-3000.0, -1.0], [3000.0, 6000.0], 100.0, unit=scale.force)
+        return _Node(q, v, a, u, F)
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Of q, in its units."""
+        shift = self.hips() / self.scale.length
+        lower, upper = np.array([-1.0, 0.3 - shift, -0.8]), np.array([FARTHEST, HIGHEST - shift, 0.8])
+        for leg in self.legs:
+            knee = sorted((-0.3 * leg.side, 2.5 * leg.side))
+            least, most = (np.array([hip, bound]) for hip, bound in zip((-1.9, 1.9), knee, strict=True))
+            if self.request.within_limits:
+                ranges = [self.robot.limits[self.robot.coordinates[i]].position for i in (leg.hip, leg.knee)]
+                low, high = np.transpose(ranges)
+                least, most = np.maximum(least, low + AWAY), np.minimum(most, high - AWAY)
+            lower, upper = np.append(lower, least), np.append(upper, most)
+        return lower, upper
+
+    def joints(self, what: str) -> Array:
+        """Limits of what the robot's file knows of its joints, (7,), infinite where that does not count."""
+        if not self.request.within_limits:
+            return np.full(self.robot.nv, np.inf)
+        limits = [
+            getattr(self.robot.limits[name], what) if name in self.robot.actuated else np.inf
+            for name in self.robot.coordinates
+        ]
+        return np.array([WITHIN * limit if 0.0 < limit < UNKNOWN else np.inf for limit in limits])
+
+    def limit(self, node: _Node) -> None:
+        """Bounds on the torques at a node."""
+        limit(self.programme, self.request, self.scale, node.u, node.v, self.top)
+        for i, most in enumerate(self.joints("effort")[3:]):
+            if np.isfinite(most):
+                joint = self.robot.coordinates[3 + i]
+                at_most(self.programme, f"torque of the {joint}", node.u[i], float(most), self.scale)
+
+    def hips(self) -> float:
+        """Mean height of the hips above the torso's frame, in m."""
+        level = np.zeros(self.robot.nq)
+        return float(np.mean([self.robot.frame_position(level, f"{leg.name}_hip")[1] for leg in self.legs]))
+
+    def posture(self, phase: str, x: float, s: float) -> Array:
+        """A rough guess of the configuration: level torso, legs sweeping, swing knees flexed."""
+        rest = self.request.knee_rest
+        bearing, bears, swings = 0.22 - 0.44 * s, rest + 0.2 * math.sin(math.pi * s), rest + 0.6
+        trails, comes, bends, straightens = -0.22 + 0.1 * s, 0.1 + 0.12 * s, rest + 0.3 * s, rest + 0.6 * (1.0 - s)
+        angles, knees = {
+            "posterior_stance": ((bearing, -0.2 + 0.25 * s), (bears, swings)),
+            "flight_1": ((trails, comes), (bends, straightens)),
+            "anterior_stance": ((-0.1 + 0.2 * s, bearing), (swings, bears)),
+            "flight_2": ((comes, trails), (straightens, bends)),
+        }[phase]
+        held, straight = (float(np.mean([_reach(leg, knee) for leg in self.legs])) for knee in (rest, KNEE_REST))
+        q = [x, HEIGHT * self.scale.length * held / straight - self.hips(), 0.0]
+        for leg, angle, knee in zip(self.legs, angles, knees, strict=True):
+            flexed = leg.side * knee
+            q += [angle + float(lean(*leg.lengths, flexed, math)[0]), flexed]
+        return np.array(q)
 
     def fly(self, label: str, node: _Node, inside: bool) -> None:
         """Motion in the air, with the toes above the ground."""
         terms = self.dynamics(node.q, node.v)
         applied = casadi().vertcat(casadi().SX.zeros(3), node.u)
         motion = terms["D"] @ node.a + terms["h"] - applied
-        self.programme.require(f"motion in {label}", motion, 0.0, 0.0, scale=50.0)
+        self.programme.require(f"motion in {label}", motion, 0.0, 0.0, scale=50.0, unit=self.units.force)
+        length = self.scale.length
         for leg in self.legs if inside else ():
-            self.programme.require(f"toes in the air in {label}", terms[leg.toe][0][1], 0.0, scale=0.1)
+            self.programme.require(f"toes in the air in {label}", terms[leg.toe][0][1], 0.0, scale=0.1, unit=length)
 
     def stand(self, label: str, phase: Phase, leg: Leg, node: _Node, inside: bool, last: bool) -> None:
         """Motion with a toe at rest, its force within the cone, the other leg clear of the ground."""
-        ca, programme, request = casadi(), self.programme, self.request
+        ca, programme, request, scale = casadi(), self.programme, self.request, self.scale
         held = {f"{leg.name}_{part}_torque": self.law[f"{leg.name}_{part}_torque"] for part in ("hip", "knee")}
         elastic = self.spring(leg, node.q)
         dyn = SimpleNamespace(spring_torque=lambda joint: elastic)
@@ -172,28 +277,35 @@ class _Writer:
         applied = ca.vertcat(ca.SX.zeros(3), node.u)
         applied[leg.knee] += elastic
         terms = self.dynamics(node.q, node.v)
-        _, J, drift = terms[leg.toe]
+        _, J, dJv = terms[leg.toe]
         motion = terms["D"] @ node.a + terms["h"] - applied - J.T @ node.F
-        programme.require(f"motion in {label}", motion, 0.0, 0.0, scale=50.0)
-        programme.require(f"motion in {label}", J @ node.a + drift, 0.0, 0.0, scale=10.0)
+        programme.require(f"motion in {label}", motion, 0.0, 0.0, scale=50.0, unit=self.units.force)
+        programme.require(
+            f"motion in {label}", J @ node.a + dJv, 0.0, 0.0, scale=10.0, unit=scale.length / scale.time**2
+        )
         if last and request.lift_off == "force":
-            programme.require(f"no force at lift-off from {label}", node.F, 0.0, 0.0, scale=50.0)
+            programme.require(f"no force at lift-off from {label}", node.F, 0.0, 0.0, scale=50.0, unit=scale.force)
         else:
-            self.cone(f"friction in {label}", node.F, 100.0, "N")
+            self.cone(f"friction in {label}", node.F, 100.0 * scale.force, "N")
             least = 0.0 if request.lift_off == "force" else request.minimum_force
-            programme.require(f"normal force in {label}", node.F[1], least, scale=100.0, wish="N")
+            programme.require(f"normal force in {label}", node.F[1], least, scale=100.0 * scale.force, wish="N")
         if inside:
-            programme.require(f"knee flexed in {label}", leg.side * node.q[leg.knee], KNEE_REST)
+            programme.require(f"knee flexed in {label}", leg.side * node.q[leg.knee], request.knee_rest)
         if last and request.lift_off == "knee":
-            programme.require(f"knee at lift-off from {label}", leg.side * node.q[leg.knee], KNEE_REST, KNEE_REST)
+            programme.require(
+                f"knee at lift-off from {label}", leg.side * node.q[leg.knee], request.knee_rest, request.knee_rest
+            )
         (other,) = phase.legs
-        programme.require(f"clearance in {label}", terms[other.toe][0][1], request.clearance, scale=0.1, wish="m")
-        programme.require(f"sweep of the leg in {label}", dot(phase.outputs.phase, node.v), -30.0, -0.3)
+        programme.require(
+            f"clearance in {label}", terms[other.toe][0][1], request.clearance, scale=0.1 * scale.length, wish="m"
+        )
+        rate = dot(gradient(phase.outputs.phase, node.q, ca), node.v)
+        programme.require(f"sweep of the leg in {label}", rate, -30.0, -0.3, unit=1.0 / scale.time)
 
     def spring(self, leg: Leg, q: Any) -> Any:
         """Torque of the physical spring, smooth about its rest angle where the knee may pass that."""
         deflection, preload = leg.side * q[leg.knee] - self.law["knee_touchdown"], self.request.preload
-        if self.request.lift_off == "force" or self.request.knee_touchdown != KNEE_REST:
+        if self.request.lift_off == "force" or self.request.knee_touchdown != self.request.knee_rest:
             distance = (deflection * deflection + 1e-6) ** 0.5
             preload, deflection = 0.5 * preload * (1.0 + deflection / distance), 0.5 * (deflection + distance)
         spring = with_fields(self.request.spring(0.0), {"stiffness": self.stiffness, "preload": preload})
@@ -209,56 +321,75 @@ class _Writer:
         """One phase follows another: by an impact, or by a toe that leaves the ground."""
         label, programme = f"motion in {_words(after)}", self.programme
         last, first = self.result.nodes[before.name][-1], self.result.nodes[after.name][0]
-        programme.require(label, first.q - last.q, 0.0, 0.0)
+        programme.require(label, first.q - last.q, 0.0, 0.0, unit=self.units.q)
         if after.bearing is not None:
             self.strike(after.bearing, last, first.v)
             return
         assert after.lifted is not None
-        programme.require(label, first.v - last.v, 0.0, 0.0)
-        _, J, drift = self.dynamics(first.q, first.v)[after.lifted.toe]
-        rises = (J @ first.a + drift)[1]
-        programme.require(f"toe leaves the ground into {_words(after)}", rises, 5.0, scale=10.0)
+        programme.require(label, first.v - last.v, 0.0, 0.0, unit=self.units.v)
+        _, J, dJv = self.dynamics(first.q, first.v)[after.lifted.toe]
+        unit = self.scale.length / self.scale.time**2
+        rises = (J @ first.a + dJv)[1]
+        programme.require(f"toe leaves the ground into {_words(after)}", rises, 5.0, scale=10.0, unit=unit)
 
     def strike(self, leg: Leg, before: _Node, v: Any) -> None:
         """The leg touches down: the toe reaches the ground, falling, and stops, by an impulse within the cone."""
-        label, programme = f"{leg.name} touchdown", self.programme
+        label, programme, scale, push = (
+            f"{leg.name} touchdown",
+            self.programme,
+            self.scale,
+            self.units.force * self.scale.time,
+        )
         terms = self.dynamics(before.q, before.v)
         position, J, _ = terms[leg.toe]
-        impulse = programme.variable(f"{leg.name} impulse", [0.0, 30.0], [-300.0, 0.01], [300.0, 600.0], 10.0)
-        programme.require(label, position[1], 0.0, 0.0)
-        programme.require(f"approach at {label}", (J @ before.v)[1], -np.inf, -0.2)
-        programme.require(label, terms["D"] @ (v - before.v) - J.T @ impulse, 0.0, 0.0)
-        programme.require(label, J @ v, 0.0, 0.0)
-        self.cone(f"friction at {label}", impulse, 10.0, "N·s")
+        lower, upper = [-300.0, 0.01], [300.0, 600.0]
+        impulse = programme.variable(
+            f"{leg.name} impulse", [0.0, 30.0], lower, upper, 10.0, unit=scale.force * scale.time
+        )
+        programme.require(label, position[1], 0.0, 0.0, unit=scale.length)
+        programme.require(f"approach at {label}", (J @ before.v)[1], -np.inf, -0.2, unit=scale.speed)
+        programme.require(label, terms["D"] @ (v - before.v) - J.T @ impulse, 0.0, 0.0, unit=push)
+        programme.require(label, J @ v, 0.0, 0.0, unit=scale.speed)
+        self.cone(f"friction at {label}", impulse, 10.0 * scale.force * scale.time, "N·s")
 
     def close(self) -> None:
         """Periodicity, speed, duration, and what is minimised."""
-        programme, request, result = self.programme, self.request, self.result
+        programme, request, result, scale = self.programme, self.request, self.result, self.scale
         everything = list(result.nodes.values())
         first, last = everything[0][0], everything[-1][-1]
         period = sum(result.durations.values())
-        programme.require("origin", first.q[0], 0.0, 0.0)
-        programme.require("periodicity", last.q[1:] - first.q[1:], 0.0, 0.0)
+        programme.require("origin", first.q[0], 0.0, 0.0, unit=scale.length)
+        programme.require("periodicity", last.q[1:] - first.q[1:], 0.0, 0.0, unit=self.units.q[1:])
         self.strike(self.legs[0], last, first.v)
-        programme.require("mean speed", last.q[0] / period, request.speed, request.speed, wish="m/s")
-        programme.require("duration of the stride", period, request.minimum_stride, LONGEST_STRIDE, wish="s")
+        programme.require("mean speed", last.q[0] / period, request.speed, request.speed, scale=scale.speed, wish="m/s")
+        programme.require(
+            "duration of the stride",
+            period,
+            request.minimum_stride,
+            LONGEST_STRIDE * scale.time,
+            scale=scale.time,
+            wish="s",
+        )
         phases = list(zip(result.durations.values(), everything, strict=True))
-        programme.objective = objective(request, self.weight, phases, last.q[0], self.top)
+        programme.objective = objective(request, scale, self.weight, phases, last.q[0], self.top)
 
 
 def _words(phase: Phase) -> str:
     return phase.name.replace("_", " ")
 
 
-def _law(programme: Programme, request: Request) -> dict[str, Any]:
+def _law(programme: Programme, request: Request, scale: Scale) -> dict[str, Any]:
     """The unknowns among the law's parameters that belong to no phase."""
-    knee, bounds, least = request.knee_touchdown, request.leg_touchdown, request.minimum_knee_torque
+    knee, bounds, least, unit = request.knee_touchdown, request.leg_touchdown, request.minimum_knee_torque, scale.torque
     if knee is None:
-        knee = programme.variable("knee touchdown", KNEE_REST, math.radians(20.0), math.radians(70.0))
+        freely = math.radians(20.0), math.radians(70.0) + request.knee_rest - KNEE_REST
+        knee = programme.variable("knee touchdown", request.knee_rest, *freely)
     law: dict[str, Any] = {"knee_touchdown": knee}
     for name in LEGS:
-        law[f"{name}_hip_torque"] = programme.variable(f"{name} hip", 0.0, -400.0, 400.0, 100.0)
-        law[f"{name}_knee_torque"] = programme.variable(f"{name} knee", max(20.0, least), least, least + 400.0, 100.0)
+        law[f"{name}_hip_torque"] = programme.variable(f"{name} hip", 0.0, -400.0, 400.0, 100.0, unit=unit)
+        law[f"{name}_knee_torque"] = programme.variable(
+            f"{name} knee", max(20.0 * unit, least), least, least + 400.0 * unit, 100.0 * unit
+        )
         law[f"{name}_leg_touchdown"] = programme.variable(f"{name} leg", np.clip(0.22, *bounds), *bounds)
     return law
 
@@ -280,35 +411,6 @@ def _dynamics(planar: Planar) -> Callable[[Any, Any], dict[str, Any]]:
         return {"D": values[0], "h": values[1], **toes}
 
     return evaluate
-
-
-def _posture(phase: str, x: float, distance: float, s: float) -> Array:
-    """A rough guess of the configuration: level torso, legs sweeping, swing knees flexed."""
-    rest = KNEE_REST
-    posterior, anterior, knees = {
-        "posterior_stance": (0.22 - 0.44 * s, -0.2 + 0.25 * s, (rest + 0.2 * math.sin(math.pi * s), rest + 0.6)),
-        "flight_1": (-0.22 + 0.1 * s, 0.1 + 0.12 * s, (rest + 0.3 * s, rest + 0.6 * (1.0 - s))),
-        "anterior_stance": (-0.1 + 0.2 * s, 0.22 - 0.44 * s, (rest + 0.6, rest + 0.2 * math.sin(math.pi * s))),
-        "flight_2": (0.1 + 0.12 * s, -0.22 + 0.1 * s, (rest + 0.6 * (1.0 - s), rest + 0.3 * s)),
-    }[phase]
-    p, a = knees[0], -knees[1]
-    return np.array([x + distance * s, 0.57, 0.0, posterior + 0.5 * p, p, anterior + 0.5 * a, a])
-
-
-def _node(
-    programme: Programme, phase: str, s: float, posture: Array, speed: float, stance: bool, rng: np.random.Generator
-) -> _Node:
-    def variable(part: str, *arguments: Any) -> Any:
-        return programme.variable(node_name(phase, s, part), *arguments)
-
-    lower, upper = [-1.0, 0.3, -0.8, -1.9, -0.3, -1.9, -2.5], [FARTHEST, HIGHEST, 0.8, 1.9, 2.5, 1.9, 0.3]
-    rates = np.array([speed, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    q = variable("q", np.clip(posture + 0.03 * rng.normal(size=7), lower, upper), lower, upper)
-    v = variable("v", rates + 0.1 * rng.normal(size=7), -FASTEST, FASTEST, 10.0)
-    a = variable("a", np.zeros(7), -1500.0, 1500.0, 100.0)
-    u = variable("u", np.zeros(2 if stance else 4), -600.0, 600.0, 100.0)
-    F = variable("F", [0.0, 430.0], [-3000.0, -1.0], [3000.0, 6000.0], 100.0) if stance else None
-    return _Node(q, v, a, u, F)
 
 
 def _shapes(programme: Programme, law: dict[str, Any], phase: Phase) -> Any:
@@ -336,10 +438,21 @@ def _knee(programme: Programme, name: str, leg: Leg) -> Any:
     return leg.side * programme.variable(name, 1.0, *FLEXIONS)
 
 
-def _follow(programme: Programme, label: str, phase: Phase, begun: Evolution, node: _Node) -> None:
+def _follow(programme: Programme, label: str, phase: Phase, begun: Evolution, node: _Node, scale: Scale) -> None:
     """ÿ = 0."""
-    rate, second = (dot(phase.outputs.phase, part) / begun.span for part in (node.v, node.a))
-    for row, (_, slope, curvature) in zip(phase.outputs.rows, desired(phase.outputs, begun, node.q), strict=True):
-        programme.require(
-            f"motion in {label}", dot(row, node.a) - slope * second - curvature * rate * rate, 0.0, 0.0, scale=50.0
-        )
+    ca, measured = casadi(), phase.outputs.phase
+    ahead, unit = gradient(measured, node.q, ca), 1.0 / scale.time**2
+    rate = dot(ahead, node.v) / begun.span
+    second = (dot(ahead, node.a) + drift(measured, node.q, node.v, ca)) / begun.span
+    for variable, (_, slope, curvature) in zip(
+        phase.outputs.rows, desired(phase.outputs, begun, node.q, ca), strict=True
+    ):
+        own = dot(gradient(variable, node.q, ca), node.a) + drift(variable, node.q, node.v, ca)
+        missed = own - slope * second - curvature * rate * rate
+        programme.require(f"motion in {label}", missed, 0.0, 0.0, scale=50.0, unit=unit)
+
+
+def _reach(leg: Leg, knee: float) -> float:
+    """From hip to toe, in m."""
+    thigh, shank = leg.lengths
+    return math.hypot(shank * math.sin(knee), thigh + shank * math.cos(knee))

@@ -84,17 +84,37 @@ class Programme:
         self._unknowns: list[_Unknown] = []
         self._conditions: list[_Condition] = []
 
-    def variable(self, name: str, guess: ArrayLike, lower: ArrayLike, upper: ArrayLike, scale: float = 1.0) -> Any:
-        """New unknowns, as many as the guess has numbers; internally divided by `scale`."""
-        first = np.atleast_1d(np.asarray(guess, dtype=float))
+    def variable(
+        self,
+        name: str,
+        guess: ArrayLike,
+        lower: ArrayLike,
+        upper: ArrayLike,
+        scale: float = 1.0,
+        *,
+        unit: ArrayLike = 1.0,
+    ) -> Any:
+        """New unknowns, as many as the guess has numbers.
+
+        Args:
+            name: of them.
+            guess: where to begin.
+            lower: bounds.
+            upper: bounds.
+            scale: by which they are divided internally.
+            unit: in which all of these are.
+        """
+        first = np.atleast_1d(np.asarray(guess, dtype=float)) * unit
         given = self._start(name) if self._start is not None else None
         if given is not None and given.shape == first.shape:
             first = given
-        low, high = (np.broadcast_to(np.asarray(bound, dtype=float), first.shape) for bound in (lower, upper))
+        low, high, size = (
+            np.broadcast_to(np.multiply(number, unit, dtype=float), first.shape) for number in (lower, upper, scale)
+        )
         symbol = casadi().SX.sym(name, len(first))
         first = np.clip(first, low, high)
-        self._unknowns.append(_Unknown(name, symbol, first / scale, low / scale, high / scale, scale))
-        return scale * symbol
+        self._unknowns.append(_Unknown(name, symbol, first / size, low / size, high / size, size))
+        return casadi().DM(size) * symbol
 
     def require(
         self,
@@ -104,6 +124,7 @@ class Programme:
         most: ArrayLike = np.inf,
         *,
         scale: float = 1.0,
+        unit: ArrayLike = 1.0,
         wish: str = "",
     ) -> None:
         """Require least <= expression <= most.
@@ -113,13 +134,16 @@ class Programme:
             expression: scalars or a vector.
             least: lower bounds.
             most: upper bounds.
-            scale: the unit in which it is of order one.
+            scale: what it has to be divided by to be of order one.
+            unit: in which bounds and scale are; one number if it is a wish.
             wish: unit of the expression if this was asked for, and may be given up to find out what is
                 in the way; the laws of motion may not.
         """
         row = casadi().vertcat(expression)
-        low, high = (np.broadcast_to(np.asarray(bound, dtype=float), (row.numel(),)) for bound in (least, most))
-        self._conditions.append(_Condition(label, row / scale, low / scale, high / scale, scale, wish))
+        low, high, size = (
+            np.broadcast_to(np.multiply(number, unit, dtype=float), (row.numel(),)) for number in (least, most, scale)
+        )
+        self._conditions.append(_Condition(label, row / casadi().DM(size), low / size, high / size, size, wish))
 
     def solve(
         self, *, iterations: int = 500, tolerance: float = 1e-8, on_iteration: Progress | None = None
@@ -163,9 +187,10 @@ class Programme:
         violations: dict[str, float] = {}
         for condition in self._conditions:
             n = len(condition.least)
-            missed = np.maximum(np.maximum(condition.least - rows[:n], rows[:n] - condition.most), 0.0).max(initial=0.0)
+            missed = np.maximum(np.maximum(condition.least - rows[:n], rows[:n] - condition.most), 0.0)
             rows = rows[n:]
-            violations[condition.label] = max(violations.get(condition.label, 0.0), float(missed) * condition.scale)
+            most = float((missed * condition.scale).max(initial=0.0))
+            violations[condition.label] = max(violations.get(condition.label, 0.0), most)
         return Solution(
             values,
             float(result["f"]),
@@ -197,7 +222,9 @@ class Programme:
                     loosened = side * (condition.row - bound) + margins[condition.label]
                     other.require(condition.label, loosened, 0.0)
         other.objective = sum(margins.values())
-        return other, {label: Margin(f"margin of {label}", wish.scale, wish.wish) for label, wish in wishes.items()}
+        return other, {
+            label: Margin(f"margin of {label}", float(wish.scale[0]), wish.wish) for label, wish in wishes.items()
+        }
 
     def read(self, expression: Any, solution: Solution) -> Array:
         """An expression's value at a solution."""
@@ -241,7 +268,7 @@ class _Unknown:
     guess: Array
     lower: Array
     upper: Array
-    scale: float
+    scale: Array
 
 
 @dataclass(frozen=True)
@@ -250,19 +277,19 @@ class _Condition:
     row: Any
     least: Array
     most: Array
-    scale: float
+    scale: Array
     wish: str
 
 
 def hermite_simpson(
-    programme: Programme, label: str, duration: Any, x: Sequence[Any], slope: Sequence[Any], scale: float = 1.0
+    programme: Programme, label: str, duration: Any, x: Sequence[Any], slope: Sequence[Any], unit: ArrayLike = 1.0
 ) -> None:
     """Defects of x' = slope over equal intervals; nodes at their ends and middles, 2 n + 1 of them."""
     step = duration / ((len(x) - 1) // 2)
     for k in range(0, len(x) - 2, 2):
         (x0, x1, x2), (f0, f1, f2) = x[k : k + 3], slope[k : k + 3]
-        programme.require(label, x2 - x0 - step / 6.0 * (f0 + 4.0 * f1 + f2), 0.0, 0.0, scale=scale)
-        programme.require(label, x1 - 0.5 * (x0 + x2) - step / 8.0 * (f0 - f2), 0.0, 0.0, scale=scale)
+        programme.require(label, x2 - x0 - step / 6.0 * (f0 + 4.0 * f1 + f2), 0.0, 0.0, unit=unit)
+        programme.require(label, x1 - 0.5 * (x0 + x2) - step / 8.0 * (f0 - f2), 0.0, 0.0, unit=unit)
 
 
 def quadrature(duration: Any, values: Sequence[Any]) -> Any:

@@ -25,11 +25,8 @@ from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.parameters import LIMITS, PARTS, Fitted, limits, parameter, rebuilt, replaced
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
-from spear_pin.model.draft import MODEL
-from spear_pin.model.loading import load
-from spear_pin.model.robot import Robot
+from spear_pin.model.origin import check_origin, origin, robot_of, unsaid
 from spear_pin.model.spring import Spring
-from spear_pin.model.variants import vary
 
 FORMAT = "spear_pin gait 1"
 KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
@@ -84,11 +81,10 @@ class Gait:
 
         Raises:
             BadValue: the system has what the file could not say: hardware, dry friction of joints, a rotary boom, a
-                robot cut out of another, another change, a builder of its own under the name of another, or a limit
-                that is not finite.
+                robot that was no file, or was cut out of one and cannot be cut again as it was, another change, a
+                builder of its own under the name of another, or a limit that is not finite.
             BadFile: the file cannot be written.
         """
-        robot = self.system.robot
         if left_out := _unsaid(self.system):
             raise BadValue("gait.system", f"one with {' and '.join(left_out)}", "one without: a file keeps none")
         for name, limit in limits(self.system).items():
@@ -96,7 +92,7 @@ class Gait:
         data = {
             "format": FORMAT,
             "kind": self.system.kind,
-            "robot": _origin(robot),
+            "robot": origin(self.system.robot),
             **{part: asdict(getattr(self.system, part)) for part in PARTS},
             "limits": {name: float(limit) for name, limit in limits(self.system).items()},
             "state": {"q": self.state[0].tolist(), "v": self.state[1].tolist()},
@@ -133,9 +129,7 @@ class Gait:
             if data["kind"] not in kinds:
                 raise UnknownName("kind of gait", data["kind"], kinds)
             build, law = kinds[data["kind"]]
-            origin = data["robot"]
-            robot = load(origin["source"], toes=origin["toes"], locked=origin["locked"], **origin.get("options", {}))
-            robot = vary(robot, **data["robot"].get("varied", {}))
+            robot = robot_of(data["robot"])
             contact = Ground if data["contact"].keys() & {"slope", "height"} else Contact
             kinds_of_parts = zip((law, Spring, contact), PARTS, strict=True)
             system = build(robot, *(_part(kind, data[part]) for kind, part in kinds_of_parts))
@@ -157,21 +151,13 @@ def built_as_named(system: HybridSystem) -> bool:
     return system.kind not in KINDS or system.made["builder"] is KINDS[system.kind][0]
 
 
-def _origin(robot: Robot) -> dict[str, Any]:
-    """Where a robot comes from, for `load` and `vary`."""
-    origin = {"source": robot.source, "toes": robot.toes, "locked": robot.locked, "varied": dict(robot.varied)}
-    return origin | ({"options": dict(robot.options)} if robot.options else {})
-
-
 def _unsaid(system: HybridSystem) -> list[str]:
     """Properties of a system that a file does not say, in words."""
     has = {
         "hardware": system.hardware is not None,
         "dry friction of joints": any(domain.rubs for domain in system.domains),
         "ground that is no plane": type(system.contact) not in (Contact, Ground),
-        "a robot that was no file": system.robot.source == MODEL,
-        "a robot with added inertia": system.robot.added is not None,
-        "a robot that was cut out of another": system.robot.cut is not None,
+        **dict.fromkeys(unsaid(system.robot), True),
         "another builder than others of its kind": not built_as_named(system),
         "a change of its own": any(not isinstance(change, (DryFriction, Fitted)) for change in system.changes),
     }
@@ -191,19 +177,11 @@ def _check(data: Any) -> None:
     for name in (*objects, "limits"):
         if not isinstance(data[name], dict):
             raise BadValue(name, data[name], "a JSON object")
-    robot = data["robot"]
-    check_keys("field of robot", robot, ("source", "toes", "locked"), ("varied", "options"))
-    check_keys("option of robot", robot.get("options", {}), (), ("base", "motors", "repair"))
+    check_origin(data["robot"])
     check_keys("field of state", data["state"], ("q", "v"))
     check_keys("limit", data["limits"], (), LIMITS)
-    texts = {"kind": data["kind"], "robot.source": robot["source"]}
-    for name in ("toes", "locked"):
-        if not isinstance(robot[name], list):
-            raise BadValue(f"robot.{name}", robot[name], "a list of names")
-        texts |= {f"robot.{name}[{i}]": item for i, item in enumerate(robot[name])}
-    for name, text in texts.items():
-        if not isinstance(text, str):
-            raise BadValue(name, text, "a name")
+    if not isinstance(data["kind"], str):
+        raise BadValue("kind", data["kind"], "a name")
     _numbers("parameters", [*data["parameters"].values()])
     seconds = {name: [*data[name].values()] for name in ("durations", "limits")}
     for name, values in {"residual": [data["residual"]], **seconds}.items():

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from spear_pin.errors import BadValue, require
-from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.automaton import SHORTEST_FLIGHT, HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset, Switch
 from spear_pin.hybrid.dynamics import Dynamics, Operations
@@ -22,6 +22,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.scale import only_leg, scale_of, spear_ii, touchdown_inertia
 from spear_pin.model.spring import Spring
 
+LONGEST, FALLING = 5.0, 0.8  # s, m/s: a phase of SPEAR-II, and how fast it lands in a guess
 FLAT = 1e-9  # 1/m: a normal force that falls less than this with the torque is not changed by it
 
 
@@ -187,9 +188,9 @@ def hopping(
     normal force falls to zero, releases it and latches the forward speed.
 
     Args:
-        robot: SPEAR-II, with boom_x locked or free.
-        law: parameters of the controller.
-        spring: the knee spring.
+        robot: SPEAR-II, with boom_x locked or free, or another leg as `spear_pin.monopod` cuts it.
+        law: parameters of the controller; for another leg those of `HoppingLaw.scaled`.
+        spring: the knee spring; for another leg that of `Spring.scaled`.
         contact: friction of level ground.
         ground: the ground, in place of `contact`.
 
@@ -202,7 +203,7 @@ def hopping(
         raise BadValue("robot", robot, "a planar robot with the toe 'toe' whose last joints are 'hip' and 'knee'")
     if robot.actuated != ("hip", "knee"):
         raise BadValue("robot.actuated", robot.actuated, "motors on 'hip' and 'knee'")
-    knee, rise = robot.index("knee"), robot.index("boom_z")
+    knee, rise, time = robot.index("knee"), robot.index("boom_z"), scale_of(robot).time
     forward = robot.index("boom_x") if "boom_x" in robot.coordinates else None
     if forward is None and law.foot_placement != 0.0:
         raise BadValue("HoppingLaw.foot_placement", law.foot_placement, "0 while boom_x is locked")
@@ -260,6 +261,8 @@ def hopping(
         build=hopping,
         guess=lambda: _guess(robot, law, as_ground(contact)),
         measures=_MEASURES,
+        phase_limit=LONGEST * time,
+        shortest_flight=SHORTEST_FLIGHT * time,
     )
 
 
@@ -291,7 +294,7 @@ def _guess(robot: Robot, law: HoppingLaw, ground: Ground) -> tuple[Any, Any]:
     x, z = robot.toe_position(q, "toe")
     q[robot.index("boom_z")] = ground.under(x) - z
     v = np.zeros(robot.nv)
-    v[robot.index("boom_z")] = -0.8
+    v[robot.index("boom_z")] = -FALLING * scale_of(robot).speed
     jacobian = robot.toe_jacobian(q, "toe")
     rows = [robot.index("hip"), robot.index("knee")]
     v[rows] = np.linalg.lstsq(jacobian[:, rows], -jacobian @ v, rcond=None)[0]

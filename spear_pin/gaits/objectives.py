@@ -10,74 +10,81 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.gaits.bounding_law import PAIR
-from spear_pin.gaits.collocation import Programme, casadi, quadrature
+from spear_pin.gaits.collocation import Programme, Solution, casadi, quadrature
 from spear_pin.gaits.request import Request
 from spear_pin.model.motor import Drive
+from spear_pin.model.scale import Scale
 
 Array = NDArray[np.float64]
 MOTORS = ("posterior hip", "posterior knee", "anterior hip", "anterior knee")
-SMOOTH = 1.0  # W: how sharply the sign of a power is told
+SMOOTH = 1.0  # W of Q-SPEAR: how sharply the sign of a power is told
+OF_EFFORT, OF_COST = 0.01, 10.0  # what an objective is multiplied by to be of order ten
 
 
-def ceiling(programme: Programme, request: Request) -> Any:
+def ceiling(programme: Programme, request: Request, scale: Scale) -> Any:
     """The unknown that bounds every torque, or every excess over an envelope, where that is minimised."""
     if request.objective == "peak":
-        return programme.variable("peak torque", 200.0, 0.0, 1000.0, 100.0)
+        return programme.variable("peak torque", 200.0, 0.0, 1000.0, 100.0, unit=scale.torque)
     if request.objective == "violation":
-        return programme.variable("violation", 20.0, 0.0, 1000.0, 10.0)
+        return programme.variable("violation", 20.0, 0.0, 1000.0, 10.0, unit=scale.torque)
     return 0.0
 
 
-def limit(programme: Programme, request: Request, u: Any, v: Any, top: Any) -> None:
+def limit(programme: Programme, request: Request, scale: Scale, u: Any, v: Any, top: Any) -> None:
     """Bounds on torques at a node, and the motors' torque-speed envelopes."""
     for i, name in enumerate(MOTORS):
         torque, rate = u[i], v[3 + i]
         knee = "knee" in name
         if request.objective == "peak":
             for side in (1.0, -1.0):
-                programme.require("peak torque", top - side * torque, 0.0, scale=100.0)
+                programme.require("peak torque", top - side * torque, 0.0, scale=100.0, unit=scale.torque)
         if not knee and request.hip_torque is not None:
-            most = request.hip_torque
-            programme.require(
-                f"torque of the {name} motor", torque / PAIR, -most / PAIR, most / PAIR, scale=50.0, wish="N·m"
-            )
+            at_most(programme, f"torque of the {name} motor", torque / PAIR, request.hip_torque / PAIR, scale)
         drive = request.knee_drive if knee else request.hip_drive
         if drive is not None:
             excess = top if knee and request.objective == "violation" else 0.0
-            _within(programme, name, drive, torque / PAIR, rate, excess)
+            _within(programme, scale, name, drive, torque / PAIR, rate, excess)
 
 
-def _within(programme: Programme, name: str, drive: Drive, torque: Any, rate: Any, excess: Any) -> None:
+def at_most(programme: Programme, label: str, torque: Any, most: float, scale: Scale) -> None:
+    """A torque within bounds that are wished for, in N·m."""
+    programme.require(label, torque, -most, most, scale=50.0 * scale.torque, wish="N·m")
+
+
+def _within(programme: Programme, scale: Scale, name: str, drive: Drive, torque: Any, rate: Any, excess: Any) -> None:
     """One motor's voltage, current and speed.
 
     Driving, its gears take away; beyond the no-load speed, where it has to brake, they help. Of the two
     lines through the no-load speed, the lower one is the limit on either side of it; where it brakes
     below that speed, that is on the safe side.
     """
-    label = f"envelope of the {name} motor"
+    label, unit = f"envelope of the {name} motor", scale.torque
     line = replace(drive, current_limit=None).stall_torque
     for side in (1.0, -1.0):
         for slope in (1.0, drive.gearbox.efficiency**-2):
             available = slope * line * (1.0 - side * rate / drive.no_load_speed) + excess
-            programme.require(label, available - side * torque, 0.0, scale=50.0, wish="N·m")
+            programme.require(label, available - side * torque, 0.0, scale=50.0, unit=unit, wish="N·m")
         if drive.current_limit is not None:
-            programme.require(label, drive.stall_torque + excess - side * torque, 0.0, scale=50.0, wish="N·m")
+            left = drive.stall_torque + excess - side * torque
+            programme.require(label, left, 0.0, scale=50.0, unit=unit, wish="N·m")
     if drive.motor.max_speed is not None:
         most = drive.motor.max_speed / drive.gearbox.ratio
-        programme.require(f"speed of the {name} motor", rate, -most, most, scale=10.0, wish="rad/s")
+        programme.require(f"speed of the {name} motor", rate, -most, most, scale=10.0 / scale.time, wish="rad/s")
 
 
 def objective(
     request: Request,
+    scale: Scale,
     weight: float,
     phases: Sequence[tuple[Any, Sequence[Any]]],
     distance: Any,
     top: Any,
 ) -> Any:
-    """Objective to be minimised, scaled to order ten.
+    """Objective to be minimised, of order ten whatever the robot's size.
 
     Args:
         request: says which.
+        scale: the robot's.
         weight: of the robot, in N.
         phases: duration and nodes, with `u` and `v`, of each phase.
         distance: of a stride, in m.
@@ -85,21 +92,38 @@ def objective(
     """
     even = np.ones(4)
     if request.objective == "peak":
-        return 0.1 * top + 1e-5 * _effort(phases, even) / distance
+        return 0.1 * top / scale.torque + 1e-5 * _effort(phases, even, scale) / distance
     if request.objective == "violation":
-        return top + 1e-4 * _effort(phases, even) / distance
+        return top / scale.torque + 1e-4 * _effort(phases, even, scale) / distance
     if request.objective == "cot":
-        return 10.0 * _power(phases, _size) / (weight * distance)
+        return OF_COST * _power(phases, lambda power: _size(power, scale)) / (weight * distance)
     if request.objective == "electrical":
         assert request.knee_drive is not None
-        return 10.0 * _electrical(phases, request.knee_drive) / (weight * distance)
+        return OF_COST * _electrical(phases, request.knee_drive, scale) / (weight * distance)
     weights = np.array([10.0, 1.0, 10.0, 1.0]) if request.objective == "hip" else even
-    return 0.01 * _effort(phases, weights) / distance
+    return OF_EFFORT * _effort(phases, weights, scale) / distance
 
 
-def _effort(phases: Sequence[tuple[Any, Sequence[Any]]], weights: Array) -> Any:
+def in_its_unit(request: Request, scale: Scale, solution: Solution) -> float:
+    """The objective at a solution in the unit of `OBJECTIVES`; torques are those of a motor."""
+    if request.objective == "violation":
+        return float(solution.values["violation"][0])
+    if request.objective == "peak":
+        return float(solution.values["peak torque"][0]) / PAIR
+    if request.objective in ("cot", "electrical"):
+        return solution.objective / OF_COST
+    return solution.objective / OF_EFFORT * _unit_of_effort(scale)
+
+
+def _unit_of_effort(scale: Scale) -> float:
+    """Factor of a squared torque times a time, over a distance."""
+    return scale.torque**2 * scale.time / scale.length
+
+
+def _effort(phases: Sequence[tuple[Any, Sequence[Any]]], weights: Array, scale: Scale) -> Any:
     ca = casadi()
-    return sum(quadrature(duration, [ca.dot(weights, node.u * node.u) for node in nodes]) for duration, nodes in phases)
+    total = sum(quadrature(time, [ca.dot(weights, node.u * node.u) for node in nodes]) for time, nodes in phases)
+    return total / _unit_of_effort(scale)
 
 
 def _power(phases: Sequence[tuple[Any, Sequence[Any]]], of: Any) -> Any:
@@ -108,7 +132,7 @@ def _power(phases: Sequence[tuple[Any, Sequence[Any]]], of: Any) -> Any:
     )
 
 
-def _electrical(phases: Sequence[tuple[Any, Sequence[Any]]], drive: Drive) -> Any:
+def _electrical(phases: Sequence[tuple[Any, Sequence[Any]]], drive: Drive, scale: Scale) -> Any:
     """Energy drawn by the knee motors, heat included and none given back, and the hips' positive work."""
     # heat of one motor per squared torque, its gearbox taken as lossy both ways
     heat, efficiency = float(drive.joule_power(1.0, 1.0)), drive.gearbox.efficiency
@@ -118,15 +142,15 @@ def _electrical(phases: Sequence[tuple[Any, Sequence[Any]]], drive: Drive) -> An
         for i, name in enumerate(MOTORS):
             power = node.u[i] * node.v[3 + i]
             if "knee" in name:
-                size = _size(power)
+                size = _size(power, scale)
                 power = 0.5 * (power + size) / efficiency + 0.5 * (power - size) * efficiency
                 power = power + PAIR * heat * (node.u[i] / PAIR) ** 2
-            total = total + 0.5 * (power + _size(power))
+            total = total + 0.5 * (power + _size(power, scale))
         return total
 
     return sum(quadrature(duration, [drawn(node) for node in nodes]) for duration, nodes in phases)
 
 
-def _size(power: Any) -> Any:
-    """Its magnitude, smooth within a watt."""
-    return (power * power + SMOOTH**2) ** 0.5
+def _size(power: Any, scale: Scale) -> Any:
+    """Its magnitude, smooth within a watt of a robot of Q-SPEAR's size."""
+    return (power * power + (SMOOTH * scale.power) ** 2) ** 0.5

@@ -26,7 +26,8 @@ from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
-COARSE, FINE = 6, 10  # intervals of each phase, for a cold start and for what is polished
+COARSE, MESHES = 6, (10, 16)  # intervals of each phase, for a cold start and for what is polished
+STRAYS = 0.2  # of a phase's time
 ATTEMPTS, APART = 3, 1000  # initial guesses of a cold search, and between their seeds
 PATIENCE = 300  # iterations of each; one that succeeds takes 40 to 250
 MET = 1e-5  # of a wish's scale: missed by less, it is met
@@ -47,7 +48,7 @@ def search(
     A cold search goes over a coarse mesh first.
 
     Args:
-        robot: Q-SPEAR in the sagittal plane.
+        robot: Q-SPEAR in the sagittal plane, or another quadruped as `spear_pin.sagittal` cuts it.
         request: what is asked.
         seed: of the initial guess of a cold search.
         start: the solution of another request to start from instead.
@@ -66,35 +67,62 @@ def search(
         raise BadValue("contact", contact, "level ground at height zero, the only one that the search knows")
     if contact is not None and contact.friction < request.friction:
         raise BadValue("contact.friction", contact.friction, f"at least the request's, {request.friction}")
-    first = start or _cold(robot, request, seed, on_iteration)
-    transcription = transcribe(robot, request, FINE, start=resampled(first))
-    solution = transcription.programme.solve(on_iteration=on_iteration)
-    if not solution.success:
-        raise obstacle(transcription, solution)
-    return polish(robot, transcription, solution, contact), solution
+    solution = start or _cold(robot, request, seed, on_iteration)
+    for intervals in MESHES:
+        transcription = transcribe(robot, request, intervals, start=resampled(solution))
+        solution = transcription.programme.solve(on_iteration=on_iteration)
+        if not solution.success:
+            raise obstacle(transcription, solution)
+        try:
+            return polish(robot, transcription, solution, contact), solution
+        except NoGait:
+            if intervals == MESHES[-1]:
+                raise
+    raise AssertionError(MESHES)
 
 
 def _cold(robot: Robot, request: Request, seed: int, on_iteration: Progress | None) -> Solution:
-    """A solution on a coarse mesh, from several initial guesses; effort, the easiest objective, leads to others."""
-    easier = request if request.objective == "violation" else replace(request, objective="effort")
+    """A solution on a coarse mesh, by stages, from several initial guesses."""
     for attempt in range(ATTEMPTS):
-        transcription = transcribe(robot, easier, COARSE, seed=seed + attempt * APART)
-        solution = transcription.programme.solve(iterations=PATIENCE, on_iteration=on_iteration)
-        if solution.success:
-            return solution
+        for way in ways(request):
+            start = None
+            for stage in way:
+                transcription = transcribe(robot, stage, COARSE, seed=seed + attempt * APART, start=start)
+                solution = transcription.programme.solve(iterations=PATIENCE, on_iteration=on_iteration)
+                if not solution.success:
+                    break
+                start = resampled(solution)
+            if solution.success:
+                return solution
     raise obstacle(transcription, solution)
+
+
+def ways(request: Request) -> list[list[Request]]:
+    """Ways to a request from cold, each by stages, from an easier request on.
+
+    Effort, the easiest objective, leads to others, and what joints could do without limits to what they can.
+    """
+    easiest = request if request.objective == "violation" else replace(request, objective="effort")
+    slack = replace(easiest, within_limits=False)
+    found = (easiest, request), (slack, easiest, request)
+    return [list(dict.fromkeys(way)) for way in dict.fromkeys(found[: 1 if slack == easiest else 2])]
 
 
 def polish(robot: Robot, transcription: Transcription, solution: Solution, contact: Contact | None = None) -> Gait:
     """The fixed point of the event-exact simulation beside a solution, at its mean speed.
 
     Raises:
-        NoGait: there is none nearby.
+        NoGait: there is none nearby: a phase would last longer or shorter by more than `STRAYS` of its time.
     """
     law, state, stiffness = transcription.read(solution)
     system = bounding(robot, law, transcription.request.spring(stiffness), contact)
     state = _on_ground(robot, ("posterior_toe",), state)
     gait = find_gait(system, [SPEED_BY], {"mean_speed": transcription.request.speed}, guess=state)
+    for phase, time in transcription.durations.items():
+        lasts = float(transcription.programme.read(time, solution)[0])
+        if abs(gait.durations.get(phase, 0.0) - lasts) > STRAYS * lasts:
+            reason = f"the fixed point beside it is another gait, whose {phase} does not last {lasts:.3g} s"
+            raise NoGait(f"the optimiser's solution is no gait; {reason}", gait.residual)
     q, v = gait.state
     return gait.with_law(nominal=(*q[1:].tolist(), *v.tolist()))
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName, require
-from spear_pin.gaits.bounding_law import STIFFNESS, BoundingLaw
+from spear_pin.gaits.bounding_law import BoundingLaw, Leg, legs_of
+from spear_pin.hybrid.contact import Contact
 from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive
-from spear_pin.model.spring import Spring
+from spear_pin.model.robot import Robot
+from spear_pin.model.scale import Scale, scale_of
+from spear_pin.model.spring import PAIR_STIFFNESS, Spring
 
 OBJECTIVES: dict[str, tuple[str, str]] = {
     "effort": ("N²m²s/m", "integral of the squared torques of the pairs, per metre"),
@@ -20,18 +24,21 @@ OBJECTIVES: dict[str, tuple[str, str]] = {
 }
 """Objectives that can be minimised: name -> unit, meaning."""
 
-LONGEST_STRIDE = 1.0  # s: what the search considers, as in the next lines
+LONGEST_STRIDE = 1.0  # s: what the search considers of a robot of Q-SPEAR's size, as in the next lines
 FASTEST, FARTHEST = 30.0, 4.0  # m/s, m
 HIGHEST = 0.9  # m: of the torso
 SHORTEST_FLIGHT, LONGEST_PHASE = 0.02, 0.4  # s
 FLEXED = 2.4  # rad: of a knee
 STEEPEST = 1.2  # rad: of a leg
+SPARE = 0.1  # rad: between where a knee lands and where it cannot straighten any farther
 
 
 @typed
 @dataclass(frozen=True)
 class Request:
     """Request for a bounding gait. Torques and forces are those of a pair of legs.
+
+    Defaults are for Q-SPEAR; for another robot see `scaled`.
 
     Attributes:
         speed: mean forward speed, in m/s (source: 2.5).
@@ -47,12 +54,14 @@ class Request:
         stiffness: of the physical knee springs, in N·m/rad; None leaves it free.
         virtual_stiffness: k of (5.5)-(5.6), in N·m/rad.
         knee_touchdown: knee angle at touchdown, by magnitude, in rad; None leaves it free.
+        knee_rest: θ̄ of (5.5)-(5.6), by magnitude, in rad.
         leg_touchdown: bounds on the leg angle at touchdown, in rad.
         knee_drive: motor, gearbox and bus of each knee, two a pair; None means no bound.
         hip_drive: those of each hip.
         hardening: of the physical knee springs, in N·m/rad³.
         preload: of them, in N·m.
         table: of them, as of `Spring`, in the place of a stiffness.
+        within_limits: whether angles, rates and torques keep to what the robot's file allows its joints.
     """
 
     speed: float = 2.5
@@ -65,15 +74,53 @@ class Request:
     minimum_stance: float = 0.05
     minimum_knee_torque: float = 10.0
     hip_torque: float | None = None
-    stiffness: float | None = STIFFNESS
+    stiffness: float | None = PAIR_STIFFNESS
     virtual_stiffness: float = BoundingLaw.virtual_stiffness
     knee_touchdown: float | None = BoundingLaw.knee_touchdown
+    knee_rest: float = BoundingLaw.knee_rest
     leg_touchdown: tuple[float, float] = (-0.3, 0.7)
     knee_drive: Drive | None = None
     hip_drive: Drive | None = None
     hardening: float = 0.0
     preload: float = 0.0
     table: tuple[tuple[float, float], ...] = ()
+    within_limits: bool = False
+
+    @classmethod
+    @typed
+    def scaled(cls, robot: Robot, **values: Any) -> Request:
+        """Q-SPEAR's request for a robot of another size, within the limits of its joints.
+
+        Forces go by m g, torques and stiffnesses by m g l, times by √(l/g), speeds by √(g l). A knee that cannot
+        straighten as far as 40° lands and rests at `SPARE` more than it can. All the friction there is may be used:
+        legs whose knees point backward strike the ground at a slant.
+
+        Args:
+            robot: with two pairs of legs, as `spear_pin.sagittal` cuts it.
+            **values: fields that are to have others, in SI units.
+
+        Raises:
+            BadValue: the robot has no legs in the plane, or a value is not valid.
+        """
+        one, scale = cls(), scale_of(robot)
+        bent = max(one.knee_rest, *(_straightest(robot, leg) + SPARE for leg in legs_of(robot)))
+        numbers = {
+            "speed": one.speed * scale.speed,
+            "minimum_force": one.minimum_force * scale.force,
+            "clearance": one.clearance * scale.length,
+            "minimum_stance": one.minimum_stance * scale.time,
+            "minimum_knee_torque": one.minimum_knee_torque * scale.torque,
+            "stiffness": PAIR_STIFFNESS * scale.torque,
+            "virtual_stiffness": one.virtual_stiffness * scale.torque,
+            "knee_touchdown": bent,
+            "knee_rest": bent,
+            "friction": Contact().friction,
+            "within_limits": True,
+        }
+        unknown = values.keys() - vars(one).keys()
+        if unknown:
+            raise UnknownName("field of a request", min(unknown), vars(one))
+        return replace(one, **(numbers | values))
 
     def __post_init__(self) -> None:
         """Check the fields."""
@@ -83,37 +130,49 @@ class Request:
             raise BadValue("knee_drive", None, f"a drive, for the objective {self.objective!r}")
         if self.lift_off not in ("knee", "force"):
             raise UnknownName("rule of lift-off", self.lift_off, ("knee", "force"))
-        require("speed", self.speed, lambda v: 0 < v <= FASTEST, f"a number > 0, at most {FASTEST:g}, in m/s")
+        require("speed", self.speed, lambda v: v > 0, "a number > 0, in m/s")
         require("friction", self.friction, lambda mu: mu > 0, "a number > 0")
         for name, unit in (("minimum_force", "N"), ("minimum_knee_torque", "N·m"), ("virtual_stiffness", "N·m/rad")):
             require(name, getattr(self, name), lambda number: number >= 0, f"a number >= 0, in {unit}")
-        require("clearance", self.clearance, lambda z: 0 <= z < HIGHEST, f"a number >= 0, below {HIGHEST:g}, in m")
+        require("clearance", self.clearance, lambda z: z >= 0, "a number >= 0, in m")
+        require("minimum_stride", self.minimum_stride, lambda t: t >= 0, "a number >= 0, in s")
+        require("minimum_stance", self.minimum_stance, lambda t: t > 0, "a number > 0, in s")
         for name, unit in (("stiffness", "N·m/rad"), ("hip_torque", "N·m")):
             if getattr(self, name) is not None:
                 require(name, getattr(self, name), lambda number: number >= 0, f"a number >= 0, in {unit}, or None")
-        self.spring(STIFFNESS if self.stiffness is None else self.stiffness)  # it says what is valid
-        self._check_durations()
+        self.spring(PAIR_STIFFNESS if self.stiffness is None else self.stiffness)  # it says what is valid
         self._check_angles()
 
     def spring(self, stiffness: float) -> Spring:
         """The physical knee springs, of a pair of legs, with a stiffness in N·m/rad."""
         return Spring(stiffness, damping=0.0, hardening=self.hardening, preload=self.preload, table=self.table)
 
-    def _check_durations(self) -> None:
-        """Whether a stride can be as long, and the phases as short, as is asked."""
-        within = f"a number >= 0, at most {LONGEST_STRIDE:g}, in s"
-        require("minimum_stride", self.minimum_stride, lambda t: 0 <= t <= LONGEST_STRIDE, within)
-        within = f"between 0 and {LONGEST_PHASE:g} s"
-        require("minimum_stance", self.minimum_stance, lambda t: 0 < t < LONGEST_PHASE, within)
-        shortest = max(self.minimum_stride, 2.0 * (self.minimum_stance + SHORTEST_FLIGHT))
-        if self.speed * shortest > FARTHEST:
-            expected = f"at most {FARTHEST / shortest:.3g} m/s, for a stride of at least {shortest:g} s has to end"
-            raise BadValue("speed", self.speed, f"{expected} within {FARTHEST:g} m")
+    def check(self, scale: Scale) -> None:
+        """Whether a robot of a size can be asked for this: what the search considers goes by its size.
+
+        Raises:
+            BadValue: a speed, a height or a duration is beyond that.
+        """
+        fastest, highest, farthest = FASTEST * scale.speed, HIGHEST * scale.length, FARTHEST * scale.length
+        longest, longest_phase, shortest_flight = (
+            time * scale.time for time in (LONGEST_STRIDE, LONGEST_PHASE, SHORTEST_FLIGHT)
+        )
+        require("speed", self.speed, lambda v: v <= fastest, f"a number > 0, at most {fastest:.4g}, in m/s")
+        require("clearance", self.clearance, lambda z: z < highest, f"a number >= 0, below {highest:.4g}, in m")
+        within = f"a number >= 0, at most {longest:.4g}, in s"
+        require("minimum_stride", self.minimum_stride, lambda t: t <= longest, within)
+        within = f"between 0 and {longest_phase:.4g} s"
+        require("minimum_stance", self.minimum_stance, lambda t: t < longest_phase, within)
+        shortest = max(self.minimum_stride, 2.0 * (self.minimum_stance + shortest_flight))
+        if self.speed * shortest > farthest:
+            expected = f"at most {farthest / shortest:.3g} m/s, for a stride of at least {shortest:.4g} s has to end"
+            raise BadValue("speed", self.speed, f"{expected} within {farthest:.4g} m")
 
     def _check_angles(self) -> None:
+        within = f"a number > 0, at most {FLEXED:g}, in rad"
+        require("knee_rest", self.knee_rest, lambda a: 0 < a <= FLEXED, within)
         if self.knee_touchdown is not None:
-            within = f"a number > 0, at most {FLEXED:g}, in rad, or None"
-            require("knee_touchdown", self.knee_touchdown, lambda a: 0 < a <= FLEXED, within)
+            require("knee_touchdown", self.knee_touchdown, lambda a: 0 < a <= FLEXED, f"{within}, or None")
         expected = f"two angles in rad, the lower one first, within ±{STEEPEST:g}"
         try:
             least, most = self.leg_touchdown
@@ -123,3 +182,8 @@ class Request:
             require("leg_touchdown", bound, lambda angle: abs(angle) <= STEEPEST, expected)
         if least > most:
             raise BadValue("leg_touchdown", self.leg_touchdown, expected)
+
+
+def _straightest(robot: Robot, leg: Leg) -> float:
+    """Least flexion of a knee by the limits of its joint, in rad; below zero if it can bend the other way."""
+    return min(leg.side * angle for angle in robot.limits[leg.joint].position)

@@ -1,8 +1,9 @@
 """Virtual constraints: outputs y = H q - h(s) of (5.9), zeroed by input-output linearisation.
 
-The desired evolution h is a Bézier polynomial in a phase variable s that is linear in q, (5.10) and
-(5.19). Beyond s = 1 it goes on along its tangent; for a polynomial whose last coefficients are equal
-that is to hold its end value.
+The desired evolution h is a Bézier polynomial in a phase variable s, (5.10) and (5.19). Beyond s = 1 it goes on along
+its tangent; for a polynomial whose last coefficients are equal that is to hold its end value. What is controlled, and
+what s is of, is linear in q; but for the angle of a leg whose thigh is not as long as its shank, which leans as its
+knee bends.
 """
 
 from __future__ import annotations
@@ -13,9 +14,37 @@ from functools import cache
 from itertools import pairwise
 from math import comb
 from operator import mul
-from typing import Any
+from typing import Any, TypeAlias
+
+import numpy as np
 
 from spear_pin.hybrid.dynamics import Dynamics, Row
+from spear_pin.model.legs import lean
+
+
+@dataclass(frozen=True)
+class Leaning:
+    """A row times q, less what a leg leans by its knee: with the row of pitch and hip the angle of hip to toe.
+
+    Attributes:
+        row: the linear part.
+        knee: index of the knee.
+        thigh: its length, in m.
+        shank: its length, in m.
+    """
+
+    row: Row
+    knee: int
+    thigh: float
+    shank: float
+
+    def lean(self, q: Sequence[Any], ops: Any) -> tuple[Any, Any, Any]:
+        """What the leg leans, in rad, its slope and its curvature over the knee's angle."""
+        return lean(self.thigh, self.shank, q[self.knee], ops)
+
+
+Variable: TypeAlias = Row | Leaning
+"""A function of the configuration; a row is linear. `ops` of what reckons with it has sin, cos and atan2."""
 
 
 @dataclass(frozen=True)
@@ -23,13 +52,13 @@ class Outputs:
     """Controlled variables, and the phase that they are a function of.
 
     Attributes:
-        rows: H, one row for each controlled variable.
-        phase: c in s = (c q - origin) / span.
+        rows: H, or what is in its place, one for each controlled variable.
+        phase: c in s = (c q - origin) / span, or what is in its place.
         motors: columns of the motors that do it, as many as rows.
     """
 
-    rows: tuple[Row, ...]
-    phase: Row
+    rows: tuple[Variable, ...]
+    phase: Variable
     motors: tuple[int, ...]
 
 
@@ -56,6 +85,27 @@ def dot(row: Row, vector: Sequence[Any]) -> Any:
     for index, weight in row:
         total = total + weight * vector[index]
     return total
+
+
+def value(variable: Variable, q: Sequence[Any], ops: Any = np) -> Any:
+    """A variable at a configuration."""
+    if isinstance(variable, Leaning):
+        return dot(variable.row, q) - variable.lean(q, ops)[0]
+    return dot(variable, q)
+
+
+def gradient(variable: Variable, q: Sequence[Any], ops: Any = np) -> Row:
+    """Row that, times v, is the rate of a variable."""
+    if isinstance(variable, Leaning):
+        return (*variable.row, (variable.knee, -variable.lean(q, ops)[1]))
+    return variable
+
+
+def drift(variable: Variable, q: Sequence[Any], v: Sequence[Any], ops: Any = np) -> Any:
+    """Second derivative of a variable in time at v̇ = 0."""
+    if isinstance(variable, Leaning):
+        return -variable.lean(q, ops)[2] * (v[variable.knee] * v[variable.knee])
+    return 0.0
 
 
 def bezier(alpha: Sequence[Any], s: Any) -> tuple[Any, Any, Any]:
@@ -92,36 +142,39 @@ def _derived(basis: Sequence[Any]) -> list[Any]:
     return [len(basis) * (less - more) for less, more in pairwise([0.0, *basis, 0.0])]
 
 
-def progress(outputs: Outputs, evolution: Evolution, q: Sequence[Any]) -> Any:
+def progress(outputs: Outputs, evolution: Evolution, q: Sequence[Any], ops: Any = np) -> Any:
     """The phase variable s, (5.10) or (5.19)."""
-    return (dot(outputs.phase, q) - evolution.origin) / evolution.span
+    return (value(outputs.phase, q, ops) - evolution.origin) / evolution.span
 
 
-def desired(outputs: Outputs, evolution: Evolution, q: Sequence[Any]) -> list[tuple[Any, Any, Any]]:
+def desired(outputs: Outputs, evolution: Evolution, q: Sequence[Any], ops: Any = np) -> list[tuple[Any, Any, Any]]:
     """h, dh/ds and d²h/ds² of each output."""
-    s = progress(outputs, evolution, q)
+    s = progress(outputs, evolution, q, ops)
     inside = s + evolution.past * (1.0 - s)
     bases = {n: _bases(n - 1, inside) for n in dict.fromkeys(map(len, evolution.alpha))}
     evolutions = []
     for alpha in evolution.alpha:
-        value, slope, curvature = _weighted(alpha, bases[len(alpha)])
+        height, slope, curvature = _weighted(alpha, bases[len(alpha)])
         # not (1 - past) * curvature: to what is compiled, a parameter times a symbol costs next to nothing
-        evolutions.append((value + slope * (s - inside), slope, curvature - evolution.past * curvature))
+        evolutions.append((height + slope * (s - inside), slope, curvature - evolution.past * curvature))
     return evolutions
 
 
-def errors(outputs: Outputs, evolution: Evolution, q: Sequence[Any], v: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+def errors(
+    outputs: Outputs, evolution: Evolution, q: Sequence[Any], v: Sequence[Any], ops: Any = np
+) -> tuple[list[Any], list[Any]]:
     """The outputs y of (5.9) and their rates."""
-    return _missed(outputs, desired(outputs, evolution, q), dot(outputs.phase, v) / evolution.span, q, v)
+    rate = dot(gradient(outputs.phase, q, ops), v) / evolution.span
+    return _missed(outputs, desired(outputs, evolution, q, ops), rate, q, v, ops)
 
 
 def _missed(
-    outputs: Outputs, wanted: Sequence[tuple[Any, Any, Any]], rate: Any, q: Sequence[Any], v: Sequence[Any]
+    outputs: Outputs, wanted: Sequence[tuple[Any, Any, Any]], rate: Any, q: Sequence[Any], v: Sequence[Any], ops: Any
 ) -> tuple[list[Any], list[Any]]:
     y, dy = [], []
-    for row, (value, slope, _) in zip(outputs.rows, wanted, strict=True):
-        y.append(dot(row, q) - value)
-        dy.append(dot(row, v) - slope * rate)
+    for variable, (height, slope, _) in zip(outputs.rows, wanted, strict=True):
+        y.append(value(variable, q, ops) - height)
+        dy.append(dot(gradient(variable, q, ops), v) - slope * rate)
     return y, dy
 
 
@@ -133,6 +186,7 @@ def zeroing(
     epsilon: Any,
     others: Sequence[tuple[int, Any]],
     dyn: Dynamics,
+    ops: Any = np,
 ) -> Sequence[Any]:
     """Torques of the outputs' motors that give ÿ = -y/ε² - 2ẏ/ε, (5.15) and (5.20) with (5.16).
 
@@ -144,22 +198,31 @@ def zeroing(
         epsilon: ε, in s: the outputs decay like exp(-t/ε).
         others: the other motors, as (column, torque).
         dyn: the dynamics at (q, v), which has `imposing`.
+        ops: elementary functions of what q and v are.
     """
-    evolutions = desired(outputs, evolution, q)
-    rate = dot(outputs.phase, v) / evolution.span
-    y, dy = _missed(outputs, evolutions, rate, q, v)
+    evolutions = desired(outputs, evolution, q, ops)
+    ahead = gradient(outputs.phase, q, ops)
+    rate = dot(ahead, v) / evolution.span
+    y, dy = _missed(outputs, evolutions, rate, q, v, ops)
+    phase_drift = drift(outputs.phase, q, v, ops) / evolution.span
     rows: list[Row] = []
     wanted = []
     for i, (_, slope, curvature) in enumerate(evolutions):
         tilt = slope / evolution.span  # H - h' ds/dq is the output's gradient
-        rows.append((*outputs.rows[i], *((index, -tilt * weight) for index, weight in outputs.phase)))
-        wanted.append(curvature * (rate * rate) - (y[i] / epsilon + 2.0 * dy[i]) / epsilon)
+        rows.append((*gradient(outputs.rows[i], q, ops), *((index, -tilt * weight) for index, weight in ahead)))
+        own = slope * phase_drift - drift(outputs.rows[i], q, v, ops)
+        wanted.append(curvature * (rate * rate) + own - (y[i] / epsilon + 2.0 * dy[i]) / epsilon)
     torques: Sequence[Any] = dyn.imposing(rows, wanted, outputs.motors, others)
     return torques
 
 
 def resume(
-    outputs: Outputs, shapes: Sequence[Sequence[float]], q: Sequence[float], v: Sequence[float], span: float
+    outputs: Outputs,
+    shapes: Sequence[Sequence[float]],
+    q: Sequence[float],
+    v: Sequence[float],
+    span: float,
+    ops: Any = np,
 ) -> Evolution:
     """The evolution that begins with y = ẏ = 0 at (q, v), the event update (5.22).
 
@@ -169,10 +232,11 @@ def resume(
         q: configuration after the event.
         v: velocity after the event.
         span: change of the phase's coordinate up to s = 1.
+        ops: elementary functions of what q and v are.
     """
-    rate = dot(outputs.phase, v) / span
+    rate = dot(gradient(outputs.phase, q, ops), v) / span
     alpha = []
-    for row, shape in zip(outputs.rows, shapes, strict=True):
-        begin = dot(row, q)
-        alpha.append((begin, begin + dot(row, v) / rate / (len(shape) + 1), *shape))
-    return Evolution(tuple(alpha), dot(outputs.phase, q), span)
+    for variable, shape in zip(outputs.rows, shapes, strict=True):
+        begin = value(variable, q, ops)
+        alpha.append((begin, begin + dot(gradient(variable, q, ops), v) / rate / (len(shape) + 1), *shape))
+    return Evolution(tuple(alpha), value(outputs.phase, q, ops), span)

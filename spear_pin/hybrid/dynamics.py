@@ -22,7 +22,7 @@ class Operations:
 
     Attributes:
         sin, cos, tan, tanh, sqrt, exp: of one scalar.
-        maximum: of two.
+        atan2, maximum: of two.
         solve: the solution of a small linear system, from rows of the matrix and the right-hand side.
     """
 
@@ -32,6 +32,7 @@ class Operations:
     tanh: Callable[[Any], Any]
     sqrt: Callable[[Any], Any]
     exp: Callable[[Any], Any]
+    atan2: Callable[[Any, Any], Any]
     maximum: Callable[[Any, Any], Any]
     solve: Callable[[Any, Any], Any]
 
@@ -43,6 +44,7 @@ FLOATS = Operations(
     tanh=math.tanh,
     sqrt=math.sqrt,
     exp=math.exp,
+    atan2=math.atan2,
     maximum=max,
     solve=solve,
 )

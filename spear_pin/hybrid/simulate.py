@@ -13,6 +13,7 @@ from spear_pin.hybrid.run import run
 from spear_pin.hybrid.sampling import Sampler
 from spear_pin.hybrid.trajectory import Ledger, Trajectory
 from spear_pin.kinds import typed
+from spear_pin.model.origin import origin
 
 Array = NDArray[np.float64]
 SAMPLES = 100  # a phase, at least
@@ -85,6 +86,7 @@ def _trajectory(system: HybridSystem, result: Run, sampler: Sampler) -> Trajecto
         evaluations=result.evaluations,
         electrical=electrical,
         ground=system.ground,
+        origin=origin(robot),
     )
 
 

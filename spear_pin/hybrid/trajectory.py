@@ -111,6 +111,7 @@ class Trajectory:
         electrical: the ledger of what drives the joints, None without hardware: batteries positive, heat, gears
             and motors negative (a motor's work is here what leaves), the change that of the inductances.
         ground: on which it is, along which and normal to which forces and impulses are; None if a file does not say.
+        origin: of the robot, see `spear_pin.model.origin`; None if a file does not say.
     """
 
     robot: str
@@ -141,6 +142,7 @@ class Trajectory:
     evaluations: int
     electrical: Ledger | None = None
     ground: Ground | None = None
+    origin: Mapping[str, Any] | None = None
 
     def __len__(self) -> int:
         """Number of samples."""
@@ -227,7 +229,6 @@ class Trajectory:
 
 
 _REST = ("robot", "coordinates", "actuated", "toes", "spring_joints", "cycles", "reason", "message", "evaluations")
-SAMPLED = tuple(
-    f.name for f in fields(Trajectory) if f.name not in (*_REST, "events", "ledger", "electrical", "ground")
-)
+_PARTS = ("events", "ledger", "electrical", "ground", "origin")
+SAMPLED = tuple(f.name for f in fields(Trajectory) if f.name not in (*_REST, *_PARTS))
 """The arrays over samples."""

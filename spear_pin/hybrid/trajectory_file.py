@@ -22,6 +22,7 @@ from spear_pin.files import atomic, check_keys, parse_json, regular
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.trajectory import SAMPLED, Event, Ledger, Trajectory
+from spear_pin.model.origin import check_origin
 
 FORMAT = "spear_pin trajectory 1"
 UNITS = "SI, radians"
@@ -78,6 +79,7 @@ def write(trajectory: Trajectory, path: str | Path) -> Path:
         "units": UNITS,
         "ground": None if ground is None else {name: getattr(ground, name) for name in OF_GROUND},
         "flows": trajectory.ledger.flows,
+        "origin": trajectory.origin,
         "drives": () if electrical is None else electrical.flows,
         "events": [{"name": e.name, "domain": e.domain, "work": dict(e.work)} for e in trajectory.events],
     }
@@ -138,6 +140,7 @@ def _trajectory(archive: ZipFile) -> Trajectory:
         ledger=Ledger(tuple(meta["flows"]), arrays["ledger_work"], arrays["ledger_change"]),
         electrical=Ledger(drives, arrays["electrical_work"], arrays["electrical_change"]) if drives else None,
         ground=_ground(meta.get("ground")),
+        origin=_origin(meta),
     )
 
 
@@ -149,6 +152,16 @@ def _ground(numbers: Any) -> Ground | None:
         raise BadValue("ground", numbers, "its numbers by name")
     check_keys("field of ground", numbers, OF_GROUND)
     return Ground(**numbers)
+
+
+def _origin(meta: Mapping[str, Any]) -> dict[str, Any] | None:
+    """The robot's origin, which files from before it was kept do not say."""
+    said: dict[str, Any] | None = meta.get("origin")
+    if said is not None:
+        check_origin(said, "origin")
+        if said["source"] != meta["robot"]:
+            raise BadValue("robot", meta["robot"], f"{said['source']!r}, the source of its origin")
+    return said
 
 
 def _events(infos: Iterable[Mapping[str, Any]], arrays: Arrays) -> tuple[Event, ...]:
@@ -225,7 +238,7 @@ def _check_meta(meta: Any) -> None:
     if not isinstance(meta, dict):
         raise ValueError("meta is no JSON object")
     wanted = {"format", "units", "flows", "events", *PLAIN}
-    check_keys("field of meta", meta, wanted, optional=("drives", "ground"))
+    check_keys("field of meta", meta, wanted, optional=("drives", "ground", "origin"))
     for name, value in (("format", FORMAT), ("units", UNITS)):
         if meta[name] != value:
             raise BadValue(name, meta[name], repr(value))

@@ -78,6 +78,9 @@ class Cut:
         body: mass of what is not legs, as the cut has it, in kg.
         angles: for each of the cut's joints that turn the robot's joints that turn with it.
         held: joints of the robot that are held at zero, those that it had locked among them.
+        robot: the `Robot` itself.
+        legs: those of the robot that were cut out, for each leg of the cut one or a pair. With the kind and the body
+            that is all from which `spear_pin.model.recut` cuts again.
         sides: where it is known, +1 if a leg of the cut flexes its knee to positive angles, -1 if to negative.
         mirrored: whether the cut's x points to the robot's rear.
         asymmetric: how far left and right are from each other's mirror images.
@@ -90,6 +93,8 @@ class Cut:
     body: float
     angles: Mapping[str, tuple[Turn, ...]]
     held: tuple[str, ...]
+    robot: Any = field(repr=False, compare=False)
+    legs: tuple[tuple[Leg, ...], ...] = field(repr=False)
     sides: Mapping[str, int] = field(default_factory=dict)
     mirrored: bool = False
     asymmetric: tuple[Amount, ...] = ()

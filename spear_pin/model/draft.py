@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.errors import BadFile
+from spear_pin.model.group_states import add_postures
 from spear_pin.model.memory import check_memory
 from spear_pin.model.mjcf_reading import Mjcf
 from spear_pin.model.urdf import BASE, WORLD, Base, Urdf
@@ -68,7 +69,8 @@ def of_urdf(urdf: Urdf, base: Base | None) -> Draft:
         gear_ratio[joint.idx_v] = transmission.gear_ratio
     # only the armature enters the dynamics; the other two are kept for those who read them
     model.armature, model.rotorInertia, model.rotorGearRatio = armature, rotor_inertia, gear_ratio
-    notes = urdf.notes if urdf.root == WORLD else (*urdf.notes, *fixed_trunk(model, urdf.root, base))
+    notes = (*urdf.notes, *add_postures(model, urdf.path))
+    notes = notes if urdf.root == WORLD else (*notes, *fixed_trunk(model, urdf.root, base))
     motors = tuple(transmission.joint for transmission in urdf.transmissions)
     return Draft(model, urdf.name, urdf.path, motors, notes, str(urdf.path))
 

@@ -1,4 +1,4 @@
-"""A model made ready: inertia for every joint that moves, and motors where they are wanted."""
+"""A model made ready: joints held, inertia for every joint that moves, and motors where they are wanted."""
 
 from __future__ import annotations
 
@@ -21,6 +21,20 @@ MENDED = 1e-4  # kg·m² or kg, the armature of a joint that moves no inertia
 def drivable(model: pin.Model) -> list[str]:
     """Names of the joints that can have a motor: those of one degree of freedom."""
     return [name for name, joint in list(zip(model.names, model.joints, strict=True))[1:] if joint.nv == 1]
+
+
+def hold(model: pin.Model, joints: Sequence[str]) -> pin.Model:
+    """A model with some joints held at zero.
+
+    Raises:
+        UnknownName: there is no such joint; the text lists the valid ones.
+    """
+    names = list(model.names)[1:]
+    for joint in joints:
+        if joint not in names:
+            raise UnknownName("joint", joint, names)
+    ids = [model.getJointId(joint) for joint in joints]
+    return pin.buildReducedModel(model, ids, pin.neutral(model)) if ids else model
 
 
 def with_motors(

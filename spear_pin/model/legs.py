@@ -111,7 +111,23 @@ class Leg:
         It is half of the knee's where thigh and shank are as long. The angle of the line from hip to toe is that
         of the hip less this.
         """
-        return math.atan2(self.shank * math.sin(knee), self.thigh + self.shank * math.cos(knee))
+        return float(lean(self.thigh, self.shank, knee, math)[0])
+
+
+def lean(thigh: Any, shank: Any, knee: Any, ops: Any) -> tuple[Any, Any, Any]:
+    """The hip's angle with the toe straight below it, as of `Leg.lean`, its slope and its curvature over the knee's.
+
+    Args:
+        thigh: length, in m.
+        shank: length, in m.
+        knee: its angle in the convention, in rad.
+        ops: has sin, cos and atan2 of what the angle is: `math`, NumPy, a module of symbols.
+    """
+    sine, cosine = ops.sin(knee), ops.cos(knee)
+    along = thigh * shank * cosine
+    square, slope = thigh * thigh + shank * shank + 2.0 * along, shank * shank + along  # of hip to toe; times that
+    curvature = thigh * shank * (shank * shank - thigh * thigh) * sine / (square * square)
+    return ops.atan2(shank * sine, thigh + shank * cosine), slope / square, curvature
 
 
 @typed
@@ -140,7 +156,11 @@ def find_legs(robot: LeggedRobot, toes: Iterable[str] | None = None, sides: Side
     legs = []
     for tip, toe in tips.items():
         own = [joint for joint in tree.chain(tip) if _alone(joint, set(tips), model)]
-        leg = _leg(tree, toe, own, tree.rails(own) if len(tips) == 1 else ())
+        hip_and_knee = [joint for joint in own if tree.pitches(joint)][:2]
+        leg = None
+        if len(hip_and_knee) == 2:
+            hip, knee = hip_and_knee
+            leg = leg_along(tree, toe, own, hip, knee, tree.rails(own) if len(tips) == 1 else ())
         if leg is not None:
             legs.append(leg)
         elif toes is not None:
@@ -148,7 +168,7 @@ def find_legs(robot: LeggedRobot, toes: Iterable[str] | None = None, sides: Side
     legs = _told_apart(legs)
     named = _named(legs, sides)
     shipped = SIDES.get(robot.source, {})
-    found = {leg.name: named.get(leg.name) or _side(tree, leg) or shipped.get(leg.name, 0) for leg in legs}
+    found = {leg.name: named.get(leg.name) or side_of(tree, leg) or shipped.get(leg.name, 0) for leg in legs}
     return tuple(replace(leg, side=found[leg.name]) for leg in legs)
 
 
@@ -210,6 +230,18 @@ def simple(leg: Leg) -> Leg:
     return leg
 
 
+def in_convention(leg: Leg) -> Leg:
+    """The leg, if its joints' own angles are those of the convention.
+
+    Raises:
+        BadValue: an axis or a zero is another.
+    """
+    if (leg.hip_sign, leg.knee_sign, leg.hip_zero, leg.knee_zero) != (1, 1, 0.0, 0.0):
+        expected = "hip and knee with SPEAR-II's signs and zeros, as of monopod(...) and sagittal(...)"
+        raise BadValue("leg", leg.name, expected)
+    return leg
+
+
 def sided(leg: Leg) -> Leg:
     """The leg, if it is known to which side its knee flexes.
 
@@ -222,19 +254,18 @@ def sided(leg: Leg) -> Leg:
     return leg
 
 
-def _leg(tree: Tree, toe: str, own: Sequence[int], rails: Collection[int]) -> Leg | None:
-    """The leg that ends in a toe, without its side; None if it is none.
+def leg_along(tree: Tree, toe: str, own: Sequence[int], hip: int, knee: int, rails: Collection[int] = ()) -> Leg | None:
+    """The leg that ends in a toe, without its side; None if its thigh or shank has no length.
 
     Args:
         tree: of the robot.
         toe: name of its frame.
         own: joints of its own, from the trunk on.
+        hip: the one that turns the thigh in the sagittal plane.
+        knee: the one that turns the shank in the sagittal plane.
         rails: those among them on which the trunk slides.
     """
-    pitching = [joint for joint in own if tree.pitches(joint)]
-    if len(pitching) < 2:
-        return None
-    model, data, hip, knee = tree.model, tree.data, *pitching[:2]
+    model, data = tree.model, tree.data
     tip = data.oMf[frame_id(model, toe)].translation
     thigh, shank = (
         end - data.oMi[joint].translation for joint, end in ((hip, data.oMi[knee].translation), (knee, tip))
@@ -266,7 +297,7 @@ def _leg(tree: Tree, toe: str, own: Sequence[int], rails: Collection[int]) -> Le
     )
 
 
-def _side(tree: Tree, leg: Leg) -> int:
+def side_of(tree: Tree, leg: Leg) -> int:
     """To which side a knee flexes, by its limits or by postures; 0 if they do not tell."""
     model = tree.model
     joint = model.joints[model.getJointId(leg.knee)]

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+UNKNOWN = 1e6  # rad/s, N·m: files that know no limit name a number beyond this, or 0
+
 
 @dataclass(frozen=True)
 class Limits:

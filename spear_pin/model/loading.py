@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 
 import pinocchio as pin
 
-from spear_pin.errors import BadValue, RobotWarning, UnknownName
+from spear_pin.errors import BadFile, BadValue, RobotWarning, UnknownName
 from spear_pin.kinds import typed
 from spear_pin.model.draft import Draft, of_mjcf, of_model, of_urdf
 from spear_pin.model.elements import parse
+from spear_pin.model.equipping import equipped
 from spear_pin.model.examples import PACKAGE, example_robots
-from spear_pin.model.fitting import check_floating, drivable, with_inertia, with_motors
+from spear_pin.model.fitting import check_floating, drivable, hold, with_inertia, with_motors
 from spear_pin.model.mjcf_reading import mjcf_of
 from spear_pin.model.robot import Robot
+from spear_pin.model.sidecar import NAMING, SUFFIX, Sidecar, read
 from spear_pin.model.urdf import Base, urdf_of
 
 
@@ -81,7 +83,7 @@ ROBOTS = {
 def load(
     source: str | Path | pin.Model,
     toes: Iterable[str] | None = None,
-    locked: Iterable[str] = (),
+    locked: Iterable[str] | None = None,
     *,
     base: Base | None = None,
     motors: str | Iterable[str] | None = None,
@@ -90,10 +92,13 @@ def load(
     """Load a shipped robot, any URDF or MJCF file, or what Pinocchio has built.
 
     What is left out of a file, or mended, and what may not be meant, is said by a `RobotWarning`, a line each.
+    A TOML file of the same stem beside the robot's says what that cannot, see `spear_pin.model.sidecar`; arguments go
+    over what it says.
 
     Args:
         source: a name in `ROBOTS`, or of a robot of example-robot-data if that is installed; the path of a URDF
-            or an MJCF file (anything else with a suffix or a separator); or a `pin.Model`, which is copied.
+            or an MJCF file (anything else with a suffix or a separator), or of a TOML file that names one of these;
+            or a `pin.Model`, which is copied.
         toes: frame names of the points that may touch the ground; shipped robots know theirs.
         locked: names of joints to hold at zero, for instance `["boom_x"]`.
         base: "free" puts a floating joint under the root link, unless it has one; "fixed" holds the root. By default
@@ -110,15 +115,20 @@ def load(
     """
     if base not in (None, "free", "fixed"):
         raise BadValue("base", base, "'free' or 'fixed'")
-    draft = _draft(source, base, repair)
-    locked = _names(locked)
-    wanted = "all" if motors == "all" else None if motors is None else _names(motors)
-    held = hold(draft.model, locked)
-    if base == "free":
-        check_floating(draft.place, held)
-    model, mended = with_inertia(draft.place, held, repair)
+    said = sidecar_of(source)
+    wanted_base = said.base if base is None else base
+    draft = _draft(said.source, wanted_base, repair)
+    shipped = ROBOTS[str(said.source)].toes if str(said.source) in ROBOTS else ()
+    own_toes = shipped if said.own_toes is None else said.own_toes
+    settings, driven = equipped(said, draft.model, draft.name, own_toes)
+    locked = _names((said.locked or ()) if locked is None else locked)
+    model = hold(draft.model, locked)
+    if wanted_base == "free":
+        check_floating(draft.place, model)
+    model, mended = with_inertia(draft.place, model, repair)
+    asked = "all" if motors == "all" else None if motors is None else _names(motors)
+    wanted = driven if asked is None else asked
     model, actuated = with_motors(model, draft.motors if wanted is None else wanted, locked)
-    shipped = ROBOTS.get(str(source))
     notes = [*draft.notes, *mended]
     if wanted is None and not draft.motors and drivable(model):
         notes.append('no joint has a motor: motors="all" gives one to each, motors=[...] to those that it names')
@@ -127,27 +137,55 @@ def load(
     return Robot(
         model,
         name=draft.name,
-        toes=_names(toes) if toes is not None else shipped.toes if shipped else (),
+        toes=own_toes if toes is None else _names(toes),
         actuated=actuated,
         locked=locked,
-        source=draft.source,
+        source=draft.source if said.source is source else str(source),
         options={
             name: value
-            for name, value in (("base", base), ("motors", wanted), ("repair", repair or None))
+            for name, value in (("base", base), ("motors", asked), ("repair", repair or None))
             if value is not None
         },
+        settings=settings,
     )
+
+
+def sidecar_of(source: str | Path | pin.Model) -> Sidecar:
+    """What a TOML file says of a robot: the one that is its source, or the one beside that.
+
+    Raises:
+        BadFile: it is not valid, or is of another robot; or it is to name its robot, and does not.
+    """
+    if not isinstance(source, (str, Path)):
+        return Sidecar(source)
+    if Path(source).suffix == SUFFIX:
+        said = read(Path(source))
+        if said.source is None:
+            raise BadFile(source, f"names no robot; expected one key of {', '.join(NAMING)}")
+        return said
+    path = path_of(source)
+    beside = path.with_suffix(SUFFIX) if path.suffix else path
+    if beside == path or not beside.is_file():
+        return Sidecar(source)
+    said = read(beside)
+    if said.source is not None and path_of(said.source).resolve() != path.resolve():
+        raise BadFile(beside, f"names {said.source!r}; expected {path.name!r}, beside which it is, or no robot")
+    return replace(said, source=source)
 
 
 def path_of(source: str | Path) -> Path:
     """Path of the file that a robot is loaded from.
 
     Args:
-        source: a name in `ROBOTS`, or of a robot of example-robot-data if that is installed; or a path.
+        source: a name in `ROBOTS`, or of a robot of example-robot-data if that is installed; or a path. Of a TOML file
+            it is the one that this names.
 
     Raises:
         UnknownName: it is no such name, nor a path: it has no suffix or separator.
+        BadFile: a TOML file is not valid.
     """
+    if Path(source).suffix == SUFFIX:
+        source = sidecar_of(source).source
     if str(source) in ROBOTS:
         return ROBOTS[str(source)].path
     examples = example_robots()
@@ -157,20 +195,6 @@ def path_of(source: str | Path) -> Path:
         others = examples or [f"with the extra 'robots' those of {PACKAGE}"]
         raise UnknownName("robot", str(source), [*ROBOTS, *others, "the path of a URDF or an MJCF file"])
     return Path(source)
-
-
-def hold(model: pin.Model, joints: Sequence[str]) -> pin.Model:
-    """A model with some joints held at zero.
-
-    Raises:
-        UnknownName: there is no such joint; the text lists the valid ones.
-    """
-    names = list(model.names)[1:]
-    for joint in joints:
-        if joint not in names:
-            raise UnknownName("joint", joint, names)
-    ids = [model.getJointId(joint) for joint in joints]
-    return pin.buildReducedModel(model, ids, pin.neutral(model)) if ids else model
 
 
 def _names(names: Iterable[str]) -> tuple[str, ...]:

@@ -10,8 +10,8 @@ import pinocchio as pin
 from spear_pin.errors import require
 from spear_pin.kinds import typed
 from spear_pin.model.cut import AHEAD, UP, Amount, Assembly, Cut, Limb, Source, products
+from spear_pin.model.fitting import hold
 from spear_pin.model.legs import Leg, named_leg, sided, simple
-from spear_pin.model.loading import hold
 from spear_pin.model.robot import Robot
 
 SHARE = "share"
@@ -50,9 +50,10 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
         hold(built.model, locked),
         name=built.model.name,
         toes=("toe",),
-        actuated=[name for joint, name in moving.items() if joint in robot.actuated],
+        actuated=[name for joint, name in moving.items() if joint in robot.actuated and name not in locked],
         locked=locked,
         source=f"monopod({robot.source!r}, {of.name!r})",
+        settings=None if robot.settings is None else robot.settings.of_cut(angles),
         cut=Cut(
             kind="monopod",
             of=robot.name,
@@ -60,6 +61,8 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
             body=mass,
             angles=angles,
             held=(*source.above(of), *(name for name in robot.locked if not built.model.existJointName(name))),
+            robot=robot,
+            legs=((of,),),
             sides={"leg": 1},
             mirrored=mirrored,
             neglected=_neglected(of, limb),

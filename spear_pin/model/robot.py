@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -17,6 +18,8 @@ from spear_pin.model.elements import MAX_NUMBER
 from spear_pin.model.frames import frame_id
 from spear_pin.model.legs import Leg, find_legs
 from spear_pin.model.limits import Limits, limits_of
+from spear_pin.model.named_legs import leg_of
+from spear_pin.model.settings import Settings
 
 Array = NDArray[np.float64]
 WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -53,6 +56,7 @@ class Robot:
         varied: the parameters that are not as there, by name (see `spear_pin.model.variants`).
         added: inertia beside the model's, if there is any (see `spear_pin.model.boom`).
         cut: what it was cut out of, if it was (see `spear_pin.model.cut`).
+        settings: what the TOML file beside its own says, if there is one (see `spear_pin.model.settings`).
     """
 
     def __init__(
@@ -68,8 +72,9 @@ class Robot:
         varied: Mapping[str, float] = UNCHANGED,
         added: Added | None = None,
         cut: Cut | None = None,
+        settings: Settings | None = None,
     ) -> None:
-        self.added, self.cut = added, cut
+        self.added, self.cut, self.settings = added, cut, settings
         self.name, self.model, self.source = name, model, source or name
         self.options: Mapping[str, Any] = MappingProxyType(dict(options))
         self.varied: Mapping[str, float] = MappingProxyType(dict(varied))
@@ -88,7 +93,7 @@ class Robot:
 
     def __reduce__(self) -> tuple[object, ...]:
         parts = (self.model, self.name, self.toes, self.actuated, self.locked, self.source)
-        return _rebuild, (*parts, dict(self.options), dict(self.varied), self.added, self.cut)
+        return _rebuild, (*parts, dict(self.options), dict(self.varied), self.added, self.cut, self.settings)
 
     def with_model(
         self, model: pin.Model, *, varied: Mapping[str, float] | None = None, added: Added | None = None
@@ -111,12 +116,22 @@ class Robot:
             varied=self.varied if varied is None else varied,
             added=self.added if added is None else added,
             cut=self.cut,
+            settings=self.settings,
         )
 
     @cached_property
     def legs(self) -> tuple[Leg, ...]:
-        """The legs that end in its toes, in their order, or those that are found if it has none; see `find_legs`."""
-        return find_legs(self, sides=None if self.cut is None else self.cut.sides)
+        """The legs that end in its toes, in their order, or those that are found if it has none; see `find_legs`.
+
+        Where its settings give legs joint by joint, these.
+        """
+        joints, given = set(self.model.names), () if self.settings is None else self.settings.legs
+        if legs := [each for each in given if each.toe in self.toes and {each.hip, each.knee} <= joints]:
+            there = [each if each.abduction in joints else each._replace(abduction=None) for each in legs]
+            return tuple(leg_of(self.model, each) for each in there)
+        said = self.cut or self.settings
+        sides = {} if said is None else said.sides
+        return tuple(replace(leg, side=sides.get(leg.name, leg.side)) for leg in find_legs(self))
 
     @property
     def mass(self) -> float:
@@ -262,8 +277,9 @@ def _rebuild(
     varied: Mapping[str, float],
     added: Added | None,
     cut: Cut | None,
+    settings: Settings | None,
 ) -> Robot:
-    origin: dict[str, Any] = {"locked": locked, "source": source, "options": options, "cut": cut}
+    origin: dict[str, Any] = {"locked": locked, "source": source, "options": options, "cut": cut, "settings": settings}
     return Robot(model, name=name, toes=toes, actuated=actuated, varied=varied, added=added, **origin)
 
 

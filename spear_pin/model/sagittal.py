@@ -37,7 +37,7 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
     Args:
         robot: a quadruped, its x axis forward and z up with every joint at zero.
         pairs: the left and the right leg of each pair, by their names in `robot.legs` or of `find_legs`; by default
-            those whose hips mirror each other.
+            those of `robot.settings`, else those whose hips mirror each other.
 
     Raises:
         UnknownName: there is no such leg.
@@ -45,6 +45,8 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
             length, by more than a twentieth, in having motors, or in limits that leave no angle to both.
     """
     source = Source(robot)
+    if pairs is None and robot.settings is not None:
+        pairs = robot.settings.pairs or None
     found = _found(robot, source) if pairs is None else _given(robot, source, pairs)
     origin = _origin(robot, source)
     trunk = pin.SE3(np.eye(3), -origin).act(source.lump(source.rest(leg for pair in found for leg in pair.legs)))
@@ -61,6 +63,7 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
         toes=[f"{end}_toe" for end in ENDS],
         actuated=[name for name, turns in angles.items() if _driven(robot, turns)],
         source=f"sagittal({robot.source!r})",
+        settings=None if robot.settings is None else robot.settings.of_cut(angles),
         cut=Cut(
             kind="sagittal",
             of=robot.name,
@@ -68,6 +71,8 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
             body=float(trunk.mass),
             angles=angles,
             held=_held(robot, angles),
+            robot=robot,
+            legs=tuple(pair.legs for pair in found),
             sides={end: pair.bends for end, pair in zip(ENDS, found, strict=True) if pair.bends},
             asymmetric=_asymmetric(robot, found, trunk, origin),
             neglected=_neglected(found, trunk),

@@ -1,4 +1,4 @@
-"""A one-legged robot's size against SPEAR-II's, for whose hop the numbers of law and spring are."""
+"""A robot's size against that of the one whose hop or bound the numbers of a law, a spring or a search are of."""
 
 from __future__ import annotations
 
@@ -10,36 +10,57 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.model.legs import Leg, simple
-from spear_pin.model.loading import load
+from spear_pin.model.legs import Leg, in_convention, simple
 from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
 
 
 class Scale(NamedTuple):
-    """Factors of SPEAR-II's torques and times that do the same for another robot.
+    """Factors that make of SPEAR-II's or Q-SPEAR's numbers what does the same for another robot, at its gravity.
 
     Attributes:
-        torque: of torques and stiffnesses: the ratio of m g l, of the robot's mass and its leg's length.
-        time: the ratio of √(l/g).
+        mass: of masses.
+        length: of lengths; those of the legs are compared.
+        time: of times: the ratio of √(l/g).
     """
 
-    torque: float
+    mass: float
+    length: float
     time: float
+
+    @property
+    def speed(self) -> float:
+        """Of speeds."""
+        return self.length / self.time
+
+    @property
+    def force(self) -> float:
+        """Of forces: the ratio of m g."""
+        return self.mass * self.length / self.time**2
+
+    @property
+    def torque(self) -> float:
+        """Of torques, stiffnesses and energies: the ratio of m g l."""
+        return self.force * self.length
+
+    @property
+    def power(self) -> float:
+        """Of powers."""
+        return self.torque / self.time
 
 
 def scale_of(robot: Robot) -> Scale:
-    """A robot's size against SPEAR-II's.
+    """A robot's size against SPEAR-II's if it has one leg, against Q-SPEAR's if it has two or two pairs.
 
     Args:
-        robot: with one leg, as `spear_pin.monopod` cuts it.
+        robot: in the plane, as `spear_pin.monopod` or `spear_pin.sagittal` cuts it.
 
     Raises:
-        BadValue: it has not one leg of hip and knee, in the plane.
+        BadValue: it has no legs of hip and knee in the plane.
     """
-    (torque, time), (of_torque, of_time) = _size(robot), _size(spear_ii())
-    return Scale(torque / of_torque, time / of_time)
+    reference = spear_ii() if len(robot.legs) == 1 else q_spear()
+    return Scale(*(own / of for own, of in zip(_size(robot), _size(reference), strict=True)))
 
 
 def touchdown_inertia(robot: Robot, knee: float) -> Array:
@@ -64,20 +85,31 @@ def only_leg(robot: Robot) -> Leg:
     """
     if not robot.planar or len(robot.legs) != 1:
         raise BadValue("robot", robot, "one with one leg, in the plane, as of monopod(...)")
-    leg = simple(robot.legs[0])
-    if (leg.hip_sign, leg.knee_sign, leg.side, leg.hip_zero, leg.knee_zero) != (1, 1, 1, 0.0, 0.0):
-        raise BadValue("robot", robot, "one with SPEAR-II's signs and zeros of hip and knee, as of monopod(...)")
+    leg = in_convention(simple(robot.legs[0]))
+    if leg.side != 1:
+        raise BadValue("robot", robot, "one whose knee flexes to positive angles, as SPEAR-II's")
     return leg
 
 
 @cache
 def spear_ii() -> Robot:
     """SPEAR-II, loaded once."""
+    from spear_pin.model.loading import load
+
     return load("spear_ii")
 
 
-def _size(robot: Robot) -> tuple[float, float]:
-    """The torque m g l, in N·m, and the time √(l/g), in s."""
-    leg = only_leg(robot)
-    length, gravity = leg.thigh + leg.shank, float(np.linalg.norm(robot.model.gravity.linear))
-    return robot.mass * gravity * length, math.sqrt(length / gravity)
+@cache
+def q_spear() -> Robot:
+    """Q-SPEAR in the sagittal plane, loaded once."""
+    from spear_pin.model.loading import load
+
+    return load("q_spear")
+
+
+def _size(robot: Robot) -> tuple[float, float, float]:
+    """Mass, in kg, the mean length of the legs, in m, and the time √(l/g), in s."""
+    if not robot.planar or not robot.legs:
+        raise BadValue("robot", robot, "one with legs, in the plane, as of monopod(...) or sagittal(...)")
+    length = sum(leg.thigh + leg.shank for leg in robot.legs) / len(robot.legs)
+    return robot.mass, length, math.sqrt(length / float(np.linalg.norm(robot.model.gravity.linear)))

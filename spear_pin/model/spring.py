@@ -17,6 +17,7 @@ from spear_pin.model.scale import scale_of
 
 STIFFEST = 1e6  # N·m/rad: at a knee as good as rigid
 MOST_POINTS = 30  # of a table: integration begins anew at each, and with more it is slow to compile
+PAIR_STIFFNESS = 2 * 56.0  # N·m/rad: of the knee springs of a pair of Q-SPEAR's legs (source: Table 5.1)
 UNITS = {"stiffness": "N·m/rad", "damping": "N·m·s/rad", "hardening": "N·m/rad³", "preload": "N·m"}
 
 
@@ -70,15 +71,18 @@ class Spring:
     @classmethod
     @typed
     def scaled(cls, robot: Robot) -> Spring:
-        """SPEAR-II's spring for a robot of another size: its stiffness by m g l, its damping by that times √(l/g).
+        """SPEAR-II's or Q-SPEAR's spring for a robot of another size.
+
+        Its stiffness goes by m g l, its damping by that times √(l/g). Two legs are taken for pairs, whose spring is
+        2 · 56 N·m/rad of Q-SPEAR, without damping (the source gives none for the quadruped).
 
         Args:
-            robot: with one leg, as `spear_pin.monopod` cuts it.
+            robot: with one leg, as `spear_pin.monopod` cuts it, or two pairs, as `spear_pin.sagittal` does.
 
         Raises:
-            BadValue: the robot has not one leg of hip and knee.
+            BadValue: the robot has no legs of hip and knee in the plane.
         """
-        spring, scale = cls(), scale_of(robot)
+        spring, scale = cls() if len(robot.legs) == 1 else cls(PAIR_STIFFNESS, damping=0.0), scale_of(robot)
         stiffness, damping = spring.stiffness * scale.torque, spring.damping * scale.torque * scale.time
         return replace(spring, stiffness=stiffness, damping=damping)
 

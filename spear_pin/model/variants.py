@@ -1,4 +1,7 @@
-"""Numbers of the shipped robots that a study may change, each by its name: assumed ones, the torso's and gears'."""
+"""Numbers of a robot that a study may change, each by its name: assumed ones, the torso's and gears'.
+
+Shipped robots have them, and robots that were cut out of others, for those have the joints of shipped ones.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,9 @@ import pinocchio as pin
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.kinds import typed
 from spear_pin.model.elements import MAX_NUMBER
-from spear_pin.model.loading import hold, load
+from spear_pin.model.fitting import hold
+from spear_pin.model.loading import load
+from spear_pin.model.recut import LIKE, recut
 from spear_pin.model.robot import Robot
 
 FULL = ("q_spear_full",)
@@ -29,11 +34,11 @@ class Parameter:
     """A number of a robot that `vary` changes.
 
     Attributes:
-        default: its value in the URDF.
+        default: its value in the URDF of a shipped robot.
         unit: of the value; a ratio has the unit 1.
         provenance: the place in the source, or that it is an assumption.
         summary: what it is.
-        robots: names of the robots that have it.
+        robots: names of the shipped robots that have it.
     """
 
     default: float
@@ -59,6 +64,18 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
 )
 
 
+def parameters_of(robot: Robot) -> tuple[str, ...]:
+    """Names of the parameters that a robot has; of a cut those of the shipped robot that it is like.
+
+    A cut has gears where it has motors.
+    """
+    source = robot.source if robot.cut is None else LIKE[robot.cut.kind]
+    names = [name for name, parameter in PARAMETERS.items() if source in parameter.robots]
+    if robot.cut is None:
+        return tuple(names)
+    return tuple(name for name in names if _kind(name) is None or any(_is(joint, name) for joint in robot.actuated))
+
+
 @typed
 def vary(robot: Robot, **values: float) -> Robot:
     """Robot with other numbers; the given one is left alone.
@@ -68,7 +85,8 @@ def vary(robot: Robot, **values: float) -> Robot:
     Shapes that are drawn keep their size.
 
     Args:
-        robot: a shipped robot, as loaded or varied already.
+        robot: a shipped robot, or one that `monopod` or `sagittal` cut out of another; as it is or varied already. Of
+            a cut a rotor's inertia is that of one motor, of which a pair of legs has two.
         **values: by names of `PARAMETERS`, in the units there. What was varied before stays so.
 
     Raises:
@@ -76,7 +94,7 @@ def vary(robot: Robot, **values: float) -> Robot:
         BadValue: a value is not a finite number > 0 (>= 0 for a rotor or friction), or the robot's model was
             changed by other means.
     """
-    valid = [name for name, parameter in PARAMETERS.items() if robot.source in parameter.robots]
+    valid = parameters_of(robot)
     for name, value in values.items():
         if name not in valid:
             raise UnknownName("parameter", name, valid)
@@ -96,48 +114,75 @@ def vary(robot: Robot, **values: float) -> Robot:
 
 
 def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
-    """Model that the robot was loaded from, changed before its joints are locked, which merges links."""
-    model = load(robot.source).model
+    """Model that the robot was loaded or cut with, changed before its joints are locked, which merges links."""
+    cut = robot.cut
+    model = (load(robot.source) if cut is None else recut(cut.kind, cut.robot, cut.legs, cut.body)).model
+    motors = None if cut is None else {joint: len(turns) for joint, turns in cut.angles.items()}
     for name, value in varied.items():
-        _change(model, name, value)
+        if _kind(name) is None:
+            _change(model, name, value)
+        else:
+            _set_gears(model, name, value, motors)
     return hold(model, robot.locked)
 
 
 def _change(model: pin.Model, name: str, value: float) -> None:
-    if name.endswith("_ratio"):
-        _set_gears(model, name.removesuffix("_ratio"), ratio=value)
-    elif name == "boom_damping":
+    if name == "boom_damping":
         damping = model.damping.copy()
         damping[model.joints[model.getJointId("boom_z")].idx_v] = value
         model.damping = damping
-    elif name.endswith("_rotor"):
-        _set_gears(model, name.removesuffix("_rotor"), rotor=value / PARAMETERS[name].default)
+        return
+    torso = int(model.frames[model.getFrameId("torso", pin.FrameType.BODY)].parentJoint)
+    body = model.inertias[torso]
+    if name == "torso_mass":
+        model.inertias[torso] = pin.Inertia(value, body.lever, body.inertia)
+    elif name == "torso_inertia":
+        model.inertias[torso] = pin.Inertia(body.mass, body.lever, body.inertia * (value / body.inertia[1, 1]))
     else:
-        torso = int(model.frames[model.getFrameId("torso", pin.FrameType.BODY)].parentJoint)
-        body = model.inertias[torso]
-        if name == "torso_mass":
-            model.inertias[torso] = pin.Inertia(value, body.lever, body.inertia)
-        elif name == "torso_inertia":
-            model.inertias[torso] = pin.Inertia(body.mass, body.lever, body.inertia * (value / body.inertia[1, 1]))
-        else:
-            _move_hips(model, torso, {"hip_distance": 0, "hip_spacing": 1}[name], value)
+        _move_hips(model, torso, {"hip_distance": 0, "hip_spacing": 1}[name], value)
 
 
-def _set_gears(model: pin.Model, kind: str, ratio: float | None = None, rotor: float = 1.0) -> None:
-    """Set the gear ratio, and multiply the rotor's inertia, of every joint of a kind, such as "knee"."""
+def _kind(parameter: str) -> str | None:
+    """Of a parameter of gears the kind of joints, such as "knee"; None of others."""
+    kind, _, of = parameter.rpartition("_")
+    return kind if of in ("ratio", "rotor") else None
+
+
+def _is(joint: str, parameter: str) -> bool:
+    """Whether a parameter of gears is one of a joint."""
+    return joint == _kind(parameter) or joint.endswith(f"_{_kind(parameter)}")
+
+
+def _set_gears(model: pin.Model, name: str, value: float, motors: Mapping[str, int] | None) -> None:
+    """Set a parameter of gears on every joint that it is one of.
+
+    Args:
+        model: it is changed.
+        name: of the parameter.
+        value: a ratio, or a rotor's inertia in kg·m².
+        motors: of each joint of a cut their number; None: the rotors of a shipped robot grow in proportion.
+    """
     armature, ratios, rotors = model.armature.copy(), model.rotorGearRatio.copy(), model.rotorInertia.copy()
-    for joint, name in enumerate(model.names):
-        if name == kind or name.endswith(f"_{kind}"):
-            row = model.joints[joint].idx_v
-            ratios[row], rotors[row] = ratio or ratios[row], rotor * rotors[row]
+    for index, joint in enumerate(model.names):
+        if _is(joint, name):
+            row = model.joints[index].idx_v
+            if not rotors[row]:  # of which a file may say the reflected inertia only
+                rotors[row] = armature[row] / (ratios[row] or 1.0) ** 2
+            if name.endswith("_ratio"):
+                ratios[row] = value
+            elif motors is None:
+                rotors[row] *= value / PARAMETERS[name].default
+            else:
+                rotors[row] = motors[joint] * value
             armature[row] = ratios[row] ** 2 * rotors[row]
     model.armature, model.rotorGearRatio, model.rotorInertia = armature, ratios, rotors
 
 
 def _move_hips(model: pin.Model, torso: int, axis: int, distance: float) -> None:
-    """Set the distance, in m, between the joints on the two ends of the torso along an axis."""
-    for joint in range(1, model.njoints):
-        if model.parents[joint] == torso:
-            place = model.jointPlacements[joint].translation.copy()
-            place[axis] = copysign(distance / 2, place[axis])
-            model.jointPlacements[joint].translation = place
+    """Set the distance, in m, between the joints on the two ends of the torso along an axis, midway between as now."""
+    hips = [joint for joint in range(1, model.njoints) if model.parents[joint] == torso]
+    places = [model.jointPlacements[joint].translation.copy() for joint in hips]
+    middle = 0.5 * (min(place[axis] for place in places) + max(place[axis] for place in places))
+    for joint, place in zip(hips, places, strict=True):
+        place[axis] = middle + copysign(distance / 2, place[axis] - middle)
+        model.jointPlacements[joint].translation = place

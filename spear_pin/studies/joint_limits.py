@@ -8,9 +8,8 @@ import numpy as np
 
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
+from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.robot import Robot
-
-UNKNOWN = 1e6  # rad/s, N·m: files that know no limit name a number beyond this, or 0
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,12 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from spear_pin import Gait, Trajectory
+from spear_pin import Gait, Trajectory, bounding, load, sagittal
 from spear_pin.errors import NoGait
 from spear_pin.gaits import library
 from spear_pin.studies.bound import mean_speed
@@ -20,6 +21,28 @@ def bound_run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("bound")
     command = [sys.executable, "-m", "spear_pin", "bound", "--json", "--cycles", "2", "--out", str(folder)]
     return subprocess.run(command, capture_output=True, text=True, cwd=Path(__file__).parents[2]), folder
+
+
+@pytest.fixture(scope="module")
+def cut_gait(tmp_path_factory):
+    """The gait that is shown, of the plane that is cut out of the four-legged robot."""
+    gait, robot = Gait.load("long_stride"), sagittal(load("q_spear_full"))
+    law, spring, contact = gait.system.law, gait.system.spring, gait.system.contact
+    cut = replace(gait, system=bounding(robot, law, spring, contact))
+    return cut.save(tmp_path_factory.mktemp("cut") / "gait.json")
+
+
+class TestOfACut:
+    def test_bounds(self, capsys, tmp_path, cut_gait):
+        result = printed(capsys, "bound", "--gait", cut_gait, "--cycles", 1, "--rtol", 1e-8, "--out", tmp_path)
+        assert result["reason"] == "complete" and result["speed"] == pytest.approx(2.5, abs=1e-6)
+        page = (tmp_path / "bound.html").read_text(encoding="utf-8")
+        assert "q_spear_full_sagittal bounding at 2.50 m/s" in page
+
+    def test_is_swept(self, capsys, tmp_path, cut_gait):
+        asked = ("sweep", "bound", "--gait", cut_gait, "--over", "colour=1,2", "--out", tmp_path / "s.zarr")
+        said = refused(capsys, *asked)
+        assert all(name in said for name in ("unknown parameter 'colour'", "hip_distance", "torso_mass", "knee_rotor"))
 
 
 class TestBound:

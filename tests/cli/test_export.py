@@ -76,7 +76,7 @@ class TestTrajectories:
     @pytest.mark.skipif(chromium.find() is None, reason="no Chromium here")
     def test_a_picture_of_a_robot_that_is_given(self, capsys, tmp_path, bound):
         stride, _ = bound
-        path = replace(stride, robot="gone/mine.urdf").save(tmp_path / "run.npz")
+        path = replace(stride, robot="gone/mine.urdf", origin=None).save(tmp_path / "run.npz")
         asked = "export", path, "--png", "--size", "320x180", "--time", "0.1", "--out", tmp_path
         assert "run.npz: its robot is not found" in refused(capsys, *asked)
         assert printed(capsys, *asked, "--robot", "q_spear")["files"] == [str(tmp_path / "run.png")]

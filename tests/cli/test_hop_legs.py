@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin import HoppingLaw, Spring, Trajectory, hopping, load, monopod, simulate
+from spear_pin import Gait, HoppingLaw, Spring, Trajectory, hopping, load, monopod, simulate
+from spear_pin.hybrid.periodic import residual
+from spear_pin.model.origin import robot_of
 from tests.cli.calls import printed, refused, run, words
 from tests.model.legged import quadruped
 
@@ -42,6 +44,66 @@ def test_a_leg_hops(capsys, dog, tmp_path):
     assert "made_HR hopping in place" in page and "drawn as bones: cut out of made" in page
 
 
+def test_a_leg_is_saved(capsys, dog, tmp_path):
+    """The gait and the samples know the robot that was cut, and the leg."""
+    asked = ("--leg", "HR", "--flight-time", "0.18", "--cycles", "1", "--save", "--out", tmp_path)
+    result = printed(capsys, "hop", "--robot", dog, *asked)
+    assert str(tmp_path / "hop.json") in result["files"]
+    gait, robot = (
+        Gait.load(tmp_path / "hop.json"),
+        monopod(load(dog, base="fixed", motors="all"), "HR", locked=["boom_x"]),
+    )
+    assert gait.system.robot.model == robot.model and str(gait.system.robot.cut) == result["cut"]
+    assert gait.residual == result["residual"] and residual(gait.system, gait.state) < 1e-9
+    trajectory = Trajectory.load(tmp_path / "hop.npz")
+    moved = robot_of(trajectory.origin)
+    assert moved.model == robot.model and moved.coordinates == trajectory.coordinates
+
+
+@pytest.fixture(scope="module")
+def told(blank):
+    """A TOML file that says what that URDF cannot: sides, springs and motors."""
+    path = blank.with_name("told.toml")
+    path.write_text(
+        """
+        urdf = "blank.urdf"
+        base = "free"
+        legs.HR.side = 1
+        springs.knee = {stiffness = 14.2, damping = 0.277}
+        motors.hip = {motor = "faulhaber_3863h024cr", rotor_inertia = 1e-4}
+        motors.knee = {motor = "faulhaber_3863h024cr", rotor_inertia = 1e-4, efficiency = 0.9}
+        """,
+        encoding="utf-8",
+    )
+    return path
+
+
+def test_a_file_says_springs_and_sides(capsys, told, tmp_path):
+    asked = ("hop", "--robot", told, "--leg", "HR", "--flight-time", "0.18", "--cycles", "1", "--out", tmp_path)
+    result = printed(capsys, *asked, "--save")
+    assert result["stiffness"] == 14.2
+    gait = Gait.load(tmp_path / "hop.json").system
+    assert gait.spring == Spring(14.2, 0.277) == gait.robot.settings.springs["knee"]
+    assert printed(capsys, *asked, "--stiffness", "14")["stiffness"] == 14.0
+
+
+@pytest.mark.slow
+def test_a_file_says_motors(capsys, told, tmp_path):
+    asked = ("--leg", "HR", "--flight-time", "0.18", "--cycles", "1", "--out", tmp_path)
+    result = printed(capsys, "hop", "--robot", told, *asked, "--hardware", "--current-limit", "40")
+    assert set(result["peak_current"]) == {"hip", "knee"} and "electrical" in result
+
+
+def test_a_file_that_is_wrong(capsys, told):
+    wrong = told.with_name("wrong.toml")
+    wrong.write_text('urdf = "blank.urdf"\nlegs.HR.side = 3\n', encoding="utf-8")
+    assert "wrong.toml: legs.HR.side is 3; expected 1 or -1" in refused(capsys, "hop", "--robot", wrong)
+
+
+def test_hardware_is_not_saved(capsys):
+    assert "--save is True; expected to go without --hardware" in refused(capsys, "hop", "--hardware", "--save")
+
+
 @pytest.mark.slow
 def test_what_it_rests_on_is_printed(capsys, dog, tmp_path):
     status, out, _ = run(capsys, "hop", "--robot", dog, "--flight-time", "0.18", "--cycles", "1", "--out", tmp_path)
@@ -70,7 +132,7 @@ def test_a_shipped_robot(capsys, tmp_path):
         (["--leg", "FL", "--side", "2"], "2"),
         (["--body", "-1"], "-1"),
         (["--body", "nan"], "nan"),
-        (["--hardware"], "nothing is known of the motors of another robot"),
+        (["--hardware"], "nothing is known of that of the hip of another robot"),
     ],
     ids=words,
 )

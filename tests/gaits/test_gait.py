@@ -7,13 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping
+from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping, load, monopod, simulate, vary
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import changed, limits, parameter, with_hardware, with_parameters
 from spear_pin.hybrid.periodic import residual
 from spear_pin.model.boom import on_rotary_boom
 from spear_pin.studies.hardware import Rig
+
+
+def of_a_model(robot):
+    return load(robot.model, ["toe"], motors=["hip", "knee"], base="fixed")
 
 
 class TestSaveAndLoad:
@@ -56,6 +60,8 @@ class TestSaveAndLoad:
         ("change", "named"),
         [
             (lambda system: with_hardware(system, Rig().on(system.robot)), "hardware"),
+            (lambda system: hopping(of_a_model(system.robot)), "a robot that was no file"),
+            (lambda system: hopping(monopod(of_a_model(system.robot), "leg")), "a robot that was no file"),
             (lambda system: with_dry_friction(system, {"boom_z": 1.0}), "dry friction of joints"),
             (lambda system: hopping(on_rotary_boom(system.robot), system.law), "a robot with added inertia"),
             (lambda system: changed(system, lambda built: built), "a change of its own"),
@@ -66,6 +72,23 @@ class TestSaveAndLoad:
         with pytest.raises(BadValue, match=f"^gait.system is 'one with {named}'; expected one without"):
             replace(hop, system=change(hop.system)).save(tmp_path / "hop.json")
         assert not list(tmp_path.iterdir())
+
+    def test_keeps_a_robot_that_was_cut_out_of_another(self, tmp_path):
+        """Cut again, it moves as it did, bit for bit."""
+        leg = vary(monopod(load("q_spear_full"), "posterior_left", locked=["boom_x"]), knee_ratio=14.0)
+        system = hopping(leg, HoppingLaw.scaled(leg), Spring.scaled(leg))
+        gait = Gait(system, system.guess(), {}, 1e-3, np.array([0.5 + 0j]), {"stance": 0.3, "flight": 0.2})
+        path = gait.save(tmp_path / "hop.json")
+        again = Gait.load(path)
+        assert again.system.robot.model == leg.model and again.system.robot.cut == leg.cut
+        one, other = (simulate(each.system, each.state) for each in (gait, again))
+        np.testing.assert_array_equal(one.q, other.q)
+        data = json.loads(path.read_text())
+        data["robot"]["cut"]["of"]["source"] = "spear_ii"
+        path.write_text(json.dumps(data))
+        with pytest.raises(BadFile, match="hop.json: is not a saved gait"):
+            Gait.load(path)
+        assert Gait.load(again.save(tmp_path / "again.json")).system.robot.varied == {"knee_ratio": 14.0}
 
     def test_path_may_be_text(self, tmp_path, hop):
         path = hop.save(str(tmp_path / "hop.json"))

@@ -104,6 +104,9 @@ class TestRefused:
     @pytest.mark.parametrize("name", ["q_spear", "q_spear_full", "biped", "spear_ii_series"])
     def test_other_robots(self, name):
         refusal(BadValue, lambda: HoppingLaw.scaled(load(name)))
+
+    @pytest.mark.parametrize("name", ["q_spear_full", "spear_ii_series"])
+    def test_springs_of_other_robots(self, name):
         refusal(BadValue, lambda: Spring.scaled(load(name)))
 
     @pytest.mark.parametrize("ratio", [-0.1, np.nan, np.inf, "0.6", True])

@@ -17,7 +17,8 @@ from spear_pin.hybrid.run import run
 from spear_pin.model.planar import Planar
 
 OPS = SimpleNamespace(
-    **{name: getattr(np, name) for name in ("sin", "cos", "tan", "tanh", "sqrt", "exp", "maximum")}, solve=solve
+    **{name: getattr(np, name) for name in ("sin", "cos", "tan", "tanh", "sqrt", "exp", "atan2", "maximum")},
+    solve=solve,
 )
 HOP = {"knee_touchdown": 0.9, "taut": 1.0, "flexing": 1.0, "compressing": 1.0, "limited": 1.0, "speed": 0.3}
 SERIES = {"rest": 0.0, "taut": 1.0, "flexing": -1.0}

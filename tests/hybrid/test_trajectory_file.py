@@ -156,6 +156,14 @@ class TestMeta:
     def test_texts(self, refused, name, value):
         assert f"{name} is {value!r}; expected" in refused(**{name: value})
 
+    @pytest.mark.parametrize("value", [3, "spear_ii", [], {}, {"source": "spear_ii"}])
+    def test_origin(self, refused, value):
+        assert "origin" in refused(origin=value)
+
+    def test_origin_of_another_robot(self, refused, whole):
+        origin = json.loads(str(whole["meta"]))["origin"] | {"source": "q_spear"}
+        assert "robot is 'spear_ii'; expected 'q_spear', the source of its origin" in refused(origin=origin)
+
     def test_an_unknown_reason(self, refused):
         assert f"reason is 'bored'; expected one of {', '.join(REASONS)}" in refused(reason="bored")
 

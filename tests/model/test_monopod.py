@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from spear_pin import Gait, HoppingLaw, hopping, load, monopod
+from spear_pin import HoppingLaw, hopping, load, monopod
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.legs import find_legs
 from spear_pin.model.planar import Planar
@@ -148,12 +148,6 @@ class TestHops:
         system = hopping(leg, HoppingLaw(knee_touchdown=1.0))
         assert system.phases == ("stance", "flight")
 
-    def test_is_not_kept_in_a_file(self, tmp_path):
-        system = hopping(monopod(load("spear_ii"), "leg", locked=["boom_x"]))
-        gait = Gait(system, system.guess(), {}, 0.0, np.zeros(3, complex), {"stance": 0.3, "flight": 0.2})
-        error = refusal(BadValue, lambda: gait.save(tmp_path / "gait.json"))
-        assert "cut out of another" in str(error)
-
     def test_survives_pickling(self, write):
         leg = pickle.loads(pickle.dumps(monopod(load(write(quadruped())), "FL")))
         assert leg.cut.angles["hip"][0].joint == "FL_pitch" and leg.legs[0].name == "leg"
@@ -243,6 +237,11 @@ def test_joints_to_lock_are_read_once():
     leg = monopod(load("q_spear_full"), "anterior_left", locked=(joint for joint in ["boom_x"]))
     assert leg.locked == ("boom_x",) and leg.coordinates == ("boom_z", "hip", "knee")
     assert leg.limits["boom_z"].effort == float("inf")
+
+
+def test_a_joint_that_is_held_has_no_motor():
+    leg = monopod(load("spear_ii"), "leg", locked=["boom_x", "knee"])
+    assert leg.actuated == ("hip",) and leg.actuation_matrix.shape == (2, 1)
 
 
 def test_gravity_that_is_not_along_z(write):

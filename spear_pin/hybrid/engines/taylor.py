@@ -274,7 +274,7 @@ def operations(kinks: list[Any]) -> Operations:
         kinks.append(a - b)
         return b + hy.relu(a - b)
 
-    functions = {name: getattr(hy, name) for name in ("sin", "cos", "tan", "tanh", "sqrt", "exp")}
+    functions = {name: getattr(hy, name) for name in ("sin", "cos", "tan", "tanh", "sqrt", "exp", "atan2")}
     return Operations(**functions, maximum=maximum, solve=solve)
 
 

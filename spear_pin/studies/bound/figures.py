@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import PAIR, Leg, legs_of
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.virtual_constraints import value
 from spear_pin.hybrid.trajectory import Event, Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
@@ -147,10 +148,7 @@ class _Stride:
             "period": float(self.t[-1] - self.t[0]),
             "stride": self.stride,
             "knee_at_touchdown": {leg.name: leg.side * float(landed[leg.name][leg.knee]) for leg in self.legs},
-            "leg_at_touchdown": {
-                leg.name: float(sum(weight * landed[leg.name][index] for index, weight in leg.angle))
-                for leg in self.legs
-            },
+            "leg_at_touchdown": {leg.name: float(value(leg.angle, landed[leg.name])) for leg in self.legs},
             "pitch": (float(self.q[:, 2].min()), float(self.q[:, 2].max())),
             "height": (float(self.q[:, 1].min()), float(self.q[:, 1].max())),
         }

@@ -20,7 +20,7 @@ from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.parameters import PARTS, Change, changed, parameter, replaced, with_parameters
 from spear_pin.hybrid.result import State
 from spear_pin.model.robot import Robot
-from spear_pin.model.variants import PARAMETERS, vary
+from spear_pin.model.variants import PARAMETERS, parameters_of, vary
 
 Array = NDArray[np.float64]
 Rows = dict[str, Any]
@@ -105,7 +105,7 @@ def asked(
     """Job as it was asked for, checked; points of one robot stand together."""
     kept = _check_system(system)
     given = {name: np.array(values, dtype=float) for name, values in points.items()}
-    of_robot = [name for name in given if name in PARAMETERS and system.robot.source in PARAMETERS[name].robots]
+    of_robot = [name for name in given if name in parameters_of(system.robot)]
     measured = {name: values for name, values in given.items() if name in system.measures}
     n = _check_points(given, vary)
     for name in given:
@@ -175,7 +175,7 @@ def _check_name(system: HybridSystem, name: str) -> None:
     try:
         with_parameters(system, {name: 1.0})
     except UnknownName as error:
-        robots = [each for each, known in PARAMETERS.items() if system.robot.source in known.robots]
+        robots = parameters_of(system.robot)
         measures = [each for each in system.measures if each in MEASURES]
         raise UnknownName("parameter", name, (*error.valid, *robots, *measures)) from None
     except SpearError:

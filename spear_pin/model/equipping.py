@@ -1,0 +1,162 @@
+"""What a TOML file says of a robot, held against the robot: legs, springs, motors and gears."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pinocchio as pin
+
+from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.model.catalogue import motor
+from spear_pin.model.fitting import drivable, hold
+from spear_pin.model.legs import Leg, find_legs, named_leg
+from spear_pin.model.motor import Gearbox
+from spear_pin.model.named_legs import NamedLeg, leg_of
+from spear_pin.model.robot import Robot
+from spear_pin.model.settings import Settings
+from spear_pin.model.sidecar import JOINTS, ROLES, Sidecar, blaming
+from spear_pin.model.spring import Spring
+
+SAME = 1e-6  # relative difference of two numbers that say the same
+
+
+def equipped(said: Sidecar, model: pin.Model, name: str, toes: Sequence[str]) -> tuple[Settings | None, Any]:
+    """What the file says, held against the robot.
+
+    Args:
+        said: what it says.
+        model: of the robot as its file has it; ratios and rotors that are said are set in it.
+        name: of the robot.
+        toes: of the robot, whatever arguments say.
+
+    Returns:
+        the settings, None without a file, and the joints with motors: names, "all", or None where it does not say.
+
+    Raises:
+        BadFile: there is no such joint, frame or leg, or the model says otherwise.
+    """
+    path = said.path
+    if path is None:
+        return None, None
+    with blaming(path, "locked"):
+        held = hold(model, said.locked or ())
+    with blaming(path, "toes"):
+        own = Robot(held, name=name, toes=toes, actuated=(), source=str(said.source))
+    given, legs = _legs(said, path, own)
+    pairs = tuple(tuple(pair) for pair in said.pairs)
+    with blaming(path, "pairs"):
+        if pairs and len({named_leg(held, legs, leg).hip for pair in pairs for leg in pair}) != 4:
+            raise BadValue("pairs", said.pairs, "four different legs")
+    gears = _gears(said, path, model, legs)
+    drives = {joint: _geared(path, model, joint, key, table) for joint, (key, table) in gears.items()}
+    settings = Settings(
+        str(path),
+        sides={leg.name: leg.side for leg in legs},
+        legs=given,
+        pairs=pairs,
+        springs=_springs(said, path, legs),
+        motors={joint: motor(table["motor"]) for joint, (_, table) in gears.items() if "motor" in table},
+        efficiencies={joint: gearbox.efficiency for joint, gearbox in drives.items()},
+    )
+    return settings, tuple(gears) if isinstance(said.motors, Mapping) else said.motors
+
+
+def _legs(said: Sidecar, path: Path, robot: Robot) -> tuple[tuple[NamedLeg, ...], tuple[Leg, ...]]:
+    """Legs that are given joint by joint, if they are, and all legs."""
+    explicit = {name: table for name, table in said.legs.items() if set(table) - {"side"}}
+    for name, table in said.legs.items():
+        missing = [key for key in JOINTS if key not in table] if explicit else []
+        if missing:
+            raise BadFile(path, f"legs.{name} has no {missing[0]}; expected {', '.join(JOINTS)} of each leg or of none")
+        if not table:
+            raise BadFile(path, f"legs.{name} says nothing; expected side, or {', '.join(JOINTS)}")
+    given, legs = [], []
+    for name, table in explicit.items():
+        with blaming(path, f"legs.{name}"):
+            if table["toe"] not in robot.toes:
+                raise BadValue("toe", table["toe"], f"one of the toes, {', '.join(robot.toes)}")
+            given.append(NamedLeg(name, **table))
+            legs.append(leg_of(robot.model, given[-1]))
+    if len({leg.hip for leg in legs}) < len(legs):
+        raise BadFile(path, f"legs has the hips {', '.join(leg.hip for leg in legs)}; expected each of one leg only")
+    if not explicit:
+        with blaming(path, "legs"):
+            legs = list(find_legs(robot, sides={name: table["side"] for name, table in said.legs.items()}))
+    for leg in legs:
+        _check_side(path, robot, leg, said.legs.get(leg.name, {}).get("side"))
+    return tuple(given), tuple(legs)
+
+
+def _check_side(path: Path, robot: Robot, leg: Leg, side: int | None) -> None:
+    """Refuse a side to which the limits let no knee flex."""
+    limits = robot.limits.get(leg.knee)
+    if side is None or limits is None:
+        return
+    low, high = limits.position
+    if side * ((high if side > 0 else low) - leg.knee_zero) <= 0.0:
+        turns = f"{leg.knee!r} turns from {low:g} to {high:g} rad, straight at {leg.knee_zero:g}"
+        raise BadFile(path, f"legs.{leg.name}.side is {side}; expected {-side}: {turns}")
+
+
+def _springs(said: Sidecar, path: Path, legs: Sequence[Leg]) -> dict[str, Spring]:
+    """Springs by the joints of knees; those of one joint go over those of all."""
+    knees = [leg.knee for leg in legs]
+    springs: dict[str, Spring] = {}
+    for name in sorted(said.springs, key=lambda name: name != "knee"):
+        if name != "knee" and name not in knees:
+            raise BadFile(path, f"springs: {UnknownName('knee', name, ['knee', *knees])}")
+        table = {"stiffness": 0.0, "damping": 0.0, **said.springs[name]}
+        if not table["stiffness"] and not table.get("table"):
+            raise BadFile(path, f"springs.{name} has no stiffness; expected a number > 0, in N·m/rad, or a table")
+        with blaming(path, f"springs.{name}"):
+            springs |= dict.fromkeys(knees if name == "knee" else [name], Spring(**table))
+    return springs
+
+
+def _gears(
+    said: Sidecar, path: Path, model: pin.Model, legs: Sequence[Leg]
+) -> dict[str, tuple[str, Mapping[str, Any]]]:
+    """For each joint with a motor the name of its table, and that: a joint's goes over a role's, that over all's."""
+    tables = said.motors if isinstance(said.motors, Mapping) else {}
+    joints = drivable(model)
+    roles = {role: [joint for leg in legs if (joint := getattr(leg, role))] for role in ROLES} | {"all": joints}
+    for name in said.motors if isinstance(said.motors, list) else [name for name in tables if name not in roles]:
+        if name not in joints:
+            raise BadFile(path, f"motors: {UnknownName('joint', name, [*(roles if tables else ()), *joints])}")
+    found: dict[str, tuple[str, Mapping[str, Any]]] = {}
+    for name in sorted(tables, key=lambda name: (name != "all", name not in roles)):
+        own = roles.get(name, [name])
+        if not own:
+            raise BadFile(path, f"motors.{name}: no leg is known that has one; expected legs or toes that say it")
+        found |= dict.fromkeys(own, (name, tables[name]))
+    return found
+
+
+def _geared(path: Path, model: pin.Model, joint: str, key: str, table: Mapping[str, Any]) -> Gearbox:
+    """Set a joint's ratio and rotor as a table says; what the model says already has to be the same."""
+    where, row = f"motors.{key}", model.joints[model.getJointId(joint)].idx_v
+    ratios, rotors, armature = model.rotorGearRatio.copy(), model.rotorInertia.copy(), model.armature.copy()
+    known, reflected = float(ratios[row]), float(armature[row])
+    if "ratio" not in table and not known and {"motor", "rotor_inertia"} & set(table):
+        raise BadFile(path, f"{where} has no ratio, and neither has the robot's file for {joint!r}; expected one")
+    with blaming(path, where):
+        gearbox = Gearbox(table.get("ratio", known or 1.0), table.get("efficiency", 1.0))
+    if known and not math.isclose(known, gearbox.ratio, rel_tol=SAME):
+        has = f"{known:.12g}, which the robot's file has for {joint!r}"
+        raise BadFile(path, f"{where}.ratio is {gearbox.ratio!r}; expected {has}")
+    rotor = table.get("rotor_inertia", motor(table["motor"]).rotor_inertia if "motor" in table else None)
+    if rotor is None and "motor" in table and not reflected:
+        raise BadFile(path, f"{where} has no rotor_inertia, and that of {table['motor']} is not known; expected one")
+    rotor = reflected / gearbox.ratio**2 if rotor is None else rotor
+    if rotor < 0:
+        raise BadFile(path, f"{where}.rotor_inertia is {rotor!r}; expected a number >= 0, in kg·m²")
+    if reflected and not math.isclose(reflected, gearbox.ratio**2 * rotor, rel_tol=SAME):
+        of = f"{reflected / gearbox.ratio**2:.6g} kg·m², which the robot's file has for {joint!r}"
+        raise BadFile(path, f"{where}: the rotor's inertia is {rotor!r}; expected {of}")
+    ratios[row], rotors[row] = table.get("ratio", known), rotor
+    armature[row] = reflected or gearbox.ratio**2 * rotor
+    model.rotorGearRatio, model.rotorInertia, model.armature = ratios, rotors, armature
+    return gearbox

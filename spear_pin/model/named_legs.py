@@ -1,0 +1,68 @@
+"""Legs by the names of their joints: what a file says of a leg, and the leg of that in a model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.model.frames import frame_id
+from spear_pin.model.legs import Leg, leg_along, side_of
+from spear_pin.model.tree import Tree
+
+
+class NamedLeg(NamedTuple):
+    """A leg by names; lengths, signs and zeros are the model's.
+
+    Attributes:
+        name: of the leg.
+        hip: joint that turns the thigh in the sagittal plane.
+        knee: joint that turns the shank in the sagittal plane.
+        toe: frame at the leg's end.
+        abduction: joint above the hip that swings the leg out of the plane; None if there is none.
+        side: as of `Leg`; 0 to find it.
+    """
+
+    name: str
+    hip: str
+    knee: str
+    toe: str
+    abduction: str | None = None
+    side: int = 0
+
+
+def names_of(leg: Leg) -> NamedLeg:
+    """What `leg_of` needs to find a leg again."""
+    return NamedLeg(*(getattr(leg, field) for field in NamedLeg._fields))
+
+
+def leg_of(model: Any, names: NamedLeg) -> Leg:
+    """The leg that some joints of a `pinocchio.Model` make.
+
+    Raises:
+        UnknownName: there is no such joint or frame.
+        BadValue: the joints do not follow each other to the toe, or hip or knee do not turn in the sagittal plane; or
+            the side is none.
+    """
+    if isinstance(names.side, bool) or names.side not in (-1, 0, 1):
+        raise BadValue(f"side of {names.name}", names.side, "+1 or -1")
+    tree, joints = Tree(model), list(model.names)[1:]
+    given = [name for name in (names.abduction, names.hip, names.knee) if name is not None]
+    for name in given:
+        if name not in joints:
+            raise UnknownName("joint", name, joints)
+    chain = tree.chain(int(model.frames[frame_id(model, names.toe)].parentJoint))
+    ids = [int(model.getJointId(name)) for name in given]
+    if [joint for joint in chain if joint in ids] != ids or len(set(ids)) < len(ids):
+        above = ", ".join(str(model.names[joint]) for joint in chain)
+        expected = f"joints that follow each other to {names.toe!r}, below {above or 'none'}"
+        raise BadValue(f"joints of {names.name}", ", ".join(given), expected)
+    hip, knee = ids[-2:]
+    for joint in (hip, knee):
+        if not tree.pitches(joint):
+            expected = "joints that turn about the y axis with every joint at zero"
+            raise BadValue(f"hip and knee of {names.name}", str(model.names[joint]), expected)
+    found = leg_along(tree, names.toe, [*ids[:-2], *chain[chain.index(hip) :]], hip, knee)
+    if found is None:
+        raise BadValue(f"toe of {names.name}", names.toe, "a frame away from the knee, and the knee away from the hip")
+    return replace(found, name=names.name, side=names.side or side_of(tree, found))

@@ -1,0 +1,31 @@
+"""Cut a robot out of another as it was cut before: the one place that knows the kinds of cuts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from spear_pin.model.legs import Leg
+from spear_pin.model.monopod import monopod
+from spear_pin.model.robot import Robot
+from spear_pin.model.sagittal import sagittal
+
+LIKE = {"monopod": "spear_ii", "sagittal": "q_spear"}
+"""Kinds of cuts, and the shipped robot whose coordinates and signs each has."""
+
+
+def recut(
+    kind: str, robot: Robot, legs: Sequence[Sequence[Leg]], body: float | None = None, locked: Iterable[str] = ()
+) -> Robot:
+    """Part of a robot.
+
+    Args:
+        kind: one of `LIKE`.
+        robot: out of which it is cut.
+        legs: as of `Cut`.
+        body: mass on the slider of a monopod, in kg.
+        locked: joints of the monopod that are held at zero.
+    """
+    if kind == "monopod":
+        ((leg,),) = legs
+        return monopod(robot, leg, "share" if body is None else body, locked)
+    return sagittal(robot, legs)
