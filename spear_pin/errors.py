@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from numbers import Real
 from pathlib import Path
 from reprlib import Repr
@@ -108,6 +108,12 @@ class MissingProgram(SpearError):
 def brief(value: object) -> str:
     """A value as errors show it, in some hundred characters at most."""
     return _BRIEF.repr(value)
+
+
+def listed(names: Sequence[str], most: int = 4) -> str:
+    """Names as errors and warnings list them, the first few and how many there are beside."""
+    rest = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + rest
 
 
 def shortened(text: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue, UnknownName, require
 
 if TYPE_CHECKING:
     from spear_pin.model.robot import Robot
@@ -36,6 +36,8 @@ def one_leg(arguments: argparse.Namespace, locked: list[str]) -> Robot | None:
             name, value = next(iter(given.items()))
             raise BadValue(f"--{name}", value, "to go with --robot")
         return None
+    if arguments.body is not None:
+        require("--body", arguments.body, lambda mass: mass >= 0, "a finite number >= 0, in kg")
     from dataclasses import replace
 
     from spear_pin import load, monopod

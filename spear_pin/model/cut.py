@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.model.legs import Leg
+from spear_pin.model.limits import Limits, limits_of
+from spear_pin.model.tree import Tree
 
 Array = NDArray[np.float64]
 AHEAD, UP, PITCH, FLEX = (
@@ -75,7 +77,7 @@ class Cut:
         source: what that was loaded from.
         body: mass of what is not legs, as the cut has it, in kg.
         angles: for each of the cut's joints that turn the robot's joints that turn with it.
-        held: joints of the robot that are held at zero.
+        held: joints of the robot that are held at zero, those that it had locked among them.
         robot: the `Robot` itself.
         legs: those of the robot that were cut out, for each leg of the cut one or a pair. With the kind and the body
             that is all from which `spear_pin.model.recut` cuts again.
@@ -151,16 +153,22 @@ class Source:
         if robot.added is not None:
             raise BadValue("robot", robot, "one whose inertia is all its model's")
         self.robot, self.model = robot, robot.model
-        self.data = pin.Data(self.model)
-        pin.forwardKinematics(self.model, self.data, pin.neutral(self.model))
+        self.tree = Tree(self.model)
+        self.data = self.tree.data
 
     def below(self, joint: str) -> set[int]:
         """Numbers of the joints that a joint carries, its own among them."""
         return set(map(int, self.model.subtrees[self.model.getJointId(joint)]))
 
     def rest(self, legs: Iterable[Leg]) -> set[int]:
-        """Numbers of the joints that carry no leg's thigh or shank, 0 for what is fixed to the world among them."""
+        """Numbers of the joints that no hip of the legs carries, 0 for what is fixed to the world among them."""
         return set(range(self.model.njoints)).difference(*(self.below(leg.hip) for leg in legs))
+
+    def above(self, leg: Leg) -> tuple[str, ...]:
+        """Joints between the world and a hip that turn, or slide out of the plane; a floating base is none of them."""
+        chain = self.tree.chain(self.model.getJointId(leg.hip))[:-1]
+        held = [joint for joint in chain if not self.tree.floats(joint) and not self.tree.slides(joint)]
+        return tuple(str(self.model.names[joint]) for joint in held)
 
     def lump(self, joints: Iterable[int]) -> pin.Inertia:
         """The bodies that some joints move, as one, in the world."""
@@ -252,17 +260,27 @@ class Assembly:
         Args:
             robot: a `Robot`.
             angles: as of `Cut`.
+
+        Raises:
+            BadValue: two joints have no angle that the limits of both allow.
         """
         self.model.rotorGearRatio = np.zeros(self.model.nv)  # Pinocchio begins with 1
+        limits = limits_of(robot.model)
         for name, turns in angles.items():
+            ranges = [_range(limits[turn.joint], turn) for turn in turns]
+            low, high = max(low for low, _ in ranges), min(high for _, high in ranges)
+            if not low < high:
+                joints = " and ".join(turn.joint for turn in turns)
+                raise BadValue(f"limits of {joints} as {name}", ranges, "ranges, in rad, that overlap")
             row = self.model.joints[self.model.getJointId(name)].idx_v
-            for attribute, value in _carried(robot.model, turns).items():
+            carried = _carried(robot.model, turns) | {"lowerPositionLimit": low, "upperPositionLimit": high}
+            for attribute, value in carried.items():
                 numbers = np.array(getattr(self.model, attribute))
                 numbers[row] = value
                 setattr(self.model, attribute, numbers)
 
 
-def _carried(model: pin.Model, turns: Sequence[Turn]) -> Mapping[str, float]:
+def _carried(model: pin.Model, turns: Sequence[Turn]) -> dict[str, float]:
     """Numbers of a joint that stands for some of a model, by what Pinocchio calls them."""
     joints = [model.joints[model.getJointId(turn.joint)] for turn in turns]
 
@@ -270,22 +288,21 @@ def _carried(model: pin.Model, turns: Sequence[Turn]) -> Mapping[str, float]:
         return [float(getattr(model, attribute)[joint.idx_v]) for joint in joints]
 
     speed = min(each("upperVelocityLimit"))
-    numbers = {name: sum(each(name)) for name in ("armature", "rotorInertia", "damping")}
-    numbers |= {"rotorGearRatio": max(each("rotorGearRatio"))}
+    numbers = {name: sum(each(name)) for name in ("armature", "damping")}
+    ratios = each("rotorGearRatio")
+    ratio = max(ratios, key=abs)  # of the rotor that stands for all, as heavy at the joint as they are
+    shares = ((own / ratio) ** 2 if ratio else 1.0 for own in ratios)
+    rotors = (share * inertia for share, inertia in zip(shares, each("rotorInertia"), strict=True))
+    numbers |= {"rotorGearRatio": ratio, "rotorInertia": sum(rotors)}
     numbers |= {"lowerVelocityLimit": -speed, "upperVelocityLimit": speed}
     for name in ("Effort", "DryFriction"):
         bounds = zip(turns, each(f"lower{name}Limit"), each(f"upper{name}Limit"), strict=True)
         low, high = np.sum([sorted((turn.sign * low, turn.sign * high)) for turn, low, high in bounds], axis=0)
         numbers |= {f"lower{name}Limit": low, f"upper{name}Limit": high}
-    ranges = [_range(model, joint, turn) for joint, turn in zip(joints, turns, strict=True)]
-    lows, highs = zip(*ranges, strict=True)
-    return numbers | {"lowerPositionLimit": max(lows), "upperPositionLimit": min(highs)}
+    return numbers
 
 
-def _range(model: pin.Model, joint: Any, turn: Turn) -> tuple[float, float]:
+def _range(limits: Limits, turn: Turn) -> tuple[float, float]:
     """Least and largest angle of a cut's joint, in rad, by the limits of the robot's."""
-    if joint.nq != 1:
-        return -math.inf, math.inf
-    ends = (float(limits[joint.idx_q]) for limits in (model.lowerPositionLimit, model.upperPositionLimit))
-    low, high = sorted(turn.sign * (end - turn.zero) for end in ends)
+    low, high = sorted(turn.sign * (end - turn.zero) for end in limits.position)
     return low, high

@@ -15,6 +15,7 @@ from spear_pin.files import regular
 
 MAX_BYTES, MAX_NUMBER = 20_000_000, 1e30
 DECLARATION = re.compile(rb"<\?xml\s[^>]*?\?>")
+SOURCE = "{spear_pin}source"  # attribute of an element that was included: path of its file
 BOM = b"\xef\xbb\xbf"
 VERSION = re.compile(rb"version\s*=\s*[\"'][^\"']*[\"']")
 
@@ -81,6 +82,11 @@ def _parsed_leniently(text: bytes) -> Any | None:
     return root
 
 
+def fault(path: Path, element: Any, problem: str) -> BadFile:
+    """An error at an element: its line, in the file that it was included from if it was (`SOURCE`)."""
+    return BadFile(element.get(SOURCE, path), problem, element.sourceline)
+
+
 def child(path: Path, element: Any, tag: str) -> Any:
     """The child of that tag.
 
@@ -90,7 +96,7 @@ def child(path: Path, element: Any, tag: str) -> Any:
     found = element.find(tag)
     if found is None:
         name = element.get("name") or element.getparent().get("name")
-        raise BadFile(path, f"<{element.tag}> of {name!r} has no <{tag}>", element.sourceline)
+        raise fault(path, element, f"<{element.tag}> of {name!r} has no <{tag}>")
     return found
 
 
@@ -110,7 +116,7 @@ def numbers(path: Path, element: Any, attribute: str, count: int) -> list[float]
     values = [parse_number(path, element, part) for part in (element.get(attribute) or "").split()]
     if len(values) != count:
         what = f"{attribute} of <{element.tag}> is {element.get(attribute)!r}"
-        raise BadFile(path, f"{what}; expected {count} number{'s' * (count > 1)}", element.sourceline)
+        raise fault(path, element, f"{what}; expected {count} number{'s' * (count > 1)}")
     return values
 
 
@@ -125,5 +131,5 @@ def parse_number(path: Path, element: Any, text: str | None) -> float:
     except ValueError:
         value = math.nan
     if not abs(value) <= MAX_NUMBER:
-        raise BadFile(path, f"<{element.tag}> has the value {text!r}; expected a finite number", element.sourceline)
+        raise fault(path, element, f"<{element.tag}> has the value {text!r}; expected a finite number")
     return value

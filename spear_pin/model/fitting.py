@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadFile, BadValue, UnknownName
 
 Array = NDArray[np.float64]
+FLOATING = 6  # velocities of a floating joint
 SINGULAR = 1e-12  # least eigenvalue of a mass matrix whose diagonal is 1
 REMEDY = "give its links an <inertial>"
 MENDED = 1e-4  # kg·m² or kg, the armature of a joint that moves no inertia
@@ -64,6 +65,20 @@ def with_motors(
         ratios[row] = ratios[row] or 1.0
     model.rotorGearRatio = ratios
     return model, actuated
+
+
+def check_floating(path: str | Path, model: pin.Model) -> None:
+    """Refuse a root that is to float and has no inertia, where nothing else makes up for it.
+
+    Raises:
+        BadFile: the mass matrix is singular, and the link on a floating joint at the root has no mass.
+    """
+    roots = [i for i in range(1, model.njoints) if model.parents[i] == 0 and model.joints[i].nv == FLOATING]
+    massless = next((index for index in roots if not model.inertias[index].mass), None)
+    if massless is not None and _fault(path, model):
+        links = (f.name for f in model.frames if f.parentJoint == massless and f.type == pin.FrameType.BODY)
+        problem = f"its root {next(links, '')!r} has no inertia, so that it cannot float as base='free' wants"
+        raise BadFile(path, f"{problem}: leave base out, or {REMEDY}")
 
 
 def with_inertia(path: str | Path, model: pin.Model, repair: bool) -> tuple[pin.Model, list[str]]:

@@ -6,6 +6,7 @@ import pinocchio as pin
 
 from spear_pin.errors import UnknownName
 
+# of frames that are called the same, a link's goes first; the last is of a point, as MJCF has them
 KINDS = (pin.FrameType.BODY, pin.FrameType.FIXED_JOINT, pin.FrameType.JOINT, pin.FrameType.OP_FRAME)
 
 
@@ -18,6 +19,6 @@ def frame_id(model: pin.Model, frame: str) -> int:
     if isinstance(frame, str):  # Pinocchio gives nframes for an unknown name, and no error
         for kind in KINDS:
             index = int(model.getFrameId(frame, kind))
-            if index < model.nframes:
+            if 0 < index < model.nframes:  # 0 is the world, Pinocchio's "universe"
                 return index
     raise UnknownName("frame", frame, [f.name for f in model.frames if f.name != "universe"])

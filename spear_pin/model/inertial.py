@@ -2,52 +2,114 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from lxml import etree
+from numpy.typing import NDArray
 
-from spear_pin.errors import BadFile
+from spear_pin.errors import BadFile, listed
 from spear_pin.model.elements import child, number, numbers
 
-ROUNDING = 1e-15  # kg·m²: a principal moment this little below zero is none
+Array = NDArray[np.float64]
+ROUNDING = 1e-15  # kg·m²: what a principal moment is off by this little is none
+# of the largest principal moment: how far the least may be below zero, and it above the sum of the others
+BELOW, ABOVE = 1e-9, 1e-6
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
-def copy_inertial(path: Path, inertial: Any, link: Any, repair: bool) -> str | None:
+@dataclass(frozen=True)
+class Fault:
+    """Something in an inertia that no body has.
+
+    Attributes:
+        problem: in words that follow "an inertia".
+        by: how far it is off, in words.
+        possible: whether a mass matrix can be made of it all the same.
+    """
+
+    problem: str
+    by: str
+    possible: bool
+
+
+def fault_of(matrix: Array) -> Fault | None:
+    """What is wrong with an inertia, (3, 3), in kg·m²; nothing if a body can have it, but for rounding."""
+    least, middle, most = map(float, np.linalg.eigvalsh(matrix))
+    if least < -max(ROUNDING, BELOW * most):
+        by = f"by a principal moment of {least:.3g} kg·m²"
+        return Fault("that is not positive semidefinite", by, possible=False)
+    if most - least - middle > max(ROUNDING, ABOVE * most):
+        by = f"{most:.3g} > {max(least + middle, 0.0):.3g} kg·m²"
+        return Fault("of which one principal moment exceeds the sum of the others", by, possible=True)
+    return None
+
+
+def nearest(matrix: Array) -> Array:
+    """The nearest inertia, (3, 3), that a body can have: its second moments of mass, ½ tr(I) - I, are none negative."""
+    values, axes = np.linalg.eigh(matrix)
+    second = np.maximum(0.5 * values.sum() - values, 0.0)
+    return np.asarray((axes * (second.sum() - second)) @ axes.T)
+
+
+def copy_inertial(path: Path, inertial: Any, link: Any, repair: bool) -> Fault | None:
     """Copy an `<inertial>` into a link of our own writing.
 
     Args:
         path: of the file.
         inertial: the element.
         link: the element that gets the copy.
-        repair: make an inertia positive semidefinite that is not: its negative principal moments become zero.
+        repair: mend an inertia that no body can have.
 
     Returns:
-        What was mended, if anything was.
+        What is wrong with the inertia, mended or not.
 
     Raises:
         BadFile: the mass is negative, or the inertia not positive semidefinite and not to be mended.
     """
-    name, note = link.get("name"), None
+    name = link.get("name")
     mass = number(path, child(path, inertial, "mass"), "value")
     if mass < 0:
         raise BadFile(path, f"link {name!r} has the negative mass {mass}", inertial.sourceline)
     element = child(path, inertial, "inertia")
     moments = {each: number(path, element, each) for each in MOMENTS}
-    mended, least = _mended(moments)
-    if not _semidefinite(*moments.values()) and least < -ROUNDING:
-        problem = f"link {name!r} has an inertia that is not positive semidefinite"
-        if not repair:
-            raise BadFile(path, f"{problem} (repair=True mends it)", element.sourceline)
-        moments = mended
-        note = f"{problem}, by a principal moment of {least:.3g} kg·m²: set to zero"
+    xx, xy, xz, yy, yz, zz = moments.values()
+    matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    fault = fault_of(matrix)
+    if fault is not None and repair:
+        rows, columns = (0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2)
+        moments = dict(zip(MOMENTS, map(float, nearest(matrix)[rows, columns]), strict=True))
+    elif fault is not None and not fault.possible:
+        problem = f"link {name!r} has an inertia {fault.problem}, {fault.by} (repair=True mends it)"
+        raise BadFile(path, problem, element.sourceline)
     part = etree.SubElement(link, "inertial")
     copy_origin(path, inertial, part)
     etree.SubElement(part, "mass", value=repr(mass))
     etree.SubElement(part, "inertia", {each: repr(value) for each, value in moments.items()})
-    return note
+    return fault
+
+
+def notes_on(faults: Mapping[str, Fault], what: str, repair: bool) -> list[str]:
+    """What there is to say of inertias that were read: a line for each that is mended, one for all that are not.
+
+    Args:
+        faults: by the name of the link, or body.
+        what: "link" or "body".
+        repair: whether they are mended.
+    """
+    if repair:
+        return [
+            f"{what} {name!r} has an inertia {fault.problem}, {fault.by}: mended to the nearest that a body can have"
+            for name, fault in faults.items()
+        ]
+    if not faults:
+        return []
+    (name, fault), *others = faults.items()
+    rest = f", and so have {listed([repr(each) for each, _ in others])}" if others else ""
+    return [f"{what} {name!r} has an inertia {fault.problem}, {fault.by}{rest} (repair=True mends it)"]
 
 
 def copy_origin(path: Path, element: Any, copy: Any) -> None:
@@ -59,19 +121,3 @@ def copy_origin(path: Path, element: Any, copy: Any) -> None:
     for attribute in ("xyz", "rpy"):
         if origin.get(attribute) is not None:
             part.set(attribute, " ".join(map(repr, numbers(path, origin, attribute, 3))))
-
-
-def _semidefinite(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> bool:
-    minors = (xx * yy - xy**2, xx * zz - xz**2, yy * zz - yz**2)
-    determinant = xx * minors[2] - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
-    scale = max(abs(xx), abs(yy), abs(zz), 1e-300)
-    return min(xx, yy, zz) >= 0 and min(minors) >= -1e-9 * scale**2 and determinant >= -1e-9 * scale**3
-
-
-def _mended(moments: dict[str, float]) -> tuple[dict[str, float], float]:
-    """The nearest positive semidefinite inertia, and the least principal moment before."""
-    xx, xy, xz, yy, yz, zz = moments.values()
-    values, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    matrix = (axes * np.maximum(values, 0.0)) @ axes.T
-    rows, columns = (0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2)
-    return dict(zip(MOMENTS, map(float, matrix[rows, columns]), strict=True)), float(values[0])

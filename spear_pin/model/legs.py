@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from numbers import Real
 from types import MappingProxyType
@@ -19,17 +19,16 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.kinds import typed
 from spear_pin.model.frames import frame_id
+from spear_pin.model.limits import limits_of
+from spear_pin.model.tree import SHORTEST, Tree
 
 Array = NDArray[np.float64]
 Sides = Mapping[str, int] | int
-SPLAY = 1e-2  # rad: axes that are off the normal of the sagittal plane by more turn out of it
 ONE_WAY = 2.0  # a knee flexes to where its limits leave it so many times the room of the other side
-SHORTEST = 1e-6  # m: a thigh or a shank that is shorter has no direction
 BENT = 0.1  # rad: a knee that is bent by less in a posture tells nothing
-ARMS = 0.25  # of the height from the lowest toe to the highest hip: what ends higher is no leg
 SIDES: Mapping[str, Mapping[str, int]] = MappingProxyType(
     {
         "q_spear": {"posterior": 1, "anterior": -1},
@@ -67,7 +66,11 @@ class Leg:
         hip_zero: the hip's own angle with the thigh straight down, in rad.
         knee_zero: the knee's own angle with the leg straight, in rad.
         across: from the hip to the toe out of the plane with every joint at zero, in m, to the left.
-        others: moving joints of the leg that are none of these, such as an ankle.
+        others: moving joints of the leg that are none of these, such as an ankle, or a slide above the hip; rails on
+            which the trunk of a robot with one leg slides are none of the leg's.
+
+    Raises:
+        BadValue: a sign is none, or a length not positive.
     """
 
     name: str
@@ -84,6 +87,14 @@ class Leg:
     knee_zero: float
     across: float
     others: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        of = f"of leg {self.name!r}"
+        for name, sign in (("hip_sign", self.hip_sign), ("knee_sign", self.knee_sign), ("side", self.side)):
+            if sign not in (-1, 1) and (name, sign) != ("side", 0):
+                raise BadValue(f"{name} {of}", sign, "-1 or 1" if name != "side" else "-1, 0 or 1")
+        for name, length in (("thigh", self.thigh), ("shank", self.shank)):
+            require(f"{name} {of}", length, lambda length: length > 0, "a number > 0, in m")
 
     @property
     def bends(self) -> int:
@@ -145,7 +156,11 @@ def find_legs(robot: LeggedRobot, toes: Iterable[str] | None = None, sides: Side
     legs = []
     for tip, toe in tips.items():
         own = [joint for joint in tree.chain(tip) if _alone(joint, set(tips), model)]
-        leg = tree.leg(toe, own, [joint for joint in own if tree.pitches(joint)])
+        hip_and_knee = [joint for joint in own if tree.pitches(joint)][:2]
+        leg = None
+        if len(hip_and_knee) == 2:
+            hip, knee = hip_and_knee
+            leg = leg_along(tree, toe, own, hip, knee, tree.rails(own) if len(tips) == 1 else ())
         if leg is not None:
             legs.append(leg)
         elif toes is not None:
@@ -153,7 +168,7 @@ def find_legs(robot: LeggedRobot, toes: Iterable[str] | None = None, sides: Side
     legs = _told_apart(legs)
     named = _named(legs, sides)
     shipped = SIDES.get(robot.source, {})
-    found = {leg.name: named.get(leg.name) or tree.side(leg) or shipped.get(leg.name, 0) for leg in legs}
+    found = {leg.name: named.get(leg.name) or side_of(tree, leg) or shipped.get(leg.name, 0) for leg in legs}
     return tuple(replace(leg, side=found[leg.name]) for leg in legs)
 
 
@@ -189,12 +204,14 @@ def named_leg(model: pin.Model, legs: Sequence[Leg], leg: str | Leg) -> Leg:
         leg: a name of one of them, or a leg of the robot's joints.
 
     Raises:
-        UnknownName: there is no such leg; the text lists the valid ones.
+        UnknownName: there is no such leg, or it has a joint or a toe that is not there; the text lists the valid ones.
     """
     if isinstance(leg, Leg):
-        if all(model.existJointName(joint) for joint in (leg.hip, leg.knee)):
-            return leg
-        leg = leg.name
+        for joint in (leg.hip, leg.knee):
+            if not model.existJointName(joint):
+                raise UnknownName(f"joint of leg {leg.name!r}", joint, list(model.names)[1:])
+        frame_id(model, leg.toe)
+        return leg
     for each in legs:
         if each.name == leg:
             return each
@@ -237,113 +254,61 @@ def sided(leg: Leg) -> Leg:
     return leg
 
 
-class Tree:
-    """A model with every joint at zero."""
+def leg_along(tree: Tree, toe: str, own: Sequence[int], hip: int, knee: int, rails: Collection[int] = ()) -> Leg | None:
+    """The leg that ends in a toe, without its side; None if its thigh or shank has no length.
 
-    def __init__(self, model: pin.Model) -> None:
-        self.model, self.data = model, pin.Data(model)
-        pin.framesForwardKinematics(model, self.data, pin.neutral(model))
-        pin.computeJointJacobians(model, self.data, pin.neutral(model))
+    Args:
+        tree: of the robot.
+        toe: name of its frame.
+        own: joints of its own, from the trunk on.
+        hip: the one that turns the thigh in the sagittal plane.
+        knee: the one that turns the shank in the sagittal plane.
+        rails: those among them on which the trunk slides.
+    """
+    model, data = tree.model, tree.data
+    tip = data.oMf[frame_id(model, toe)].translation
+    thigh, shank = (
+        end - data.oMi[joint].translation for joint, end in ((hip, data.oMi[knee].translation), (knee, tip))
+    )
+    lengths = math.hypot(thigh[0], thigh[2]), math.hypot(shank[0], shank[2])
+    if min(lengths) < SHORTEST:
+        return None
+    turned = math.atan2(thigh[0], -thigh[2])
+    flexed = math.remainder(turned - math.atan2(shank[0], -shank[2]), math.tau)
+    hip_sign, knee_sign = -int(np.sign(tree.axis(hip)[1])), int(np.sign(tree.axis(knee)[1]))
+    above = [joint for joint in own[: own.index(hip)] if joint not in rails and not tree.floats(joint)]
+    abduction = next((joint for joint in reversed(above) if tree.axis(joint).any()), None)
+    others = [joint for joint in (*above, *own[own.index(hip) + 1 :]) if joint not in (abduction, knee)]
+    return Leg(
+        name=leg_name(toe),
+        hip=str(model.names[hip]),
+        knee=str(model.names[knee]),
+        toe=toe,
+        abduction=None if abduction is None else str(model.names[abduction]),
+        side=0,
+        thigh=lengths[0],
+        shank=lengths[1],
+        hip_sign=hip_sign,
+        knee_sign=knee_sign,
+        hip_zero=0.0 - hip_sign * turned,
+        knee_zero=0.0 - knee_sign * flexed,
+        across=float(tip[1] - data.oMi[hip].translation[1]),
+        others=tuple(str(model.names[joint]) for joint in others),
+    )
 
-    def chain(self, tip: int) -> list[int]:
-        """Joints from the world to one."""
-        return [int(joint) for joint in self.model.supports[tip] if joint]
 
-    def axis(self, joint: int) -> Array:
-        """Direction about which a joint of one degree of freedom turns, (3,), zero if it slides."""
-        if self.model.joints[joint].nv != 1:
-            return np.zeros(3)
-        jacobian = pin.getJointJacobian(self.model, self.data, joint, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
-        return np.asarray(np.reshape(jacobian, (6, -1))[3:, self.model.joints[joint].idx_v])
-
-    def pitches(self, joint: int) -> bool:
-        """Whether a joint turns in the sagittal plane."""
-        return abs(float(self.axis(joint)[1])) >= math.cos(SPLAY)
-
-    def ends(self) -> tuple[str, ...]:
-        """Frames at the ends of the limbs that may be legs, one each."""
-        parents, found = set(map(int, self.model.parents)), []
-        for tip in range(1, self.model.njoints):
-            pitching = [joint for joint in self.chain(tip) if self.pitches(joint)]
-            frame = self._end(tip, pitching[1]) if tip not in parents and len(pitching) >= 2 else None
-            if frame is not None:
-                found.append((frame.name, self.data.oMf[frame_id(self.model, frame.name)].translation[2], pitching))
-        if not found:
-            return ()
-        lowest = min(height for _, height, _ in found)
-        highest = max(self.data.oMi[pitching[0]].translation[2] for _, _, pitching in found)
-        return tuple(name for name, height, _ in found if height <= lowest + ARMS * (highest - lowest))
-
-    def _end(self, tip: int, knee: int) -> Any:
-        """Link at the end of a limb that is farthest from a joint; of several as far the one named as a toe."""
-        frames = [f for f in self.model.frames if int(f.parentJoint) == tip and f.type == pin.FrameType.BODY]
-        places = [(self.data.oMi[tip] * frame.placement).translation for frame in frames]
-        distances = [float(np.linalg.norm(place - self.data.oMi[knee].translation)) for place in places]
-        longest = max(distances, default=0.0)
-        if longest < SHORTEST:
-            return None
-        far = [f for f, distance in zip(frames, distances, strict=True) if distance >= longest - 1e-9]
-        return next((frame for frame in far if re.search("(?i)toe|foot", frame.name)), far[-1])
-
-    def leg(self, toe: str, own: Sequence[int], pitching: Sequence[int]) -> Leg | None:
-        """The leg that ends in a toe, without its side; None if it is none.
-
-        Args:
-            toe: name of its frame.
-            own: joints of its own, from the trunk on.
-            pitching: those that turn in the sagittal plane.
-        """
-        if len(pitching) < 2:
-            return None
-        model, data, hip, knee = self.model, self.data, *pitching[:2]
-        tip = data.oMf[frame_id(model, toe)].translation
-        thigh, shank = (
-            end - data.oMi[joint].translation for joint, end in ((hip, data.oMi[knee].translation), (knee, tip))
-        )
-        lengths = math.hypot(thigh[0], thigh[2]), math.hypot(shank[0], shank[2])
-        if min(lengths) < SHORTEST:
-            return None
-        turned = math.atan2(thigh[0], -thigh[2])
-        flexed = math.remainder(turned - math.atan2(shank[0], -shank[2]), math.tau)
-        hip_sign, knee_sign = -int(np.sign(self.axis(hip)[1])), int(np.sign(self.axis(knee)[1]))
-        turning = [joint for joint in own[: own.index(hip)] if self.axis(joint).any()]
-        below = [joint for joint in own[own.index(hip) + 1 :] if joint != knee]
-        return Leg(
-            name=leg_name(toe),
-            hip=str(model.names[hip]),
-            knee=str(model.names[knee]),
-            toe=toe,
-            abduction=str(model.names[turning[-1]]) if turning else None,
-            side=0,
-            thigh=lengths[0],
-            shank=lengths[1],
-            hip_sign=hip_sign,
-            knee_sign=knee_sign,
-            hip_zero=0.0 - hip_sign * turned,
-            knee_zero=0.0 - knee_sign * flexed,
-            across=float(tip[1] - data.oMi[hip].translation[1]),
-            others=tuple(str(model.names[joint]) for joint in [*turning[:-1], *below]),
-        )
-
-    def side(self, leg: Leg) -> int:
-        """To which side a knee flexes, by its limits or by postures; 0 if they do not tell."""
-        joint = self.model.joints[self.model.getJointId(leg.knee)]
-        down, up = (sign * (limit - leg.knee_zero) for sign, limit in self._limits(joint))
-        if up > ONE_WAY * max(down, 0.0) or down > ONE_WAY * max(up, 0.0):
-            return 1 if up > down else -1
-        postures = [pin.neutral(self.model), *(each.data() for each in self.model.referenceConfigurations)]
-        bent = [math.remainder(_angle(joint, q) - leg.knee_zero, math.tau) for q in postures if q.size == self.model.nq]
-        sides = {int(math.copysign(1, flexion)) for flexion in bent if abs(flexion) > BENT}
-        return sides.pop() if len(sides) == 1 else 0
-
-    def _limits(self, joint: Any) -> tuple[tuple[int, float], tuple[int, float]]:
-        """-1 and a joint's lower limit, 1 and its upper one, in rad; a full turn where it has none."""
-        if joint.nq != 1:
-            return (-1, -math.tau), (1, math.tau)
-        lower, upper = (
-            float(limits[joint.idx_q]) for limits in (self.model.lowerPositionLimit, self.model.upperPositionLimit)
-        )
-        return (-1, max(lower, -math.tau)), (1, min(upper, math.tau))
+def side_of(tree: Tree, leg: Leg) -> int:
+    """To which side a knee flexes, by its limits or by postures; 0 if they do not tell."""
+    model = tree.model
+    joint = model.joints[model.getJointId(leg.knee)]
+    lower, upper = limits_of(model)[leg.knee].position
+    down, up = leg.knee_zero - max(lower, -math.tau), min(upper, math.tau) - leg.knee_zero
+    if up > ONE_WAY * max(down, 0.0) or down > ONE_WAY * max(up, 0.0):
+        return 1 if up > down else -1
+    postures = [pin.neutral(model), *(each.data() for each in model.referenceConfigurations)]
+    bent = [math.remainder(_angle(joint, q) - leg.knee_zero, math.tau) for q in postures if q.size == model.nq]
+    sides = {int(math.copysign(1, flexion)) for flexion in bent if abs(flexion) > BENT}
+    return sides.pop() if len(sides) == 1 else 0
 
 
 def _alone(joint: int, tips: set[int], model: pin.Model) -> bool:

@@ -16,7 +16,7 @@ from spear_pin.model.draft import Draft, of_mjcf, of_model, of_urdf
 from spear_pin.model.elements import parse
 from spear_pin.model.equipping import equipped
 from spear_pin.model.examples import PACKAGE, example_robots
-from spear_pin.model.fitting import drivable, hold, with_inertia, with_motors
+from spear_pin.model.fitting import check_floating, drivable, hold, with_inertia, with_motors
 from spear_pin.model.mjcf_reading import mjcf_of
 from spear_pin.model.robot import Robot
 from spear_pin.model.sidecar import NAMING, SUFFIX, Sidecar, read
@@ -105,22 +105,26 @@ def load(
             it is as the file has it, with a warning where a root link with inertia stays fixed.
         motors: "all" for one on each joint that turns or slides, or names of joints. By default those of the file's
             `<transmission>`s, `<ros2_control>` or actuators, with a warning where there are none.
-        repair: mend inertias that are not positive semidefinite, and joints that move no inertia, with a warning.
+        repair: mend inertias that no body can have, and joints that move no inertia, with a warning.
 
     Raises:
         UnknownName: unknown robot, toe frame or joint; the text lists the valid ones.
-        BadFile: the file is missing or invalid (see `read_urdf`), or a joint moves no inertia.
+        BadFile: the file is missing or invalid (see `read_urdf`), a joint moves no inertia, or a root that is to float
+            has none.
         BadValue: another base, or a motor for a joint of several degrees of freedom.
     """
     if base not in (None, "free", "fixed"):
         raise BadValue("base", base, "'free' or 'fixed'")
     said = sidecar_of(source)
-    draft = _draft(said.source, said.base if base is None else base, repair)
+    wanted_base = said.base if base is None else base
+    draft = _draft(said.source, wanted_base, repair)
     shipped = ROBOTS[str(said.source)].toes if str(said.source) in ROBOTS else ()
     own_toes = shipped if said.own_toes is None else said.own_toes
     settings, driven = equipped(said, draft.model, draft.name, own_toes)
     locked = _names((said.locked or ()) if locked is None else locked)
     model = hold(draft.model, locked)
+    if wanted_base == "free":
+        check_floating(draft.place, model)
     model, mended = with_inertia(draft.place, model, repair)
     asked = "all" if motors == "all" else None if motors is None else _names(motors)
     wanted = driven if asked is None else asked
@@ -205,5 +209,7 @@ def _draft(source: str | Path | pin.Model, base: Base | None, repair: bool) -> D
         raise BadValue("source", source, "the name of a robot, the path of a file, or a pinocchio.Model")
     path, root = parse(path_of(source))
     mujoco = root.tag == "mujoco"
-    draft = of_mjcf(mjcf_of(path, root, base), base) if mujoco else of_urdf(urdf_of(path, root, base, repair), base)
+    draft = (
+        of_mjcf(mjcf_of(path, root, base, repair), base) if mujoco else of_urdf(urdf_of(path, root, base, repair), base)
+    )
     return replace(draft, source=str(source), name=draft.name if path == Path(source) else str(source))

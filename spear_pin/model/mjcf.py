@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.errors import BadValue
 from spear_pin.kinds import typed
 from spear_pin.model.document import document
+from spear_pin.model.inertial import fault_of
 from spear_pin.model.postures import checked, home
 from spear_pin.model.robot import Robot
 
@@ -130,9 +131,8 @@ def _link(model: pin.Model, joint: int) -> str:
 def _add_inertial(model: pin.Model, joint: int, body: Any) -> None:
     inertia = model.inertias[joint]
     matrix = np.array(inertia.inertia) if np.any(inertia.inertia) else LEAST * np.eye(3)
-    least, middle, most = np.linalg.eigvalsh(matrix)
-    if most > least + middle + 1e-6 * most:
-        name, found = f"inertia of link {_link(model, joint)!r}", (float(least), float(middle), float(most))
+    if fault_of(matrix) is not None:
+        name, found = f"inertia of link {_link(model, joint)!r}", tuple(map(float, np.linalg.eigvalsh(matrix)))
         raise BadValue(name, found, "principal moments of which none exceeds the sum of the others, for MuJoCo")
     moments = [matrix[row, column] for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
     _add(body, "inertial", pos=inertia.lever, mass=max(inertia.mass, LEAST), fullinertia=moments)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 from typing import Any
 
-from spear_pin.model.elements import parse_number
+from spear_pin.errors import listed
+from spear_pin.model.elements import fault, parse_number
 from spear_pin.model.mjcf_sections import Defaults, section
 
 MOVABLE = ("hinge", "slide")
@@ -30,7 +31,7 @@ class Drive:
 
 
 def read_drives(
-    path: Path, root: Any, defaults: Defaults, joints: Mapping[str, str], autolimits: bool
+    path: Path, root: Any, defaults: Defaults, joints: Mapping[str, str], named: Collection[str], autolimits: bool
 ) -> tuple[tuple[Drive, ...], list[str]]:
     """The motors of joints, and what is said of the other actuators.
 
@@ -39,21 +40,27 @@ def read_drives(
         root: its element.
         defaults: of the file.
         joints: types of the robot's joints, by name.
+        named: names of all joints of the file.
         autolimits: whether a range alone limits.
+
+    Raises:
+        BadFile: an actuator acts on a joint that is not there, or its numbers are too many or too few.
     """
     found: dict[str, Drive] = {}
     others = []
     for element in section(root, "actuator"):
         said = defaults.of(element)
         joint = said.get("joint", said.get("jointinparent"))
+        if joint is not None and joint not in named:
+            problem = f"<{element.tag}> acts on the joint {joint!r}, which is not there"
+            raise fault(path, element, f"{problem}; valid: {', '.join(joints) or 'none'}")
         gear = _values(path, element, said.get("gear", "1"))[0]
         if joints.get(joint or "") not in MOVABLE or joint in found or gear == 0.0:
             others.append(element.get("name") or f"a {element.tag}")
         else:
             effort = abs(gear) * _largest(path, element, said, autolimits)
             found[str(joint)] = Drive(str(joint), gear, effort)
-    names = ", ".join(others[:4]) + (f" and {len(others) - 4} more" if len(others) > 4 else "")
-    return tuple(found.values()), [f"actuators other than one for each joint, {names}"] if others else []
+    return tuple(found.values()), [f"actuators other than one for each joint, {listed(others)}"] if others else []
 
 
 def _largest(path: Path, element: Any, said: Mapping[str, str], autolimits: bool) -> float:
@@ -66,7 +73,11 @@ def _largest(path: Path, element: Any, said: Mapping[str, str], autolimits: bool
             and name in said
             and said.get(limited, "auto") in ("true", "auto" if autolimits else "true")
         ):
-            limits.append(factor * max(map(abs, _values(path, element, said[name]))))
+            ends = _values(path, element, said[name])
+            if len(ends) != 2:
+                problem = f"{name} of <{element.tag}> is {said[name]!r}; expected 2 numbers"
+                raise fault(path, element, problem)
+            limits.append(factor * max(map(abs, ends)))
     return min(limits)
 
 

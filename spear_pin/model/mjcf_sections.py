@@ -11,7 +11,7 @@ from typing import Any
 from lxml import etree
 
 from spear_pin.errors import BadFile
-from spear_pin.model.elements import MAX_BYTES, parse
+from spear_pin.model.elements import MAX_BYTES, SOURCE, fault, parse
 
 MAX_INCLUDES, MAX_DEPTH = 100, 256
 MAIN = "main"  # the class of what names none
@@ -34,14 +34,21 @@ def include(path: Path, root: Any) -> None:
         try:
             target = (folder / name).resolve()
         except (OSError, ValueError, RuntimeError):
-            raise BadFile(path, f"includes {name!r}, which is no path of a file", element.sourceline) from None
+            raise fault(path, element, f"includes {name!r}, which is no path of a file") from None
         if not target.is_relative_to(folder):
-            raise BadFile(path, f"includes {name!r}, which is not in its folder", element.sourceline)
+            raise fault(path, element, f"includes {name!r}, which is not in its folder")
         if target in seen or len(seen) > MAX_INCLUDES:
             problem = "again" if target in seen else f"which is one of more than {MAX_INCLUDES} files"
-            raise BadFile(path, f"includes {name!r}, {problem}", element.sourceline)
+            raise fault(path, element, f"includes {name!r}, {problem}")
         seen.add(target)
-        _, other = parse(target)
+        try:
+            _, other = parse(target)
+        except BadFile as error:
+            if error.line is not None:
+                raise
+            raise fault(path, element, f"includes {name!r}, which {error.problem}") from None
+        for each in other.iter(etree.Element):
+            each.set(SOURCE, str(target))
         size += target.stat().st_size
         if size > MAX_BYTES:
             raise BadFile(path, f"includes more than {MAX_BYTES} bytes")
@@ -114,7 +121,7 @@ def _collect(path: Path, element: Any, name: str, above: Mapping[str, Attributes
     for child in children:
         if child.tag == "default":
             if not child.get("class"):
-                raise BadFile(path, "a <default> in another has no class", child.sourceline)
+                raise fault(path, child, "a <default> in another has no class")
             _collect(path, child, child.get("class"), templates, classes)
 
 

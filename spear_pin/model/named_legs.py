@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.frames import frame_id
-from spear_pin.model.legs import Leg, Tree
+from spear_pin.model.legs import Leg, leg_along, side_of
+from spear_pin.model.tree import Tree
 
 
 class NamedLeg(NamedTuple):
@@ -61,7 +62,7 @@ def leg_of(model: Any, names: NamedLeg) -> Leg:
         if not tree.pitches(joint):
             expected = "joints that turn about the y axis with every joint at zero"
             raise BadValue(f"hip and knee of {names.name}", str(model.names[joint]), expected)
-    found = tree.leg(names.toe, [*ids[:-2], *chain[chain.index(hip) :]], [hip, knee])
+    found = leg_along(tree, names.toe, [*ids[:-2], *chain[chain.index(hip) :]], hip, knee)
     if found is None:
         raise BadValue(f"toe of {names.name}", names.toe, "a frame away from the knee, and the knee away from the hip")
-    return replace(found, name=names.name, side=names.side or tree.side(found))
+    return replace(found, name=names.name, side=names.side or side_of(tree, found))

@@ -29,7 +29,6 @@ Added = Callable[[Array], tuple[int, float, float]]
 # what Pinocchio stores for a joint, by how many numbers it has in q and v; others are numbered
 CONFIGURATION = {2: ("cos", "sin"), 7: ("x", "y", "z", "qx", "qy", "qz", "qw")}
 VELOCITY = {6: ("vx", "vy", "vz", "wx", "wy", "wz")}
-# of frames that are called the same, a link's goes first; the last is of a point, as MJCF has them
 UNIT = 1e-4  # by which the length of a quaternion in q may be off 1
 OUT_OF_PLANE = 1e-5  # rad or m per unit of a coordinate: a URDF's "1.5708" is a right angle
 

@@ -19,6 +19,7 @@ from spear_pin.model.robot import Robot
 
 ENDS = ("posterior", "anterior")
 NEAR = 0.25  # of a leg's length, from a hip to the mirror image of the one it is paired with
+UNLIKE = 0.05  # of the longer of two thighs, or shanks, by which those of a pair may differ
 PAIRS = "two pairs of different legs, in each the left and the right one"
 ACROSS = np.array([1.0, -1.0, 1.0])
 
@@ -40,7 +41,8 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
 
     Raises:
         UnknownName: there is no such leg.
-        BadValue: the robot has not two such pairs, or its legs have other joints.
+        BadValue: the robot has not two such pairs, or its legs have other joints; or those of a pair are not alike: in
+            length, by more than a twentieth, in having motors, or in limits that leave no angle to both.
     """
     source = Source(robot)
     if pairs is None and robot.settings is not None:
@@ -59,7 +61,7 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
         built.model,
         name=built.model.name,
         toes=[f"{end}_toe" for end in ENDS],
-        actuated=[name for name, turns in angles.items() if all(turn.joint in robot.actuated for turn in turns)],
+        actuated=[name for name, turns in angles.items() if _driven(robot, turns)],
         source=f"sagittal({robot.source!r})",
         settings=None if robot.settings is None else robot.settings.of_cut(angles),
         cut=Cut(
@@ -140,7 +142,7 @@ def _given(robot: Robot, source: Source, pairs: Sequence[Sequence[str | Leg]]) -
     Raises:
         BadValue: they are not two of two.
     """
-    if not all(isinstance(pair, Sequence) and len(pair) == 2 for pair in pairs):
+    if not all(isinstance(pair, Sequence) and not isinstance(pair, str) and len(pair) == 2 for pair in pairs):
         raise BadValue("pairs", pairs, PAIRS)
     legs = [[named_leg(robot.model, robot.legs, leg) for leg in pair] for pair in pairs]
     if len(legs) != 2 or len({leg.hip for pair in legs for leg in pair}) != 4:
@@ -150,7 +152,16 @@ def _given(robot: Robot, source: Source, pairs: Sequence[Sequence[str | Leg]]) -
 
 def _paired(source: Source, legs: Iterable[tuple[Leg, Leg]]) -> list[Pair]:
     pairs = [Pair(pair, (source.limb(simple(pair[0])), source.limb(simple(pair[1])))) for pair in legs]
-    return sorted(pairs, key=lambda pair: float(pair.hip[0]))
+    for left, right in (pair.legs for pair in pairs):
+        for part, one, other in (("thighs", left.thigh, right.thigh), ("shanks", left.shank, right.shank)):
+            if abs(one - other) > UNLIKE * max(one, other):
+                expected = f"lengths, in m, that differ by {UNLIKE:.0%} at most, to be lumped into one leg"
+                raise BadValue(f"{part} of {left.name} and {right.name}", (one, other), expected)
+    behind, ahead = sorted(pairs, key=lambda pair: float(pair.hip[0]))
+    if max(limb.hip[0] for limb in behind.limbs) >= min(limb.hip[0] for limb in ahead.limbs):
+        names = [tuple(leg.name for leg in pair.legs) for pair in (behind, ahead)]
+        raise BadValue("pairs", names, f"{PAIRS}, and one pair behind the other")
+    return [behind, ahead]
 
 
 def _origin(robot: Robot, source: Source) -> Array:
@@ -171,11 +182,26 @@ def _assembled(name: str, robot: Robot, trunk: pin.Inertia, origin: Array, pairs
     return built
 
 
+def _driven(robot: Robot, turns: Sequence[Turn]) -> bool:
+    """Whether the joints of a pair have motors.
+
+    Raises:
+        BadValue: one of both has.
+    """
+    joints = [turn.joint for turn in turns]
+    without = [joint for joint in joints if joint not in robot.actuated]
+    if without and len(without) < len(joints):
+        expected = f"motors on both joints of a pair, or on none: {', '.join(without)} has none (load(..., motors=...))"
+        raise BadValue("robot.actuated", robot.actuated, expected)
+    return not without
+
+
 def _held(robot: Robot, angles: Mapping[str, Sequence[Turn]]) -> tuple[str, ...]:
-    """Joints of the robot that are held at zero, without the floating base."""
+    """Joints of the robot that are held at zero, without the floating base, and those that it had locked."""
     moving = {turn.joint for turns in angles.values() for turn in turns}
     joints = list(zip(robot.model.names, robot.model.joints, strict=True))[1:]
-    return tuple(str(name) for name, joint in joints if name not in moving and joint.nv != 6)
+    held = (str(name) for name, joint in joints if name not in moving and joint.nv != 6)
+    return (*held, *robot.locked)
 
 
 def _asymmetric(robot: Robot, pairs: Sequence[Pair], trunk: pin.Inertia, origin: Array) -> tuple[Amount, ...]:

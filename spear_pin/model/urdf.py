@@ -17,12 +17,13 @@ from lxml import etree
 
 from spear_pin.errors import BadFile
 from spear_pin.model.elements import child, number, numbers, parse
-from spear_pin.model.inertial import copy_inertial, copy_origin
+from spear_pin.model.inertial import Fault, copy_inertial, copy_origin, notes_on
 from spear_pin.model.transmissions import Transmission, read_transmissions
 
 MAX_LINKS = 500
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 AXLESS = ("fixed", "floating")  # joints whose axis means nothing
+NOT_NEGATIVE = ("effort", "velocity", "damping", "friction")  # numbers of joints
 UNIVERSE = "universe"
 BASE, WORLD = "base", "world"  # the joint and the link that are put under a root that is to float
 Base = Literal["free", "fixed"]
@@ -58,7 +59,7 @@ def read_urdf(path: str | Path, base: Base | None = None, repair: bool = False) 
         path: of the file.
         base: "free" puts a floating joint under the root link, unless there is one; "fixed" fixes the one that is
             there.
-        repair: mend inertias that are not positive semidefinite.
+        repair: mend inertias that no body can have.
 
     Raises:
         BadFile: the file is missing, not XML, declares a document type or entities, is no tree of
@@ -95,12 +96,17 @@ def _check_expanded(path: Path, root: Any) -> None:
 
 def _dynamics(path: Path, root: Any, trunk: str, base: Base | None, repair: bool) -> tuple[str, list[str]]:
     """The URDF with nothing but inertias and joints, and what was changed."""
-    robot, notes = etree.Element("robot", name="robot"), []
+    robot = etree.Element("robot", name="robot")
+    faults: dict[str, Fault] = {}
     for link in root.findall("link"):
         copy = etree.SubElement(robot, "link", name=link.get("name"))
-        inertial = link.find("inertial")
-        if inertial is not None:
-            notes.append(copy_inertial(path, inertial, copy, repair))
+        inertials = link.findall("inertial")
+        if len(inertials) > 1:
+            problem = f"link {link.get('name')!r} has {len(inertials)} <inertial>; one is valid"
+            raise BadFile(path, problem, inertials[1].sourceline)
+        fault = copy_inertial(path, inertials[0], copy, repair) if inertials else None
+        if fault is not None:
+            faults[link.get("name")] = fault
     floating = _floating(root, trunk)
     for i, joint in enumerate(root.findall("joint")):
         fixed = base == "fixed" and joint.get("name") == floating
@@ -111,10 +117,11 @@ def _dynamics(path: Path, root: Any, trunk: str, base: Base | None, repair: bool
         joint = etree.SubElement(robot, "joint", name=f"0000:{_untaken(BASE, joints)}", type="floating")
         etree.SubElement(joint, "parent", link=world.get("name"))
         etree.SubElement(joint, "child", link=trunk)
+    notes = notes_on(faults, "link", repair)
     mimics = [joint.get("name") for joint in root.findall("joint") if joint.find("mimic") is not None]
     if mimics:
         notes.append(f"<mimic> is left out, the joints are independent: {', '.join(mimics)}")
-    return str(etree.tostring(robot, encoding="unicode")), [note for note in notes if note is not None]
+    return str(etree.tostring(robot, encoding="unicode")), notes
 
 
 def _copy_joint(path: Path, joint: Any, kind: str, copy: Any, place: int) -> None:
@@ -141,9 +148,11 @@ def _copy(path: Path, element: Any, copy: Any, **attributes: str | None) -> None
     """Copy attributes that are numbers, each with its default; without one they have to be there."""
     part = etree.SubElement(copy, element.tag)
     for name, default in attributes.items():
-        part.set(
-            name, repr(numbers(path, element, name, 1)[0] if default is None else number(path, element, name, default))
-        )
+        value = numbers(path, element, name, 1)[0] if default is None else number(path, element, name, default)
+        if value < 0 and name in NOT_NEGATIVE:
+            problem = f"joint {element.getparent().get('name')!r} has the {name} {value:g}; expected a number >= 0"
+            raise BadFile(path, problem, element.sourceline)
+        part.set(name, repr(value))
 
 
 def _floating(root: Any, trunk: str) -> str | None:

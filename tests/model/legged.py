@@ -62,8 +62,8 @@ def limb(name, place, y=1, hip=1, knee=1, knee_limits=(-0.1, 2.5), ahead=0.0, an
     ]  # fmt: skip
     return [
         link(f"{name}_bracket", 0.4, (0.01, 0.02 * y, 0), (4e-4, 5e-4, 6e-4, 1e-5 * y, 2e-5, 1e-5 * y)),
-        link(f"{name}_thigh", 0.9, (0.004, 0.03 * y, -0.02), (5e-3, 4e-3, 1e-3, 2e-4 * y, 1e-4, 3e-4 * y)),
-        link(f"{name}_shank", 0.2, (0.005, 0.001 * y, -0.09), (1e-3, 9e-4, 5e-5, 1e-5 * y, 3e-5, 2e-5 * y)),
+        link(f"{name}_thigh", 0.9, (0.004, 0.03 * y, -0.02), (5e-3, 4e-3, 1.4e-3, 2e-4 * y, 1e-4, 3e-4 * y)),
+        link(f"{name}_shank", 0.2, (0.005, 0.001 * y, -0.09), (1e-3, 9e-4, 1.5e-4, 1e-5 * y, 3e-5, 2e-5 * y)),
         joint(f"{name}_swing", "revolute", "trunk", f"{name}_bracket", place, (1, 0, 0), (-0.7, 0.7)),
         joint(f"{name}_pitch", kind, f"{name}_bracket", f"{name}_thigh", (0.02, 0.05 * y, -0.01), (0, hip, 0),
               (-1.0, 2.0), 25.0),

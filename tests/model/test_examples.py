@@ -1,8 +1,10 @@
 """Robots of example-robot-data by their names: found where it is installed, told where not."""
 
+import warnings
+
 import pytest
 
-from spear_pin import load
+from spear_pin import RobotWarning, load
 from spear_pin.errors import UnknownName
 from spear_pin.model import examples
 from spear_pin.viz.playback.shapes import read_looks
@@ -95,10 +97,16 @@ def test_the_extra_is_named_where_it_is_missing(missing):
 
 @pytest.mark.extra("example-robot-data")
 class TestInstalled:
-    @pytest.mark.parametrize(("name", "feet"), [("solo12", "{}_FOOT"), ("a1", "{}_foot"), ("go1", "{}_foot")])
-    def test_quadruped(self, name, feet):
+    @pytest.mark.parametrize(
+        ("name", "feet", "notes"),
+        [("solo12", "{}_FOOT", 0), ("a1", "{}_foot", 0), ("go1", "{}_foot", 1)],  # go1's base is of no body
+    )
+    def test_quadruped(self, name, feet, notes):
         toes = [feet.format(leg) for leg in ("FL", "FR")]
-        robot = load(name, toes=toes, base="free", motors="all")
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", RobotWarning)
+            robot = load(name, toes=toes, base="free", motors="all")
+        assert len(caught) == notes and all("link 'base' has an inertia" in str(each.message) for each in caught)
         assert (robot.name, robot.nv, robot.nu, robot.toes) == (name, 18, 12, tuple(toes))
 
     def test_an_outline_is_that_of_the_robot(self):

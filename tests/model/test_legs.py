@@ -11,7 +11,7 @@ from spear_pin import Leg, Robot, load
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.bounding_law import legs_of
 from spear_pin.model.legs import find_legs, leg_name
-from tests.model.legged import joint, limb, link, quadruped, robot
+from tests.model.legged import joint, limb, link, quadruped, robot, slider
 from tests.model.queries import refusal
 
 FOUR = ("posterior_left", "posterior_right", "anterior_left", "anterior_right")
@@ -110,6 +110,25 @@ class TestFound:
         legs = load(write(quadruped(ankle=True))).legs
         assert [leg.others for leg in legs] == [(f"{name}_sole",) for name in ("FL", "FR", "HL", "HR")]
 
+    @pytest.mark.parametrize("kind", ["prismatic", "floating"])
+    def test_joint_above_the_hip_is_said(self, write, kind):
+        """Whatever it is, but for the abduction; rails are the trunk's."""
+        text = quadruped().replace('"trunk"/><child link="FL_bracket"', '"trunk"/><child link="FL_slide"')
+        above = [link("FL_slide"), joint("FL_lift", kind, "FL_slide", "FL_bracket", axis=(0, 0, 1))]
+        made = load(write(text.replace("</robot>", f"{''.join(above)}</robot>")), base="fixed")
+        assert {leg.name: leg.others for leg in made.legs} == {"FL": ("FL_lift",), "FR": (), "HL": (), "HR": ()}
+
+    def test_rails_are_the_trunks(self, write):
+        (leg,) = load(write(slider())).legs
+        assert leg.others == ()
+
+    @pytest.mark.parametrize("axis", ["1 0 0", "0 1 0"])
+    def test_third_slide_is_none_of_them(self, write, axis):
+        text = slider().replace('parent link="trunk"', 'parent link="beam"')
+        third = joint("reach", "prismatic", "trunk", "beam").replace('axis xyz="0 0 1"', f'axis xyz="{axis}"')
+        (leg,) = load(write(text.replace("</robot>", f"{link('beam')}{third}</robot>"))).legs
+        assert leg.others == ("reach",)
+
     def test_robot_without_legs(self, write, arm):
         assert arm.legs == ()
 
@@ -172,6 +191,13 @@ class TestSide:
             q[7:] = angle
             model.referenceConfigurations[name] = q
         assert [leg.side for leg in made.with_model(model).legs] == [0, 0, 0, 0]
+
+    def test_limits_that_leave_no_room_tell_nothing(self, write):
+        """As 0 and 0, which files say of what is not limited; by them the knee, bent at zero by 0.14, would flex."""
+        made = load(write(quadruped(knee_limits=(0, 0), ahead=0.03)))
+        assert [leg.side for leg in made.legs] == [-1, -1, -1, -1]  # the posture's answer
+        made = load(write(quadruped(knee_limits=(0, 0), ahead=0.01)))
+        assert [leg.side for leg in made.legs] == [0, 0, 0, 0]
 
 
 class TestRefused:

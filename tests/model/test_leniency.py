@@ -24,9 +24,9 @@ def said(path, **options):
     return robot, text
 
 
-def assert_arm(robot, rotor=0.05):
-    """The dynamics is that of plain Pinocchio, with this armature on the shoulder."""
-    model = pin.buildModelFromXML(ARM)
+def assert_arm(robot, rotor=0.05, moment=0.03):
+    """The dynamics is that of plain Pinocchio, with this armature on the shoulder and this moment of its link."""
+    model = pin.buildModelFromXML(ARM.replace('ixx="0.03"', f'ixx="{moment}"'))
     model.armature = np.array([rotor, 0.0])
     data = model.createData()
     np.testing.assert_allclose(robot.mass_matrix(Q), pin.crba(model, data, Q), rtol=1e-14)
@@ -152,11 +152,30 @@ class TestRepair:
         path = write(self.INDEFINITE)
         assert "link 'upper'" in refusal(path, load).problem and "repair=True" in refusal(path, load).problem
         robot, text = said(path, repair=True)
-        assert "link 'upper'" in text and "set to zero" in text
-        inertia = robot.model.inertias[1].inertia
-        least, middle, most = np.linalg.eigvalsh(inertia)
-        assert least == pytest.approx(0.0, abs=1e-15) and middle == pytest.approx(0.01)
-        assert most == pytest.approx(np.linalg.eigvalsh([[0.03, 0.05, 0], [0.05, 0.02, 0], [0, 0, 0.01]])[-1])
+        assert "link 'upper'" in text and "mended to the nearest that a body can have" in text
+        below, middle, most = np.linalg.eigvalsh([[0.03, 0.05, 0], [0.05, 0.02, 0], [0, 0, 0.01]])
+        moments = np.linalg.eigvalsh(robot.model.inertias[1].inertia)
+        excess = most - middle - below  # the second moment across both is half of it below zero
+        np.testing.assert_allclose(moments, [below + excess / 2, middle + excess / 2, most], rtol=1e-12)
+
+    def test_inertia_of_no_body(self, write):
+        """One principal moment exceeds the sum of the others: real files have it, and their mass matrices are sound."""
+        path = write(edited('ixx="0.03"', 'ixx="0.04"'))
+        robot, text = said(path)
+        assert "link 'upper'" in text and "0.04 > 0.03 kg·m²" in text and "repair=True" in text
+        assert robot.model.inertias[1].inertia[0, 0] == 0.04
+        mended, text = said(path, repair=True)
+        assert "0.04 > 0.03 kg·m²: mended" in text
+        expected = np.diag([0.04, 0.025, 0.015])  # the flat body with these second moments
+        np.testing.assert_allclose(mended.model.inertias[1].inertia, expected, atol=1e-15)
+
+    def test_inertias_of_no_bodies_are_told_in_one_line(self, write):
+        text = edited('ixx="0.03"', 'ixx="0.04"').replace('ixx="0.01"', 'ixx="0.03"')
+        assert "and so have 'lower'" in said(write(text))[1]
+
+    def test_a_plate_needs_none(self, write):
+        """Its third moment is the sum of the others but for the digits that are written."""
+        assert_arm(load(write(edited('ixx="0.03"', 'ixx="0.03000000001"'))), moment=0.03000000001)
 
     def test_rounding_needs_none(self, write):
         link = '<link name="tip"><inertial><mass value="1e-9"/><inertia {}/></inertial></link>'.format(

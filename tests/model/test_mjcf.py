@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 from lxml import etree
 
-from spear_pin import load
+from spear_pin import RobotWarning, load
 from spear_pin.errors import BadFile, BadValue
 from spear_pin.model.boom import on_rotary_boom
 from spear_pin.model.loading import ROBOTS
@@ -115,8 +115,10 @@ class TestRefusals:
             to_mjcf(load(urdf(tmp_path, "planar"), motors=[]))
 
     def test_an_inertia_of_no_body(self, tmp_path):
+        with pytest.warns(RobotWarning, match="link 'arm'"):
+            arm = load(urdf(tmp_path, "revolute", xx=0.06), motors=[])
         with pytest.raises(BadValue, match="inertia of link 'arm'.*MuJoCo"):
-            to_mjcf(load(urdf(tmp_path, "revolute", xx=0.06), motors=[]))
+            to_mjcf(arm)
 
     def test_inertia_beside_the_model(self):
         with pytest.raises(BadValue, match="inertia beside"):

@@ -171,7 +171,7 @@ class TestBase:
 
     def test_free_below_a_joint(self, write_xml):
         path = write_xml(LEG)
-        assert "singular" in str(refusal(BadFile, lambda: load(path, base="free")))  # the base has no inertia
+        assert "'base_link' has no inertia" in str(refusal(BadFile, lambda: load(path, base="free")))
         assert load(path, base="free", locked=["hip"]).nv == 7
 
     def test_free_already(self, write_xml):
@@ -201,11 +201,7 @@ class TestLeftOut:
             ('<motor joint="hip"/>', '<motor joint="hip"/><position joint="hip"/>', "for each joint, a position"),
             ("</body></worldbody>", '</body><body name="ball"><freejoint/></body></worldbody>', "beside it, ball"),
             ("<worldbody>", '<compiler settotalmass="3"/><worldbody>', "<compiler> settotalmass"),
-            (
-                "<worldbody>",
-                '<compiler boundmass="0.1" balanceinertia="true"/><worldbody>',
-                "boundmass, balanceinertia",
-            ),
+            ("<worldbody>", '<compiler boundmass="0.1" settotalmass="3"/><worldbody>', "boundmass, settotalmass"),
         ],
     )
     def test_it_is_named(self, write_xml, old, new, says):
@@ -283,8 +279,21 @@ class TestFiles:
         assert "nested deeper" in refusal(BadFile, lambda: load(path)).problem
 
     def test_missing(self, write_xml):
-        path = write_xml(self.SCENE, "scene.xml")
-        assert "No such file" in refusal(BadFile, lambda: load(path)).problem
+        path = write_xml(self.SCENE.replace("<include", "\n<include"), "scene.xml")
+        error = refusal(BadFile, lambda: load(path))
+        assert str(error).startswith(f"{path}:2: includes 'dog.xml'") and "No such file" in error.problem
+
+    def test_place_in_what_is_included(self, write_xml):
+        dog = write_xml(edited(DOG, 'axis="1 0 0"', 'axis="0 0 0"'))
+        error = refusal(BadFile, lambda: load(write_xml(self.SCENE, "scene.xml")))
+        line = DOG[: DOG.index('axis="1 0 0"')].count("\n") + 1
+        assert (error.path, error.line) == (str(dog), line)
+
+    def test_included_by_what_is_included(self, write_xml):
+        inner = write_xml('<mujocoinclude>\n<include file="gone.xml"/></mujocoinclude>', "inner.xml")
+        path = write_xml(self.SCENE.replace("dog.xml", "inner.xml"), "scene.xml")
+        error = refusal(BadFile, lambda: load(path))
+        assert (error.path, error.line) == (str(inner), 2) and "'gone.xml'" in error.problem
 
     @pytest.mark.parametrize(
         "start", ["<!DOCTYPE mujoco>", '<!DOCTYPE mujoco [<!ENTITY a SYSTEM "file:///etc/passwd">]>']
@@ -330,6 +339,50 @@ class TestRefused:
 
 def load_quietly(path):
     return said(path)[0]
+
+
+class TestInertias:
+    """As MuJoCo has them."""
+
+    ARM = (
+        '<mujoco>{}<worldbody><body name="arm"><joint name="j" axis="0 1 0"/><inertial pos="0 0 0" mass="1" {}/>'
+        '<body pos="0 0 -1"><inertial pos="0 0 -0.5" mass="2" {}/></body></body></worldbody></mujoco>'
+    )
+    MOMENTS = 'diaginertia="0.1 0.2 0.25"'
+
+    @pytest.mark.parametrize(
+        ("compiler", "first", "second", "expected"),
+        [
+            ("", MOMENTS, "", 0.2 + 2 * 1.5**2),  # a point that is welded
+            ("", "", MOMENTS, 0.2 + 2 * 1.5**2),
+            ('<compiler balanceinertia="true"/>', 'diaginertia="0.1 0.1 0.4"', MOMENTS, 0.4 + 2 * 1.5**2),
+            ('<compiler balanceinertia="true"/>', MOMENTS, 'fullinertia="0.1 0.1 0.4 0.05 0 0"', 0.4 + 2 * 1.5**2),
+        ],
+    )
+    def test_of_what_is_said(self, write_xml, compiler, first, second, expected):
+        robot = load(write_xml(self.ARM.format(compiler, first, second)), motors="all")
+        assert robot.mass_matrix([0.3])[0, 0] == pytest.approx(expected, rel=1e-14)
+
+    @pytest.mark.extra("mujoco")
+    @pytest.mark.parametrize("first", ["", 'diaginertia="0.1 0.1 0.4"'])
+    def test_mujoco_says_the_same(self, write_xml, first):
+        import mujoco
+
+        text = self.ARM.format('<compiler balanceinertia="true"/>', first, self.MOMENTS)
+        theirs = mujoco.MjModel.from_xml_string(text)
+        inertia = load(write_xml(text), motors="all").mass_matrix([0.0])
+        data, full = mujoco.MjData(theirs), np.zeros((1, 1))
+        mujoco.mj_forward(theirs, data)
+        mujoco.mj_fullM(theirs, data, full)
+        np.testing.assert_allclose(inertia, full, rtol=1e-13)
+
+    def test_repair(self, write_xml):
+        """The flat body with the same second moments, turned as in the file."""
+        path = write_xml(self.ARM.format("", 'quat="1 1 0 0" diaginertia="0.1 0.2 0.4"', self.MOMENTS))
+        assert "repair=True" in refusal(BadFile, lambda: load(path, motors="all")).problem
+        robot, text = said(path, motors="all", repair=True)
+        assert "body 'arm'" in text and "0.4 > 0.3 kg·m²: mended" in text
+        assert robot.mass_matrix([0.0])[0, 0] == pytest.approx(0.4 + 0.2 + 2 * 1.5**2)  # its z is the joint's axis
 
 
 TURNED = """<mujoco><compiler {}/><worldbody><body name="arm" {}><joint name="j" axis="0 1 0"/>

@@ -171,6 +171,31 @@ class TestSaid:
         assert load("spear_ii").cut is None
 
 
+class TestHeld:
+    """What of the robot is held at zero."""
+
+    def test_what_several_legs_hang_from(self):
+        assert monopod(load("q_spear"), "anterior").cut.held == ("pitch",)
+        assert monopod(load("spear_ii"), "leg").cut.held == ()
+
+    def test_what_was_locked(self, write):
+        feet = [f"{name}_sole" for name in ("FL", "FR", "HL", "HR")]
+        made = load(write(quadruped(ankle=True)), locked=feet)
+        assert monopod(made, "FL").cut.held == ("FL_swing", *feet)
+        assert monopod(load("spear_ii", locked=["boom_x"]), "leg").cut.held == ()  # it moves again
+
+
+class TestLimits:
+    """One rule: what does not leave room is no limit."""
+
+    @pytest.mark.parametrize("limits", [(0, 0), (1.0, -1.0), (0.5, 0.5)])
+    def test_that_are_none(self, write, limits):
+        whole = load(write(slider(knee_limits=limits)))
+        (leg,) = find_legs(whole, sides=1)
+        assert whole.limits["one_bend"].position == (-np.inf, np.inf)
+        assert monopod(whole, leg).limits["knee"].position == (-np.inf, np.inf)
+
+
 class TestRefused:
     def test_ankle(self, write):
         made = load(write(quadruped(ankle=True)))

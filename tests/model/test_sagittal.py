@@ -192,6 +192,62 @@ class TestMade:
         assert np.isinf(plane.model.upperPositionLimit[3:]).all()
 
 
+class TestUnlikePairs:
+    """Left and right that are not each other's image."""
+
+    @staticmethod
+    def other(write, name, old, new):
+        """The quadruped with one of its legs, or a joint of one, changed."""
+        text = quadruped()
+        start = text.index(name)
+        assert old in text[start:]
+        return load(write(text[:start] + text[start:].replace(old, new, 1)))
+
+    def test_gears(self, write):
+        """The rotor that stands for both is as heavy at the joint as they are."""
+        drive = '<transmission name="FR_pitch_drive">'
+        text = quadruped()
+        start = text.index(drive)
+        whole = load(write(text[:start] + text[start:].replace("7.0", "-10.0", 2)))
+        plane = sagittal(whole)
+        row = plane.index("anterior_hip")
+        armature = (7.0**2 + 10.0**2) * 1e-4
+        assert plane.model.armature[row] == pytest.approx(armature, rel=1e-14)
+        assert abs(plane.gear_ratio("anterior_hip")) == 10.0
+        assert plane.model.rotorInertia[row] * 10.0**2 == pytest.approx(armature, rel=1e-14)
+
+    def test_one_motor_of_two(self, write):
+        whole = load(write(quadruped()), motors=["FL_pitch", "FR_pitch", "FL_bend", "HL_bend", "HR_bend"])
+        error = refusal(BadValue, lambda: sagittal(whole))
+        assert "both joints of a pair" in str(error) and "FR_bend has none" in str(error)
+        without = load(write(quadruped()), motors=["FL_pitch", "FR_pitch"])
+        assert sagittal(without).actuated == ("anterior_hip",)
+
+    @pytest.mark.parametrize(("length", "fits"), [("-0.199", True), ("-0.201", False), ("-0.17", False)])
+    def test_lengths(self, write, length, fits):
+        """Of the thigh, 0.19 m."""
+        place = '<joint name="FR_bend"'
+        whole = self.other(write, place, "-0.19", length)
+        if fits:
+            assert sagittal(whole).cut.asymmetric[1].value == pytest.approx(0.009)
+        else:
+            text = str(refusal(BadValue, lambda: sagittal(whole)))
+            assert "thighs of FL and FR" in text and length[1:] in text and "0.19" in text and "5%" in text
+
+    def test_limits_that_exclude_each_other(self, write):
+        whole = self.other(write, '<joint name="FR_bend"', 'lower="-2.5" upper="0.1"', 'lower="0.2" upper="2.5"')
+        text = str(refusal(BadValue, lambda: sagittal(whole)))
+        assert "FL_bend and FR_bend as anterior_knee" in text and "overlap" in text
+
+    def test_limits_of_one_of_both(self, write):
+        whole = self.other(write, '<joint name="FR_bend"', 'lower="-2.5" upper="0.1"', 'lower="0" upper="0"')
+        assert_same(sagittal(whole).limits["anterior_knee"].position, (-2.5, 0.1))
+
+    def test_what_was_locked_is_said(self, write):
+        whole = load(write(quadruped()), locked=["FL_swing"])
+        assert sagittal(whole).cut.held == ("FR_swing", "HL_swing", "HR_swing", "FL_swing")
+
+
 class TestSaid:
     def test_mirror_images(self, write):
         cut = sagittal(load(write(quadruped()))).cut

@@ -109,6 +109,27 @@ FAULTS = {
         ("link 'upper'", "positive semidefinite"),
         "-0.9",
     ),
+    "two inertials": Fault(
+        '<inertia ixx="0.03" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"/>',
+        '<inertia ixx="0.03" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"/></inertial>\n<inertial id="second">',
+        ("link 'upper'", "2 <inertial>", "one is valid"),
+        "second",
+    ),
+    "negative effort": Fault(
+        'upper="1" effort="10"', 'upper="1" effort="-5"', ("'shoulder'", "effort -5", ">= 0"), 'effort="-5"'
+    ),
+    "negative velocity": Fault(
+        ELBOW_LIMIT, ELBOW_LIMIT.replace('"5"', '"-5"'), ("'elbow'", "velocity -5", ">= 0"), 'velocity="-5"'
+    ),
+    "negative damping": Fault(
+        ELBOW_LIMIT, f'{ELBOW_LIMIT}<dynamics damping="-0.1"/>', ("'elbow'", "damping -0.1", ">= 0"), 'damping="-0.1"'
+    ),
+    "negative friction": Fault(
+        ELBOW_LIMIT,
+        f'{ELBOW_LIMIT}<dynamics friction="-0.2"/>',
+        ("'elbow'", "friction -0.2", ">= 0"),
+        'friction="-0.2"',
+    ),
     "reduction and ratio that disagree": Fault(
         "<mechanicalReduction>50<",
         "<mechanicalReduction>60<",

@@ -1,0 +1,177 @@
+"""State of the writing of one tree of MJCF bodies, and what is copied into it: numbers checked, turns as one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from spear_pin.errors import BadFile
+from spear_pin.model.elements import fault, parse_number
+from spear_pin.model.inertial import Fault
+from spear_pin.model.mjcf_sections import Defaults
+
+TURNS = ("quat", "axisangle", "xyaxes", "zaxis", "euler")  # notations of a rotation
+PLACE = ("pos", *TURNS)
+# how many numbers an attribute has, where that is not free
+COUNTS = {
+    **{"pos": 3, "quat": 4, "axisangle": 4, "xyaxes": 6, "zaxis": 3, "euler": 3, "axis": 3, "fromto": 6},
+    **{"mass": 1, "density": 1, "diaginertia": 3, "fullinertia": 6, "range": 2, "actuatorfrcrange": 2, "ref": 1},
+}
+SHORTEST = 1e-14  # of directions and quaternions: MuJoCo refuses shorter ones
+
+
+@dataclass
+class Writing:
+    """State of the writing of a tree of bodies.
+
+    Attributes:
+        path: of the file that is read.
+        defaults: of it.
+        compiler: its settings.
+        repair: whether inertias that no body can have are mended.
+        taken: names of bodies and sites.
+        jointed: names of joints, which may be those of bodies.
+        joints: types of joints that are written, by name.
+        rubbing: armature and damping of joints, by name.
+        lost: names of joints and bodies by what they lose.
+        faults: what is wrong with inertias, by the names of their bodies.
+        bodies: how many are written.
+    """
+
+    path: Path
+    defaults: Defaults
+    compiler: Mapping[str, str]
+    repair: bool
+    taken: set[str]
+    jointed: set[str]
+    joints: dict[str, str] = field(default_factory=dict)
+    rubbing: dict[str, tuple[float, float]] = field(default_factory=dict)
+    lost: dict[str, list[str]] = field(default_factory=dict)
+    faults: dict[str, Fault] = field(default_factory=dict)
+    bodies: int = 0
+
+    @property
+    def angle(self) -> float:
+        """The file's unit of angles, in rad."""
+        return 1.0 if self.compiler.get("angle") == "radian" else math.pi / 180
+
+    def name(self, wanted: str, joint: bool = False) -> str:
+        """A name that no other body, or joint, has."""
+        taken = self.jointed if joint else self.taken
+        while wanted in taken:
+            wanted += "_"
+        taken.add(wanted)
+        return wanted
+
+    def lose(self, what: str, name: str) -> None:
+        """Note that something is not taken over."""
+        self.lost.setdefault(what, []).append(name)
+
+    def fault(self, element: Any, problem: str) -> BadFile:
+        """An error at an element."""
+        return fault(self.path, element, problem)
+
+
+def copy(writing: Writing, element: Any, to: Any, said: Mapping[str, str], attributes: Iterable[str]) -> None:
+    """Copy attributes that are numbers, rotations as quaternions where Pinocchio reads them otherwise than MuJoCo.
+
+    Args:
+        writing: state.
+        element: that they are of, which errors name.
+        to: the element that gets them.
+        said: attributes of the element, those of its class among them.
+        attributes: names of those that are wanted.
+
+    Raises:
+        BadFile: numbers are too few or too many, a rotation is none, or the element has two.
+    """
+    turns = [each for each in TURNS if each in element.attrib]
+    if len(turns) > 1:
+        raise writing.fault(element, f"{called(element)} has {' and '.join(turns)}; one of them is valid")
+    for attribute in attributes:
+        if attribute in said:
+            numbers = counted(writing, element, said, attribute)
+            if attribute in TURNS:
+                _check_turn(writing, element, attribute, numbers)
+            if attribute in ("euler", "axisangle"):
+                numbers, attribute = _quaternion(writing, attribute, numbers), "quat"
+            to.set(attribute, " ".join(map(repr, numbers)))
+
+
+def called(element: Any) -> str:
+    """An element as errors name it: by its own name, or that of the body that it is on."""
+    names = (each.get("name") for each in (element, *element.iterancestors()))
+    name = next((name for name in names if name), None)
+    of = "" if name is None else f" {name!r}" if element.get("name") else f" of {name!r}"
+    return f"<{element.tag}>{of}"
+
+
+def _check_turn(writing: Writing, element: Any, notation: str, numbers: Sequence[float]) -> None:
+    """Refuse a rotation without a direction."""
+    if notation == "euler":
+        return
+    directed = np.cross(numbers[:3], numbers[3:]) if notation == "xyaxes" else numbers[: 4 if notation == "quat" else 3]
+    if np.linalg.norm(directed) < SHORTEST:
+        text, expected = " ".join(f"{number:g}" for number in numbers), "two directions" if len(numbers) == 6 else "one"
+        raise writing.fault(element, f"{notation} of {called(element)} is {text!r}, no direction; expected {expected}")
+
+
+def _quaternion(writing: Writing, notation: str, values: Sequence[float]) -> tuple[float, ...]:
+    """(w, x, y, z) of a rotation; Pinocchio takes capitals of an Euler sequence, and axes of any length, otherwise."""
+    turned = np.eye(3)
+    if notation == "euler":
+        sequence = writing.compiler.get("eulerseq", "xyz")
+        if len(sequence) != 3 or set(sequence.lower()) - set("xyz"):
+            raise BadFile(writing.path, f"has the eulerseq {sequence!r}; expected three of x, y, z, X, Y and Z")
+        for letter, angle in zip(sequence, values, strict=True):
+            turn = pin.utils.rotate(letter.lower(), angle * writing.angle)
+            turned = turned @ turn if letter.islower() else turn @ turned  # capitals: about axes that stay
+    else:
+        axis = np.array(values[:3])
+        turned = pin.AngleAxis(values[3] * writing.angle, axis / np.linalg.norm(axis)).matrix()
+    x, y, z, w = map(float, pin.Quaternion(turned).coeffs())
+    return w, x, y, z
+
+
+def counted(writing: Writing, element: Any, said: Mapping[str, str], attribute: str) -> tuple[float, ...]:
+    """The numbers of an attribute, as many as it has to have."""
+    numbers = values(writing.path, element, said[attribute])
+    if len(numbers) != COUNTS.get(attribute, len(numbers)):
+        what = f"{attribute} of {called(element)} is {said[attribute]!r}"
+        raise writing.fault(element, f"{what}; expected {COUNTS[attribute]} numbers")
+    return numbers
+
+
+def at_least_zero(writing: Writing, element: Any, said: Mapping[str, str], attribute: str, name: str) -> float:
+    """The first number of an attribute, zero where it is not said.
+
+    Args:
+        writing: state.
+        element: that it is of.
+        said: attributes of the element, those of its class among them.
+        attribute: which.
+        name: what errors call the element, such as "joint 'knee'".
+
+    Raises:
+        BadFile: it is negative, or no number.
+    """
+    value = values(writing.path, element, said.get(attribute, "0"))[0]
+    if value < 0:
+        raise writing.fault(element, f"{name} has the {attribute} {value:g}; expected a number >= 0")
+    return value
+
+
+def values(path: Path, element: Any, text: str) -> tuple[float, ...]:
+    """The numbers of an attribute, one at least."""
+    return tuple(parse_number(path, element, part) for part in text.split() or [""])
+
+
+def is_true(text: str | None, otherwise: bool) -> bool:
+    """Whether a switch is on, where it may be left to what follows from the rest."""
+    return otherwise if text in (None, "auto") else text == "true"
