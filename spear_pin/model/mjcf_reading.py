@@ -7,11 +7,10 @@ joint each, and no meshes. MuJoCo need not be installed.
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from lxml import etree
 from spear_pin.errors import BadFile
 from spear_pin.model.elements import parse_number
 from spear_pin.model.mjcf_motors import Drive, read_drives
+from spear_pin.model.mjcf_rotations import angle_unit, rotation
 from spear_pin.model.mjcf_sections import MAIN, Defaults, include, read_defaults, section, settings
 from spear_pin.model.urdf import BASE, MAX_LINKS, UNIVERSE, WORLD, Base
 
@@ -44,6 +44,21 @@ REMEDY = "let MuJoCo write it anew (mujoco.mj_saveLastXML), which expands it"
 
 
 @dataclass(frozen=True)
+class Look:
+    """What an MJCF file says of how it looks, as attributes of elements, with what their classes say.
+
+    Attributes:
+        geoms: name of a body, and a geom of it.
+        assets: meshes and materials, by tag and name.
+        compiler: settings that they are read by.
+    """
+
+    geoms: tuple[tuple[str, Mapping[str, str]], ...]
+    assets: Mapping[tuple[str, str], Mapping[str, str]]
+    compiler: Mapping[str, str]
+
+
+@dataclass(frozen=True)
 class Mjcf:
     """Contents of an MJCF file that the dynamics needs.
 
@@ -56,6 +71,7 @@ class Mjcf:
         drives: the motors.
         rubbing: armature and damping of joints, by name; Pinocchio does not read those of all.
         notes: what is not as in the file, a line each.
+        look: what the bodies look like.
     """
 
     path: Path
@@ -66,6 +82,7 @@ class Mjcf:
     drives: tuple[Drive, ...]
     rubbing: Mapping[str, tuple[float, float]]
     notes: tuple[str, ...]
+    look: Look
 
 
 @dataclass
@@ -80,12 +97,8 @@ class _Writing:
     joints: dict[str, str] = field(default_factory=dict)  # types by name
     rubbing: dict[str, tuple[float, float]] = field(default_factory=dict)
     lost: dict[str, list[str]] = field(default_factory=dict)  # names of joints and bodies by what they lose
+    geoms: list[tuple[str, Mapping[str, str]]] = field(default_factory=list)
     bodies: int = 0
-
-    @property
-    def angle(self) -> float:
-        """The file's unit of angles, in rad."""
-        return 1.0 if self.compiler.get("angle") == "radian" else math.pi / 180
 
     def name(self, wanted: str, joint: bool = False) -> str:
         """A name that no other body, or joint, has."""
@@ -137,7 +150,17 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None) -> Mjcf:
     notes = [f"not taken over: {'; '.join(lost)}"] if lost else []
     text = str(etree.tostring(written, encoding="unicode"))
     name, first = root.get("model") or path.stem, world.find("body").get("name")
-    return Mjcf(path, name, first, text, gravity, drives, writing.rubbing, tuple(notes))
+    look = Look(tuple(writing.geoms), _assets(root, defaults), compiler)
+    return Mjcf(path, name, first, text, gravity, drives, writing.rubbing, tuple(notes), look)
+
+
+def _assets(root: Any, defaults: Defaults) -> dict[tuple[str, str], Mapping[str, str]]:
+    """Meshes and materials by tag and name; a mesh without a name is called as its file."""
+    assets: dict[tuple[str, str], Mapping[str, str]] = {}
+    for element in section(root, "asset"):
+        said = defaults.of(element)
+        assets[element.tag, element.get("name") or PurePosixPath(said.get("file", "")).stem] = said
+    return assets
 
 
 def _names(root: Any, *tags: str) -> set[str]:
@@ -233,6 +256,7 @@ def _add_body(writing: _Writing, body: Any, parent: Any, inherited: str | None) 
         _add_joint(writing, child, inner, name, inherited)
     inner.set("name", name)  # what all its joints move
     _add_mass(writing, body, inner, inherited)
+    writing.geoms += [(name, writing.defaults.of(geom, inherited)) for geom in body.findall("geom")]
     for child in children:
         if child.tag in UNREAD:
             raise BadFile(path, f"body {name!r} has a <{child.tag}>, which is not read: {REMEDY}", child.sourceline)
@@ -258,7 +282,10 @@ def _add_joint(writing: _Writing, joint: Any, body: Any, owner: str, inherited: 
     copy = etree.SubElement(body, "joint", name=name, type=kind)
     _copy(writing, joint, copy, said, JOINT)
     if "range" in said:
-        unit, (ref, *_) = 1.0 if kind == "slide" else writing.angle, _values(path, joint, said.get("ref", "0"))
+        unit, (ref, *_) = (
+            1.0 if kind == "slide" else angle_unit(writing.compiler),
+            _values(path, joint, said.get("ref", "0")),
+        )
         ends = [unit * (end - ref) for end in _counted(path, joint, said, "range")]
         copy.set("range", " ".join(map(repr, ends)))
     auto = _true(writing.compiler.get("autolimits"), True)
@@ -330,19 +357,10 @@ def _copy(writing: _Writing, element: Any, copy: Any, said: Mapping[str, str], a
 
 def _quaternion(writing: _Writing, element: Any, notation: str, values: Sequence[float]) -> tuple[float, ...]:
     """(w, x, y, z) of a rotation; Pinocchio takes capitals of an Euler sequence, and axes of any length, otherwise."""
-    turned = np.eye(3)
-    if notation == "euler":
-        sequence = writing.compiler.get("eulerseq", "xyz")
-        if len(sequence) != 3 or set(sequence.lower()) - set("xyz"):
-            raise BadFile(writing.path, f"has the eulerseq {sequence!r}; expected three of x, y, z, X, Y and Z")
-        for letter, angle in zip(sequence, values, strict=True):
-            turn = pin.utils.rotate(letter.lower(), angle * writing.angle)
-            turned = turned @ turn if letter.islower() else turn @ turned  # capitals: about axes that stay
-    else:
-        axis = np.array(values[:3])
-        if not axis.any():
-            raise BadFile(writing.path, f"axisangle of <{element.tag}> has no axis", element.sourceline)
-        turned = pin.AngleAxis(values[3] * writing.angle, axis / np.linalg.norm(axis)).matrix()
+    try:
+        turned = rotation(notation, values, writing.compiler)
+    except ValueError as error:
+        raise BadFile(writing.path, f"{error}, in <{element.tag}>", element.sourceline) from None
     x, y, z, w = map(float, pin.Quaternion(turned).coeffs())
     return w, x, y, z
 
