@@ -469,6 +469,23 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "viz/playback/grafting",
+        ["viz/playback/test_grafting"],
+        {
+            "a robot from behind is its mirror image": ("[-1.0, -1.0, 1.0, 1.0]", "[-1.0, 1.0, 1.0, 1.0]"),
+            "links drawn as if every joint were at its zero": ("[turn.zero] if", "[0.0] if"),
+        },
+    ),
+    *mistakes_in(
+        "viz/playback/meshes",
+        ["viz/playback/test_meshes"],
+        {
+            "a mesh from anywhere": ("path.is_relative_to(folder) and", "True or"),
+            "a link to anywhere": ("regular(path).resolve().suffix", "regular(path).suffix"),
+            "more faces than a page holds": ("while len(light.faces) > most", "while len(light.faces) > 9 * most"),
+        },
+    ),
+    *mistakes_in(
         "cli/dynamics",
         ["cli/test_dynamics"],
         {"degrees on the command line": ("else np.array(arguments.q)", "else np.radians(arguments.q)")},

@@ -15,6 +15,7 @@ from spear_pin.errors import BadValue
 REQUIRED = (
     "pin",
     "yourdfpy",
+    "trimesh",
     "numpy",
     "scipy",
     "meshcat",

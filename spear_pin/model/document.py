@@ -1,14 +1,33 @@
-"""The URDF a robot was loaded from, as a tree of elements."""
+"""The file a robot was loaded from: its elements, and what it looks like."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from lxml import etree
 
+from spear_pin.model.elements import parse
 from spear_pin.model.loading import path_of
+from spear_pin.model.mjcf_reading import Look, mjcf_of
 from spear_pin.model.robot import Robot
-from spear_pin.model.urdf import read_urdf
+from spear_pin.model.urdf import read_urdf, urdf_of
+
+
+@dataclass(frozen=True)
+class Description:
+    """A robot's file, as far as it says how the robot looks.
+
+    Attributes:
+        path: of the file.
+        root: its root element, without comments.
+        look: of an MJCF file, what its bodies look like.
+    """
+
+    path: Path
+    root: Any
+    look: Look | None = None
 
 
 def document(robot: Robot) -> Any:
@@ -19,3 +38,17 @@ def document(robot: Robot) -> Any:
     """
     text = read_urdf(path_of(robot.source), repair=True).document
     return etree.fromstring(text.encode(), etree.XMLParser(resolve_entities=False, no_network=True))
+
+
+def describe(robot: Robot) -> Description:
+    """The file that a robot was loaded from.
+
+    Raises:
+        UnknownName: it is not installed any more.
+        BadFile: it is gone, or no longer valid.
+    """
+    path, root = parse(path_of(robot.source))
+    if root.tag == "mujoco":
+        return Description(path, root, mjcf_of(path, root, robot.options.get("base")).look)
+    urdf_of(path, root, repair=True)
+    return Description(path, root)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from spear_pin.model.elements import fault
 from spear_pin.model.inertial import notes_on
 from spear_pin.model.mjcf_mass import add_mass
 from spear_pin.model.mjcf_motors import MOVABLE, Drive, read_drives
+from spear_pin.model.mjcf_rotations import angle_unit
 from spear_pin.model.mjcf_sections import MAIN, Defaults, include, read_defaults, section, settings
 from spear_pin.model.mjcf_writing import PLACE, SHORTEST, Writing, at_least_zero, called, copy, counted, is_true, values
 from spear_pin.model.urdf import BASE, MAX_LINKS, UNIVERSE, WORLD, Base
@@ -38,6 +39,21 @@ REMEDY = "let MuJoCo write it anew (mujoco.mj_saveLastXML), which expands it"
 
 
 @dataclass(frozen=True)
+class Look:
+    """What an MJCF file says of how it looks, as attributes of elements, with what their classes say.
+
+    Attributes:
+        geoms: name of a body, and a geom of it.
+        assets: meshes and materials, by tag and name.
+        compiler: settings that they are read by.
+    """
+
+    geoms: tuple[tuple[str, Mapping[str, str]], ...]
+    assets: Mapping[tuple[str, str], Mapping[str, str]]
+    compiler: Mapping[str, str]
+
+
+@dataclass(frozen=True)
 class Mjcf:
     """Contents of an MJCF file that the dynamics needs.
 
@@ -50,6 +66,7 @@ class Mjcf:
         drives: the motors.
         rubbing: armature and damping of joints, by name; Pinocchio does not read those of all.
         notes: what is not as in the file, a line each.
+        look: what the bodies look like.
     """
 
     path: Path
@@ -60,6 +77,7 @@ class Mjcf:
     drives: tuple[Drive, ...]
     rubbing: Mapping[str, tuple[float, float]]
     notes: tuple[str, ...]
+    look: Look
 
 
 def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = False) -> Mjcf:
@@ -107,7 +125,17 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
     notes += notes_on(writing.faults, "body", repair)
     text = str(etree.tostring(written, encoding="unicode"))
     name, first = root.get("model") or path.stem, world.find("body").get("name")
-    return Mjcf(path, name, first, text, gravity, drives, writing.rubbing, tuple(notes))
+    look = Look(tuple(writing.geoms), _assets(root, defaults), compiler)
+    return Mjcf(path, name, first, text, gravity, drives, writing.rubbing, tuple(notes), look)
+
+
+def _assets(root: Any, defaults: Defaults) -> dict[tuple[str, str], Mapping[str, str]]:
+    """Meshes and materials by tag and name; a mesh without a name is called as its file."""
+    assets: dict[tuple[str, str], Mapping[str, str]] = {}
+    for element in section(root, "asset"):
+        said = defaults.of(element)
+        assets[element.tag, element.get("name") or PurePosixPath(said.get("file", "")).stem] = said
+    return assets
 
 
 def _names(root: Any, *tags: str) -> set[str]:
@@ -204,6 +232,7 @@ def _add_body(writing: Writing, body: Any, parent: Any, inherited: str | None) -
         _add_joint(writing, child, inner, name, inherited)
     inner.set("name", name)  # what all its joints move
     add_mass(writing, body, inner, inherited)
+    writing.geoms += [(name, writing.defaults.of(geom, inherited)) for geom in body.findall("geom")]
     for child in children:
         if child.tag in UNREAD:
             raise fault(path, child, f"body {name!r} has a <{child.tag}>, which is not read: {REMEDY}")
@@ -233,7 +262,8 @@ def _add_joint(writing: Writing, joint: Any, body: Any, owner: str, inherited: s
     if kind in MOVABLE and np.linalg.norm(counted(writing, joint, {"axis": "0 0 1", **said}, "axis")) < SHORTEST:
         raise writing.fault(joint, f"joint {name!r} has the axis {said['axis']!r}; expected a direction")
     if "range" in said:
-        unit, (ref, *_) = 1.0 if kind == "slide" else writing.angle, values(path, joint, said.get("ref", "0"))
+        unit = 1.0 if kind == "slide" else angle_unit(writing.compiler)
+        ref, *_ = values(path, joint, said.get("ref", "0"))
         ends = [unit * (end - ref) for end in counted(writing, joint, said, "range")]
         copied.set("range", " ".join(map(repr, ends)))
     low, high = counted(writing, joint, {"range": "0 0", **said}, "range")

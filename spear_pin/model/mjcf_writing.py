@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +13,7 @@ import pinocchio as pin
 from spear_pin.errors import BadFile
 from spear_pin.model.elements import fault, parse_number
 from spear_pin.model.inertial import Fault
+from spear_pin.model.mjcf_rotations import rotation
 from spear_pin.model.mjcf_sections import Defaults
 
 TURNS = ("quat", "axisangle", "xyaxes", "zaxis", "euler")  # notations of a rotation
@@ -41,6 +41,7 @@ class Writing:
         rubbing: armature and damping of joints, by name.
         lost: names of joints and bodies by what they lose.
         faults: what is wrong with inertias, by the names of their bodies.
+        geoms: attributes of geoms, with the names of their bodies.
         bodies: how many are written.
     """
 
@@ -54,12 +55,8 @@ class Writing:
     rubbing: dict[str, tuple[float, float]] = field(default_factory=dict)
     lost: dict[str, list[str]] = field(default_factory=dict)
     faults: dict[str, Fault] = field(default_factory=dict)
+    geoms: list[tuple[str, Mapping[str, str]]] = field(default_factory=list)
     bodies: int = 0
-
-    @property
-    def angle(self) -> float:
-        """The file's unit of angles, in rad."""
-        return 1.0 if self.compiler.get("angle") == "radian" else math.pi / 180
 
     def name(self, wanted: str, joint: bool = False) -> str:
         """A name that no other body, or joint, has."""
@@ -124,17 +121,10 @@ def _check_turn(writing: Writing, element: Any, notation: str, numbers: Sequence
 
 def _quaternion(writing: Writing, notation: str, values: Sequence[float]) -> tuple[float, ...]:
     """(w, x, y, z) of a rotation; Pinocchio takes capitals of an Euler sequence, and axes of any length, otherwise."""
-    turned = np.eye(3)
-    if notation == "euler":
-        sequence = writing.compiler.get("eulerseq", "xyz")
-        if len(sequence) != 3 or set(sequence.lower()) - set("xyz"):
-            raise BadFile(writing.path, f"has the eulerseq {sequence!r}; expected three of x, y, z, X, Y and Z")
-        for letter, angle in zip(sequence, values, strict=True):
-            turn = pin.utils.rotate(letter.lower(), angle * writing.angle)
-            turned = turned @ turn if letter.islower() else turn @ turned  # capitals: about axes that stay
-    else:
-        axis = np.array(values[:3])
-        turned = pin.AngleAxis(values[3] * writing.angle, axis / np.linalg.norm(axis)).matrix()
+    try:
+        turned = rotation(notation, values, writing.compiler)
+    except ValueError as error:
+        raise BadFile(writing.path, str(error)) from None
     x, y, z, w = map(float, pin.Quaternion(turned).coeffs())
     return w, x, y, z
 

@@ -7,7 +7,7 @@ import pytest
 from spear_pin import RobotWarning, load
 from spear_pin.errors import UnknownName
 from spear_pin.model import examples
-from spear_pin.viz.playback.shapes import read_looks
+from spear_pin.viz.playback.looks import read_looks
 from tests.cli.calls import printed, run
 from tests.model.planar_arm import ARM
 from tests.model.queries import refusal

@@ -11,9 +11,12 @@ import pytest
 from numpy.typing import NDArray
 
 from spear_pin.model.loading import load
+from spear_pin.model.monopod import monopod
 from spear_pin.viz import player
 from spear_pin.viz.playback.scene import ROBOT, joint_paths
+from tests.model.legged import quadruped
 from tests.viz import chromium, samples
+from tests.viz.playback import solids
 
 pytestmark = [pytest.mark.browser, pytest.mark.skipif(chromium.find() is None, reason="no Chromium here")]
 
@@ -96,6 +99,21 @@ def test_scrubbing_moves_the_robot(browser: chromium.Browser, page: Path) -> Non
     assert browser.run(f"{scrub}(document.getElementById('scrubber'))") == pytest.approx(0.11)
     browser.run("new Promise(r => requestAnimationFrame(() => requestAnimationFrame(r)))")
     assert coil_pixels(browser.screenshot()) > 800
+
+
+def test_meshes_of_another_robot(browser: chromium.Browser, tmp_path: Path) -> None:
+    """A leg whose links are cubes of an orange COLLADA file, and a faint trunk."""
+    (tmp_path / "cube.dae").write_text(solids.dae())
+    cube = '<visual><geometry><mesh filename="cube.dae" scale="0.1 0.1 -0.15"/></geometry></visual></link>'
+    (tmp_path / "dog.urdf").write_text(quadruped().replace("</inertial></link>", f"</inertial>{cube}"))
+    leg = monopod(load(tmp_path / "dog.urdf", motors="all"), "FL")
+    path = player.record(leg, HOP, tmp_path / "leg.html")
+    browser.errors.clear()
+    browser.open(path, f"#t={FLIGHT}")
+    red, green, blue = scene_of(browser.screenshot(tmp_path / "leg.png")).astype(int)
+    assert ((red > 150) & (green < 80) & (blue < 40)).sum() > 10_000
+    assert ((red > 190) & (green > 120) & (blue > 100) & (red > blue + 40)).sum() > 3000
+    assert browser.errors == []
 
 
 @pytest.mark.slow

@@ -151,7 +151,7 @@ def places_across(shapes: tuple[Shape, ...], index: int, axis: Array) -> tuple[f
         index: of the joint that carries the link.
         axis: direction in the joint's frame, (3,).
     """
-    places = np.array([shape.placement[:3, 3] @ axis for shape in shapes if shape.joint == index])
+    places = np.array([shape.center @ axis for shape in shapes if shape.joint == index])
     if not len(places):
         return (0.0,)
     if places.min() < -0.05 and places.max() > 0.05:

@@ -15,8 +15,9 @@ from spear_pin.viz.playback import meshcat_commands as c
 from spear_pin.viz.playback.coil import places_across
 from spear_pin.viz.playback.frames import Frames
 from spear_pin.viz.playback.kinematics import center_of_mass, local_poses, quaternions, world_poses
+from spear_pin.viz.playback.looks import read_looks
 from spear_pin.viz.playback.overlays import TRAIL_POINTS, Overlay, arrow_overlay, spring_overlays, trail_overlay
-from spear_pin.viz.playback.shapes import Shape, read_looks
+from spear_pin.viz.playback.shapes import Shape
 from spear_pin.viz.playback.stage import WORLD, View, fit_view, stage
 
 Array = NDArray[np.float64]
@@ -139,11 +140,15 @@ def _body(paths: tuple[str, ...], local: Array, shapes: tuple[Shape, ...]) -> li
         if shape.kind == "cylinder":
             placement[:3, :3] = placement[:3, :3] @ [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
         look = c.material(shape.color, shininess=35, specular=0x333333)
+        if shape.mesh is not None:
+            look["flatShading"] = True
         commands += [c.set_object(path, _geometry(shape), look), c.set_transform(path, placement)]
     return commands
 
 
 def _geometry(shape: Shape) -> c.Geometry:
+    if shape.mesh is not None:
+        return c.triangles(shape.mesh.vertices, shape.mesh.faces)
     if shape.kind == "box":
         return c.box(*shape.size)
     return c.cylinder(*shape.size) if shape.kind == "cylinder" else c.sphere(*shape.size)
@@ -183,7 +188,7 @@ def _bounds(model: pin.Model, shapes: tuple[Shape, ...], world: Array, origin: A
     signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
     heavy = {joint for joint in range(1, model.njoints) if model.inertias[joint].mass > 0}
     for shape in (shape for shape in shapes if shape.joint in heavy):
-        local = np.column_stack((signs * shape.half_extent, np.ones(8))) @ shape.placement.T
+        local = np.column_stack(((signs * shape.half_extent) @ shape.placement[:3, :3].T + shape.center, np.ones(8)))
         moved = np.einsum("fab,kb->fka", world[some, shape.joint], local)[:, :, :3]
         moved[:, :, 0] -= origin[some][:, None]
         corners.append(moved.reshape(-1, 3))
