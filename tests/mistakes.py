@@ -362,14 +362,19 @@ MUTATIONS = [
         ["gaits/test_virtual_constraints"],
         {
             "virtual constraints: curvature left out": (
-                "curvature * (rate * rate) - (y[i]",
-                "0.0 * curvature * (rate * rate) - (y[i]",
+                "curvature * (rate * rate) + own - (y[i]",
+                "0.0 * curvature * (rate * rate) + own - (y[i]",
             ),
             "virtual constraints: damped by half": ("+ 2.0 * dy[i]) / epsilon", "+ dy[i]) / epsilon"),
             "virtual constraints: other motors forgotten": ("outputs.motors, others)", "outputs.motors, others[:0])"),
             "virtual constraints: slope at the beginning": ("/ rate / (len(shape) + 1)", "/ rate / (len(shape) + 2)"),
-            "virtual constraints: held beyond the end": ("value + slope * (s - inside)", "value"),
+            "virtual constraints: held beyond the end": ("height + slope * (s - inside)", "height"),
             "virtual constraints: curved beyond the end": ("curvature - evolution.past * curvature", "curvature"),
+            "virtual constraints: a leaning leg's drift left out": (
+                "own = slope * phase_drift - drift(outputs.rows[i], q, v, ops)",
+                "own = slope * phase_drift",
+            ),
+            "virtual constraints: a leaning phase's drift left out": ("own = slope * phase_drift -", "own = -"),
         },
     ),
     *mistakes_in(

@@ -71,6 +71,7 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
     from spear_pin.gaits.library import REQUESTS
     from spear_pin.gaits.request import FLEXED, OBJECTIVES
     from spear_pin.model.loading import load
+    from spear_pin.model.scale import scale_of
     from spear_pin.model.variants import vary
 
     if arguments.gait not in REQUESTS:
@@ -102,7 +103,9 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
         given["knee_drive"] = drive
     elif arguments.objective in ("electrical", "violation"):
         raise BadValue("--knee-motor", None, f"a motor, for the objective {arguments.objective!r}")
-    return robot, replace(REQUESTS[arguments.gait], **given)
+    request = replace(REQUESTS[arguments.gait], **given)
+    request.check(scale_of(robot))
+    return robot, request
 
 
 def _knee_drive(arguments: argparse.Namespace) -> Drive | None:

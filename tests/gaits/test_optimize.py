@@ -20,6 +20,7 @@ from spear_pin.gaits.optimize import search
 from spear_pin.gaits.request import Request
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
+from spear_pin.model.scale import scale_of
 from spear_pin.model.variants import vary
 from spear_pin.studies.bound import summarize
 from tests.gaits.solutions import least_effort
@@ -266,7 +267,7 @@ class TestRequest:
     )
     def test_what_cannot_be(self, wish, part):
         with pytest.raises(BadValue) as caught:
-            replace(Request(), **wish)
+            replace(Request(), **wish).check(scale_of(load("q_spear")))
         assert part in str(caught.value)
 
     @pytest.mark.parametrize("wish", [{"objective": "speed"}, {"lift_off": "hop"}], ids=str)

@@ -15,13 +15,14 @@ from scipy.interpolate import BPoly
 from spear_pin import Contact, HoppingLaw, Spring, load
 from spear_pin.gaits.virtual_constraints import (
     Evolution,
+    Leaning,
     Outputs,
     bezier,
     desired,
-    dot,
     errors,
     progress,
     resume,
+    value,
     zeroing,
 )
 from spear_pin.hybrid.automaton import HybridSystem
@@ -33,8 +34,13 @@ ROBOT = load("q_spear")
 POSTERIOR, ANTERIOR = (((2, 1.0), (3, 1.0), (4, -0.5)), ((4, 1.0),)), (((2, 1.0), (5, 1.0), (6, -0.5)), ((6, 1.0),))
 FLIGHT = Outputs((*POSTERIOR, *ANTERIOR), ((0, 1.0),), (0, 1, 2, 3))
 STANCE = Outputs(ANTERIOR, POSTERIOR[0], (2, 3))  # the posterior leg bears, the anterior one swings
-TOUCHING = {"flight": (OPEN, OPEN), "stance": (STICK, OPEN)}
-OUTPUTS = {"flight": FLIGHT, "stance": STANCE}
+LEANING = tuple(Leaning(((2, 1.0), (hip, 1.0)), hip + 1, 0.35, 0.25) for hip in (3, 5))  # of a thigh and a shank
+OUTPUTS = {
+    "flight": FLIGHT,
+    "stance": STANCE,
+    "leaning flight": replace(FLIGHT, rows=(LEANING[0], POSTERIOR[1], LEANING[1], ANTERIOR[1])),
+    "leaning stance": Outputs((LEANING[1], ANTERIOR[1]), LEANING[0], (2, 3)),
+}
 PUSH = [(0, -60.0), (1, -35.0)]  # of the bearing leg
 EPSILON = 0.02
 
@@ -42,10 +48,11 @@ often = settings(max_examples=60, derandomize=True, deadline=None)
 numbers = st.floats(-5.0, 5.0)
 coefficients = st.lists(numbers, min_size=2, max_size=8)
 each_phase = pytest.mark.parametrize("phase", OUTPUTS)
+each_linear_phase = pytest.mark.parametrize("phase", ["flight", "stance"])
 
 
 def given_torques(phase):
-    return PUSH if phase == "stance" else []
+    return PUSH if "stance" in phase else []
 
 
 def drawn(seed, phase):
@@ -54,12 +61,12 @@ def drawn(seed, phase):
     q = rng.uniform(-0.3, 0.3, 7) + [0.0, 0.6, 0.0, 0.4, 0.9, 0.2, -0.9]
     v = rng.uniform(-1.0, 1.0, 7) * [2.0, 1.0, 3.0, 6.0, 6.0, 6.0, 6.0]
     outputs = OUTPUTS[phase]
-    if phase == "stance":
+    if "stance" in phase:
         J = ROBOT.toe_jacobian(q, "posterior_toe")
         v = v - np.linalg.pinv(J) @ J @ v
     alpha = tuple(tuple(rng.uniform(-1.0, 1.0, 6).tolist()) for _ in outputs.rows)
-    span = {"flight": 0.3, "stance": -0.5}[phase]
-    origin = float(dot(outputs.phase, q)) - span * rng.uniform(0.1, 0.6)
+    span = -0.5 if "stance" in phase else 0.3
+    origin = float(value(outputs.phase, q)) - span * rng.uniform(0.1, 0.6)
     return q, v, Evolution(alpha, origin, span)
 
 
@@ -72,7 +79,7 @@ def flow_of(phase, evolution):
         chosen = dict([*others, *zip(OUTPUTS[phase].motors, torques, strict=True)])
         return [chosen[column] for column in range(4)]
 
-    domain = Domain(phase, phase, TOUCHING[phase], law)
+    domain = Domain(phase, phase, (STICK if "stance" in phase else OPEN, OPEN), law)
     system = HybridSystem(
         "none", ROBOT, HoppingLaw(), Spring(), Contact(), (domain,), "", (), build=None, guess=lambda: None
     )
@@ -145,7 +152,7 @@ class TestDesired:
     def test_before_the_beginning_it_is_the_polynomial(self):
         np.testing.assert_allclose(self.at((0.3, -1.0, 2.0), -0.2, 0.0), bezier((0.3, -1.0, 2.0), -0.2), rtol=1e-14)
 
-    @each_phase
+    @each_linear_phase
     def test_progress(self, phase):
         q, _, evolution = drawn(1, phase)
         travelled = float(np.dot(_dense(OUTPUTS[phase].phase), q)) - evolution.origin
@@ -199,7 +206,7 @@ class TestZeroing:
         np.testing.assert_allclose(second, expected, rtol=0, atol=1e-6 * scale)
         assert scale > 100.0  # there is something to zero
 
-    @each_phase
+    @each_linear_phase
     @pytest.mark.parametrize("seed", range(6))
     def test_at_once(self, phase, seed):
         """The same from the acceleration: the outputs' gradient times v̇, plus what rates alone give."""
@@ -215,7 +222,7 @@ class TestZeroing:
         accelerations = H @ a - shape(s, 1) * second / evolution.span - shape(s, 2) * rate**2
         expected = -y / EPSILON**2 - 2.0 * dy / EPSILON
         np.testing.assert_allclose(accelerations, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
-        if phase == "stance":
+        if "stance" in phase:
             assert flow.force("posterior_toe") != (0.0, 0.0)
             np.testing.assert_allclose(flow.toe_acceleration("posterior_toe"), 0.0, rtol=0, atol=1e-9)
 
@@ -233,10 +240,10 @@ class TestZeroing:
         outputs = OUTPUTS[phase]
         v = 0.1 * v
         alpha = tuple(
-            tuple(0.1 * value + float(dot(row, q)) for value in each)
+            tuple(0.1 * number + float(value(row, q)) for number in each)
             for row, each in zip(outputs.rows, evolution.alpha, strict=True)
         )
-        evolution = Evolution(alpha, float(dot(outputs.phase, q)), evolution.span)
+        evolution = Evolution(alpha, float(value(outputs.phase, q)), evolution.span)
         times = np.linspace(0.0, 5.0 * EPSILON, 11)
         motion = followed(flow_of(phase, evolution), (q, v), times)
         y = np.array([errors(outputs, evolution, *at)[0] for at in motion])
