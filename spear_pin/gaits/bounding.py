@@ -41,6 +41,7 @@ from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import PAIR_STIFFNESS, Spring
 
 Guards = tuple[Guard, ...]
+Engage = Callable[[Leg, Sequence[float], Held], Held]
 SPEED_BY = "posterior_hip_torque"  # the parameter to vary for a "mean_speed"
 LONGEST = 2.0  # s: a phase of Q-SPEAR
 SLOWEST = 1.0  # 1/s: of s; Q-SPEAR's gaits begin their phases faster
@@ -67,18 +68,17 @@ def bounding(
         robot: Q-SPEAR in the sagittal plane, or another quadruped as `spear_pin.sagittal` cuts it.
         law: parameters of the controller, for instance those of a shipped gait.
         spring: the knee springs, of a pair of legs; by default 2 · 56 N·m/rad (source: Table 5.1), without damping
-            (the source gives none for the quadruped), of another quadruped as of `Spring.scaled`.
+            (the source gives none for the quadruped), of another quadruped as of `Spring.scaled`. One with a rest
+            angle, in flexion, is never let go.
         contact: friction of level ground; by default 0.8 (assumption).
         ground: the ground, in place of `contact`.
 
     Raises:
-        BadValue: the robot has not the coordinates, toes and motors of `q_spear`, the springs are never let go, both
-            contact and ground are given, or the law has event feedback, which goes by the torso's height, and the
+        BadValue: the robot has not the coordinates, toes and motors of `q_spear`, both contact and ground are given,
+            or the law has event feedback, which goes by the torso's height, and the
             ground is not level at height zero.
     """
     spring, contact = spring or _spring(robot), given(contact, ground)
-    if spring.rest is not None:
-        raise BadValue("Spring.rest", spring.rest, "None: bounding switches its springs")
     if law.feedback and not as_ground(contact).plain:
         raise BadValue("BoundingLaw.feedback", law.feedback, f"none on {contact}: it goes by the height of the torso")
     return HybridSystem(
@@ -110,13 +110,18 @@ def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]
     stances = {phase.bearing: phase for phase in phases if phase.bearing}
     flights = {phase.lifted: phase for phase in phases if phase.lifted}
     overload = _overload(OVERLOAD * 10.0 ** round(math.log10(scale_of(robot).torque)))  # compiled for each value
+    engage = _engagement(legs, spring)
     fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])
 
+    def sprung(bearing: tuple[Leg, ...]) -> tuple[tuple[Mount, ...], tuple[Guard, ...]]:
+        """Springs that act while some legs bear, and where they go slack."""
+        acting = bearing if spring.rest is None else legs
+        mounts = tuple(_mount(leg, spring) for leg in acting)
+        pairs = zip(mounts, acting, strict=True)
+        return mounts, tuple(guard for mount, leg in pairs for guard in spring_switches(mount, leg.knee))
+
     def grounded(name: str, bearing: tuple[Leg, ...], control: Law, resets: Mapping[str, Reset], own: Guards) -> Any:
-        mounts = tuple(_mount(leg, spring) for leg in bearing)
-        switches = [
-            guard for mount, leg in zip(mounts, bearing, strict=True) for guard in spring_switches(mount, leg.knee)
-        ]
+        mounts, switches = sprung(bearing)
         contacts = tuple(STICK if leg in bearing else OPEN for leg in legs)
         domain = Domain(name, name, contacts, control, mounts=mounts, guards=(overload, *switches, *own, *fallen))
         backs = [guard for leg in bearing for guard in _knee_back(leg, resets[leg.toe])]
@@ -125,29 +130,47 @@ def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]
     for leg, other in (legs, legs[::-1]):
         double = f"double_{1 if leg is legs[0] else 2}"  # from this leg's stance to the other's
         stance, next_stance, flight = stances[leg], stances[other], flights[leg]
-        leaves = {leg.toe: _lifts(leg, flight, None)}
-        yield from grounded(
-            stance.name, (leg,), stance_law(leg, stance), leaves, (_passing(stance), _lands(other, double))
-        )
-        leaves = {leg.toe: _lifts(leg, next_stance, other), other.toe: _lifts(other, stance, leg)}
+        lands = _lands(other, double, engage)
+        leaves = {leg.toe: _lifts(leg, flight, None, spring)}
+        yield from grounded(stance.name, (leg,), stance_law(leg, stance), leaves, (_passing(stance), lands))
+        leaves = {leg.toe: _lifts(leg, next_stance, other, spring), other.toe: _lifts(other, stance, leg, spring)}
         yield from grounded(double, legs, double_law(legs), leaves, ())
-        returns = _lands(leg, stance, "return", resumed=True)
-        guards = (_lands(other, next_stance), returns, _passing(flight), overload, *fallen)
-        yield Domain(flight.name, flight.name, (OPEN, OPEN), flight_law(flight), guards=guards)
+        returns = _lands(leg, stance, engage, "return", resumed=True)
+        mounts, switches = sprung(())
+        guards = (_lands(other, next_stance, engage), returns, _passing(flight), overload, *switches, *fallen)
+        yield Domain(flight.name, flight.name, (OPEN, OPEN), flight_law(flight), mounts=mounts, guards=guards)
 
 
 def _mount(leg: Leg, spring: Spring) -> Mount:
     return Mount(leg.joint, spring, rest=f"{leg.name}_rest", taut=f"{leg.name}_taut", side=leg.side)
 
 
+def _engagement(legs: tuple[Leg, Leg], spring: Spring) -> Engage:
+    """What is latched of the springs as a leg begins to bear: its own where it is, or once and for all."""
+
+    def switched(leg: Leg, q: Sequence[float], held: Held) -> Held:
+        return {f"{leg.name}_rest": q[leg.knee], f"{leg.name}_taut": 1.0}
+
+    def fixed(leg: Leg, q: Sequence[float], held: Held) -> Held:
+        if f"{leg.name}_taut" in held:  # as it was
+            return {}
+        rest = spring.rest or 0.0
+        latched: dict[str, Any] = {f"{each.name}_rest": each.side * rest for each in legs}
+        return latched | {
+            f"{each.name}_taut": float(each.side * q[each.knee] > rest or not spring.unilateral) for each in legs
+        }
+
+    return switched if spring.rest is None else fixed
+
+
 # events that change the phase
 
 
-def _lands(leg: Leg, phase: Phase | str, name: str = "touchdown", *, resumed: bool = False) -> Guard:
+def _lands(leg: Leg, phase: Phase | str, engage: Engage, name: str = "touchdown", *, resumed: bool = False) -> Guard:
     """The leg touches down; `resumed` keeps its leg angle, as its stance goes on."""
 
     def latch(q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
-        bears = _bear(leg, q, v, held, p, resumed)
+        bears = {**engage(leg, q, held), **_bear(leg, q, v, held, p, resumed)}
         if isinstance(phase, str):
             return bears
         return {**bears, **_swing(leg, phase, q, v, {**held, **bears}, p)}
@@ -156,13 +179,13 @@ def _lands(leg: Leg, phase: Phase | str, name: str = "touchdown", *, resumed: bo
     return touchdown(leg.toe, Reset(impact=(leg.toe,), latch=latch, phase=into), f"{leg.name}_{name}")
 
 
-def _lifts(leg: Leg, phase: Phase, remaining: Leg | None) -> Reset:
+def _lifts(leg: Leg, phase: Phase, remaining: Leg | None, spring: Spring) -> Reset:
     """The leg lifts off, into flight or into the stance of the one that remains."""
 
     def latch(q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
         return _fly(phase, q, v, held, p) if remaining is None else _swing(remaining, phase, q, v, held, p)
 
-    return Reset(release=(leg.joint,), latch=latch, phase=phase.name)
+    return Reset(release=() if spring.rest is not None else (leg.joint,), latch=latch, phase=phase.name)
 
 
 # guards
@@ -206,7 +229,7 @@ def _overload(most: float) -> Guard:
 def _bear(
     leg: Leg, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw, resumed: bool
 ) -> dict[str, Any]:
-    """A leg begins to bear: its spring is latched, its torques are set, event feedback included."""
+    """A leg begins to bear: its torques are set, event feedback included."""
     name, first = leg.name, leg.name == "posterior"
     adjust = held.get("adjust", NO_ADJUSTMENT)
     if first and not resumed:
@@ -214,8 +237,6 @@ def _bear(
     i = 0 if first else 1
     faster = p.speed_gain[i] * (v[0] - p.speed_nominal[i])
     return {
-        f"{name}_rest": q[leg.knee],
-        f"{name}_taut": 1.0,
         f"{name}_flexed": 0.0,
         f"{name}_leg": held[f"{name}_leg"] if resumed and f"{name}_leg" in held else value(leg.angle, q),
         f"{name}_hip_torque": getattr(p, f"{name}_hip_torque") + adjust[2 * i] + faster,

@@ -259,6 +259,8 @@ class _Writer:
         """Motion in the air, with the toes above the ground."""
         terms = self.dynamics(node.q, node.v)
         applied = casadi().vertcat(casadi().SX.zeros(3), node.u)
+        for leg in self.legs if self.request.rest is not None else ():
+            applied[leg.knee] += self.spring(leg, node.q)
         motion = terms["D"] @ node.a + terms["h"] - applied
         self.programme.require(f"motion in {label}", motion, 0.0, 0.0, scale=50.0, unit=self.units.force)
         length = self.scale.length
@@ -276,6 +278,9 @@ class _Writer:
         node.u = ca.vertcat(*[torque for _, torque in sorted([*given, *swing], key=lambda pair: pair[0])])
         applied = ca.vertcat(ca.SX.zeros(3), node.u)
         applied[leg.knee] += elastic
+        (other,) = phase.legs
+        if request.rest is not None:
+            applied[other.knee] += self.spring(other, node.q)
         terms = self.dynamics(node.q, node.v)
         _, J, dJv = terms[leg.toe]
         motion = terms["D"] @ node.a + terms["h"] - applied - J.T @ node.F
@@ -304,6 +309,9 @@ class _Writer:
 
     def spring(self, leg: Leg, q: Any) -> Any:
         """Torque of the physical spring, smooth about its rest angle where the knee may pass that."""
+        if self.request.rest is not None:
+            fixed = with_fields(self.request.spring(0.0), {"stiffness": self.stiffness})
+            return leg.side * fixed.torque(leg.side * q[leg.knee] - self.request.rest)
         deflection, preload = leg.side * q[leg.knee] - self.law["knee_touchdown"], self.request.preload
         if self.request.lift_off == "force" or self.request.knee_touchdown != self.request.knee_rest:
             distance = (deflection * deflection + 1e-6) ** 0.5

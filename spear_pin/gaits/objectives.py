@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -98,8 +98,8 @@ def objective(
     if request.objective == "cot":
         return OF_COST * _power(phases, lambda power: _size(power, scale)) / (weight * distance)
     if request.objective == "electrical":
-        assert request.knee_drive is not None
-        return OF_COST * _electrical(phases, request.knee_drive, scale) / (weight * distance)
+        drives = {"hip": request.hip_drive, "knee": request.knee_drive}
+        return OF_COST * _electrical(phases, drives, scale) / (weight * distance)
     weights = np.array([10.0, 1.0, 10.0, 1.0]) if request.objective == "hip" else even
     return OF_EFFORT * _effort(phases, weights, scale) / distance
 
@@ -132,16 +132,16 @@ def _power(phases: Sequence[tuple[Any, Sequence[Any]]], of: Any) -> Any:
     )
 
 
-def _electrical(phases: Sequence[tuple[Any, Sequence[Any]]], drive: Drive, scale: Scale) -> Any:
-    """Energy drawn by the knee motors, heat included and none given back, and the hips' positive work."""
-    # heat of one motor per squared torque, its gearbox taken as lossy both ways
-    heat, efficiency = float(drive.joule_power(1.0, 1.0)), drive.gearbox.efficiency
+def _electrical(phases: Sequence[tuple[Any, Sequence[Any]]], drives: Mapping[str, Drive | None], scale: Scale) -> Any:
+    """Energy that motors draw, heat included and none given back; of those without a drive their positive work."""
 
     def drawn(node: Any) -> Any:
         total = 0.0
         for i, name in enumerate(MOTORS):
-            power = node.u[i] * node.v[3 + i]
-            if "knee" in name:
+            power, drive = node.u[i] * node.v[3 + i], drives[name.split()[1]]
+            if drive is not None:
+                # heat of one motor per squared torque, its gearbox taken as lossy both ways
+                heat, efficiency = float(drive.joule_power(1.0, 1.0)), drive.gearbox.efficiency
                 size = _size(power, scale)
                 power = 0.5 * (power + size) / efficiency + 0.5 * (power - size) * efficiency
                 power = power + PAIR * heat * (node.u[i] / PAIR) ** 2

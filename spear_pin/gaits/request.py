@@ -19,7 +19,10 @@ OBJECTIVES: dict[str, tuple[str, str]] = {
     "hip": ("N²m²s/m", "the same, the hips' counted ten times"),
     "cot": ("1", "mechanical cost of transport: integral of |motor power| over weight and distance"),
     "peak": ("N·m", "largest torque of a pair"),
-    "electrical": ("1", "cost of transport of the power that the knee motors draw and the hips' positive power"),
+    "electrical": (
+        "1",
+        "cost of transport of the power that the motors draw, of hips without a drive their positive power",
+    ),
     "violation": ("N·m", "most that a knee motor's envelope is exceeded by"),
 }
 """Objectives that can be minimised: name -> unit, meaning."""
@@ -57,10 +60,11 @@ class Request:
         knee_rest: θ̄ of (5.5)-(5.6), by magnitude, in rad.
         leg_touchdown: bounds on the leg angle at touchdown, in rad.
         knee_drive: motor, gearbox and bus of each knee, two a pair; None means no bound.
-        hip_drive: those of each hip.
+        hip_drive: those of each hip; None: the objective "electrical" counts their positive work.
         hardening: of the physical knee springs, in N·m/rad³.
         preload: of them, in N·m.
         table: of them, as of `Spring`, in the place of a stiffness.
+        rest: flexion at which springs rest that are never let go and pull both ways, in rad; None: they are switched.
         within_limits: whether angles, rates and torques keep to what the robot's file allows its joints.
     """
 
@@ -84,6 +88,7 @@ class Request:
     hardening: float = 0.0
     preload: float = 0.0
     table: tuple[tuple[float, float], ...] = ()
+    rest: float | None = None
     within_limits: bool = False
 
     @classmethod
@@ -145,7 +150,8 @@ class Request:
 
     def spring(self, stiffness: float) -> Spring:
         """The physical knee springs, of a pair of legs, with a stiffness in N·m/rad."""
-        return Spring(stiffness, damping=0.0, hardening=self.hardening, preload=self.preload, table=self.table)
+        of_its_law: dict[str, Any] = {"hardening": self.hardening, "preload": self.preload, "table": self.table}
+        return Spring(stiffness, damping=0.0, rest=self.rest, unilateral=self.rest is None, **of_its_law)
 
     def check(self, scale: Scale) -> None:
         """Whether a robot of a size can be asked for this: what the search considers goes by its size.
