@@ -4,29 +4,31 @@ from __future__ import annotations
 
 import argparse
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
 from spear_pin.cli.gaits import BOUND, bounding_gait
-from spear_pin.cli.output import aligned, iterations, shows
+from spear_pin.cli.legs import add_plane, beyond, called, in_the_plane, rests_on
+from spear_pin.cli.output import aligned, iterations, progress, shows
 from spear_pin.errors import BadValue
 
-NAMES = {"q_spear": "Q-SPEAR"}
+if TYPE_CHECKING:
+    from spear_pin.gaits.gait import Gait
 
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     parser = add_command(commands, "bound", run, "simulate a bounding gait of Q-SPEAR, write page, plots and samples")
-    parser.add_argument(
-        "--gait", default=BOUND, metavar="NAME|PATH", help=f"a shipped gait, or a saved one (default: {BOUND})"
-    )
+    parser.add_argument("--gait", metavar="NAME|PATH", help=f"a shipped gait, or a saved one (default: {BOUND})")
     parser.add_argument(
         "--speed",
         type=float,
         metavar="M/S",
         help="continue the gait to this mean speed, 1.5 to 3.5 m/s or little more (at most 1 m/s from a gait's own);"
-        " takes half a minute to minutes",
+        " takes half a minute to minutes. Of another robot any, searched for; default: as fast as Q-SPEAR for its size",
     )
+    add_plane(parser, "a bound of which is searched for (needs casadi; takes up to a minute)")
+    parser.add_argument("--save", action="store_true", help="write bound.json too, the gait for --gait and Gait.load")
     add_simulation(parser, 5, "strides", "bound.html")
     parser.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
 
@@ -35,8 +37,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Simulate the gait and write its files, or list the gaits."""
     if arguments.list:
         return _shipped()
+    from dataclasses import asdict
+
     from spear_pin import simulate
-    from spear_pin.studies.bound import at_speed, summarize
+    from spear_pin.studies.bound import summarize
+    from spear_pin.studies.joint_limits import excesses
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
     from spear_pin.viz.plots import save_figure
@@ -45,29 +50,53 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.speed is not None and not 0 < arguments.speed < math.inf:
         raise BadValue("--speed", arguments.speed, "a number > 0, in m/s")
     check_simulation(arguments)
-    name, gait = bounding_gait(arguments.gait, arguments.speed)
-    if arguments.speed is not None:
-        with iterations() as tell:
-            gait = at_speed(gait, arguments.speed, on_iteration=tell)
+    name, gait, notes = _gait(arguments)
     trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol)
     samples = trajectory.save(arguments.out / "bound.npz")  # before all that could fail or be interrupted
-    summary = {"gait": name, **summarize(gait, trajectory)}
+    saved = [gait.save(arguments.out / "bound.json")] if arguments.save else []
     robot = gait.system.robot
-    title = f"{NAMES.get(robot.name, robot.name)} bounding at {summary['speed']:.2f} m/s"
+    excess = [] if robot.cut is None else excesses(robot, trajectory)
+    summary = {"gait": name, **summarize(gait, trajectory), "beyond_limits": [asdict(each) for each in excess]}
+    if robot.cut is not None:
+        summary["cut"] = str(robot.cut)
+    title = f"{called(robot)} bounding at {summary['speed']:.2f} m/s"
     shown = shortened(robot, trajectory)
     page, plots = arguments.out / "bound.html", arguments.out / "bound.svg"
     pictures = {
         page: lambda path: record(robot, shown, path, title=title),
         plots: lambda path: save_figure(bound_summary(trajectory, gait), path),
     }
-    files = [page, samples, plots]
+    files = [page, samples, plots, *saved]
+    told = [*notes, *rests_on(robot), *beyond(excess)]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
         "pictures": pictures,
         "opened": page if arguments.open else None,
-        "text": _text(summary, [*shows(shown), ("files", ", ".join(map(str, files)))]),
+        "text": _text(summary, [*told, *shows(shown), ("files", ", ".join(map(str, files)))]),
     }
+
+
+def _gait(arguments: argparse.Namespace) -> tuple[str, Gait, list[tuple[str, str]]]:
+    """A gait that is named or searched for, what it is called, and what there is to say of the search."""
+    from spear_pin.studies.bound import at_speed, bound_of
+
+    robot = in_the_plane(arguments)
+    if robot is None:
+        name, gait = bounding_gait(arguments.gait or BOUND, arguments.speed)
+        if arguments.speed is not None:
+            with iterations() as tell:
+                gait = at_speed(gait, arguments.speed, on_iteration=tell)
+        return name, gait, []
+    if arguments.gait is not None:
+        raise BadValue("--gait", arguments.gait, "none with --robot, a bound of which is searched for")
+    notes: list[tuple[str, str]] = []
+    with progress() as show:
+        show(f"searching for a bound of {called(robot)}")
+        gait = bound_of(
+            robot, arguments.speed, on_attempt=lambda speed, why: notes.append((f"none at {speed:.2f} m/s", why))
+        )
+    return called(robot), gait, notes
 
 
 def _shipped() -> dict[str, Any]:

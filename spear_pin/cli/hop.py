@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
-from spear_pin.cli.legs import add_leg, one_leg
+from spear_pin.cli.legs import add_leg, beyond, called, one_leg, rests_on
 from spear_pin.cli.output import aligned, iterations, shows
 from spear_pin.errors import BadValue, NoGait, SpearError
 
@@ -17,11 +17,9 @@ if TYPE_CHECKING:
     from spear_pin.hybrid.automaton import HybridSystem
     from spear_pin.model.robot import Robot
     from spear_pin.studies.hardware import Rig
-    from spear_pin.studies.joint_limits import Excess
 
 FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
 LONGER = (1.0, 1.15, 1.3)  # of another leg, in turn: where stance and square wave last alike there is no hop
-NAMES = {"spear_ii": "SPEAR-II"}
 SPRING = ("stiffness", "hardening", "preload")  # options of the spring
 RIG = ("current_limit", "bandwidth", "noise", "losses", "seed")  # options of --hardware
 
@@ -103,8 +101,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     trajectory = simulate(with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol)
     samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
     saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
-    beyond = excesses(robot, trajectory)
-    summary = summarize(gait, trajectory) | {"beyond_limits": [asdict(excess) for excess in beyond]}
+    excess = excesses(robot, trajectory)
+    summary = summarize(gait, trajectory) | {"beyond_limits": [asdict(each) for each in excess]}
     if robot.cut is not None:
         summary["cut"] = str(robot.cut)
     if trajectory.electrical is not None and trajectory.cycles:
@@ -113,17 +111,18 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     shown = shortened(robot, trajectory)
     page, plots = arguments.out / "hop.html", arguments.out / "hop.svg"
     pictures: dict[Path, Callable[[Path], object]] = {
-        page: lambda path: record(robot, shown, path, title=f"{NAMES.get(robot.name, robot.name)} hopping in place")
+        page: lambda path: record(robot, shown, path, title=f"{called(robot)} hopping in place")
     }
     if trajectory.cycles:
         pictures[plots] = lambda path: save_figure(hop_summary(trajectory, gait), path)
+    told = [*rests_on(robot), *beyond(excess)]
     files = [page, samples, *([plots] if plots in pictures else []), *saved]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
         "pictures": pictures,
         "opened": page if arguments.open else None,
-        "text": _text(summary, [*_leg(robot), *_beyond(beyond), *shows(shown), ("files", ", ".join(map(str, files)))]),
+        "text": _text(summary, [*told, *shows(shown), ("files", ", ".join(map(str, files)))]),
     }
 
 
@@ -210,24 +209,6 @@ def _motors(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a hop"),
         ("motors' work, net", f"{sum(work.values()):.2f} J a hop: {parts}"),
     ]
-
-
-def _leg(robot: Robot) -> list[tuple[str, str]]:
-    """The leg that was cut out, and what is not known of it."""
-    if robot.cut is None:
-        return []
-    lines = [line.strip() for line in str(robot.cut).splitlines()]
-    if robot.settings is not None:
-        said = [f"a spring at the {joint}" for joint in robot.settings.springs]
-        said += [f"{motor.name} at the {joint}" for joint, motor in robot.settings.motors.items()]
-        lines.append(f"{robot.settings.path} says: {', '.join(said) or 'no springs, nor motors'}")
-    if not robot.model.armature.any():
-        lines.append("rotors without inertia: the file names none")
-    return [("" if i else "the leg", line) for i, line in enumerate(lines)]
-
-
-def _beyond(excesses: Sequence[Excess]) -> list[tuple[str, str]]:
-    return [("" if i else "beyond its limits", str(excess)) for i, excess in enumerate(excesses)]
 
 
 def _electrical(summary: dict[str, Any]) -> list[tuple[str, str]]:

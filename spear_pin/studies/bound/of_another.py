@@ -1,0 +1,55 @@
+"""A first bound of somebody else's quadruped: as fast as Q-SPEAR's for its size, or slower."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from spear_pin.errors import Infeasible, NoGait
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.optimize import search
+from spear_pin.gaits.request import Request
+from spear_pin.kinds import typed
+from spear_pin.model.robot import Robot
+
+SLOWER = (1.0, 0.9, 0.8, 0.65)  # of the speed that is scaled from Q-SPEAR's, in turn: joints may not turn as fast
+
+
+@typed
+def bound_of(
+    robot: Robot,
+    speed: float | None = None,
+    *,
+    on_attempt: Callable[[float, str], object] = lambda speed, why: None,
+    **wishes: object,
+) -> Gait:
+    """A bounding gait of least effort within the limits of the robot's joints.
+
+    Args:
+        robot: in the plane, as `spear_pin.sagittal` cuts it; its own springs if a TOML file says them.
+        speed: mean forward speed, in m/s; None: that of `Request.scaled`, or the first slower one that has a gait.
+        on_attempt: called with a speed at which there is no gait, and why.
+        **wishes: other fields of a `Request`.
+
+    Raises:
+        Infeasible, NoGait: no speed has one; says why not at the last that was tried.
+        BadValue, UnknownName: a wish is not valid.
+        MissingExtra: CasADi is not installed.
+    """
+    request = Request.scaled(robot, **(_springs(robot) | wishes))
+    speeds = [speed] if speed is not None else [share * request.speed for share in SLOWER]
+    for wanted in speeds[:-1]:
+        try:
+            return search(robot, replace(request, speed=wanted))[0]
+        except (Infeasible, NoGait) as error:
+            on_attempt(wanted, str(error))
+    return search(robot, replace(request, speed=speeds[-1]))[0]
+
+
+def _springs(robot: Robot) -> dict[str, object]:
+    """What the robot's own file says of its springs, where both pairs have the same."""
+    springs = [] if robot.settings is None else list(robot.settings.springs.values())
+    if len(springs) != 2 or springs[0] != springs[1]:
+        return {}
+    own = springs[0]
+    return {name: getattr(own, name) for name in ("stiffness", "hardening", "preload", "table", "rest")}
