@@ -119,8 +119,10 @@ def _loaded(arguments: argparse.Namespace, base: str) -> Robot | None:
 
 def called(robot: Robot) -> str:
     """A robot as titles name it: one that was cut out of another as that one."""
-    name = robot.name if robot.cut is None else robot.cut.of
-    return NAMES.get(name, name)
+    cut = robot.cut
+    if cut is None:
+        return NAMES.get(robot.name, robot.name)
+    return f"{cut.of}, leg {cut.legs[0][0].name}," if cut.kind == "monopod" else cut.of
 
 
 def rests_on(robot: Robot) -> list[tuple[str, str]]:

@@ -7,19 +7,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.gaits.bounding_law import LEGS, BoundingLaw, Leg, Phase, legs_of, phases_of, support
-from spear_pin.gaits.collocation import Guess, Programme, Solution, casadi, hermite_simpson, node_name
+from spear_pin.gaits.bounding_law import LEGS, BoundingLaw, Leg, Phase, phases_of, support
+from spear_pin.gaits.bounding_nodes import KNEE_REST, Node, Room
+from spear_pin.gaits.collocation import Guess, Programme, Solution, casadi, hermite_simpson
 from spear_pin.gaits.objectives import at_most, ceiling, limit, objective
 from spear_pin.gaits.request import (
-    FARTHEST,
-    FASTEST,
     FLEXED,
-    HIGHEST,
     LONGEST_PHASE,
     LONGEST_STRIDE,
     SHORTEST_FLIGHT,
@@ -28,8 +26,6 @@ from spear_pin.gaits.request import (
 )
 from spear_pin.gaits.virtual_constraints import Evolution, desired, dot, drift, gradient, resume, value
 from spear_pin.hybrid.engines.structure import with_fields
-from spear_pin.model.legs import lean
-from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import Scale, scale_of
@@ -37,36 +33,8 @@ from spear_pin.model.spring import PAIR_STIFFNESS
 
 Array = NDArray[np.float64]
 CONE = 0.98  # of the friction asked for: what the collocation's error may use up
-WITHIN, AWAY = 0.95, 0.01  # of a torque's or a rate's limit, and rad from an angle's, for the same
 END = {True: 0.98, False: 1.02}  # s at the end of a stance, where the polynomial is not to run out, and of a flight
-KNEE_REST, HEIGHT = BoundingLaw.knee_rest, 0.57  # rad, m: of Q-SPEAR's knees, and of the hips they hold up
 ANGLES, FLEXIONS = (-STEEPEST, STEEPEST), (-0.2, FLEXED)  # rad: of Bézier coefficients of leg angles and knees
-
-
-@dataclass
-class _Node:
-    """Unknowns at one node: q, v, v̇, all four motor torques, the ground force."""
-
-    q: Any
-    v: Any
-    a: Any
-    u: Any = None
-    F: Any = None
-
-
-class _Units(NamedTuple):
-    """What a robot's configurations and so on are of order one in, (7,) each: Q-SPEAR's are in SI units."""
-
-    q: Array
-    v: Array
-    a: Array
-    force: Array
-
-    @classmethod
-    def of(cls, scale: Scale) -> _Units:
-        q = np.array([scale.length, scale.length, *5 * (1.0,)])
-        force = np.array([scale.force, scale.force, *5 * (scale.torque,)])
-        return cls(q, q / scale.time, q / scale.time**2, force)
 
 
 @dataclass
@@ -77,7 +45,7 @@ class Transcription:
     programme: Programme
     law: dict[str, Any]
     stiffness: Any
-    nodes: dict[str, list[_Node]] = field(default_factory=dict)
+    nodes: dict[str, list[Node]] = field(default_factory=dict)
     durations: dict[str, Any] = field(default_factory=dict)
 
     def read(self, solution: Solution) -> tuple[BoundingLaw, tuple[Array, Array], float]:
@@ -134,9 +102,9 @@ class _Writer:
 
     def __init__(self, robot: Robot, request: Request, programme: Programme, rng: np.random.Generator) -> None:
         self.request, self.programme, self.rng = request, programme, rng
-        planar = Planar(robot)
-        self.robot, self.scale, self.units = robot, scale_of(robot), _Units.of(scale_of(robot))
-        self.legs, self.weight, self.dynamics = legs_of(robot), robot.mass * planar.gravity, _dynamics(planar)
+        planar, self.room = Planar(robot), Room(robot, request)
+        self.scale, self.units, self.legs = self.room.scale, self.room.units, self.room.legs
+        self.weight, self.dynamics = robot.mass * planar.gravity, _dynamics(planar)
         self.law = _law(programme, request, self.scale)
         # what `support` reads of a law
         self.p: Any = SimpleNamespace(virtual_stiffness=request.virtual_stiffness, knee_rest=request.knee_rest)
@@ -157,8 +125,8 @@ class _Writer:
         nodes = []
         for i in range(2 * intervals + 1):
             s = i / (2 * intervals)
-            posture = self.posture(phase.name, travelled + request.speed * guess * s, s)
-            nodes.append(self.node(phase.name, s, posture, stance))
+            posture = self.room.posture(phase.name, travelled + request.speed * guess * s, s)
+            nodes.append(self.room.node(programme, phase.name, s, posture, self.rng))
         self.result.nodes[phase.name], self.result.durations[phase.name] = nodes, duration
         ca, measured = casadi(), phase.outputs.phase
         span = (value(measured, nodes[-1].q, ca) - value(measured, nodes[0].q, ca)) / END[stance]
@@ -171,7 +139,8 @@ class _Writer:
                 self.fly(label, node, 0 < i and not last)
             else:
                 self.stand(label, phase, bearing, node, 0 < i and not last, last)
-            self.limit(node)
+            limit(programme, request, self.scale, node.u, node.v, self.top)
+            self.keep(node)
         if bearing is not None:
             programme.require(f"sweep of the leg in {label}", span, -1.5, -0.05)
         for part, slope, unit in (("q", "v", self.units.q), ("v", "a", self.units.v)):
@@ -179,83 +148,16 @@ class _Writer:
             hermite_simpson(programme, f"motion in {label}", duration, x, f, unit)
         return request.speed * guess
 
-    def node(self, phase: str, s: float, posture: Array, stance: bool) -> _Node:
-        """Unknowns at a node, about a guess."""
-        scale, units, rng = self.scale, self.units, self.rng
-
-        def variable(part: str, *arguments: Any, unit: Any) -> Any:
-            return self.programme.variable(node_name(phase, s, part), *arguments, unit=unit)
-
-        lower, upper = self.bounds()
-        rates = np.array([self.request.speed / scale.speed, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-        fastest = np.minimum(FASTEST, self.joints("velocity") / units.v)
-        q = variable(
-            "q", np.clip(posture / units.q + 0.03 * rng.normal(size=7), lower, upper), lower, upper, unit=units.q
-        )
-        v = variable("v", rates + 0.1 * rng.normal(size=7), -fastest, fastest, 10.0, unit=units.v)
-        a = variable("a", np.zeros(7), -1500.0, 1500.0, 100.0, unit=units.a)
-        u = variable("u", np.zeros(2 if stance else 4), -600.0, 600.0, 100.0, unit=scale.torque)
-        F = None
-        if stance:
-            F = variable("F", [0.0, 430.0], [-3000.0, -1.0], [3000.0, 6000.0], 100.0, unit=scale.force)
-        return _Node(q, v, a, u, F)
-
-    def bounds(self) -> tuple[Array, Array]:
-        """Of q, in its units."""
-        shift = self.hips() / self.scale.length
-        lower, upper = np.array([-1.0, 0.3 - shift, -0.8]), np.array([FARTHEST, HIGHEST - shift, 0.8])
-        for leg in self.legs:
-            knee = sorted((-0.3 * leg.side, 2.5 * leg.side))
-            least, most = (np.array([hip, bound]) for hip, bound in zip((-1.9, 1.9), knee, strict=True))
-            if self.request.within_limits:
-                ranges = [self.robot.limits[self.robot.coordinates[i]].position for i in (leg.hip, leg.knee)]
-                low, high = np.transpose(ranges)
-                least, most = np.maximum(least, low + AWAY), np.minimum(most, high - AWAY)
-            lower, upper = np.append(lower, least), np.append(upper, most)
-        return lower, upper
-
-    def joints(self, what: str) -> Array:
-        """Limits of what the robot's file knows of its joints, (7,), infinite where that does not count."""
-        if not self.request.within_limits:
-            return np.full(self.robot.nv, np.inf)
-        limits = [
-            getattr(self.robot.limits[name], what) if name in self.robot.actuated else np.inf
-            for name in self.robot.coordinates
-        ]
-        return np.array([WITHIN * limit if 0.0 < limit < UNKNOWN else np.inf for limit in limits])
-
-    def limit(self, node: _Node) -> None:
-        """Bounds on the torques at a node."""
-        limit(self.programme, self.request, self.scale, node.u, node.v, self.top)
-        for i, most in enumerate(self.joints("effort")[3:]):
+    def keep(self, node: Node) -> None:
+        """Torques within what the robot's file allows."""
+        coordinates = self.room.robot.coordinates
+        for joint, torque, most in zip(
+            coordinates[3:], casadi().vertsplit(node.u), self.room.joints("effort")[3:], strict=True
+        ):
             if np.isfinite(most):
-                joint = self.robot.coordinates[3 + i]
-                at_most(self.programme, f"torque of the {joint}", node.u[i], float(most), self.scale)
+                at_most(self.programme, f"torque of the {joint}", torque, float(most), self.scale)
 
-    def hips(self) -> float:
-        """Mean height of the hips above the torso's frame, in m."""
-        level = np.zeros(self.robot.nq)
-        return float(np.mean([self.robot.frame_position(level, f"{leg.name}_hip")[1] for leg in self.legs]))
-
-    def posture(self, phase: str, x: float, s: float) -> Array:
-        """A rough guess of the configuration: level torso, legs sweeping, swing knees flexed."""
-        rest = self.request.knee_rest
-        bearing, bears, swings = 0.22 - 0.44 * s, rest + 0.2 * math.sin(math.pi * s), rest + 0.6
-        trails, comes, bends, straightens = -0.22 + 0.1 * s, 0.1 + 0.12 * s, rest + 0.3 * s, rest + 0.6 * (1.0 - s)
-        angles, knees = {
-            "posterior_stance": ((bearing, -0.2 + 0.25 * s), (bears, swings)),
-            "flight_1": ((trails, comes), (bends, straightens)),
-            "anterior_stance": ((-0.1 + 0.2 * s, bearing), (swings, bears)),
-            "flight_2": ((comes, trails), (straightens, bends)),
-        }[phase]
-        held, straight = (float(np.mean([_reach(leg, knee) for leg in self.legs])) for knee in (rest, KNEE_REST))
-        q = [x, HEIGHT * self.scale.length * held / straight - self.hips(), 0.0]
-        for leg, angle, knee in zip(self.legs, angles, knees, strict=True):
-            flexed = leg.side * knee
-            q += [angle + float(lean(*leg.lengths, flexed, math)[0]), flexed]
-        return np.array(q)
-
-    def fly(self, label: str, node: _Node, inside: bool) -> None:
+    def fly(self, label: str, node: Node, inside: bool) -> None:
         """Motion in the air, with the toes above the ground."""
         terms = self.dynamics(node.q, node.v)
         applied = casadi().vertcat(casadi().SX.zeros(3), node.u)
@@ -267,7 +169,7 @@ class _Writer:
         for leg in self.legs if inside else ():
             self.programme.require(f"toes in the air in {label}", terms[leg.toe][0][1], 0.0, scale=0.1, unit=length)
 
-    def stand(self, label: str, phase: Phase, leg: Leg, node: _Node, inside: bool, last: bool) -> None:
+    def stand(self, label: str, phase: Phase, leg: Leg, node: Node, inside: bool, last: bool) -> None:
         """Motion with a toe at rest, its force within the cone, the other leg clear of the ground."""
         ca, programme, request, scale = casadi(), self.programme, self.request, self.scale
         held = {f"{leg.name}_{part}_torque": self.law[f"{leg.name}_{part}_torque"] for part in ("hip", "knee")}
@@ -340,7 +242,7 @@ class _Writer:
         rises = (J @ first.a + dJv)[1]
         programme.require(f"toe leaves the ground into {_words(after)}", rises, 5.0, scale=10.0, unit=unit)
 
-    def strike(self, leg: Leg, before: _Node, v: Any) -> None:
+    def strike(self, leg: Leg, before: Node, v: Any) -> None:
         """The leg touches down: the toe reaches the ground, falling, and stops, by an impulse within the cone."""
         label, programme, scale, push = (
             f"{leg.name} touchdown",
@@ -446,7 +348,7 @@ def _knee(programme: Programme, name: str, leg: Leg) -> Any:
     return leg.side * programme.variable(name, 1.0, *FLEXIONS)
 
 
-def _follow(programme: Programme, label: str, phase: Phase, begun: Evolution, node: _Node, scale: Scale) -> None:
+def _follow(programme: Programme, label: str, phase: Phase, begun: Evolution, node: Node, scale: Scale) -> None:
     """ÿ = 0."""
     ca, measured = casadi(), phase.outputs.phase
     ahead, unit = gradient(measured, node.q, ca), 1.0 / scale.time**2
@@ -458,9 +360,3 @@ def _follow(programme: Programme, label: str, phase: Phase, begun: Evolution, no
         own = dot(gradient(variable, node.q, ca), node.a) + drift(variable, node.q, node.v, ca)
         missed = own - slope * second - curvature * rate * rate
         programme.require(f"motion in {label}", missed, 0.0, 0.0, scale=50.0, unit=unit)
-
-
-def _reach(leg: Leg, knee: float) -> float:
-    """From hip to toe, in m."""
-    thigh, shank = leg.lengths
-    return math.hypot(shank * math.sin(knee), thigh + shank * math.cos(knee))

@@ -37,7 +37,7 @@ class TestOfACut:
         result = printed(capsys, "bound", "--gait", cut_gait, "--cycles", 1, "--rtol", 1e-8, "--out", tmp_path)
         assert result["reason"] == "complete" and result["speed"] == pytest.approx(2.5, abs=1e-6)
         page = (tmp_path / "bound.html").read_text(encoding="utf-8")
-        assert "q_spear_full_sagittal bounding at 2.50 m/s" in page
+        assert "q_spear_full bounding at 2.50 m/s" in page
 
     def test_is_swept(self, capsys, tmp_path, cut_gait):
         asked = ("sweep", "bound", "--gait", cut_gait, "--over", "colour=1,2", "--out", tmp_path / "s.zarr")

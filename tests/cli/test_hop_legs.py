@@ -41,7 +41,7 @@ def test_a_leg_hops(capsys, dog, tmp_path):
     hop = simulate(gait, (trajectory.q[0], trajectory.v[0]), 1)
     np.testing.assert_allclose(hop.q[-1], trajectory.q[trajectory.cycle == 1][-1], rtol=0, atol=1e-8)
     page = (tmp_path / "hop.html").read_text(encoding="utf-8")
-    assert "made_HR hopping in place" in page and "not drawn" not in page and "drawn as bones" not in page
+    assert "made, leg HR, hopping in place" in page and "not drawn" not in page and "drawn as bones" not in page
 
 
 def test_a_leg_is_saved(capsys, dog, tmp_path):
@@ -141,7 +141,7 @@ def test_mistakes(capsys, dog, options, said):
 
 
 def test_a_knee_of_which_the_side_is_not_known(capsys, blank):
-    assert "--side is None; expected 1 or -1: made does not tell to which side" in refused(
+    assert "--side is None; expected 1 if FL_bend points forward as it flexes, -1 if backward: made" in refused(
         capsys, "hop", "--robot", blank
     )
 
