@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
 LONGER = (1.0, 1.15, 1.3)  # of another leg, in turn: where stance and square wave last alike there is no hop
+SHORTER = (0.9, 0.8, 0.65, 0.5)  # of another leg whose joints may not turn as fast, in turn
 SPRING = ("stiffness", "hardening", "preload")  # options of the spring
 RIG = ("current_limit", "bandwidth", "noise", "losses", "seed")  # options of --hardware
 
@@ -94,10 +96,12 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     system = hopping(robot, law, spring, ground=Ground(slope=arguments.slope, **friction))
     if rig is not None:  # solved with what has no memory, and without noise
         system = with_hardware(system, replace(rig, bandwidth=None, sensing=None).on(robot))
-    times: list[float | None] = [arguments.flight_time]
-    if arguments.flight_time is None and arguments.stance_torque is None:
-        times = [longer * scale * FLIGHT_TIME for longer in ((1.0,) if other is None else LONGER)]
-    gait = _solved(system, times, arguments.free_x)
+    notes: list[tuple[str, str]] = []
+    if other is not None and arguments.flight_time is None and arguments.stance_torque is None:
+        gait, notes = _within_limits(system, scale * FLIGHT_TIME, arguments.free_x)
+    else:
+        time = FLIGHT_TIME if arguments.flight_time is None else arguments.flight_time
+        gait = _solved(system, [time if arguments.stance_torque is None else None], arguments.free_x)
     trajectory = simulate(with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol)
     samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
     saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
@@ -115,7 +119,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     }
     if trajectory.cycles:
         pictures[plots] = lambda path: save_figure(hop_summary(trajectory, gait), path)
-    told = [*rests_on(robot), *beyond(excess)]
+    told = [*notes, *rests_on(robot), *beyond(excess)]
     files = [page, samples, *([plots] if plots in pictures else []), *saved]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
@@ -124,6 +128,27 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "opened": page if arguments.open else None,
         "text": _text(summary, [*told, *shows(shown), ("files", ", ".join(map(str, files)))]),
     }
+
+
+def _within_limits(system: HybridSystem, time: float, free: bool) -> tuple[Gait, list[tuple[str, str]]]:
+    """A leg's hop of about this flight time, in s, shorter where its joints could not; and what is said of it.
+
+    Where none is within the limits of the joints, it is the one of the flight time that was wanted.
+    """
+    from spear_pin import simulate
+    from spear_pin.studies.joint_limits import excesses
+
+    def over(gait: Gait) -> list[str]:
+        return [str(each) for each in excesses(system.robot, simulate(gait.system, gait.state, 1))]
+
+    first = _solved(system, [longer * time for longer in LONGER], free)
+    reasons = over(first)
+    for shorter in SHORTER if reasons else ():
+        with suppress(SpearError):
+            gait = _solved(system, [shorter * time], free)
+            if not over(gait):
+                return gait, [(f"in the air {first.durations['flight']:.3g} s", "; ".join(reasons))]
+    return first, []
 
 
 def _solved(system: HybridSystem, flight_times: Sequence[float | None], free: bool) -> Gait:
