@@ -89,7 +89,8 @@ def one_leg(arguments: argparse.Namespace, locked: list[str]) -> Robot | None:
 
     names = [leg.name for leg in robot.legs]
     if not names:
-        raise BadValue("--robot", arguments.robot, "a robot with a leg: a hip and a knee about the y axis, and a toe")
+        expected = "a robot, x forward and z up, with a leg: a hip and a knee about the y axis, and a toe"
+        raise BadValue("--robot", arguments.robot, expected)
     if arguments.leg is not None and arguments.leg not in names:
         raise UnknownName("leg", arguments.leg, names)
     leg = robot.legs[0 if arguments.leg is None else names.index(arguments.leg)]
