@@ -29,17 +29,18 @@ def made(folder, **of_leg):
     return sagittal(load(path))
 
 
+@pytest.fixture(scope="module", params=MADE.values(), ids=MADE)
+def found(request, tmp_path_factory):
+    robot = made(tmp_path_factory.mktemp("made"), **request.param)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        return robot, *search(robot, Request.scaled(robot))
+
+
 @pytest.mark.slow
 @pytest.mark.extra("casadi")
 @pytest.mark.extra("heyoka")
 class TestSearch:
-    @pytest.fixture(scope="class", params=MADE.values(), ids=MADE)
-    def found(self, request, tmp_path_factory):
-        robot = made(tmp_path_factory.mktemp("made"), **request.param)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)
-            return robot, *search(robot, Request.scaled(robot))
-
     def test_a_fixed_point_that_keeps_its_energy(self, found):
         robot, gait, _ = found
         motion = simulate(gait.system, gait.state, 2, progress=False)
