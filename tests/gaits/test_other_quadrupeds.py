@@ -10,7 +10,10 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.bounding_law import legs_of
 from spear_pin.gaits.optimize import search
 from spear_pin.gaits.request import SPARE, Request
+from spear_pin.hybrid.result import Options
+from spear_pin.hybrid.run import run
 from spear_pin.model.scale import scale_of
+from spear_pin.studies.audit.zero_dynamics import largest_output
 from spear_pin.studies.bound import summarize
 from spear_pin.studies.joint_limits import excesses
 from tests.hybrid.lanes import assert_agree
@@ -56,6 +59,11 @@ class TestSearch:
         effort = summarize(gait, simulate(gait.system, gait.state, progress=False))["effort"]
         unit = scale.torque**2 * scale.time / scale.length
         assert solution.objective == pytest.approx(0.01 * effort / unit, rel=2e-3)
+
+    def test_outputs_stay_at_zero(self, found):
+        robot, gait, _ = found
+        stride = run(gait.system, gait.state, 1, Options(keep=True))
+        assert largest_output(robot, stride) < 1e-6
 
     def test_lanes(self, found):
         _, gait, _ = found
