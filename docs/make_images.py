@@ -1,9 +1,9 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
 Parts are hop, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep. The first three need
-Chromium, `another` the extras `robots` and `optimize`; those of the design studies and of the drivetrain take some minutes; the latter print the table of docs/motors.md. The
-picture on top of the README is what the recorded page shows at one instant, beside plots of the same hop with that
-instant marked.
+Chromium, another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain take some
+minutes; the latter print the table of docs/motors.md. The picture on top of the README is what the recorded page shows at
+one instant, beside plots of the same hop with that instant marked.
 """
 
 from __future__ import annotations
