@@ -124,6 +124,7 @@ def _assumed(base: str, power: float) -> Entry:
 _MAXON = "maxon catalogue, from memory"
 _FAULHABER = "Faulhaber data sheet of 2012"
 _MAXON_2006 = "maxon catalogue of April 2006, p. 197, as transcribed in a public repository"
+_ODRI = "actuator of a public project for open legged robots"
 _SAME_HEAT = "that of the 24 V winding: equal heat in equal copper"
 
 MOTORS: dict[str, Entry] = {
@@ -189,6 +190,14 @@ MOTORS: dict[str, Entry] = {
         **_given("datasheet seen", _FAULHABER, torque_constant=0.0398, resistance=0.64, inductance=180e-6),
         **_given("datasheet seen", _FAULHABER, rotor_inertia=120 * G_CM2, nominal_torque=0.157, no_load_current=0.168),
         **_given("datasheet seen", _FAULHABER, max_speed=8000 * RPM, mass=0.390, nominal_voltage=24.0),
+    },
+    "antigravity_4004_300kv": {
+        **_given("secondary source", _ODRI, torque_constant=0.025, mass=0.053),
+        **_given("secondary source", f"{_ODRI}: 3/2 of 0.2326 Ω and 0.14 mH a phase", resistance=0.349),
+        **_given("secondary source", f"{_ODRI}: 3/2 of 0.2326 Ω and 0.14 mH a phase", inductance=0.21e-3),
+        **_given("secondary source", "robot descriptions of the same project", rotor_inertia=4.5e-6),
+        **_given("assumption", "heat of 9 W; 12 A are for moments", nominal_current=5.0),
+        **_given("assumption", "5 A at 24 V", nominal_voltage=24.0, rated_power=120.0),
     },
 }
 MOTORS["assumed_600w"] = _assumed("ec_90_flat_260w", 600.0)
