@@ -155,6 +155,11 @@ class _Work:
     def at(self, point: Point) -> Finding | None:
         return cheapest(self.tries.get(point, ()))
 
+    def improved(self, finding: Finding) -> bool:
+        """Whether a point's gait is better than the first that was found for it."""
+        first = next(each for each in self.tries[finding.point] if each.figures is not None)
+        return finding.cost < (1.0 - BETTER) * first.cost
+
     def slowest(self, points: Sequence[Point]) -> Finding:
         """The gait of the first point that has one, from cold."""
         reasons = []
@@ -194,11 +199,8 @@ class _Work:
             searches = []
             for point in grid:
                 own = self.at(point)
-                for each in self._from_neighbours(grid, point):
-                    assert each.start is not None
-                    before = self.tries[each.start.point]
-                    if own is not None and each.start is not before[0] and each.start.cost < (1 - BETTER) * before[0].cost:
-                        searches.append(each)
+                better = [each for each in self._from_neighbours(grid, point) if each.start and self.improved(each.start)]
+                searches += better if own is not None else []
             if not searches:
                 return
             self.search(searches)

@@ -83,6 +83,13 @@ def request(robot: Robot, point: Point, knee: Drive, hip: Drive) -> Request:
     """What a search is asked at a point: least electrical cost of transport, within motors and limits."""
     stiffness = None if point.stiffness is None else PAIR * point.stiffness
     asked = Request.scaled(
-        robot, speed=point.speed, objective="electrical", stiffness=stiffness, knee_drive=knee, hip_drive=hip
+        robot,
+        speed=point.speed,
+        objective="electrical",
+        stiffness=stiffness,
+        virtual_stiffness=None,  # with one that is given, a spring that is like it would have the advantage
+        minimum_knee_torque=0.0,
+        knee_drive=knee,
+        hip_drive=hip,
     )
     return replace(asked, rest=asked.knee_touchdown) if point.kind == FIXED else asked
