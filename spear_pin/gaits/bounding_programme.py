@@ -107,9 +107,7 @@ class _Writer:
         self.weight, self.dynamics = robot.mass * planar.gravity, _dynamics(planar)
         self.law = _law(programme, request, self.scale)
         # what `support` reads of a law
-        self.p: Any = SimpleNamespace(
-            virtual_stiffness=self.law["virtual_stiffness"], knee_rest=request.knee_rest
-        )
+        self.p: Any = SimpleNamespace(virtual_stiffness=self.law["virtual_stiffness"], knee_rest=request.knee_rest)
         self.stiffness: Any = request.stiffness
         if request.stiffness is None:
             unit = self.scale.torque

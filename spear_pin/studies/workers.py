@@ -33,7 +33,8 @@ def each(
     Args:
         function: of a module, for it goes to other processes.
         arguments: of each call.
-        n_jobs: processes, 1 for this one; None: that of `joblib.parallel_config`, in which a Dask cluster can be named, else one.
+        n_jobs: processes, 1 for this one; None: that of `joblib.parallel_config`, in which a Dask cluster can be named,
+            else one.
         purpose: what needs joblib, in words.
 
     Raises:

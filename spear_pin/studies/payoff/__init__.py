@@ -9,6 +9,7 @@ from spear_pin.studies.payoff.bounds import Study, bounds
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.grid import KINDS, Grid, Point
 from spear_pin.studies.payoff.motors import Motors, assumed, fitted, of_file
+from spear_pin.studies.payoff.rests import rests_of
 from spear_pin.studies.payoff.searches import Finding, Search
 from spear_pin.studies.payoff.store import Store
 
@@ -29,4 +30,5 @@ __all__ = [
     "figures",
     "fitted",
     "of_file",
+    "rests_of",
 ]

@@ -11,6 +11,7 @@ from spear_pin.studies.payoff.bounds import Study
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point
 from spear_pin.studies.payoff.searches import Finding
 
+PEAKS = {NONE: "without a spring", FIXED: "with a fixed one", SWITCHED: "with a switchable one"}
 LEAST = 0.02  # of a cost: a smaller saving pays for no spring, whatever the doubt
 
 
@@ -45,9 +46,7 @@ def answer(study: Study) -> Answer:
     """What follows from a study."""
     saving = {kind: _saving(study.best.get(NONE), study.best.get(kind)) for kind in (FIXED, SWITCHED)}
     by_speed = {
-        speed: {
-            kind: _saving(study.at(Point(NONE, speed)), _least(study, kind, speed)) for kind in (FIXED, SWITCHED)
-        }
+        speed: {kind: _saving(study.at(Point(NONE, speed)), _least(study, kind, speed)) for kind in (FIXED, SWITCHED)}
         for speed in study.grid.speeds
     }
     spread = max((_spread(study, each.point) for each in study.best.values()), default=0.0)
@@ -103,28 +102,30 @@ def _verdict(saving: Mapping[str, float], doubt: float) -> str:
 def _sentence(study: Study, verdict: str, saving: Mapping[str, float], doubt: float) -> str:
     if verdict == "unknown":
         return "unknown: no gait with a spring, or none without one, was found"
-    bare, speed = study.best[NONE], f"{study.speed:.3g} m/s"
-    knee = f"peak knee torque {_peak(bare):.2f} N·m without a spring"
-
-    def said(kind: str) -> str:
-        found = study.best.get(kind)
-        if found is None or found.figures is None:
-            return f"with a {kind} spring no gait was found"
-        name = "switchable" if kind == SWITCHED else kind
-        share, stiffness = 100.0 * saving[kind], found.figures.stiffness
-        does = f"saves {share:.0f} %" if share >= 0.5 else "saves nothing" if share > -0.5 else f"costs {-share:.0f} % more"
-        return (
-            f"a {name} spring of {stiffness:.3g} N·m/rad per leg {does} of the electricity"
-            f" ({found.cost:.3g}, knees {_peak(found):.2f} N·m)"
-        ).replace("more of the electricity", "more electricity")
-
-    both = f"{said(SWITCHED)}, {said(FIXED)}; at {speed}, against a cost of transport of {bare.cost:.3g} without; {knee}"
+    least = 100.0 * max(LEAST, doubt)
     opening = {
         "switchable": "yes",
-        "fixed": "a spring pays, the switch does not" if saving[FIXED] < saving[SWITCHED] else "a fixed spring pays, a switch does not",
-        "none": f"no: no spring saves more than {100 * max(LEAST, doubt):.2g} %, what the search cannot tell",
+        "fixed": "a spring pays, the switch does not",
+        "none": f"no, no spring saves more than the {least:.2g} % that the search can tell apart",
     }[verdict]
-    return f"{opening}: {both}"
+    first, second = (FIXED, SWITCHED) if verdict == "fixed" else (SWITCHED, FIXED)
+    bare = study.best[NONE].cost
+    costs = f" ({study.best[first].cost:.3g} against {bare:.3g} without)" if first in study.best else ""
+    peaks = ", ".join(f"{_peak(study.best[kind]):.3g} {word}" for kind, word in PEAKS.items() if kind in study.best)
+    return (
+        f"{opening}: at {study.speed:.3g} m/s {_does(study, first, saving)}{costs}, {_does(study, second, saving)};"
+        f" peak knee torque, in N·m: {peaks}"
+    )
+
+
+def _does(study: Study, kind: str, saving: Mapping[str, float]) -> str:
+    """What a spring of a kind saves, in words."""
+    found, name = study.best.get(kind), {FIXED: "fixed", SWITCHED: "switchable"}[kind]
+    if found is None or found.figures is None:
+        return f"with a {name} spring no gait was found"
+    share = 100.0 * saving[kind]
+    does = f"saves {share:.1f} % of" if share >= 0.0 else f"adds {-share:.1f} % to"
+    return f"a {name} spring of {found.figures.stiffness:.3g} N·m/rad per leg {does} the electricity"
 
 
 def _peak(finding: Finding) -> float:

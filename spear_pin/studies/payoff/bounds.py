@@ -1,4 +1,4 @@
-"""Payoff study of a bound: the gait of least electrical cost for each knee, stiffness and speed, from several starts."""
+"""Payoff study of a bound: the gait of least electrical cost for each knee, stiffness and speed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.motor import Drive
 from spear_pin.model.robot import Robot
 from spear_pin.studies.design import points_of
-from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED, Grid, Point
+from spear_pin.studies.payoff.grid import FIXED, FREE, KINDS, NONE, SWITCHED, Grid, Point
 from spear_pin.studies.payoff.motors import PARTS, Motors, assumed, fitted, of_file, own_rotors
 from spear_pin.studies.payoff.searches import Finding, Search, Searcher, Tell
 from spear_pin.studies.payoff.store import Store
@@ -114,6 +114,7 @@ def bounds(
         "drives": {part: asdict(drive) for part, drive in drives.items()},
         "bus": bus,
         "settings": None if robot.settings is None else str(robot.settings),
+        "request": str(replace(scaled, **FREE)),
     }
     store = Store(path, asked)
     motors = _motors(robot, drives, bus, speeds, store, tell)
@@ -128,10 +129,8 @@ def bounds(
     for _ in range(PASSES - 1):
         work.again(grid)
     best, speed = work.best(grid)
-    finer = {
-        kind: found
-        for kind, found in zip(best, searcher.find([Search(each.point, each, FINER) for each in best.values()]), strict=True)
-    }
+    again = searcher.find([Search(each.point, each, FINER) for each in best.values()])
+    finer = dict(zip(best, again, strict=True))
     everything = [*(each for row in work.tries.values() for each in row), *finer.values()]
     seconds = sum({each.key: each.seconds for each in everything}.values())
     return Study(searcher.robot, motors, grid, work.tries, best, finer, speed, chosen, seconds)
@@ -199,8 +198,8 @@ class _Work:
             searches = []
             for point in grid:
                 own = self.at(point)
-                better = [each for each in self._from_neighbours(grid, point) if each.start and self.improved(each.start)]
-                searches += better if own is not None else []
+                near = self._from_neighbours(grid, point) if own is not None else []
+                searches += [each for each in near if each.start and self.improved(each.start)]
             if not searches:
                 return
             self.search(searches)
@@ -212,7 +211,7 @@ class _Work:
         return [each for start in starts if (each := Search(point, start)).key not in done]
 
     def best(self, grid: Grid) -> tuple[dict[str, Finding], float]:
-        """Of each kind the best at the speed at which the switchable spring costs least, its stiffness chosen freely."""
+        """Of each kind the best at the speed at which a switchable spring costs least, its stiffness free."""
         found = [each for point in grid if point.kind == SWITCHED and (each := self.at(point)) is not None]
         everything = [each for point in grid if (each := self.at(point)) is not None]
         speed = min(found or everything, key=lambda each: each.cost).point.speed
@@ -243,14 +242,15 @@ def _motors(
     if missing := [part for part in PARTS if part not in found]:
         takes = _taken(robot, speeds, store, tell)
         for part in missing:
-            found[part] = assumed(robot, part, *takes["takes"][part], bus)
+            torque, rate = takes["takes"][part]
+            found[part] = assumed(robot, part, torque, rate, bus)
             said[part] = "assumed"
             own += [part] * (part in own_rotors(robot))
     return Motors(found["knee"], found["hip"], said, tuple(own))
 
 
 def _taken(robot: Robot, speeds: Sequence[float], store: Store, tell: Tell) -> dict[str, Any]:
-    """Torque and speed that a bound of least effort without springs takes of each part, at the fastest speed that has one.
+    """Torque and speed of each part in a bound of least effort without springs, the fastest that there is.
 
     Raises:
         NoGait, Infeasible: there is none.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import PAIR
@@ -13,6 +14,8 @@ from spear_pin.model.robot import Robot
 
 NONE, FIXED, SWITCHED = KINDS = ("none", "fixed", "switched")
 WORDS = {NONE: "no spring", FIXED: "a fixed spring", SWITCHED: "a switchable spring"}
+# with a virtual stiffness that is given, a spring that is like it would have the advantage
+FREE: dict[str, Any] = {"virtual_stiffness": None, "minimum_knee_torque": 0.0}
 
 
 @dataclass(frozen=True)
@@ -87,8 +90,7 @@ def request(robot: Robot, point: Point, knee: Drive, hip: Drive) -> Request:
         speed=point.speed,
         objective="electrical",
         stiffness=stiffness,
-        virtual_stiffness=None,  # with one that is given, a spring that is like it would have the advantage
-        minimum_knee_torque=0.0,
+        **FREE,
         knee_drive=knee,
         hip_drive=hip,
     )

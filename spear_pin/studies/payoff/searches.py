@@ -123,9 +123,7 @@ def attempt(robot: Robot, motors: Motors, asked: Search) -> Finding:
         found = figures(gait, motors, wanted)
     except (Infeasible, NoGait, BadValue) as error:  # the last where a stride that was found is none
         return replace(finding, seconds=time.process_time() - begun, reason=str(error))
-    return replace(
-        finding, seconds=time.process_time() - begun, figures=found, gait=written(gait), solution=solution
-    )
+    return replace(finding, seconds=time.process_time() - begun, figures=found, gait=written(gait), solution=solution)
 
 
 def written(gait: Gait) -> dict[str, Any]:
@@ -143,10 +141,8 @@ def written(gait: Gait) -> dict[str, Any]:
 
 def rebuilt(robot: Robot, said: Mapping[str, Any]) -> Gait:
     """The gait of a robot that `written` wrote."""
-    law, spring = (
-        kind(**{name: _tuples(value) for name, value in said[part].items()})
-        for kind, part in ((BoundingLaw, "law"), (Spring, "spring"))
-    )
+    law = BoundingLaw(**{name: _tuples(value) for name, value in said["law"].items()})
+    spring = Spring(**{name: _tuples(value) for name, value in said["spring"].items()})
     q, v = (np.array(part, dtype=float) for part in said["state"])
     multipliers = np.array([complex(*pair) for pair in said["multipliers"]])
     system = bounding(robot, law, spring)
