@@ -137,7 +137,8 @@ def rests_on(robot: Robot) -> list[tuple[str, str]]:
         lines.append(f"{robot.settings.path} says: {', '.join(said) or 'no springs, nor motors'}")
     if not robot.model.armature.any():
         lines.append("rotors without inertia: the file names none")
-    what = "the leg" if robot.cut.kind == "monopod" else "the plane"
+    what, own = ("the leg", "SPEAR-II") if robot.cut.kind == "monopod" else ("the plane", "Q-SPEAR")
+    lines.append(f"springs, gains and torques that neither a file nor an option gives: {own}'s, scaled")
     return [("" if i else what, line) for i, line in enumerate(lines)]
 
 

@@ -149,6 +149,7 @@ def test_what_it_rests_on_is_printed(capsys, dog, tmp_path):
         "hip = FL_pitch, knee = -FL_bend",
         "held at zero: FL_swing",
         "toe out of the hip's",
+        "neither a file nor an option gives: SPEAR-II's, scaled",
     ):
         assert said in out
 
