@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
-from spear_pin.cli.legs import add_leg, beyond, called, one_leg, rests_on
-from spear_pin.cli.output import aligned, iterations, shows
+from spear_pin.cli.legs import add_leg, called, doubted, one_leg, rests_on, stability
+from spear_pin.cli.output import aligned, iterations, progress, shows
 from spear_pin.errors import BadValue, NoGait, SpearError
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from spear_pin.studies.hardware import Rig
 
 FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
-LONGER = (1.0, 1.15, 1.3)  # of another leg, in turn: where stance and square wave last alike there is no hop
 SPRING = ("stiffness", "hardening", "preload")  # options of the spring
 RIG = ("current_limit", "bandwidth", "noise", "losses", "seed")  # options of --hardware
 
@@ -65,7 +64,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.hybrid.parameters import with_hardware
     from spear_pin.model.scale import scale_of
     from spear_pin.studies.hop import summarize
-    from spear_pin.studies.joint_limits import excesses
+    from spear_pin.studies.hop_of_another import hop_of
+    from spear_pin.studies.joint_limits import doubts, excesses
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
     from spear_pin.viz.plots import hop_summary, save_figure
@@ -94,15 +94,19 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     system = hopping(robot, law, spring, ground=Ground(slope=arguments.slope, **friction))
     if rig is not None:  # solved with what has no memory, and without noise
         system = with_hardware(system, replace(rig, bandwidth=None, sensing=None).on(robot))
-    times: list[float | None] = [arguments.flight_time]
-    if arguments.flight_time is None and arguments.stance_torque is None:
-        times = [longer * scale * FLIGHT_TIME for longer in ((1.0,) if other is None else LONGER)]
-    gait = _solved(system, times, arguments.free_x)
+    if other is not None and arguments.flight_time is None and arguments.stance_torque is None:
+        with progress() as show:
+            show(f"looking for a hop of {called(robot)}")
+            gait = hop_of(system, scale * FLIGHT_TIME)
+    else:
+        wanted = FLIGHT_TIME if arguments.stance_torque is None else None
+        gait = _solved(system, wanted if arguments.flight_time is None else arguments.flight_time, arguments.free_x)
     trajectory = simulate(with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol)
     samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
     saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
     excess = excesses(robot, trajectory)
-    summary = summarize(gait, trajectory) | {"beyond_limits": [asdict(each) for each in excess]}
+    doubt = doubts(gait, excess)
+    summary = summarize(gait, trajectory) | {"beyond_limits": [asdict(each) for each in excess], "implausible": doubt}
     if robot.cut is not None:
         summary["cut"] = str(robot.cut)
     if trajectory.electrical is not None and trajectory.cycles:
@@ -115,7 +119,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     }
     if trajectory.cycles:
         pictures[plots] = lambda path: save_figure(hop_summary(trajectory, gait), path)
-    told = [*rests_on(robot), *beyond(excess)]
+    told = [*rests_on(robot), *doubted(doubt)]
     files = [page, samples, *([plots] if plots in pictures else []), *saved]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
@@ -126,25 +130,20 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _solved(system: HybridSystem, flight_times: Sequence[float | None], free: bool) -> Gait:
-    """The hop with the first of some flight times that has one; None: with the stance torque as it is."""
+def _solved(system: HybridSystem, flight_time: float | None, free: bool) -> Gait:
+    """The hop with a flight time, or of None with the stance torque as it is."""
     from spear_pin import find_gait
 
     drift = {"hip_touchdown": ("mean_speed", 0.0)} if free else {}
-    failures = []
-    for time in flight_times:
-        solved = drift if time is None else {"stance_torque": ("flight_time", time), **drift}
-        target: Any = dict(solved.values())
-        try:
-            with iterations() as tell:
-                return find_gait(system, list(solved), target, on_iteration=tell)
-        except NoGait as error:
-            failures.append(error)
-    nearer = "nearer to the defaults there is one: change less, or --knee as well"
-    if len(failures) > 1:
-        asked = ", ".join(f"{time:.3g}" for time in flight_times)
-        nearer = f"nor with flight times of {asked} s: give another --flight-time, --frequency or --stiffness"
-    raise SpearError(f"{failures[0]}; {nearer}") from None
+    solved = drift if flight_time is None else {"stance_torque": ("flight_time", flight_time), **drift}
+    target: Any = dict(solved.values())
+    try:
+        with iterations() as tell:
+            return find_gait(system, list(solved), target, on_iteration=tell)
+    except NoGait as error:
+        if error.remedy:
+            raise
+        raise SpearError(f"{error}; nearer to the defaults there is one: change less, or --knee as well") from None
 
 
 def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
@@ -175,7 +174,6 @@ def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
 
 
 def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
-    largest = abs(summary["multipliers"][0])
     rows = [
         ("stance torque", f"{summary['stance_torque']:.4f} N·m"),
         ("commanded hip, knee", f"{summary['hip_touchdown']:.4f}, {summary['knee_touchdown']:.4f} rad"),
@@ -184,7 +182,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         ("peak ground force", f"{summary['peak_force']:.1f} N"),
         ("spring's share", f"{100 * summary['spring_share']:.1f} % of the push"),
         ("multipliers", ", ".join(f"{value:.4f}" for value in summary["multipliers"])),
-        ("", f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"),
+        ("", stability(summary["multipliers"], summary["implausible"])),
         ("fixed point", f"residual {summary['residual']:.1e}"),
         *_motors(summary),
         *_electrical(summary),

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from spear_pin.model.robot import Robot
-    from spear_pin.studies.joint_limits import Excess
 
 NAMES = {"spear_ii": "SPEAR-II", "q_spear": "Q-SPEAR"}
 OPTIONS = ("leg", "side", "body", "repair")
@@ -140,6 +139,13 @@ def rests_on(robot: Robot) -> list[tuple[str, str]]:
     return [("" if i else what, line) for i, line in enumerate(lines)]
 
 
-def beyond(excesses: Sequence[Excess]) -> list[tuple[str, str]]:
-    """Limits that are not kept, a line each."""
-    return [("" if i else "beyond its limits", str(excess)) for i, excess in enumerate(excesses)]
+def doubted(doubts: Sequence[str]) -> list[tuple[str, str]]:
+    """What makes a gait implausible, a line each."""
+    return [("" if i else "implausible", doubt) for i, doubt in enumerate(doubts)]
+
+
+def stability(multipliers: Any, doubts: Sequence[str]) -> str:
+    """Whether a gait is stable, in words; of one that is implausible that is said with it."""
+    largest = abs(multipliers[0])
+    said = f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"
+    return f"{said} as computed, but implausible, see below" if doubts else said

@@ -1,0 +1,55 @@
+"""A first hop of somebody else's leg: as asked, beyond a gap, or the cause why there is none."""
+
+from dataclasses import replace
+
+import pytest
+
+from spear_pin import HoppingLaw, Spring, hopping, load, monopod
+from spear_pin.errors import BadValue, NoGait
+from spear_pin.studies.hop_of_another import hop_of
+from tests.model.legged import quadruped
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    path = tmp_path_factory.mktemp("robots") / "dog.urdf"
+    path.write_text(quadruped(), encoding="utf-8")
+    return load(path, base="fixed", motors="all")
+
+
+def hop(whole, *, free=False, body="share", **law):
+    leg = monopod(whole, "HR", body, locked=[] if free else ["boom_x"])
+    return hopping(leg, replace(HoppingLaw.scaled(leg), **law), Spring.scaled(leg))
+
+
+def test_as_long_as_asked(whole):
+    gait = hop_of(hop(whole), 0.18)
+    assert gait.durations["flight"] == pytest.approx(0.18, abs=1e-8) and gait.stable
+
+
+def test_beyond_a_gap(whole):
+    gait = hop_of(hop(whole), 0.16)
+    assert gait.durations["flight"] == pytest.approx(1.15 * 0.16, abs=1e-8)
+
+
+@pytest.mark.slow
+def test_stays_where_it_is(whole):
+    gait = hop_of(hop(whole, free=True), 0.18)
+    assert set(gait.parameters) == {"stance_torque", "hip_touchdown"}
+    assert gait.system.measures["mean_speed"] and abs(gait.state[0][0]) < 1e-9
+
+
+@pytest.mark.slow
+def test_none(whole):
+    with pytest.raises(NoGait, match=r"the nearest flight to 0.6 s is 0\.\d* s, with .* a gap in the hops; try a flight time of 0\.17 s"):
+        hop_of(hop(whole), 0.6)
+
+
+def test_none_with_any_torque(whole):
+    with pytest.raises(NoGait, match="the frequency of 8 Hz is 2.5 times"):
+        hop_of(hop(whole, frequency=8.0), 0.16)
+
+
+def test_a_flight_that_closes_no_cycle(whole):
+    with pytest.raises(BadValue, match="target flight_time is 0.01"):
+        hop_of(hop(whole), 0.01)
