@@ -163,7 +163,7 @@ class _Writer:
         applied = casadi().vertcat(casadi().SX.zeros(3), node.u)
         for leg in self.legs if self.request.rest is not None else ():
             applied[leg.knee] += self.spring(leg, node.q)
-        motion = terms["D"] @ node.a + terms["h"] - applied
+        motion = terms["D"] @ node.a + terms["h"] + self.friction(node.v) - applied
         self.programme.require(f"motion in {label}", motion, 0.0, 0.0, scale=50.0, unit=self.units.force)
         length = self.scale.length
         for leg in self.legs if inside else ():
@@ -185,7 +185,7 @@ class _Writer:
             applied[other.knee] += self.spring(other, node.q)
         terms = self.dynamics(node.q, node.v)
         _, J, dJv = terms[leg.toe]
-        motion = terms["D"] @ node.a + terms["h"] - applied - J.T @ node.F
+        motion = terms["D"] @ node.a + terms["h"] + self.friction(node.v) - applied - J.T @ node.F
         programme.require(f"motion in {label}", motion, 0.0, 0.0, scale=50.0, unit=self.units.force)
         programme.require(
             f"motion in {label}", J @ node.a + dJv, 0.0, 0.0, scale=10.0, unit=scale.length / scale.time**2
@@ -208,6 +208,10 @@ class _Writer:
         )
         rate = dot(gradient(phase.outputs.phase, node.q, ca), node.v)
         programme.require(f"sweep of the leg in {label}", rate, -30.0, -0.3, unit=1.0 / scale.time)
+
+    def friction(self, v: Any) -> Any:
+        """Viscous friction of the joints."""
+        return casadi().DM(self.room.robot.model.damping) * v
 
     def spring(self, leg: Leg, q: Any) -> Any:
         """Torque of the physical spring, smooth about its rest angle where the knee may pass that."""

@@ -33,6 +33,7 @@ HIGHEST = 0.9  # m: of the torso
 SHORTEST_FLIGHT, LONGEST_PHASE = 0.02, 0.4  # s
 FLEXED = 2.4  # rad: of a knee
 STEEPEST = 1.2  # rad: of a leg
+SURE = 0.9375  # of the ground's friction: of all of it a foot slips between nodes
 SPARE = 0.1  # rad: between where a knee lands and where it cannot straighten any farther
 
 
@@ -97,7 +98,7 @@ class Request:
         """Q-SPEAR's request for a robot of another size, within the limits of its joints.
 
         Forces go by m g, torques and stiffnesses by m g l, times by √(l/g), speeds by √(g l). A knee that cannot
-        straighten as far as 40° lands and rests at `SPARE` more than it can. All the friction there is may be used:
+        straighten as far as 40° lands and rests at `SPARE` more than it can. Most of the friction there is may be used:
         legs whose knees point backward strike the ground at a slant.
 
         Args:
@@ -119,7 +120,7 @@ class Request:
             "virtual_stiffness": one.virtual_stiffness * scale.torque,
             "knee_touchdown": bent,
             "knee_rest": bent,
-            "friction": Contact().friction,
+            "friction": SURE * Contact().friction,
             "within_limits": True,
         }
         unknown = values.keys() - vars(one).keys()

@@ -125,7 +125,7 @@ def gait_beside(
     measures = tuple(system.measures[name] for name in target)
     search = _Search(tuple(vary), measures, np.array(list(target.values()), dtype=float), rtol, lambda n, norm: None)
     try:
-        return search.gait(*search.directly(system, state))
+        return search.gait(*search.newton(system, state, search.wanted, rtol, min(TOLERANCE, rtol)))
     except _Hopeless:
         raise NoGait(f"cycles take more than {EVALUATIONS} evaluations each", np.inf) from None
 

@@ -14,6 +14,7 @@ from spear_pin.model.motor import UNITS, Gearbox, Motor
 Verification = Literal[
     "source document",  # stated by the document that this package follows
     "datasheet seen",
+    "published",  # by the makers of another robot, in a paper or a simulator of it
     "secondary source",  # somebody's transcription of a datasheet
     "recollection",  # from memory: verify before relying on it
     "computed",  # from numbers of the source document
@@ -124,6 +125,8 @@ def _assumed(base: str, power: float) -> Entry:
 _MAXON = "maxon catalogue, from memory"
 _FAULHABER = "Faulhaber data sheet of 2012"
 _MAXON_2006 = "maxon catalogue of April 2006, p. 197, as transcribed in a public repository"
+_HOPPY = "simulator of HOPPY, arXiv 2010.14580"
+_MUPS = "repository of SurGE, arXiv 2606.21866, at the joint"
 _SAME_HEAT = "that of the 24 V winding: equal heat in equal copper"
 
 MOTORS: dict[str, Entry] = {
@@ -190,6 +193,11 @@ MOTORS: dict[str, Entry] = {
         **_given("datasheet seen", _FAULHABER, rotor_inertia=120 * G_CM2, nominal_torque=0.157, no_load_current=0.168),
         **_given("datasheet seen", _FAULHABER, max_speed=8000 * RPM, mass=0.390, nominal_voltage=24.0),
     },
+    "hoppy_gearmotor": {
+        **_given("published", f"{_HOPPY}: of its voltage", torque_constant=0.0186),
+        **_given("published", _HOPPY, resistance=1.3, rotor_inertia=7e-6),
+    },
+    "mups_v2_joint": _given("published", _MUPS, torque_constant=0.945, resistance=0.17),
 }
 MOTORS["assumed_600w"] = _assumed("ec_90_flat_260w", 600.0)
 

@@ -28,7 +28,7 @@ class Shipped:
     """A robot that comes with the package.
 
     Attributes:
-        file: its URDF in `spear_pin.urdf`.
+        file: its URDF in `spear_pin.urdf`; a TOML file may be beside it.
         toes: frame names of its toes.
         summary: one line about it.
         provenance: where its numbers come from.
@@ -75,6 +75,18 @@ ROBOTS = {
         ("left_toe", "right_toe"),
         "biped of two SPEAR-II legs in the sagittal plane",
         "legs as spear_ii; the source suggests it (Section 6.2.4), the torso is an assumption",
+    ),
+    "hoppy_leg": Shipped(
+        "hoppy_leg.urdf",
+        ("toe",),
+        "HOPPY's leg on a slider in the place of its boom, with its knee spring and motors",
+        "arXiv 2010.14580 and its simulator; the slider is an assumption",
+    ),
+    "mups_v2": Shipped(
+        "mups_v2.urdf",
+        ("toe",),
+        "monoped MUPS v2 in the sagittal plane, with its knee spring and motors",
+        "arXiv 2606.21866 and its repository; the point toe is an assumption",
     ),
 }
 

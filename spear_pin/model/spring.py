@@ -43,8 +43,9 @@ class Spring:
             to rest on the stop knocks at it ever faster, for the chain does not give: one that does is a table that
             begins steeply. Only a unilateral spring has a preload: another rests where it does not pull.
         table: points (δ, τ) with τ the torque against flexion, in rad and N·m, in the place of k δ, so that the
-            stiffness is 0: between them a smooth curve that rises as they do, see `curve.through`, beyond them straight
-            on. They begin with (0, 0), or are on both sides of it if the spring is not unilateral.
+            stiffness is 0: between them a smooth curve that rises and falls as they do, see `curve.through`, beyond
+            them straight on. They begin with (0, 0), or are on both sides of it if the spring is not unilateral. Where
+            the torque falls, as behind the best lever of a linkage, it may not change its sign.
     """
 
     stiffness: float = 48.84
@@ -134,18 +135,21 @@ def _checked(table: Any, unilateral: bool) -> tuple[tuple[float, float], ...]:
         BadValue: they are none of a spring.
     """
     where = "the first of them (0, 0)" if unilateral else "(0, 0) between the first and the last"
-    expected = f"up to {MOST_POINTS} points (rad, N·m) that rise in the first and do not fall in the second, {where}"
+    signs = "whose second has the sign of the first, or is 0"
+    expected = f"up to {MOST_POINTS} points (rad, N·m) that rise in the first and {signs}, {where}"
     try:
         points = tuple((float(angle), float(torque)) for angle, torque in table)
     except (TypeError, ValueError):
         raise BadValue("Spring.table", table, expected) from None
     if not points:
         return points
-    steps, rises = np.diff(np.array(points), axis=0).T
-    rising = (steps > 0.0).all() and (rises >= 0.0).all() and (rises <= STIFFEST * steps).all()  # which no NaN is
+    angles, torques = np.array(points).T
+    steps, rises = np.diff(angles), np.diff(torques)
+    rising = (steps > 0.0).all() and (abs(rises) <= STIFFEST * steps).all()  # which no NaN is
+    pulling = (angles * torques >= 0.0).all()
     placed = points.index((0.0, 0.0)) if (0.0, 0.0) in points else None
     fits = placed == 0 if unilateral else placed not in (None, 0, len(points) - 1)
-    if not (rising and fits and 2 <= len(points) <= MOST_POINTS and np.isfinite(points).all()):
+    if not (rising and pulling and fits and 2 <= len(points) <= MOST_POINTS and np.isfinite(points).all()):
         raise BadValue("Spring.table", table, expected)
     return points
 

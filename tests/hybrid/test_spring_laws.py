@@ -21,7 +21,8 @@ HARDENING = Spring(40.0, hardening=60.0)
 PRELOADED = Spring(30.0, preload=4.0, hardening=20.0)
 POINTS = ((0.0, 0.0), (0.05, 1.5), (0.15, 6.0), (0.3, 13.0), (0.6, 40.0))
 TABLED = Spring(0.0, table=POINTS)
-SPRINGS = [HARDENING, PRELOADED, TABLED, Spring(0.0, 1.0, hardening=5.0, preload=2.0, table=POINTS)]
+FALLING = Spring(0.0, table=((0.0, 0.0), (0.1, 12.0), (0.25, 25.0), (0.35, 28.0), (0.7, 25.0)))  # behind the best lever
+SPRINGS = [HARDENING, PRELOADED, TABLED, FALLING, Spring(0.0, 1.0, hardening=5.0, preload=2.0, table=POINTS)]
 EITHER_WAY = ((-0.5, -30.0), (-0.1, -4.0), (0.0, 0.0), (0.1, 5.0), (0.9, 70.0))
 STRAIGHT = Spring(0.0, table=tuple((0.1 * i, 4.884 * i) for i in range(6)))  # as the hop's is
 

@@ -123,7 +123,8 @@ def test_points_of_any_kind_are_kept_as_numbers():
         ((0.0, 0.0), (0.1,)),
         ((0.0, 0.0), (0.2, 1.0), (0.1, 2.0)),
         ((0.0, 0.0), (0.0, 1.0)),
-        ((0.0, 0.0), (0.1, 2.0), (0.2, 1.0)),
+        ((0.0, 0.0), (0.1, 2.0), (0.2, -1.0)),
+        ((0.0, 0.0), (0.1, 2.0), (0.1 + 1e-9, 1.0)),
         ((0.0, 1.0), (0.1, 2.0)),
         ((0.1, 0.0), (0.2, 2.0)),
         ((-0.1, -1.0), (0.0, 0.0), (0.2, 2.0)),
@@ -136,6 +137,18 @@ def test_points_of_any_kind_are_kept_as_numbers():
 def test_tables_that_are_none(points):
     with pytest.raises(BadValue, match=r"^Spring.table is .* \(rad, N·m\) that rise in the first .* \(0, 0\)"):
         Spring(0.0, table=points)
+
+
+def test_a_table_may_fall_behind_the_best_lever():
+    points = ((0.0, 0.0), (0.3, 6.0), (0.6, 8.0), (0.9, 5.0))
+    spring = Spring(0.0, damping=0.0, table=points)
+    torques = -spring.torque(np.linspace(0.0, 0.9, 200))
+    assert torques.max() == pytest.approx(8.0, abs=1e-3) and (np.diff(torques[:133]) > 0).all()
+    assert (np.diff(torques[134:]) < 0).all()
+    either = Spring(0.0, unilateral=False, table=((-0.4, -1.0), (-0.2, -3.0), *points))
+    assert either.torque(-0.2) == pytest.approx(3.0)
+    with pytest.raises(BadValue, match="has the sign of the first"):
+        Spring(0.0, unilateral=False, table=((-0.4, 0.5), (-0.2, -3.0), *points))
 
 
 def test_a_table_of_what_pushes_too():
