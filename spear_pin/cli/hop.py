@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.hybrid.parameters import with_hardware
     from spear_pin.model.scale import scale_of
     from spear_pin.studies.hop import summarize
-    from spear_pin.studies.hop_of_another import hop_of
+    from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
     from spear_pin.studies.joint_limits import doubts, excesses
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
@@ -76,8 +76,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     robot = other or load("spear_ii", locked=locked)
     law, spring, scale = HoppingLaw(), Spring(), 1.0
     if other is not None:
-        law, spring, scale = HoppingLaw.scaled(robot), Spring.scaled(robot), scale_of(robot).time
-        spring = spring if robot.settings is None else robot.settings.springs.get("knee", spring)
+        usual, scale = scaled_hopping(robot), scale_of(robot).time
+        law, spring = usual.law, usual.spring
     given = {name: value for name in ("stance_torque", "frequency") if (value := getattr(arguments, name)) is not None}
     lean = robot.legs[0].lean(arguments.knee) if arguments.free_x or other is not None else None
     law = replace(

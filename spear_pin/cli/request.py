@@ -76,9 +76,9 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
     from spear_pin.model.variants import vary
     from spear_pin.studies.bound.of_another import springs_of
 
-    name = arguments.gait or GAIT
-    if name not in REQUESTS:
-        raise UnknownName("gait", name, REQUESTS)
+    shipped = arguments.gait or GAIT
+    if shipped not in REQUESTS:
+        raise UnknownName("gait", shipped, REQUESTS)
     if arguments.robot is not None and arguments.gait is not None:
         raise BadValue("gait", arguments.gait, "none with --robot: what was asked of a shipped gait is Q-SPEAR's")
     if arguments.objective is not None and arguments.objective not in OBJECTIVES:
@@ -109,7 +109,7 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
         given["knee_drive"] = drive
     elif arguments.objective in ("electrical", "violation"):
         raise BadValue("--knee-motor", None, f"a motor, for the objective {arguments.objective!r}")
-    base = REQUESTS[name] if other is None else Request.scaled(robot, **springs_of(robot))
+    base = REQUESTS[shipped] if other is None else Request.scaled(robot, **springs_of(robot))
     request = replace(base, **given)
     request.check(scale_of(robot))
     return robot, request

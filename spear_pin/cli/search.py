@@ -7,7 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
-from spear_pin.cli.legs import called, doubted, rests_on, stability
+from spear_pin.cli.legs import doubted, rests_on, stability
 from spear_pin.cli.output import aligned, progress
 from spear_pin.cli.request import GAIT, MOTORS, add_request, requested
 from spear_pin.errors import BadValue
@@ -72,7 +72,6 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     unit, meaning = OBJECTIVES[request.objective]
     summary = {
         "gait": None if robot.cut is not None else arguments.gait or GAIT,
-        "robot": called(robot),
         "seed": arguments.seed,
         "objective": request.objective,
         "objective_value": in_its_unit(request, scale_of(robot), solution),

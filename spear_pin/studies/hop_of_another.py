@@ -11,19 +11,34 @@ import numpy as np
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.diagnosis import Reached, explained
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.hopping import hopping
+from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.search import find_gait, gait_beside
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.kinds import typed
 from spear_pin.model.recut import recut
+from spear_pin.model.robot import Robot
+from spear_pin.model.spring import Spring
 from spear_pin.model.variants import vary
 
 LONGER = (1.0, 1.15, 1.3)  # in turn: flights that end as the square wave turns back leave a gap before the next
 TORQUES = (1.0, 1.25, 0.8, 1.6)  # of the stance torque, in turn, until with one there is a hop
 ACROSS = (0.0, 0.5, 1.0)  # of the way by torque to a flight, in turn: a gap may lie between
 ALIKE = 0.02  # of a torque: one so near to another that was tried tells nothing new
+
+
+@typed
+def scaled_hopping(robot: Robot, contact: Contact | None = None) -> HybridSystem:
+    """The hop of a leg by SPEAR-II's law, scaled to it, with its own spring if a TOML file says one, or SPEAR-II's.
+
+    Args:
+        robot: a leg, as `spear_pin.monopod` cuts it.
+        contact: friction of level ground.
+    """
+    own = None if robot.settings is None else robot.settings.springs.get("knee")
+    return hopping(robot, HoppingLaw.scaled(robot), own or Spring.scaled(robot), contact)
 
 
 @typed

@@ -41,8 +41,10 @@ def test_stays_where_it_is(whole):
 
 @pytest.mark.slow
 def test_none(whole):
-    with pytest.raises(NoGait, match=r"the nearest flight to 0.6 s is 0\.\d* s, with .* a gap in the hops; try a flight time of 0\.17 s"):
+    with pytest.raises(NoGait) as caught:
         hop_of(hop(whole), 0.6)
+    assert "the nearest flight to 0.6 s is 0.115 s" in caught.value.cause and "a gap in the hops" in caught.value.cause
+    assert caught.value.remedy == "a flight time of 0.17 s"
 
 
 def test_none_with_any_torque(whole):
