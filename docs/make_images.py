@@ -1,9 +1,9 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
-Parts are hop, biped, attraction, robust, design, push, hardware, drivetrain, sweep. The first two need Chromium;
-those of the design studies and of the drivetrain take some minutes; the latter print the table of docs/motors.md. The
-picture on top of the README is what the recorded page shows at one instant, beside plots of the same hop with that
-instant marked.
+Parts are hop, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep. The first three need
+Chromium, `another` the extras `robots` and `optimize`; those of the design studies and of the drivetrain take some
+minutes; the latter print the table of docs/motors.md. The picture on top of the README is what the recorded page shows
+at one instant, beside plots of the same hop with that instant marked.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from spear_pin import Gait, HoppingLaw, Trajectory, find_gait, hopping, load, simulate
+from spear_pin import Gait, HoppingLaw, Trajectory, find_gait, hopping, load, sagittal, simulate
 from spear_pin.gaits.feedback import regulated
 from spear_pin.hybrid.hardware import Sensing
 from spear_pin.hybrid.parameters import with_hardware
@@ -26,6 +26,7 @@ from spear_pin.studies.basin import basin
 from spear_pin.studies.basin.attraction import attraction as attracted
 from spear_pin.studies.basin.attraction import dropped
 from spear_pin.studies.basin.robustness import robustness
+from spear_pin.studies.bound import bound_of
 from spear_pin.studies.design import Member
 from spear_pin.studies.drivetrain import knee_drives
 from spear_pin.studies.energetics import computed_points, costs, energy_flow
@@ -62,7 +63,7 @@ def main() -> None:
     """Write the pictures asked for, or every one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", help="some of the parts; all if none is named")
-    known = hop, biped, attraction, robust, design, push, hardware, drivetrain, sweep
+    known = hop, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep
     parts = {part.__name__: part for part in known}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
@@ -91,6 +92,17 @@ def biped() -> None:
         runpy.run_path(str(IMAGES.parents[1] / "examples" / "biped.py"))["main"](Path(folder))
         browser.open(Path(folder) / "biped.html", "#t=0.62")
         browser.screenshot(IMAGES / "biped.png")
+
+
+def another() -> None:
+    """Bound Solo12, as `spear bound --robot solo12` does, and show its page at one instant."""
+    plane = sagittal(load("solo12", base="free", motors="all"))
+    gait = bound_of(plane)
+    strides = simulate(gait.system, gait.state, cycles=2)
+    with tempfile.TemporaryDirectory() as folder, Browser(WIDTH, 560) as browser:
+        page = record(plane, strides, Path(folder) / "bound.html", title="solo12 bounding")
+        browser.open(page, f"#t={gait.durations['posterior_stance'] / 2}")
+        print(browser.screenshot(IMAGES / "solo12.png").shape, gait.parameters, gait.durations)
 
 
 def attraction() -> None:

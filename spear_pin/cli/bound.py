@@ -100,7 +100,7 @@ def _gait(arguments: argparse.Namespace) -> tuple[str, Gait, list[tuple[str, str
     with progress() as show:
         show(f"searching for a bound of {called(robot)}")
         gait = bound_of(
-            robot, arguments.speed, on_attempt=lambda speed, why: notes.append((f"none at {speed:.2f} m/s", why))
+            robot, arguments.speed, on_attempt=lambda speed, why: notes.append((f"at {speed:.2f} m/s", why))
         )
     return called(robot), gait, notes
 

@@ -94,10 +94,16 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     system = hopping(robot, law, spring, ground=Ground(slope=arguments.slope, **friction))
     if rig is not None:  # solved with what has no memory, and without noise
         system = with_hardware(system, replace(rig, bandwidth=None, sensing=None).on(robot))
+    notes: list[tuple[str, str]] = []
     if other is not None and arguments.flight_time is None and arguments.stance_torque is None:
         with progress() as show:
             show(f"looking for a hop of {called(robot)}")
-            gait = hop_of(system, scale * FLIGHT_TIME)
+            gait = hop_of(
+                system,
+                scale * FLIGHT_TIME,
+                within_limits=True,
+                on_attempt=lambda time, why: notes.append((f"in the air {time:.3g} s", why)),
+            )
     else:
         wanted = FLIGHT_TIME if arguments.stance_torque is None else None
         gait = _solved(system, wanted if arguments.flight_time is None else arguments.flight_time, arguments.free_x)
@@ -119,7 +125,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     }
     if trajectory.cycles:
         pictures[plots] = lambda path: save_figure(hop_summary(trajectory, gait), path)
-    told = [*rests_on(robot), *doubted(doubt)]
+    told = [*notes, *rests_on(robot), *doubted(doubt)]
     files = [page, samples, *([plots] if plots in pictures else []), *saved]
     return summary | {
         "shown": read_times(shown)[[0, -1]],

@@ -138,7 +138,8 @@ def _leg(robot: Robot, name: str | None, side: int | None, body: float | None, l
 
     names = [leg.name for leg in robot.legs]
     if not names:
-        raise BadValue("robot", robot.source, "one with a leg: a hip and a knee about the y axis, and a toe")
+        expected = "a robot, x forward and z up, with a leg: a hip and a knee about the y axis, and a toe"
+        raise BadValue("robot", robot.source, expected)
     if name is not None and name not in names:
         raise UnknownName("leg", name, names)
     leg = robot.legs[0 if name is None else names.index(name)]

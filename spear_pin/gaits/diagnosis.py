@@ -173,7 +173,8 @@ def _gap(case: _Case) -> Diagnosis | None:
         else f"the nearest flight to {wanted:.3g} s is {flight:.3g} s"
     )
     way += f", with {law.stance_torque:.3g} N·m{_of_limit(case)}"
-    if abs(stance - period) < SWITCHED * period:
+    near = case.reached.share > 0.0 or wanted < FARTHER * flight
+    if near and abs(stance - period) < SWITCHED * period:
         cause = f"{way}: there the square wave turns back after its {period:.3g} s and ends stance, a gap in the hops"
         if wanted > flight:
             beyond = FARTHER * flight if wanted > FARTHER * flight else LONGER * wanted

@@ -39,6 +39,11 @@ def example_robots() -> dict[str, Path]:
     return {path.stem if count[path.stem] == 1 else _of_folder(path): path for path in paths}
 
 
+def beginning_with(name: str) -> list[str]:
+    """Names of the robots of which this is the beginning, up to an underscore: "anymal_b" of "anymal_b_simple"."""
+    return [each for each in example_robots() if each.startswith(f"{name}_")]
+
+
 def source_of_examples() -> str:
     """The package and its release."""
     return f"{PACKAGE} {distribution(PACKAGE).version}"

@@ -15,7 +15,7 @@ from spear_pin.kinds import typed
 from spear_pin.model.draft import Draft, of_mjcf, of_model, of_urdf
 from spear_pin.model.elements import parse
 from spear_pin.model.equipping import equipped
-from spear_pin.model.examples import PACKAGE, example_robots
+from spear_pin.model.examples import PACKAGE, beginning_with, example_robots
 from spear_pin.model.fitting import check_floating, drivable, hold, with_inertia, with_motors
 from spear_pin.model.mjcf_reading import mjcf_of
 from spear_pin.model.robot import Robot
@@ -108,9 +108,9 @@ def load(
     over what it says.
 
     Args:
-        source: a name in `ROBOTS`, or of a robot of example-robot-data if that is installed; the path of a URDF
-            or an MJCF file (anything else with a suffix or a separator), or of a TOML file that names one of these;
-            or a `pin.Model`, which is copied.
+        source: a name in `ROBOTS`, or of a robot of example-robot-data if that is installed, which may end before an
+            underscore where that leaves one ("anymal_b"); the path of a URDF or an MJCF file (anything else with a
+            suffix or a separator), or of a TOML file that names one of these; or a `pin.Model`, which is copied.
         toes: frame names of the points that may touch the ground; shipped robots know theirs.
         locked: names of joints to hold at zero, for instance `["boom_x"]`.
         base: "free" puts a floating joint under the root link, unless it has one; "fixed" holds the root. By default
@@ -189,8 +189,7 @@ def path_of(source: str | Path) -> Path:
     """Path of the file that a robot is loaded from.
 
     Args:
-        source: a name in `ROBOTS`, or of a robot of example-robot-data if that is installed; or a path. Of a TOML file
-            it is the one that this names.
+        source: a name as of `load`, or a path. Of a TOML file it is the one that this names.
 
     Raises:
         UnknownName: it is no such name, nor a path: it has no suffix or separator.
@@ -198,15 +197,24 @@ def path_of(source: str | Path) -> Path:
     """
     if Path(source).suffix == SUFFIX:
         source = sidecar_of(source).source
-    if str(source) in ROBOTS:
-        return ROBOTS[str(source)].path
-    examples = example_robots()
-    if str(source) in examples:
-        return examples[str(source)]
-    if not ({"/", "\\", "."} & set(str(source))):
-        others = examples or [f"with the extra 'robots' those of {PACKAGE}"]
-        raise UnknownName("robot", str(source), [*ROBOTS, *others, "the path of a URDF or an MJCF file"])
-    return Path(source)
+    name = full_name(source)
+    return ROBOTS[name].path if name in ROBOTS else example_robots().get(name, Path(source))
+
+
+def full_name(source: str | Path) -> str:
+    """A robot's name, complete where it ends before an underscore; a path as it is.
+
+    Raises:
+        UnknownName: it is no name, or might be of several, nor a path.
+    """
+    name = str(source)
+    if name in ROBOTS or name in (examples := example_robots()) or {"/", "\\", "."} & set(name):
+        return name
+    meant = beginning_with(name)
+    if len(meant) == 1:
+        return meant[0]
+    others = meant or [*ROBOTS, *(examples or [f"with the extra 'robots' those of {PACKAGE}"])]
+    raise UnknownName("robot", name, [*others, "the path of a URDF or an MJCF file"])
 
 
 def _names(names: Iterable[str]) -> tuple[str, ...]:
@@ -219,9 +227,10 @@ def _draft(source: str | Path | pin.Model, base: Base | None, repair: bool) -> D
         return of_model(source, base)
     if not isinstance(source, (str, Path)):
         raise BadValue("source", source, "the name of a robot, the path of a file, or a pinocchio.Model")
+    source = full_name(source)
     path, root = parse(path_of(source))
     mujoco = root.tag == "mujoco"
     draft = (
         of_mjcf(mjcf_of(path, root, base, repair), base) if mujoco else of_urdf(urdf_of(path, root, base, repair), base)
     )
-    return replace(draft, source=str(source), name=draft.name if path == Path(source) else str(source))
+    return replace(draft, source=source, name=draft.name if path == Path(source) else source)

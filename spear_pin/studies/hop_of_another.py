@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
-from spear_pin.errors import BadValue, NoGait
+from spear_pin.errors import BadValue, NoGait, SpearError
 from spear_pin.gaits.diagnosis import Reached, explained
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
@@ -17,13 +18,16 @@ from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.simulate import simulate
 from spear_pin.kinds import typed
 from spear_pin.model.recut import recut
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import vary
+from spear_pin.studies.joint_limits import excesses
 
 LONGER = (1.0, 1.15, 1.3)  # in turn: flights that end as the square wave turns back leave a gap before the next
+SHORTER = (0.9, 0.8, 0.65, 0.5)  # in turn, of a leg whose joints may not turn as fast
 TORQUES = (1.0, 1.25, 0.8, 1.6)  # of the stance torque, in turn, until with one there is a hop
 ACROSS = (0.0, 0.5, 1.0)  # of the way by torque to a flight, in turn: a gap may lie between
 ALIKE = 0.02  # of a torque: one so near to another that was tried tells nothing new
@@ -42,7 +46,13 @@ def scaled_hopping(robot: Robot, contact: Contact | None = None) -> HybridSystem
 
 
 @typed
-def hop_of(system: HybridSystem, flight_time: float) -> Gait:
+def hop_of(
+    system: HybridSystem,
+    flight_time: float,
+    *,
+    within_limits: bool = False,
+    on_attempt: Callable[[float, str], object] = lambda flight_time, why: None,
+) -> Gait:
     """A hop with a flight time, or with one that is up to 30 % longer, the stance torque solved for.
 
     It begins at the hops that some torques have, and so ends soon where there is none. Where boom_x is free the hip's
@@ -51,12 +61,43 @@ def hop_of(system: HybridSystem, flight_time: float) -> Gait:
     Args:
         system: the hop of a leg, as of `hopping`.
         flight_time: in s.
+        within_limits: whether a shorter flight is taken where only that keeps to the limits of the joints.
+        on_attempt: called with a flight time, in s, that gives way to a shorter one, and why.
 
     Raises:
         NoGait: there is none; with what is likely to be the cause, and what to try.
         BadValue: no cycle has a flight so short or so long.
     """
     check_wanted(system, {"flight_time": flight_time})
+    first = _anywhere(system, flight_time)
+    why = _over(first) if within_limits else ""
+    near = first
+    for share in SHORTER if why else ():
+        with suppress(SpearError):
+            near = _beside(near, share * flight_time)
+            if not _over(near):
+                on_attempt(first.durations["flight"], why)
+                return near
+    return first
+
+
+def _beside(gait: Gait, flight_time: float) -> Gait:
+    """The hop with another flight time beside one, or beyond a gap."""
+    wanted = {"stance_torque": ("flight_time", flight_time), "hip_touchdown": ("mean_speed", 0.0)}
+    target = dict(wanted[name] for name in gait.parameters)
+    try:
+        return gait_beside(gait.system, gait.state, list(gait.parameters), target)
+    except NoGait:
+        return _anywhere(gait.system, flight_time)
+
+
+def _over(gait: Gait) -> str:
+    """Limits of the joints that a hop exceeds, in words."""
+    return "; ".join(map(str, excesses(gait.system.robot, simulate(gait.system, gait.state, 1, progress=False))))
+
+
+def _anywhere(system: HybridSystem, flight_time: float) -> Gait:
+    """The hop of a leg, which stays where it is even if it need not."""
     if "boom_x" not in system.robot.coordinates:
         return _in_place(system, flight_time)
     gait = _in_place(_held(system), flight_time)

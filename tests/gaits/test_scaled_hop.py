@@ -3,11 +3,12 @@
 from dataclasses import asdict
 
 import numpy as np
-import pinocchio as pin
 import pytest
 
 from spear_pin import HoppingLaw, Spring, find_gait, hopping, load, monopod
 from spear_pin.errors import BadValue
+from spear_pin.model.scale import scale_of
+from tests.gaits.similar import similar
 from tests.model.legged import quadruped
 from tests.model.queries import refusal
 
@@ -15,20 +16,20 @@ LONGER, HEAVIER = 0.4, 0.1
 TORQUE, TIME = LONGER * HEAVIER, LONGER**0.5
 
 
-def similar():
-    """SPEAR-II on its test-bed, all lengths shorter and all masses smaller."""
-    robot = load("spear_ii", locked=["boom_x"])
-    model = robot.model.copy()
-    for joint in range(1, model.njoints):
-        model.jointPlacements[joint].translation *= LONGER
-        body = model.inertias[joint]
-        inertia = body.inertia * HEAVIER * LONGER**2
-        model.inertias[joint] = pin.Inertia(body.mass * HEAVIER, body.lever * LONGER, inertia)
-    for frame in model.frames:
-        frame.placement.translation *= LONGER
-    model.inertias[0] = pin.Inertia.Zero()
-    model.armature = model.armature * HEAVIER * LONGER**2
-    return robot.with_model(model)
+def scaled_hop(robot):
+    """The hop of a leg with SPEAR-II's numbers, a little longer in the air, and the leg's scale."""
+    leg = monopod(robot, "FL", locked=["boom_x"])
+    scale, system = scale_of(leg), hopping(leg, HoppingLaw.scaled(leg, damping_ratio=0.6), Spring.scaled(leg))
+    return find_gait(system, ["stance_torque"], {"flight_time": 0.22 * scale.time}), scale
+
+
+def plain(gait, scale):
+    """Torque, durations, state and multipliers without units."""
+    q, v = gait.state
+    lengths = np.array([scale.length, 1.0, 1.0])
+    times = np.array(list(gait.durations.values())) / scale.time
+    torque = gait.parameters["stance_torque"] / scale.torque
+    return torque, times, q / lengths, v / lengths * scale.time, np.sort(np.abs(gait.multipliers))
 
 
 @pytest.fixture
@@ -41,7 +42,8 @@ def four(tmp_path):
 
 @pytest.fixture(scope="module")
 def small():
-    return similar()
+    """SPEAR-II on its test-bed, all lengths shorter and all masses smaller."""
+    return similar(load("spear_ii", locked=["boom_x"]), LONGER, HEAVIER)
 
 
 class TestNumbers:
@@ -90,6 +92,14 @@ class TestHop:
         assert scaled.parameters["stance_torque"] == pytest.approx(TORQUE * own.parameters["stance_torque"], rel=1e-6)
         assert scaled.durations["stance"] == pytest.approx(TIME * own.durations["stance"], rel=1e-6)
         np.testing.assert_allclose(np.abs(scaled.multipliers), np.abs(own.multipliers), atol=1e-5)
+
+    @pytest.mark.parametrize("longer", [0.3, 3.0])
+    def test_of_a_quadrupeds_leg_of_another_size(self, four, longer):
+        """Cut out of a robot of the same materials, the hop is the same but for its units."""
+        hops, scales = zip(*(scaled_hop(similar(four, factor)) for factor in (1.0, longer)), strict=True)
+        assert scales[1].length / scales[0].length == pytest.approx(longer, rel=1e-12)
+        for own, other in zip(*map(plain, hops, scales), strict=True):
+            np.testing.assert_allclose(other, own, rtol=0, atol=1e-6)
 
     def test_of_a_quadrupeds_leg(self, four):
         leg = monopod(four, "FL", locked=["boom_x"])

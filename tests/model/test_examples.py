@@ -79,6 +79,18 @@ def test_unknown_name_lists_them(installed):
     assert {"arm", "leg_b", "leg_c"} < set(refusal(UnknownName, lambda: load("solo12")).valid)
 
 
+def test_a_name_may_end_before_an_underscore_where_that_leaves_one(installed):
+    for part in ("dog_b_simple_description/urdf/dog_b_simple.urdf", "dog_c_description/urdf/dog_c.urdf"):
+        (installed / part).parent.mkdir(parents=True)
+        (installed / part).write_text(ARM)
+    examples.example_robots.cache_clear()
+    robot = load("dog_b")
+    assert (robot.name, robot.source) == ("dog_b_simple", "dog_b_simple")
+    assert refusal(UnknownName, lambda: load("dog")).valid[:-1] == ("dog_b_simple", "dog_c")
+    for name in ("dog_b_", "dog_b_s", "do", "", "spear"):
+        assert "arm" in refusal(UnknownName, lambda name=name: load(name)).valid
+
+
 def test_outline(installed):
     assert examples.outline(installed / PARTS[0]) == (3, 2, 3.0)
 

@@ -9,8 +9,10 @@ from spear_pin.errors import Infeasible, NoGait
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.optimize import search
 from spear_pin.gaits.request import Request
+from spear_pin.hybrid.simulate import simulate
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
+from spear_pin.studies.joint_limits import excesses
 
 SLOWER = (1.0, 0.9, 0.8, 0.65)  # of the speed that is scaled from Q-SPEAR's, in turn: joints may not turn as fast
 
@@ -27,8 +29,9 @@ def bound_of(
 
     Args:
         robot: in the plane, as `spear_pin.sagittal` cuts it; its own springs if a TOML file says them.
-        speed: mean forward speed, in m/s; None: that of `Request.scaled`, or the first slower one that has a gait.
-        on_attempt: called with a speed at which there is no gait, and why.
+        speed: mean forward speed, in m/s; None: that of `Request.scaled`, or the first slower one that has a gait
+            within the limits of the joints; where none has, the slowest that has one.
+        on_attempt: called with a speed that gives way to a slower one, and why.
         **wishes: other fields of a `Request`.
 
     Raises:
@@ -38,12 +41,29 @@ def bound_of(
     """
     request = Request.scaled(robot, **(springs_of(robot) | wishes))
     speeds = [speed] if speed is not None else [share * request.speed for share in SLOWER]
-    for wanted in speeds[:-1]:
+    found = None
+    for wanted in speeds:
+        last = wanted == speeds[-1]
         try:
-            return search(robot, replace(request, speed=wanted))[0]
+            gait = search(robot, replace(request, speed=wanted))[0]
         except (Infeasible, NoGait) as error:
-            on_attempt(wanted, str(error))
-    return search(robot, replace(request, speed=speeds[-1]))[0]
+            if last and found is None:
+                raise
+            why = str(error)
+        else:
+            over = _over(gait) if request.within_limits else ""
+            if not over:
+                return gait
+            found, why = gait, over
+        if not last:
+            on_attempt(wanted, why)
+    assert found is not None
+    return found
+
+
+def _over(gait: Gait) -> str:
+    """Limits that a stride exceeds, in words: the optimiser keeps them at its nodes, and not between."""
+    return "; ".join(map(str, excesses(gait.system.robot, simulate(gait.system, gait.state, 1))))
 
 
 def springs_of(robot: Robot) -> dict[str, object]:
