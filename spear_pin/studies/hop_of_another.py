@@ -28,7 +28,7 @@ from spear_pin.studies.joint_limits import excesses
 
 LONGER = (1.0, 1.15, 1.3)  # in turn: flights that end as the square wave turns back leave a gap before the next
 SHORTER = (0.9, 0.8, 0.65, 0.5)  # in turn, of a leg whose joints may not turn as fast
-TORQUES = (1.0, 1.25, 0.8, 1.6)  # of the stance torque, in turn, until with one there is a hop
+TORQUES = (1.0, 0.9, 1.1, 0.8, 1.25, 1.6)  # of the stance torque, in turn, until with one there is a hop
 ACROSS = (0.0, 0.5, 1.0)  # of the way by torque to a flight, in turn: a gap may lie between
 ALIKE = 0.02  # of a torque: one so near to another that was tried tells nothing new
 
