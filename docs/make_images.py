@@ -1,7 +1,7 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
 Parts are hop, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep. The first three need
-Chromium, `another` the extras `robots` and `optimize`; those of the design studies and of the drivetrain take some
+Chromium, another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain take some
 minutes; the latter print the table of docs/motors.md. The picture on top of the README is what the recorded page shows
 at one instant, beside plots of the same hop with that instant marked.
 """

@@ -2,10 +2,12 @@
 
 import importlib
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from benchmarks import others_gaits
 from benchmarks.peers import lean_loop, lean_stride
 from benchmarks.peers.task import AGREES, STATES, bound, hop, taylor
 from tests.hybrid.by_hand import Hopper
@@ -60,3 +62,59 @@ class TestHop:
 def test_lean_stride():
     task = bound(STATES)
     assert task.error(lean_stride.lanes(task)[0].call()) < AGREES
+
+
+class TestOthersGaits:
+    ROW = {
+        "energy": 20.0,
+        "mass": 2.5,
+        "length": 0.3,
+        "seconds": 14.0,
+        "residual": 2e-13,
+        "energy_residual": 4e-8,
+        "multipliers": [[0.6, -0.8], [0.1, 0.0]],
+        "beyond_limits": [],
+        "reason": "complete",
+        "speed": 1.77,
+        "flight_time": 0.142,
+        "scuff_free": True,
+    }
+    TOO_FAST = {"joint": "knee", "what": "rate", "value": 8.29, "limit": 7.5, "unit": "rad/s"}
+
+    @pytest.mark.parametrize("gait", ["hop", "bound"])
+    def test_a_row_has_a_cell_for_each_head(self, gait):
+        head, rule = others_gaits.head(gait).splitlines()
+        solo = others_gaits.QUADRUPEDS["solo12"]
+        rows = [others_gaits.line(solo, gait, row) for row in (self.ROW, {"error": "no gait found", "seconds": 3.0})]
+        assert {text.count("|") for text in (head, rule, *rows)} == {head.count("|")}
+        assert "| 2e-13 | 1.000 | 2e-09 | 14 | none |" in rows[0] and "no gait found" in rows[1]
+
+    @pytest.mark.parametrize(
+        ("change", "part"),
+        [
+            ({"residual": 2e-9}, "residual 2.0e-09"),
+            ({"energy_residual": 4e-7}, "ledger 2.0e-08"),
+            ({"seconds": 601.0}, "601 s"),
+            ({"reason": "fall"}, "fall"),
+            ({"scuff_free": False}, "scuffs"),
+            ({"beyond_limits": [TOO_FAST]}, "rate of the knee 8.29, its limit 7.5 rad/s"),
+            ({"error": "no gait found"}, "no gait found"),
+        ],
+    )
+    def test_what_is_missed(self, change, part):
+        assert others_gaits.missed("bound", self.ROW) == []
+        (said,) = others_gaits.missed("bound", self.ROW | change)
+        assert part in said
+
+    def test_knees_of_which_the_file_tells_nothing(self, monkeypatch):
+        monkeypatch.setattr(others_gaits, "files", lambda package, suffix: [Path("mini_cheetah.urdf")])
+        dog = others_gaits.QUADRUPEDS["mini_cheetah"]
+        assert dog.command("bound") == ["bound", "--robot", "mini_cheetah.urdf", "--side", "-1", "-1"]
+        assert dog.command("hop")[-2:] == ["--side", "-1"]
+
+    def test_the_page_has_both_tables(self):
+        page = others_gaits.PAGE.read_text(encoding="utf-8")
+        for gait in others_gaits.HEADS:
+            assert others_gaits.head(gait) in page
+            assert others_gaits.head(gait) not in others_gaits.put(page, gait, "another")
+        assert all(page.count(f"| {each.title} |") == 2 for each in others_gaits.QUADRUPEDS.values())

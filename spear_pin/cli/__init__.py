@@ -16,6 +16,7 @@ from spear_pin.cli import (
     export,
     hop,
     identify,
+    payoff,
     push_test,
     report,
     robots,
@@ -29,7 +30,7 @@ from spear_pin.errors import RobotWarning, SpearError
 # as the help lists them
 COMMANDS = (
     *(robots.add, dynamics.add, hop.add, explore.add, push_test.add, identify.add),
-    *(bound.add, search.add, sweep.add, report.add, export.add, doctor.add),
+    *(bound.add, search.add, payoff.add, sweep.add, report.add, export.add, doctor.add),
 )
 
 

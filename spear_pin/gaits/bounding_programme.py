@@ -33,6 +33,7 @@ from spear_pin.model.spring import PAIR_STIFFNESS
 
 Array = NDArray[np.float64]
 CONE = 0.98  # of the friction asked for: what the collocation's error may use up
+STIFFEST = 2000.0  # N·m/rad: of free springs, those of the law too, of a pair of Q-SPEAR's legs
 END = {True: 0.98, False: 1.02}  # s at the end of a stance, where the polynomial is not to run out, and of a flight
 ANGLES, FLEXIONS = (-STEEPEST, STEEPEST), (-0.2, FLEXED)  # rad: of Bézier coefficients of leg angles and knees
 
@@ -57,7 +58,6 @@ class Transcription:
         request = self.request
         law = BoundingLaw(
             **values,
-            virtual_stiffness=request.virtual_stiffness,
             knee_rest=request.knee_rest,
             lift_off=request.lift_off,
             nominal=(*q[1:].tolist(), *v.tolist()),
@@ -107,11 +107,11 @@ class _Writer:
         self.weight, self.dynamics = robot.mass * planar.gravity, _dynamics(planar)
         self.law = _law(programme, request, self.scale)
         # what `support` reads of a law
-        self.p: Any = SimpleNamespace(virtual_stiffness=request.virtual_stiffness, knee_rest=request.knee_rest)
+        self.p: Any = SimpleNamespace(virtual_stiffness=self.law["virtual_stiffness"], knee_rest=request.knee_rest)
         self.stiffness: Any = request.stiffness
         if request.stiffness is None:
             unit = self.scale.torque
-            self.stiffness = programme.variable("stiffness", PAIR_STIFFNESS, 0.0, 800.0, 100.0, unit=unit)
+            self.stiffness = programme.variable("stiffness", PAIR_STIFFNESS, 0.0, STIFFEST, 100.0, unit=unit)
         self.top = ceiling(programme, request, self.scale)
         self.result = Transcription(request, programme, self.law, self.stiffness)
 
@@ -298,7 +298,10 @@ def _law(programme: Programme, request: Request, scale: Scale) -> dict[str, Any]
     if knee is None:
         freely = math.radians(20.0), math.radians(70.0) + request.knee_rest - KNEE_REST
         knee = programme.variable("knee touchdown", request.knee_rest, *freely)
-    law: dict[str, Any] = {"knee_touchdown": knee}
+    law: dict[str, Any] = {"knee_touchdown": knee, "virtual_stiffness": request.virtual_stiffness}
+    if request.virtual_stiffness is None:
+        usual = BoundingLaw.virtual_stiffness
+        law["virtual_stiffness"] = programme.variable("virtual stiffness", usual, 0.0, STIFFEST, 100.0, unit=unit)
     for name in LEGS:
         law[f"{name}_hip_torque"] = programme.variable(f"{name} hip", 0.0, -400.0, 400.0, 100.0, unit=unit)
         law[f"{name}_knee_torque"] = programme.variable(

@@ -8,7 +8,7 @@ event-exact simulation. Every optimum is a local one.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -57,6 +57,7 @@ def search(
     seed: int = 0,
     start: Solution | None = None,
     contact: Contact | None = None,
+    meshes: Sequence[int] = MESHES,
     on_iteration: Progress | None = None,
 ) -> tuple[Gait, Solution]:
     """A gait that meets the request, locally optimal, as a fixed point of the event-exact simulation.
@@ -69,6 +70,7 @@ def search(
         seed: of the initial guess of a cold search.
         start: the solution of another request to start from instead.
         contact: the level ground of the simulation; the friction that the gait may use is the request's.
+        meshes: intervals of each phase, the next tried where what was found on one is no fixed point.
         on_iteration: called with the optimiser's iteration, objective and largest violation.
 
     Returns:
@@ -79,12 +81,14 @@ def search(
         NoGait: the optimiser failed though every wish can be met, or what it found is no fixed point.
         MissingExtra: CasADi is not installed.
     """
+    if not meshes or min(meshes) < 1:
+        raise BadValue("meshes", meshes, "whole numbers, at least 1")
     if contact is not None and not as_ground(contact).plain:
         raise BadValue("contact", contact, "level ground at height zero, the only one that the search knows")
     if contact is not None and contact.friction < request.friction:
         raise BadValue("contact.friction", contact.friction, f"at least the request's, {request.friction}")
     solution = start or _cold(robot, request, seed, on_iteration)
-    for intervals in MESHES:
+    for intervals in meshes:
         transcription = transcribe(robot, request, intervals, start=resampled(solution))
         solution = transcription.programme.solve(on_iteration=on_iteration)
         if not solution.success:
@@ -92,9 +96,9 @@ def search(
         try:
             return polish(robot, transcription, solution, contact), solution
         except NoGait:
-            if intervals == MESHES[-1]:
+            if intervals == meshes[-1]:
                 raise
-    raise AssertionError(MESHES)
+    raise AssertionError(meshes)
 
 
 def _cold(robot: Robot, request: Request, seed: int, on_iteration: Progress | None) -> Solution:

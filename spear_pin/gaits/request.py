@@ -56,7 +56,7 @@ class Request:
         minimum_knee_torque: least |ū| of (5.5)-(5.6), in N·m.
         hip_torque: largest hip torque, in N·m; None means no bound.
         stiffness: of the physical knee springs, in N·m/rad; None leaves it free.
-        virtual_stiffness: k of (5.5)-(5.6), in N·m/rad.
+        virtual_stiffness: k of (5.5)-(5.6), in N·m/rad; None leaves it free.
         knee_touchdown: knee angle at touchdown, by magnitude, in rad; None leaves it free.
         knee_rest: θ̄ of (5.5)-(5.6), by magnitude, in rad.
         leg_touchdown: bounds on the leg angle at touchdown, in rad.
@@ -80,7 +80,7 @@ class Request:
     minimum_knee_torque: float = 10.0
     hip_torque: float | None = None
     stiffness: float | None = PAIR_STIFFNESS
-    virtual_stiffness: float = BoundingLaw.virtual_stiffness
+    virtual_stiffness: float | None = BoundingLaw.virtual_stiffness
     knee_touchdown: float | None = BoundingLaw.knee_touchdown
     knee_rest: float = BoundingLaw.knee_rest
     leg_touchdown: tuple[float, float] = (-0.3, 0.7)
@@ -117,7 +117,7 @@ class Request:
             "minimum_stance": one.minimum_stance * scale.time,
             "minimum_knee_torque": one.minimum_knee_torque * scale.torque,
             "stiffness": PAIR_STIFFNESS * scale.torque,
-            "virtual_stiffness": one.virtual_stiffness * scale.torque,
+            "virtual_stiffness": BoundingLaw.virtual_stiffness * scale.torque,
             "knee_touchdown": bent,
             "knee_rest": bent,
             "friction": SURE * Contact().friction,
@@ -138,12 +138,12 @@ class Request:
             raise UnknownName("rule of lift-off", self.lift_off, ("knee", "force"))
         require("speed", self.speed, lambda v: v > 0, "a number > 0, in m/s")
         require("friction", self.friction, lambda mu: mu > 0, "a number > 0")
-        for name, unit in (("minimum_force", "N"), ("minimum_knee_torque", "N·m"), ("virtual_stiffness", "N·m/rad")):
+        for name, unit in (("minimum_force", "N"), ("minimum_knee_torque", "N·m")):
             require(name, getattr(self, name), lambda number: number >= 0, f"a number >= 0, in {unit}")
         require("clearance", self.clearance, lambda z: z >= 0, "a number >= 0, in m")
         require("minimum_stride", self.minimum_stride, lambda t: t >= 0, "a number >= 0, in s")
         require("minimum_stance", self.minimum_stance, lambda t: t > 0, "a number > 0, in s")
-        for name, unit in (("stiffness", "N·m/rad"), ("hip_torque", "N·m")):
+        for name, unit in (("stiffness", "N·m/rad"), ("virtual_stiffness", "N·m/rad"), ("hip_torque", "N·m")):
             if getattr(self, name) is not None:
                 require(name, getattr(self, name), lambda number: number >= 0, f"a number >= 0, in {unit}, or None")
         self.spring(PAIR_STIFFNESS if self.stiffness is None else self.stiffness)  # it says what is valid

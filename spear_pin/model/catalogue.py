@@ -127,6 +127,7 @@ _FAULHABER = "Faulhaber data sheet of 2012"
 _MAXON_2006 = "maxon catalogue of April 2006, p. 197, as transcribed in a public repository"
 _HOPPY = "simulator of HOPPY, arXiv 2010.14580"
 _MUPS = "repository of SurGE, arXiv 2606.21866, at the joint"
+_ODRI = "actuator of a public project for open legged robots"
 _SAME_HEAT = "that of the 24 V winding: equal heat in equal copper"
 
 MOTORS: dict[str, Entry] = {
@@ -198,6 +199,14 @@ MOTORS: dict[str, Entry] = {
         **_given("published", _HOPPY, resistance=1.3, rotor_inertia=7e-6),
     },
     "mups_v2_joint": _given("published", _MUPS, torque_constant=0.945, resistance=0.17),
+    "antigravity_4004_300kv": {
+        **_given("secondary source", _ODRI, torque_constant=0.025, mass=0.053),
+        **_given("secondary source", f"{_ODRI}: 3/2 of 0.2326 Ω and 0.14 mH a phase", resistance=0.349),
+        **_given("secondary source", f"{_ODRI}: 3/2 of 0.2326 Ω and 0.14 mH a phase", inductance=0.21e-3),
+        **_given("secondary source", "robot descriptions of the same project", rotor_inertia=4.5e-6),
+        **_given("assumption", "heat of 9 W; 12 A are for moments", nominal_current=5.0),
+        **_given("assumption", "5 A at 24 V", nominal_voltage=24.0, rated_power=120.0),
+    },
 }
 MOTORS["assumed_600w"] = _assumed("ec_90_flat_260w", 600.0)
 

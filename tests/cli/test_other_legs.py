@@ -195,5 +195,9 @@ class TestExport:
         assert drawn[0].model == leg.model and drawn[0].coordinates == Trajectory.load(tmp_path / "hop.npz").coordinates
 
 
+def test_sliders_are_those_of_spear_ii(capsys, dog):
+    assert "--robot is" in (said := refused(capsys, "explore", "--robot", dog)) and "SPEAR-II's ranges" in said
+
+
 def test_the_law_of_a_leg(leg):
     assert scaled_hopping(leg).law == HoppingLaw.scaled(leg)

@@ -211,7 +211,7 @@ OPTIONS = {
     },
     "export hop.npz --mp4": {"--fps": POSITIVE, "--speed": POSITIVE, "--time": ("1",)},
     "report": {"--only": ("", "nope", "["), "--figures": NAME, "--out": FOLDER},
-    "explore": {"--port": (*NUMBER, "-1", "65536", "1.5")},
+    "explore": {"--port": (*NUMBER, "-1", "65536", "1.5"), "--robot": ("solo12",)},
 }
 # and what does not go together
 LINES = (

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import re
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from spear_pin.errors import BadValue
 from spear_pin.studies.audit import runs
 from spear_pin.studies.push_test import WITH_MOTOR, release, spear_ii
 from spear_pin.viz.player import page
 from spear_pin.viz.release_page import record_release
-
-VIEWER = re.compile(r"(?<=<script>).*?(?=</script>)", re.S)  # the first script of a page
 
 
 @dataclass(frozen=True)
@@ -51,24 +47,6 @@ def push_test() -> str:
         path = Path(folder) / "release.html"
         title = "SPEAR-II released from 10 cm"
         return record_release(leg, WITH_MOTOR, release(leg, WITH_MOTOR), path, title=title).read_text(encoding="utf-8")
-
-
-def shared(pages: Iterable[str]) -> tuple[str, list[tuple[str, str]]]:
-    """The viewer that pages have in common, and what stands before and after it in each.
-
-    Raises:
-        BadValue: they have not the same viewer.
-    """
-    parts = []
-    for text in pages:
-        found = VIEWER.search(text)
-        if found is None:
-            raise BadValue("pages", text[:80], "pages of a player, with its viewer")
-        parts.append((text[: found.start()], found[0], text[found.end() :]))
-    viewers = {viewer for _, viewer, _ in parts}
-    if len(viewers) > 1:
-        raise BadValue("pages", len(viewers), "pages with the same viewer")
-    return "".join(viewers), [(before, after) for before, _, after in parts]
 
 
 PLAYBACKS = (

@@ -62,6 +62,19 @@ def against(given: Points, drive: Drive) -> EnvelopeUse:
 
 
 @typed
+def energy_drawn(given: Points, drive: Drive, regeneration: float = 0.0) -> float:
+    """Electrical energy that all motors of one kind of joint draw in a stride, both legs of each pair, in J.
+
+    Args:
+        given: operating points of one stride.
+        drive: of each of the joints.
+        regeneration: share of the electrical power given back that is stored.
+    """
+    power = drawn_power(drive.bus_power(given.torque, given.speed), regeneration).sum(axis=1)
+    return float(PAIR * np.trapezoid(power, given.t))
+
+
+@typed
 def electrical_cost(gait: Gait, knee: Drive, regeneration: float = 0.0) -> float:
     """Cost of transport of what the knee motors draw and the hips' positive mechanical power.
 
@@ -71,7 +84,6 @@ def electrical_cost(gait: Gait, knee: Drive, regeneration: float = 0.0) -> float
         regeneration: share of the electrical power given back that is stored.
     """
     knees, hips = points(gait, "knee"), points(gait, "hip")
-    power = drawn_power(knee.bus_power(knees.torque, knees.speed), regeneration).sum(axis=1)
-    power = power + np.maximum(hips.torque * hips.speed, 0.0).sum(axis=1)
-    distance = gait.period * mean_speed(gait)
-    return float(PAIR * np.trapezoid(power, knees.t) / (weight(gait.system.robot) * distance))
+    positive = np.maximum(hips.torque * hips.speed, 0.0).sum(axis=1)
+    energy = energy_drawn(knees, knee, regeneration) + float(PAIR * np.trapezoid(positive, hips.t))
+    return energy / (weight(gait.system.robot) * gait.period * mean_speed(gait))

@@ -5,9 +5,7 @@ The rows do not depend on where they were solved.
 
 from __future__ import annotations
 
-import signal
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spear_pin.errors import BadValue, MissingExtra, NoGait
+from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.many import REASONS
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.automaton import HybridSystem
@@ -23,10 +21,12 @@ from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import PARTS, with_parameters
 from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
+from spear_pin.studies import workers
 from spear_pin.studies.sweep import store
 from spear_pin.studies.sweep.job import Job, Rows, asked
 
 CHUNK = 512
+PURPOSE = "a sweep"
 
 
 @typed
@@ -71,7 +71,7 @@ def sweep(
     """
     taylor.require()
     store.require()
-    parallel = _joblib()
+    workers.require(PURPOSE)
     out, target = Path(out), dict(target or {})
     Options(rtol)
     job = asked(system, points, tuple(vary), target, rtol)
@@ -85,13 +85,9 @@ def sweep(
         job = replace(job, parts={part: getattr(begun, part) for part in PARTS}, guess=guess)
         missing = store.missing(out)
         on_points(n - sum(store.size(n, chunk, i) for i in missing), n)
-        tasks = (parallel.delayed(_solve)(i, job.take(slice(i * chunk, (i + 1) * chunk))) for i in missing)
-        # one chunk a task, so that each is stored as soon as it is solved
-        pool = parallel.Parallel(n_jobs=n_jobs, batch_size=1, return_as="generator_unordered", max_nbytes=None)
+        tasks = ((i, job.take(slice(i * chunk, (i + 1) * chunk))) for i in missing)
         done = n - sum(store.size(n, chunk, i) for i in missing)
-        with _uninterrupted():
-            solved = pool(tasks)
-        for i, rows in solved:
+        for i, rows in workers.each(_solve, tasks, n_jobs, PURPOSE):
             store.keep(out, i, rows)
             done += len(rows["reason"])
             on_points(done, n)
@@ -120,21 +116,3 @@ def _start(system: HybridSystem, job: Job) -> dict[str, Any]:
     except NoGait:
         (q, v), values = system.guess(), {}
     return {"values": values, "q": np.asarray(q).tolist(), "v": np.asarray(v).tolist()}
-
-
-@contextmanager
-def _uninterrupted() -> Iterator[None]:
-    """Workers that are started meanwhile leave Ctrl-C to this process, which ends them."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _joblib() -> Any:
-    try:
-        import joblib
-    except ImportError:
-        raise MissingExtra("joblib", "sweep", "a sweep") from None
-    return joblib

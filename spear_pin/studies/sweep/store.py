@@ -65,7 +65,7 @@ def description(job: Job, chunk: int, n: int) -> dict[str, Any]:
         "format": FORMAT,
         "version": spear_pin.__version__,
         "kind": job.kind,
-        "robot": _digest(_numbers(job.robot)),
+        "robot": fingerprint(job.robot),
         **{part: asdict(value) for part, value in job.parts.items()},
         "changes": [
             [f"{type(change).__module__}.{type(change).__qualname__}", asdict(cast(Any, change))]
@@ -236,13 +236,14 @@ def _same(path: Path, before: Mapping[str, Any], now: Mapping[str, Any]) -> None
         raise BadFile(path, f"is of another sweep, which differs in {', '.join(differing)}: it cannot be resumed so")
 
 
-def _numbers(robot: Robot) -> bytes:
-    """A robot's numbers."""
+def fingerprint(robot: Robot) -> str:
+    """A digest of a robot's numbers, by which two robots can be told apart."""
     model = robot.model
     parts = [body.toDynamicParameters() for body in model.inertias]
     parts += [place.homogeneous.ravel() for place in model.jointPlacements]
     parts += [model.armature, model.damping, model.rotorGearRatio]
-    return repr((robot.toes, robot.coordinates, robot.actuated)).encode() + np.concatenate(parts).tobytes()
+    names = repr((robot.toes, robot.coordinates, robot.actuated)).encode()
+    return _digest(names + np.concatenate(parts).tobytes())
 
 
 def _digest(data: bytes) -> str:

@@ -13,11 +13,12 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.studies.audit.statements import ASSUMPTIONS, STATEMENTS, VERDICTS, Case, Finding
 from spear_pin.studies.audit.statements.criteria import Criterion
 from spear_pin.studies.audit.statements.tables import TABULATIONS
+from spear_pin.viz.embedding import shared
 from spear_pin.viz.report import Report, Selection, make, select, write_figures
 from spear_pin.viz.report.cache import Cache
 from spear_pin.viz.report.page import MOST_BYTES, render
 from spear_pin.viz.report.pictures import NOTHING_TO_COMPUTE, PICTURES
-from spear_pin.viz.report.playbacks import PLAYBACKS, shared
+from spear_pin.viz.report.playbacks import PLAYBACKS
 from spear_pin.viz.report.text import blocks, number, numbers, prose, symbols
 from tests.viz import chromium
 from tests.viz.samples import ODD

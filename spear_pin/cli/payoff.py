@@ -1,0 +1,216 @@
+"""`spear payoff`."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.legs import called, in_the_plane, rests_on
+from spear_pin.cli.output import aligned, progress
+from spear_pin.errors import BadValue, SpearError, UnknownName, require
+from spear_pin.words import number
+
+if TYPE_CHECKING:
+    from spear_pin.model.motor import Drive
+    from spear_pin.studies.payoff import Answer, Finding, Study
+
+OWN = "q_spear"  # the robot that is in its sagittal plane as it ships
+LEGS = ("posterior", "anterior")
+EFFICIENCY = 0.83  # of a gearbox whose efficiency is not given
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    parser = add_command(
+        commands,
+        "payoff",
+        run,
+        "tell whether a switchable parallel spring in the knee would pay off, by bounds optimised for each; write page",
+    )
+    parser.add_argument("robot", metavar="ROBOT", help="name of a robot, or path of a URDF, MJCF or TOML file")
+    parser.add_argument(
+        "--side",
+        type=int,
+        nargs=2,
+        metavar="±1",
+        help="where the posterior and the anterior knees point, 1 forward, where the file does not tell",
+    )
+    parser.add_argument("--repair", action="store_true", default=None, help="mend inertias that are not possible")
+    parser.add_argument("--speeds", type=numbers, metavar="A,B,...", help="m/s (default: four, by the robot's size)")
+    parser.add_argument(
+        "--stiffnesses",
+        type=numbers,
+        metavar="A,B,...",
+        help="of a leg's spring, N·m/rad (default: five, about the one that the optimiser chooses)",
+    )
+    motors = parser.add_argument_group(
+        "motors; what is left out is of the robot's TOML file, or assumed: a motor of the catalogue, scaled"
+    )
+    for part in ("knee", "hip"):
+        motors.add_argument(f"--{part}-motor", metavar="NAME", help=f"of each {part}, by the catalogue")
+        motors.add_argument(f"--{part}-ratio", type=float, metavar="N", help="of its gearbox")
+    named = f"of the gearboxes of motors that are named (default: {EFFICIENCY})"
+    motors.add_argument("--efficiency", type=float, metavar="ETA", help=named)
+    motors.add_argument("--bus", type=float, metavar="V", help="of the supply (default: the motors' nominal voltage)")
+    parser.add_argument("--workers", type=int, metavar="N", help="processes (default: one for each processor)")
+    add_out(parser, "payoff.html, its pictures, the best gaits and payoff.jsonl, from which a study goes on")
+    parser.add_argument("--open", action="store_true", help="open payoff.html in the browser")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Search, and write the page."""
+    check_out(arguments)
+    for name in ("speeds", "stiffnesses"):
+        values = getattr(arguments, name)
+        if values is not None and (values[0] <= 0 or list(values) != sorted(set(values))):
+            raise BadValue(f"--{name}", ",".join(f"{value:g}" for value in values), "numbers > 0 that rise")
+    if arguments.workers is not None and arguments.workers < 1:
+        raise BadValue("--workers", arguments.workers, "a whole number, at least 1")
+    drives = given_drives(arguments)
+
+    from spear_pin import load
+    from spear_pin.files import atomic
+    from spear_pin.gaits.collocation import casadi
+    from spear_pin.gaits.request import Request
+    from spear_pin.model.scale import scale_of
+    from spear_pin.studies.payoff import answer, bounds, rests_of
+    from spear_pin.viz.payoff import as_json, render
+    from spear_pin.viz.plots import save_figure
+    from spear_pin.viz.plots.payoff import drawings
+
+    casadi()
+    robot = load(OWN) if arguments.robot == OWN else in_the_plane(arguments)
+    assert robot is not None
+    for speed in arguments.speeds or ():
+        Request.scaled(robot, speed=speed).check(scale_of(robot))
+    with progress() as show:
+        study = bounds(
+            robot,
+            arguments.out / "payoff.jsonl",
+            speeds=arguments.speeds,
+            stiffnesses=arguments.stiffnesses,
+            drives=drives,
+            bus=arguments.bus,
+            n_jobs=arguments.workers or os.cpu_count(),
+            tell=show,
+        )
+    found = answer(study)
+    name = called(robot)
+    of_robot = [(label, text) for label, text in rests_on(robot) if not text.startswith("rotors without")]
+    rests = [*rests_of(study), *of_robot]
+    files = {"page": arguments.out / "payoff.html"}
+
+    def write(path: Path) -> None:
+        with atomic(path) as temporary:
+            temporary.write_text(render(study, found, name, rests), encoding="utf-8")
+
+    def drawn(key: str, path: Path) -> None:
+        save_figure(drawings(study)[key], path)
+
+    pictures: dict[Path, Callable[[Path], object]] = {files["page"]: write}
+    for key in ("cost", "saving", "torque"):
+        pictures[arguments.out / f"payoff_{key}.svg"] = partial(drawn, key)
+    saved = _save(study, arguments.out)
+    listed = [*pictures, *saved, arguments.out / "payoff.jsonl"]
+    return {
+        **as_json(study, found),
+        "robot": name,
+        "files": [str(path) for path in listed],
+        "pictures": pictures,
+        "opened": files["page"] if arguments.open else None,
+        "text": _text(study, found, rests, listed),
+    }
+
+
+def numbers(word: str) -> tuple[float, ...]:
+    """Read numbers between commas."""
+    try:
+        values = tuple(number(part) for part in word.split(","))
+    except ValueError:
+        values = ()
+    if not values or not all(map(math.isfinite, values)):
+        raise argparse.ArgumentTypeError(f"{word!r} is not finite numbers between commas")
+    return values
+
+
+def given_drives(arguments: argparse.Namespace) -> dict[str, Drive]:
+    """Drives that options name."""
+    from spear_pin.model.catalogue import MOTORS, motor
+    from spear_pin.model.motor import Drive, Gearbox
+
+    for name in ("bus", "efficiency", "knee_ratio", "hip_ratio"):
+        value = getattr(arguments, name)
+        if value is not None:
+            require(f"--{name.replace('_', '-')}", value, lambda x: x > 0, "a number > 0")
+    found = {}
+    for part in ("knee", "hip"):
+        named, ratio = getattr(arguments, f"{part}_motor"), getattr(arguments, f"{part}_ratio")
+        if (named is None) != (ratio is None):
+            missing, other = (f"--{part}-motor", f"--{part}-ratio")[:: 1 if named is None else -1]
+            raise BadValue(missing, None, f"a value, to go with {other}")
+        if named is None:
+            continue
+        if named not in MOTORS:
+            raise UnknownName("motor", named, MOTORS)
+        own = motor(named)
+        for quantity in ("torque_constant", "resistance", "rotor_inertia"):
+            own.known(quantity)
+        own.continuous_torque  # noqa: B018 - it says what is not known
+        bus = own.known("nominal_voltage") if arguments.bus is None else arguments.bus
+        found[part] = Drive(own, Gearbox(ratio, arguments.efficiency or EFFICIENCY), bus)
+    if arguments.efficiency is not None and not found:
+        raise BadValue("--efficiency", arguments.efficiency, "to go with --knee-motor or --hip-motor")
+    return found
+
+
+def _save(study: Study, out: Path) -> list[Path]:
+    """Write the best gaits, where their robot can be told in a file."""
+    from spear_pin.viz.payoff import gait_of
+
+    saved = []
+    for kind, finding in study.best.items():
+        try:
+            saved.append(gait_of(study, finding).save(out / f"payoff_{kind}.json"))
+        except SpearError:
+            continue
+    return saved
+
+
+def _text(study: Study, found: Answer, rests: list[tuple[str, str]], files: list[Path]) -> str:
+    def said(finding: Finding) -> str:
+        figures = finding.figures
+        assert figures is not None
+        knee, hip = (max(figures.peak[f"{leg}_{part}"] for leg in LEGS) for part in ("knee", "hip"))
+        spring = f"{figures.stiffness:.3g} N·m/rad, " if finding.point.kind != "none" else ""
+        return (
+            f"{figures.cost:.4f}: {spring}peak knee {knee:.3g}, hip {hip:.3g} N·m,"
+            f" heat {max(figures.heat.values()):.2f} of continuous, multiplier {figures.multiplier:.3f}"
+        )
+
+    rows = [("answer", found.sentence)]
+    rows += [(f"best, {kind}", said(each)) for kind, each in study.best.items()]
+    rows += [
+        (
+            f"saved at {speed:.3g} m/s",
+            ", ".join(
+                f"{kind} {100 * share:.1f} %" if share == share else f"{kind} unknown" for kind, share in saved.items()
+            ),
+        )
+        for speed, saved in found.by_speed.items()
+    ]
+    mesh = "not all of them were found on a finer mesh" if math.isnan(found.mesh) else f"by {100 * found.mesh:.2g} %"
+    mesh = mesh if math.isnan(found.mesh) else f"{mesh} on a finer mesh"
+    rows.append(("doubt", f"starts of the best points differ by {100 * found.spread:.2g} %, {mesh}"))
+    rows += [("" if i else "beware", edge) for i, edge in enumerate(found.edges)]
+    rows += rests[:2]
+    failed = sum(1 for tries in study.tries.values() for each in tries if each.reason)
+    searches = sum(map(len, study.tries.values()))
+    rows.append(("searches", f"{searches}, {failed} without a gait; {study.seconds:.0f} s of a processor"))
+    rows.append(("files", ", ".join(map(str, files))))
+    return aligned(rows)

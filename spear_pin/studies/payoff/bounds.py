@@ -1,0 +1,277 @@
+"""Payoff study of a bound: the gait of least electrical cost for each knee, stiffness and speed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import spear_pin
+from spear_pin.errors import Infeasible, NoGait, SpearError
+from spear_pin.gaits.optimize import search
+from spear_pin.gaits.request import Request
+from spear_pin.hybrid.simulate import simulate
+from spear_pin.model.motor import Drive
+from spear_pin.model.robot import Robot
+from spear_pin.studies.design import points_of
+from spear_pin.studies.payoff.grid import FIXED, FREE, KINDS, NONE, SWITCHED, Grid, Point
+from spear_pin.studies.payoff.motors import PARTS, Motors, assumed, fitted, of_file, own_rotors
+from spear_pin.studies.payoff.searches import Finding, Search, Searcher, Tell
+from spear_pin.studies.payoff.store import Store
+from spear_pin.studies.sweep.store import fingerprint
+
+SHARES = (0.6, 0.7, 0.8, 0.9)  # of the speed that `Request.scaled` has
+STEPS = (0.25, 0.5, 1.0, 1.5, 2.0)  # of the stiffness that the optimiser chooses
+TRIES = 3  # searches of a point that fails, each from another neighbour
+PASSES = 2  # over all points, from neighbours that are new or have become better
+FOLLOWED = 2  # rounds in which neighbours of what became better are searched again
+BETTER = 0.005  # of a cost: what counts as better
+FINER = (20,)  # intervals of each phase
+
+
+@dataclass(frozen=True)
+class Study:
+    """What was found.
+
+    Attributes:
+        robot: in its sagittal plane, the motors' rotors in it.
+        motors: its motors.
+        grid: what was asked.
+        tries: every search, by point, in order.
+        best: of each kind the finding at `speed` whose stiffness the optimiser chose, or the best of the grid there.
+        finer: the same on a finer mesh; where that failed with a reason.
+        speed: at which the answer is given, in m/s.
+        chosen: stiffness of a leg's switchable spring that the optimiser chose for the grid, in N·m/rad; None where
+            stiffnesses were given, or none was found.
+        seconds: of processors, all searches together.
+    """
+
+    robot: Robot
+    motors: Motors
+    grid: Grid
+    tries: Mapping[Point, Sequence[Finding]]
+    best: Mapping[str, Finding]
+    finer: Mapping[str, Finding]
+    speed: float
+    chosen: float | None = None
+    seconds: float = 0.0
+
+    def at(self, point: Point) -> Finding | None:
+        """The cheapest gait of a point; None where there is none."""
+        return cheapest(self.tries.get(point, ()))
+
+    def along(self, kind: str, speed: float) -> list[Finding]:
+        """The cheapest gaits of a kind at a speed, by stiffness."""
+        points = [point for point in self.grid if (point.kind, point.speed) == (kind, speed)]
+        return [found for point in points if (found := self.at(point)) is not None]
+
+
+def cheapest(findings: Iterable[Finding]) -> Finding | None:
+    """The finding of least cost; None where no search found a gait."""
+    found = [each for each in findings if each.figures is not None]
+    return min(found, key=lambda each: each.cost, default=None)
+
+
+def bounds(
+    robot: Robot,
+    path: Path,
+    *,
+    speeds: Sequence[float] | None = None,
+    stiffnesses: Sequence[float] | None = None,
+    drives: Mapping[str, Drive] | None = None,
+    bus: float | None = None,
+    n_jobs: int | None = 1,
+    tell: Tell = lambda text: None,
+) -> Study:
+    """Gaits of least electrical cost without springs, with fixed and with switchable ones.
+
+    Args:
+        robot: in its sagittal plane, as `spear_pin.sagittal` cuts it, or Q-SPEAR.
+        path: of the store; what is in it is not searched again.
+        speeds: rising, in m/s; by default `SHARES` of that of `Request.scaled`.
+        stiffnesses: of a leg's spring, rising, in N·m/rad; by default `STEPS` of the one that the optimiser chooses.
+        drives: of "knee" and "hip"; those left out are the robot's file's, or assumed.
+        bus: of the supply, in V, of motors that are not given.
+        n_jobs: processes.
+        tell: called with what is going on, in words.
+
+    Raises:
+        NoGait, Infeasible: not even a bound without springs was found.
+        BadFile: the store is of another study, or cannot be written.
+        BadValue: what was asked makes no sense.
+        MissingExtra: CasADi, or for several processes joblib, is not installed.
+    """
+    scaled = Request.scaled(robot)
+    speeds = tuple(speeds or (float(f"{share * scaled.speed:.3g}") for share in SHARES))
+    Grid(speeds, tuple(stiffnesses or (1.0,)))
+    drives = dict(drives or {})
+    asked = {
+        "version": spear_pin.__version__,
+        "robot": fingerprint(robot),
+        "speeds": list(speeds),
+        "stiffnesses": None if stiffnesses is None else list(stiffnesses),
+        "drives": {part: asdict(drive) for part, drive in drives.items()},
+        "bus": bus,
+        "settings": None if robot.settings is None else str(robot.settings),
+        "request": str(replace(scaled, **FREE)),
+    }
+    store = Store(path, asked)
+    motors = _motors(robot, drives, bus, speeds, store, tell)
+    searcher = Searcher(fitted(robot, motors), motors, store, n_jobs, tell)
+    work = _Work(searcher)
+    bare = work.slowest([Point(NONE, speed) for speed in speeds])
+    chosen = None
+    if stiffnesses is None:
+        chosen, stiffnesses = work.stiffnesses(bare, speeds)
+    grid = Grid(speeds, tuple(stiffnesses))
+    work.fill(grid)
+    for _ in range(PASSES - 1):
+        work.again(grid)
+    best, speed = work.best(grid)
+    again = searcher.find([Search(each.point, each, FINER) for each in best.values()])
+    finer = dict(zip(best, again, strict=True))
+    everything = [*(each for row in work.tries.values() for each in row), *finer.values()]
+    seconds = sum({each.key: each.seconds for each in everything}.values())
+    return Study(searcher.robot, motors, grid, work.tries, best, finer, speed, chosen, seconds)
+
+
+@dataclass
+class _Work:
+    """The searches of a study, and what they found so far."""
+
+    searcher: Searcher
+    tries: dict[Point, list[Finding]] = field(default_factory=dict)
+
+    def search(self, searches: Sequence[Search]) -> list[Finding]:
+        found = self.searcher.find(searches)
+        for finding in found:
+            known = self.tries.setdefault(finding.point, [])
+            if finding.key not in {each.key for each in known}:
+                known.append(finding)
+        return found
+
+    def at(self, point: Point) -> Finding | None:
+        return cheapest(self.tries.get(point, ()))
+
+    def improved(self, finding: Finding) -> bool:
+        """Whether a point's gait is better than the first that was found for it."""
+        first = next(each for each in self.tries[finding.point] if each.figures is not None)
+        return finding.cost < (1.0 - BETTER) * first.cost
+
+    def slowest(self, points: Sequence[Point]) -> Finding:
+        """The gait of the first point that has one, from cold."""
+        reasons = []
+        for point in points:
+            (found,) = self.search([Search(point)])
+            if found.figures is not None:
+                return found
+            reasons.append(f"{point}: {found.reason}")
+        raise SpearError(f"there is no bound to begin with: {reasons[0]}")
+
+    def stiffnesses(self, bare: Finding, speeds: Sequence[float]) -> tuple[float | None, list[float]]:
+        """The stiffness that the optimiser chooses, and those about it, or about the one by the robot's size."""
+        point = Point(SWITCHED, bare.point.speed, None)
+        (found,) = self.search([Search(point, bare)])
+        if found.figures is None:
+            like = Request.scaled(self.searcher.robot).stiffness or 0.0
+            return None, [float(f"{step * like:.3g}") for step in STEPS]
+        chosen = found.figures.stiffness
+        return chosen, [float(f"{step * chosen:.3g}") for step in STEPS]
+
+    def fill(self, grid: Grid) -> None:
+        """Search every point from its nearest neighbour that has a gait, until all have, or enough were tried."""
+        while True:
+            searches = []
+            for point in grid:
+                if self.at(point) is not None or len(self.tries.get(point, ())) >= TRIES:
+                    continue
+                searches += self._from_neighbours(grid, point)[:1]
+            if not searches:
+                return
+            self.search(searches)
+
+    def again(self, grid: Grid) -> None:
+        """Search every point once more, from the last of its neighbours that it was not searched from."""
+        self.search([each for point in grid for each in self._from_neighbours(grid, point)[-1:]])
+        for _ in range(FOLLOWED):  # what became better may make its neighbours so
+            searches = []
+            for point in grid:
+                own = self.at(point)
+                near = self._from_neighbours(grid, point) if own is not None else []
+                searches += [each for each in near if each.start and self.improved(each.start)]
+            if not searches:
+                return
+            self.search(searches)
+
+    def _from_neighbours(self, grid: Grid, point: Point) -> list[Search]:
+        """Searches of a point from neighbours' best gaits, but for those that were done."""
+        done = {each.key for each in self.tries.get(point, ())}
+        starts = [found for near in grid.neighbours(point) if (found := self.at(near)) is not None]
+        return [each for start in starts if (each := Search(point, start)).key not in done]
+
+    def best(self, grid: Grid) -> tuple[dict[str, Finding], float]:
+        """Of each kind the best at the speed at which a switchable spring costs least, its stiffness free."""
+        found = [each for point in grid if point.kind == SWITCHED and (each := self.at(point)) is not None]
+        everything = [each for point in grid if (each := self.at(point)) is not None]
+        speed = min(found or everything, key=lambda each: each.cost).point.speed
+        best = {}
+        for kind in KINDS:
+            own = [each for point in grid if (point.kind, point.speed) == (kind, speed) and (each := self.at(point))]
+            if own:
+                best[kind] = min(own, key=lambda each: each.cost)
+        freely = [Search(Point(kind, speed, None), best[kind]) for kind in (FIXED, SWITCHED) if kind in best]
+        for finding in self.search(freely):
+            if finding.cost < best[finding.point.kind].cost:
+                best[finding.point.kind] = finding
+        return best, speed
+
+
+def _motors(
+    robot: Robot, drives: Mapping[str, Drive], bus: float | None, speeds: Sequence[float], store: Store, tell: Tell
+) -> Motors:
+    """Motors that are given, of the robot's file, or assumed."""
+    found, said, own = dict(drives), dict.fromkeys(drives, "given"), []
+    for part in PARTS:
+        if part in found:
+            continue
+        drive = of_file(robot, part, bus)
+        if drive is not None:
+            found[part], said[part] = drive, f"by {robot.settings.path if robot.settings else ''}"
+            own.append(part)
+    if missing := [part for part in PARTS if part not in found]:
+        takes = _taken(robot, speeds, store, tell)
+        for part in missing:
+            torque, rate = takes["takes"][part]
+            found[part] = assumed(robot, part, torque, rate, bus)
+            said[part] = "assumed"
+            own += [part] * (part in own_rotors(robot))
+    return Motors(found["knee"], found["hip"], said, tuple(own))
+
+
+def _taken(robot: Robot, speeds: Sequence[float], store: Store, tell: Tell) -> dict[str, Any]:
+    """Torque and speed of each part in a bound of least effort without springs, the fastest that there is.
+
+    Raises:
+        NoGait, Infeasible: there is none.
+    """
+    known = store.get("reference")
+    if known is not None:
+        return known
+    failure: SpearError | None = None
+    for speed in sorted(speeds, reverse=True):
+        tell(f"searching for what motors have to do at {speed:.3g} m/s")
+        try:
+            gait, _ = search(robot, Request.scaled(robot, speed=speed, stiffness=0.0))
+        except (Infeasible, NoGait) as error:
+            failure = error
+            continue
+        trajectory = simulate(gait.system, gait.state, progress=False)
+        takes = {}
+        for part in PARTS:
+            given = points_of(robot, trajectory, part)
+            takes[part] = float(given.rms.max()), float(abs(given.speed).max())
+        store.keep({"key": "reference", "speed": speed, "takes": takes})
+        return store.get("reference") or {}
+    assert failure is not None
+    raise failure

@@ -1,0 +1,97 @@
+"""Grid of a payoff study: kinds of knee, stiffnesses, speeds, and which points are near each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from spear_pin.errors import BadValue
+from spear_pin.gaits.bounding_law import PAIR
+from spear_pin.gaits.request import Request
+from spear_pin.model.motor import Drive
+from spear_pin.model.robot import Robot
+
+NONE, FIXED, SWITCHED = KINDS = ("none", "fixed", "switched")
+WORDS = {NONE: "no spring", FIXED: "a fixed spring", SWITCHED: "a switchable spring"}
+# with a virtual stiffness that is given, a spring that is like it would have the advantage
+FREE: dict[str, Any] = {"virtual_stiffness": None, "minimum_knee_torque": 0.0}
+
+
+@dataclass(frozen=True)
+class Point:
+    """A knee at a speed.
+
+    Attributes:
+        kind: one of `KINDS`.
+        speed: wanted mean forward speed, in m/s.
+        stiffness: of a leg's spring, in N·m/rad; 0 without one, None where the optimiser chooses it.
+    """
+
+    kind: str
+    speed: float
+    stiffness: float | None = 0.0
+
+    def __str__(self) -> str:
+        spring = "the best stiffness" if self.stiffness is None else f"{self.stiffness:.3g} N·m/rad"
+        own = "" if self.kind == NONE else f" of {spring}"
+        return f"{WORDS[self.kind]}{own} at {self.speed:.3g} m/s"
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Speeds in m/s and stiffnesses of a leg in N·m/rad, both rising; knees without a spring beside them."""
+
+    speeds: tuple[float, ...]
+    stiffnesses: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        for name, unit in (("speeds", "m/s"), ("stiffnesses", "N·m/rad")):
+            values = getattr(self, name)
+            if not values or values[0] <= 0 or any(a >= b for a, b in zip(values, values[1:], strict=False)):
+                raise BadValue(name, values, f"numbers > 0 that rise, in {unit}")
+
+    def __iter__(self) -> Iterator[Point]:
+        for speed in self.speeds:
+            yield Point(NONE, speed)
+            for kind in (FIXED, SWITCHED):
+                yield from (Point(kind, speed, stiffness) for stiffness in self.stiffnesses)
+
+    def __len__(self) -> int:
+        return len(self.speeds) * (1 + 2 * len(self.stiffnesses))
+
+    def neighbours(self, point: Point) -> list[Point]:
+        """Points one step away, those first from which a search is likeliest to succeed: softer, slower ones."""
+        found = []
+        j = self.speeds.index(point.speed)
+        if point.kind == NONE:
+            softer = []
+            harder = [Point(kind, point.speed, self.stiffnesses[0]) for kind in (SWITCHED, FIXED)]
+            other = []
+        else:
+            assert point.stiffness is not None
+            i = self.stiffnesses.index(point.stiffness)
+            softer = [replace(point, stiffness=self.stiffnesses[i - 1]) if i else Point(NONE, point.speed)]
+            harder = [replace(point, stiffness=k) for k in self.stiffnesses[i + 1 : i + 2]]
+            other = [replace(point, kind=FIXED if point.kind == SWITCHED else SWITCHED)]
+        slower = [replace(point, speed=speed) for speed in self.speeds[max(j - 1, 0) : j]]
+        faster = [replace(point, speed=speed) for speed in self.speeds[j + 1 : j + 2]]
+        for near in (softer, slower, other, harder, faster):
+            found += near
+        return found
+
+
+def request(robot: Robot, point: Point, knee: Drive, hip: Drive) -> Request:
+    """What a search is asked at a point: least electrical cost of transport, within motors and limits."""
+    stiffness = None if point.stiffness is None else PAIR * point.stiffness
+    asked = Request.scaled(
+        robot,
+        speed=point.speed,
+        objective="electrical",
+        stiffness=stiffness,
+        **FREE,
+        knee_drive=knee,
+        hip_drive=hip,
+    )
+    return replace(asked, rest=asked.knee_touchdown) if point.kind == FIXED else asked

@@ -1,0 +1,106 @@
+"""Motors of a payoff study: given, of the robot's own file, or assumed by what a bound without springs takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from spear_pin.errors import BadValue
+from spear_pin.gaits.bounding_law import LEGS
+from spear_pin.model.catalogue import motor, scaled
+from spear_pin.model.motor import Drive, Gearbox
+from spear_pin.model.robot import Robot
+from spear_pin.model.variants import vary
+
+KIND = "antigravity_4004_300kv"  # that is scaled
+RATIO, EFFICIENCY = 9.0, 0.9  # of legged robots with such motors; its efficiency is assumed
+SPARE = 1.5  # by which torque and speed of an assumed motor exceed what the bound takes
+PARTS = ("knee", "hip")
+
+
+@dataclass(frozen=True)
+class Motors:
+    """Drives of the knees and the hips.
+
+    Attributes:
+        knee: of each knee.
+        hip: of each hip.
+        said: of each part where its drive is from, in words.
+        own: parts whose rotors the robot's file has already.
+    """
+
+    knee: Drive
+    hip: Drive
+    said: Mapping[str, str] = field(default_factory=dict)
+    own: tuple[str, ...] = ()
+
+
+def of_file(robot: Robot, part: str, bus: float | None = None) -> Drive | None:
+    """Drive of a part by the robot's TOML file, where it knows the motors of both pairs and they are alike.
+
+    Args:
+        robot: in its sagittal plane.
+        part: "knee" or "hip".
+        bus: of the supply, in V; by default the motor's nominal voltage.
+    """
+    if robot.settings is None:
+        return None
+    found = []
+    for joint in (f"{leg}_{part}" for leg in LEGS):
+        own = robot.settings.motors.get(joint)
+        if own is None:
+            return None
+        gearbox = Gearbox(_ratio(robot, joint) or 1.0, robot.settings.efficiencies.get(joint, 1.0))
+        found.append(Drive(own, gearbox, own.known("nominal_voltage") if bus is None else bus))
+    if found[0] != found[1]:
+        raise BadValue(f"motors of the {part}s", [drive.motor.name for drive in found], "the same in both pairs")
+    for quantity in ("torque_constant", "resistance", "rotor_inertia"):
+        found[0].motor.known(quantity)
+    return found[0]
+
+
+def assumed(robot: Robot, part: str, torque: float, rate: float, bus: float | None = None) -> Drive:
+    """A catalogue motor scaled so that its continuous torque is `SPARE` times the rms torque of a bound.
+
+    Gears and rotors of the robot's own file stay. The supply is the motor's, or as much as `SPARE` times the bound's
+    speed needs.
+
+    Args:
+        robot: in its sagittal plane.
+        part: "knee" or "hip".
+        torque: largest rms torque of one motor in a bound without springs, in N·m.
+        rate: largest speed of the joints in it, in rad/s.
+        bus: of the supply, in V, if it is known.
+    """
+    like = motor(KIND)
+    ratio = _ratio(robot, f"{LEGS[0]}_{part}") if _has_rotor(robot, part) else None
+    one = Drive(like, Gearbox(ratio or RATIO, EFFICIENCY), like.known("nominal_voltage"))
+    power = like.known("rated_power") * SPARE * torque / one.continuous_torque
+    needed = SPARE * rate * one.constant
+    return Drive(scaled(like, float(f"{power:.3g}")), one.gearbox, bus or max(one.bus, float(f"{needed:.3g}")))
+
+
+def fitted(robot: Robot, motors: Motors) -> Robot:
+    """The robot with the motors' gears and rotors in it, but for those that its file has."""
+    values: dict[str, float] = {}
+    for part in PARTS:
+        drive: Drive = getattr(motors, part)
+        if part not in motors.own:
+            rotor = drive.motor.known("rotor_inertia") + drive.gearbox.inertia
+            values |= {f"{part}_ratio": drive.gearbox.ratio, f"{part}_rotor": rotor}
+    return vary(robot, **values)
+
+
+def own_rotors(robot: Robot) -> tuple[str, ...]:
+    """Parts whose rotors the robot's file has."""
+    return tuple(part for part in PARTS if _has_rotor(robot, part))
+
+
+def _has_rotor(robot: Robot, part: str) -> bool:
+    return all(robot.model.armature[robot.index(f"{leg}_{part}")] > 0.0 for leg in LEGS)
+
+
+def _ratio(robot: Robot, joint: str) -> float | None:
+    """Gear ratio by the robot's file; None where it names none."""
+    ratio = float(robot.model.rotorGearRatio[robot.index(joint)])
+    return ratio if ratio > 1.0 else None

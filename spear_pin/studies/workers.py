@@ -1,0 +1,61 @@
+"""Work in several processes, or on a Dask cluster, by joblib."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+from spear_pin.errors import MissingExtra
+
+Answer = TypeVar("Answer")
+
+
+def require(purpose: str) -> Any:
+    """The package joblib.
+
+    Raises:
+        MissingExtra: it is not installed.
+    """
+    try:
+        import joblib
+    except ImportError:
+        raise MissingExtra("joblib", "sweep", purpose) from None
+    return joblib
+
+
+def each(
+    function: Callable[..., Answer], arguments: Iterable[tuple[Any, ...]], n_jobs: int | None, purpose: str
+) -> Iterator[Answer]:
+    """What a function returns for each of some arguments, as soon as it is there, in any order.
+
+    Args:
+        function: of a module, for it goes to other processes.
+        arguments: of each call.
+        n_jobs: processes, 1 for this one; None: that of `joblib.parallel_config`, in which a Dask cluster can be named,
+            else one.
+        purpose: what needs joblib, in words.
+
+    Raises:
+        MissingExtra: joblib is not installed.
+    """
+    if n_jobs == 1:
+        return (function(*each) for each in arguments)
+    joblib = require(purpose)
+    tasks = (joblib.delayed(function)(*each) for each in arguments)
+    # one call a task, so that each answer is there as soon as it can be
+    pool = joblib.Parallel(n_jobs=n_jobs, batch_size=1, return_as="generator_unordered", max_nbytes=None)
+    with _uninterrupted():
+        answers: Iterator[Answer] = pool(tasks)
+    return answers
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Workers that are started meanwhile leave Ctrl-C to this process, which ends them."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

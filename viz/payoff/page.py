@@ -1,0 +1,154 @@
+"""What the template of a payoff study's page is given."""
+
+from __future__ import annotations
+
+import io
+import math
+from dataclasses import asdict
+from typing import Any, NamedTuple
+
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from spear_pin import __version__
+from spear_pin.gaits.bounding_law import LEGS
+from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.simulate import simulate
+from spear_pin.studies.payoff import Answer, Finding, Study
+from spear_pin.studies.payoff.answer import change
+from spear_pin.studies.payoff.grid import NONE, SWITCHED
+from spear_pin.studies.payoff.motors import PARTS
+from spear_pin.studies.payoff.searches import rebuilt
+from spear_pin.viz.embedding import drawing, shared
+from spear_pin.viz.player import page, shortened
+from spear_pin.viz.plots.paper import style
+from spear_pin.viz.plots.payoff import TITLES, drawings
+from spear_pin.viz.template import environment
+
+STRIDES = 4  # that are played
+JOINTS = [f"{leg}_{part}" for part in PARTS for leg in LEGS]
+CAPTIONS = {
+    "cost": "Electrical cost of transport of the cheapest gait found at each point, knees and hips together, nothing"
+    " stored of what motors give back. Hatched: no gait was found.",
+    "saving": "What the spring saves against the knee without one at the same speed; below zero it costs.",
+    "torque": "Torque of one knee motor of each pair over a stride, of the best gait with each knee.",
+}
+
+
+class Row(NamedTuple):
+    """A point of the table of all points."""
+
+    point: str
+    finding: Finding | None
+    starts: int
+    spread: float | None
+    failures: list[str]
+
+
+def render(study: Study, answer: Answer, name: str, assumptions: list[tuple[str, str]]) -> str:
+    """The text of the page.
+
+    Args:
+        study: what was found.
+        answer: what follows.
+        name: of the robot.
+        assumptions: what the study rests on, a name and what it says.
+    """
+    best = {kind: finding for kind, finding in study.best.items() if finding.figures is not None}
+    played = [kind for kind in (NONE, SWITCHED) if kind in best]
+    viewer, sides = shared(_playback(study, best[kind], f"{name}, {TITLES[kind].lower()}") for kind in played)
+    return (
+        environment()
+        .get_template("payoff/page.html")
+        .render(
+            version=__version__,
+            name=name,
+            study=study,
+            answer=answer,
+            best=best,
+            titles=TITLES,
+            joints=JOINTS,
+            changes={kind: change(finding, study.finer[kind]) for kind, finding in best.items()},
+            played=played,
+            rows=rows(study),
+            assumptions=assumptions,
+            figures={key: (_element(figure, key), CAPTIONS[key]) for key, figure in drawings(study).items()},
+            failed=[each for tries in study.tries.values() for each in tries if each.reason],
+            searches=sum(map(len, study.tries.values())),
+            data={"viewer": viewer, "pages": dict(zip(played, sides, strict=True))},
+        )
+    )
+
+
+def rows(study: Study) -> list[Row]:
+    """Every point with what was found, the freely chosen stiffnesses last."""
+    points = [*study.grid, *(point for point in study.tries if point.stiffness is None)]
+    found = []
+    for point in points:
+        tries = study.tries.get(point, ())
+        costs = [each.cost for each in tries if each.figures is not None]
+        spread = max(costs) / min(costs) - 1.0 if len(costs) > 1 else None
+        failures = [f"from {each.origin}: {each.reason}" for each in tries if each.reason]
+        found.append(Row(str(point), study.at(point), len(tries), spread, failures))
+    return found
+
+
+def gait_of(study: Study, finding: Finding) -> Gait:
+    """The gait of a finding."""
+    assert finding.gait is not None
+    return rebuilt(study.robot, finding.gait)
+
+
+def _playback(study: Study, finding: Finding, title: str) -> str:
+    gait = gait_of(study, finding)
+    trajectory = simulate(gait.system, gait.state, STRIDES, progress=False)
+    return page(study.robot, shortened(study.robot, trajectory), title=f"{title} at {finding.point.speed:.3g} m/s")
+
+
+def _element(figure: Figure, key: str) -> Markup:
+    file = io.BytesIO()
+    with style():
+        figure.savefig(file, format="svg", metadata={"Date": None})
+    return drawing(file.getvalue(), key, CAPTIONS[key])
+
+
+def summary(finding: Finding) -> dict[str, Any]:
+    """A finding as JSON tells it, without the optimiser's unknowns."""
+    return {
+        **asdict(finding.point),
+        "reason": finding.reason,
+        "figures": None if finding.figures is None else asdict(finding.figures),
+    }
+
+
+def as_json(study: Study, answer: Answer) -> dict[str, Any]:
+    """The study and its answer in JSON's terms; None for what is not known."""
+    said = {part: {**asdict(getattr(study.motors, part)), "from": study.motors.said[part]} for part in PARTS}
+    result: dict[str, Any] = _known(
+        {
+            "answer": asdict(answer),
+            "speed": study.speed,
+            "speeds": study.grid.speeds,
+            "stiffnesses": study.grid.stiffnesses,
+            "chosen_stiffness": study.chosen,
+            "motors": said,
+            "best": {kind: summary(each) for kind, each in study.best.items()},
+            "finer": {kind: summary(each) for kind, each in study.finer.items()},
+            "points": [
+                {"point": row.point, "starts": row.starts, "spread": row.spread, "failures": row.failures}
+                | ({} if row.finding is None else summary(row.finding))
+                for row in rows(study)
+            ],
+            "cpu_seconds": study.seconds,
+        }
+    )
+    return result
+
+
+def _known(value: Any) -> Any:
+    """A value with None for what is no finite number."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {str(key): _known(item) for key, item in value.items()}
+    return [_known(item) for item in value] if isinstance(value, (list, tuple)) else value
