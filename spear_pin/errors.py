@@ -66,21 +66,22 @@ class BadFile(SpearError):
 
 
 class NoGait(SpearError):
-    """No periodic gait was found; carries the reason and the best residual reached."""
+    """No periodic gait was found; carries the reason, the best residual reached, the likely cause and what to try."""
 
-    def __init__(self, reason: str, residual: float) -> None:
-        self.reason, self.residual = reason, residual
-        super().__init__(f"no gait found: {reason} (best residual {residual:.3g})")
+    def __init__(self, reason: str, residual: float, cause: str = "", remedy: str = "") -> None:
+        self.reason, self.residual, self.cause, self.remedy = reason, residual, cause, remedy
+        why = f"; {cause}" if cause else ""
+        super().__init__(f"no gait found: {reason} (best residual {residual:.3g}){why}{tried(remedy)}")
 
 
 class Infeasible(SpearError):
     """A request cannot be met, as far as a local search tells; names what stands in the way."""
 
-    def __init__(self, constraint: str, violation: float, unit: str) -> None:
-        self.constraint, self.violation, self.unit = constraint, violation, unit
+    def __init__(self, constraint: str, violation: float, unit: str, remedy: str = "") -> None:
+        self.constraint, self.violation, self.unit, self.remedy = constraint, violation, unit, remedy
         super().__init__(
             f"no gait was found: with every wish relaxed, {constraint} is still missed by {violation:.3g} {unit}"
-            " (a local search: evidence, no proof)"
+            f" (a local search: evidence, no proof){tried(remedy)}"
         )
 
 
@@ -103,6 +104,11 @@ class MissingProgram(SpearError):
             f"{purpose} need {program}, which is not installed (Debian, Ubuntu: apt-get install {package};"
             f" macOS: brew install {package})"
         )
+
+
+def tried(remedy: str) -> str:
+    """What an error says of a remedy, if there is one."""
+    return f"; try {remedy}" if remedy else ""
 
 
 def brief(value: object) -> str:

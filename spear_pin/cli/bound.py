@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
 from spear_pin.cli.gaits import BOUND, bounding_gait
-from spear_pin.cli.legs import add_plane, beyond, called, in_the_plane, rests_on
+from spear_pin.cli.legs import add_plane, called, doubted, in_the_plane, rests_on, stability
 from spear_pin.cli.output import aligned, iterations, progress, shows
 from spear_pin.errors import BadValue
 
@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     from spear_pin import simulate
     from spear_pin.studies.bound import summarize
-    from spear_pin.studies.joint_limits import excesses
+    from spear_pin.studies.joint_limits import doubts, excesses
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
     from spear_pin.viz.plots import save_figure
@@ -56,7 +56,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     saved = [gait.save(arguments.out / "bound.json")] if arguments.save else []
     robot = gait.system.robot
     excess = [] if robot.cut is None else excesses(robot, trajectory)
-    summary = {"gait": name, **summarize(gait, trajectory), "beyond_limits": [asdict(each) for each in excess]}
+    doubt = doubts(gait, excess)
+    summary = {
+        "gait": name,
+        **summarize(gait, trajectory),
+        "beyond_limits": [asdict(each) for each in excess],
+        "implausible": doubt,
+    }
     if robot.cut is not None:
         summary["cut"] = str(robot.cut)
     title = f"{called(robot)} bounding at {summary['speed']:.2f} m/s"
@@ -67,7 +73,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         plots: lambda path: save_figure(bound_summary(trajectory, gait), path),
     }
     files = [page, samples, plots, *saved]
-    told = [*notes, *rests_on(robot), *beyond(excess)]
+    told = [*notes, *rests_on(robot), *doubted(doubt)]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
@@ -123,7 +129,6 @@ def _shipped() -> dict[str, Any]:
 
 
 def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
-    largest = abs(summary["multipliers"][0])
 
     def legs(key: str, form: str, unit: str) -> str:
         return ", ".join(format(summary[key][leg], form) for leg in ("posterior", "anterior")) + unit
@@ -152,7 +157,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         ("", f"{torques('peak_torque_swing', 'hip')} N·m in swing"),
         ("motors", f"net {summary['net_joint_work']:.2f} J a stride; impacts lose {summary['impact_loss']:.2f} J"),
         ("cost of transport", f"{summary['cost_of_transport']:.3f} (mechanical, |power|)"),
-        ("multipliers", f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"),
+        ("multipliers", stability(summary["multipliers"], summary["implausible"])),
         ("fixed point", f"residual {summary['residual']:.1e}"),
         ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a stride"),
         ("simulated", f"{summary['cycles']} strides ({summary['reason']})"),

@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_loading, loading
+from spear_pin.cli.legs import add_cut, cut_out, rests_on
 from spear_pin.errors import SpearError
 
 
@@ -16,6 +17,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("--q", type=float, nargs="+", metavar="RAD", help="configuration (default: zero)")
     parser.add_argument("--v", type=float, nargs="+", metavar="RAD/S", help="velocity (default: zero)")
     add_loading(parser)
+    add_cut(parser)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -23,9 +25,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     import numpy as np
     import pinocchio as pin
 
-    from spear_pin.model.loading import load
-
-    robot = load(arguments.robot, **loading(arguments))
+    robot = cut_out(arguments.robot, arguments, loading(arguments))
     for option, names in (("q", robot.configuration), ("v", robot.coordinates)):
         given = getattr(arguments, option)
         if given is not None and len(given) != len(names):
@@ -47,10 +47,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "J_dot_v": {toe: robot.toe_drift(q, v, toe) for toe in robot.toes},
         "toe_position": {toe: robot.toe_position(q, toe) for toe in robot.toes},
     }
+    if robot.cut is not None:
+        result["cut"] = str(robot.cut)
     lines = [f"{robot.name}: {', '.join(robot.coordinates)}  (SI units, radians)"]
     with np.printoptions(precision=6, suppress=True):
-        for key, value in list(result.items())[2:]:
+        for key, value in [item for item in list(result.items())[2:] if item[0] != "cut"]:
             by_toe = {f" {toe}": array for toe, array in value.items()} if isinstance(value, dict) else {"": value}
             for label, array in by_toe.items():
                 lines.append(f"{key}{label} =\n{array}" if array.ndim == 2 else f"{key}{label} = {array}")
+    lines += [f"{name}: {said}" if name else said for name, said in rests_on(robot)]
     return result | {"text": "\n".join(lines)}

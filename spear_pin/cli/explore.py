@@ -14,6 +14,7 @@ def add(commands: Commands) -> None:
     parser = add_command(commands, "explore", run, "turn the hop's numbers on a page of this machine, and watch it")
     parser.add_argument("--port", type=int, default=0, metavar="N", help="of the page (default: any that is free)")
     parser.add_argument("--open", action="store_true", help="open the page in the browser")
+    parser.add_argument("--robot", help=argparse.SUPPRESS)  # others have it: refused with the reason
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -31,6 +32,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     def end(number: int, frame: object) -> None:
         raise KeyboardInterrupt
 
+    if arguments.robot is not None:
+        expected = "none: the sliders have SPEAR-II's ranges; spear hop and sweep take another robot's leg"
+        raise BadValue("--robot", arguments.robot, expected)
     engine = best_engine()
     with progress() as show:
         show("solving the default hop")

@@ -156,11 +156,11 @@ def _size(text: str) -> tuple[int, int]:
 def _moving(arguments: argparse.Namespace, trajectory: Trajectory) -> Robot:
     """The robot of a trajectory; joints that it does not have are locked in one that is given."""
     from spear_pin.model.loading import load
-    from spear_pin.model.origin import robot_of
+    from spear_pin.model.origin import moved, robot_of
 
     try:
-        if arguments.robot is None and trajectory.origin is not None:
-            return robot_of(trajectory.origin)
+        if trajectory.origin is not None and (arguments.robot is None or "cut" in trajectory.origin):
+            return robot_of(moved(trajectory.origin, arguments.robot))
         whole = load(trajectory.robot if arguments.robot is None else arguments.robot)
     except (SpearError, ValueError) as error:
         if arguments.robot is not None:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
-from spear_pin.cli.legs import add_leg, beyond, called, one_leg, rests_on
-from spear_pin.cli.output import aligned, iterations, shows
+from spear_pin.cli.legs import add_leg, called, doubted, one_leg, rests_on, stability
+from spear_pin.cli.output import aligned, iterations, progress, shows
 from spear_pin.errors import BadValue, NoGait, SpearError
 
 if TYPE_CHECKING:
@@ -20,8 +19,6 @@ if TYPE_CHECKING:
     from spear_pin.studies.hardware import Rig
 
 FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
-LONGER = (1.0, 1.15, 1.3)  # of another leg, in turn: where stance and square wave last alike there is no hop
-SHORTER = (0.9, 0.8, 0.65, 0.5)  # of another leg whose joints may not turn as fast, in turn
 SPRING = ("stiffness", "hardening", "preload")  # options of the spring
 RIG = ("current_limit", "bandwidth", "noise", "losses", "seed")  # options of --hardware
 
@@ -67,7 +64,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.hybrid.parameters import with_hardware
     from spear_pin.model.scale import scale_of
     from spear_pin.studies.hop import summarize
-    from spear_pin.studies.joint_limits import excesses
+    from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
+    from spear_pin.studies.joint_limits import doubts, excesses
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
     from spear_pin.viz.plots import hop_summary, save_figure
@@ -78,8 +76,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     robot = other or load("spear_ii", locked=locked)
     law, spring, scale = HoppingLaw(), Spring(), 1.0
     if other is not None:
-        law, spring, scale = HoppingLaw.scaled(robot), Spring.scaled(robot), scale_of(robot).time
-        spring = spring if robot.settings is None else robot.settings.springs.get("knee", spring)
+        usual, scale = scaled_hopping(robot), scale_of(robot).time
+        law, spring = usual.law, usual.spring
     given = {name: value for name in ("stance_torque", "frequency") if (value := getattr(arguments, name)) is not None}
     lean = robot.legs[0].lean(arguments.knee) if arguments.free_x or other is not None else None
     law = replace(
@@ -98,15 +96,23 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         system = with_hardware(system, replace(rig, bandwidth=None, sensing=None).on(robot))
     notes: list[tuple[str, str]] = []
     if other is not None and arguments.flight_time is None and arguments.stance_torque is None:
-        gait, notes = _within_limits(system, scale * FLIGHT_TIME, arguments.free_x)
+        with progress() as show:
+            show(f"looking for a hop of {called(robot)}")
+            gait = hop_of(
+                system,
+                scale * FLIGHT_TIME,
+                within_limits=True,
+                on_attempt=lambda time, why: notes.append((f"in the air {time:.3g} s", why)),
+            )
     else:
-        time = FLIGHT_TIME if arguments.flight_time is None else arguments.flight_time
-        gait = _solved(system, [time if arguments.stance_torque is None else None], arguments.free_x)
+        wanted = FLIGHT_TIME if arguments.stance_torque is None else None
+        gait = _solved(system, wanted if arguments.flight_time is None else arguments.flight_time, arguments.free_x)
     trajectory = simulate(with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol)
     samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
     saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
     excess = excesses(robot, trajectory)
-    summary = summarize(gait, trajectory) | {"beyond_limits": [asdict(each) for each in excess]}
+    doubt = doubts(gait, excess)
+    summary = summarize(gait, trajectory) | {"beyond_limits": [asdict(each) for each in excess], "implausible": doubt}
     if robot.cut is not None:
         summary["cut"] = str(robot.cut)
     if trajectory.electrical is not None and trajectory.cycles:
@@ -119,7 +125,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     }
     if trajectory.cycles:
         pictures[plots] = lambda path: save_figure(hop_summary(trajectory, gait), path)
-    told = [*notes, *rests_on(robot), *beyond(excess)]
+    told = [*notes, *rests_on(robot), *doubted(doubt)]
     files = [page, samples, *([plots] if plots in pictures else []), *saved]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
@@ -130,46 +136,20 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _within_limits(system: HybridSystem, time: float, free: bool) -> tuple[Gait, list[tuple[str, str]]]:
-    """A leg's hop of about this flight time, in s, shorter where its joints could not; and what is said of it.
-
-    Where none is within the limits of the joints, it is the one of the flight time that was wanted.
-    """
-    from spear_pin import simulate
-    from spear_pin.studies.joint_limits import excesses
-
-    def over(gait: Gait) -> list[str]:
-        return [str(each) for each in excesses(system.robot, simulate(gait.system, gait.state, 1))]
-
-    first = _solved(system, [longer * time for longer in LONGER], free)
-    reasons = over(first)
-    for shorter in SHORTER if reasons else ():
-        with suppress(SpearError):
-            gait = _solved(system, [shorter * time], free)
-            if not over(gait):
-                return gait, [(f"in the air {first.durations['flight']:.3g} s", "; ".join(reasons))]
-    return first, []
-
-
-def _solved(system: HybridSystem, flight_times: Sequence[float | None], free: bool) -> Gait:
-    """The hop with the first of some flight times that has one; None: with the stance torque as it is."""
+def _solved(system: HybridSystem, flight_time: float | None, free: bool) -> Gait:
+    """The hop with a flight time, or of None with the stance torque as it is."""
     from spear_pin import find_gait
 
     drift = {"hip_touchdown": ("mean_speed", 0.0)} if free else {}
-    failures = []
-    for time in flight_times:
-        solved = drift if time is None else {"stance_torque": ("flight_time", time), **drift}
-        target: Any = dict(solved.values())
-        try:
-            with iterations() as tell:
-                return find_gait(system, list(solved), target, on_iteration=tell)
-        except NoGait as error:
-            failures.append(error)
-    nearer = "nearer to the defaults there is one: change less, or --knee as well"
-    if len(failures) > 1:
-        asked = ", ".join(f"{time:.3g}" for time in flight_times)
-        nearer = f"nor with flight times of {asked} s: give another --flight-time, --frequency or --stiffness"
-    raise SpearError(f"{failures[0]}; {nearer}") from None
+    solved = drift if flight_time is None else {"stance_torque": ("flight_time", flight_time), **drift}
+    target: Any = dict(solved.values())
+    try:
+        with iterations() as tell:
+            return find_gait(system, list(solved), target, on_iteration=tell)
+    except NoGait as error:
+        if error.remedy:
+            raise
+        raise SpearError(f"{error}; nearer to the defaults there is one: change less, or --knee as well") from None
 
 
 def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
@@ -200,7 +180,6 @@ def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
 
 
 def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
-    largest = abs(summary["multipliers"][0])
     rows = [
         ("stance torque", f"{summary['stance_torque']:.4f} N·m"),
         ("commanded hip, knee", f"{summary['hip_touchdown']:.4f}, {summary['knee_touchdown']:.4f} rad"),
@@ -209,7 +188,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         ("peak ground force", f"{summary['peak_force']:.1f} N"),
         ("spring's share", f"{100 * summary['spring_share']:.1f} % of the push"),
         ("multipliers", ", ".join(f"{value:.4f}" for value in summary["multipliers"])),
-        ("", f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"),
+        ("", stability(summary["multipliers"], summary["implausible"])),
         ("fixed point", f"residual {summary['residual']:.1e}"),
         *_motors(summary),
         *_electrical(summary),

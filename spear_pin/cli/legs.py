@@ -11,21 +11,26 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from spear_pin.model.robot import Robot
-    from spear_pin.studies.joint_limits import Excess
 
 NAMES = {"spear_ii": "SPEAR-II", "q_spear": "Q-SPEAR"}
 OPTIONS = ("leg", "side", "body", "repair")
+ROBOT = "name of a robot, or path of a URDF, MJCF or TOML file"
+SIDE = "1 forward, where the file does not tell"
+BODY = "mass on the slider (default: the leg's share)"
 
 
-def add_leg(parser: Any) -> None:
-    """Declare --robot, --leg, --side, --body and --repair; `one_leg` reads them. None is said by default."""
-    group = parser.add_argument_group("another robot, of which one leg hops; what it rests on is printed")
-    group.add_argument("--robot", metavar="ROBOT", help="name of a robot, or path of a URDF, MJCF or TOML file")
+def add_leg(parser: Any, what: str = "of which one leg hops") -> None:
+    """Declare --robot, --leg, --side, --body and --repair; `one_leg` reads them. None is said by default.
+
+    Args:
+        parser: of the command.
+        what: the command does with it, in words.
+    """
+    group = parser.add_argument_group(f"another robot, {what}; what it rests on is printed")
+    group.add_argument("--robot", metavar="ROBOT", help=ROBOT)
     group.add_argument("--leg", metavar="NAME", help="which of its legs (default: the first)")
-    group.add_argument(
-        "--side", type=int, metavar="±1", help="where its knee points, 1 forward, if the file does not tell"
-    )
-    group.add_argument("--body", type=float, metavar="KG", help="mass on the slider (default: the leg's share)")
+    group.add_argument("--side", type=int, metavar="±1", help=f"where its knee points, {SIDE}")
+    group.add_argument("--body", type=float, metavar="KG", help=BODY)
     group.add_argument("--repair", action="store_true", default=None, help="mend inertias that are not possible")
 
 
@@ -37,15 +42,21 @@ def add_plane(parser: Any, what: str) -> None:
         what: the command does with it, in words.
     """
     group = parser.add_argument_group(f"another quadruped, {what} in its sagittal plane")
-    group.add_argument("--robot", metavar="ROBOT", help="name of a robot, or path of a URDF, MJCF or TOML file")
+    group.add_argument("--robot", metavar="ROBOT", help=ROBOT)
     group.add_argument(
-        "--side",
-        type=int,
-        nargs=2,
-        metavar="±1",
-        help="where the posterior and the anterior knees point, 1 forward, where the file does not tell",
+        "--side", type=int, nargs=2, metavar="±1", help=f"where posterior and anterior knees point, {SIDE}"
     )
     group.add_argument("--repair", action="store_true", default=None, help="mend inertias that are not possible")
+
+
+def add_cut(parser: Any) -> None:
+    """Declare --leg, --plane, --side and --body; `cut_out` reads them. None is said by default."""
+    group = parser.add_argument_group("a part that is cut out of it, with coordinates and signs of SPEAR-II or Q-SPEAR")
+    part = group.add_mutually_exclusive_group()
+    part.add_argument("--leg", metavar="NAME", help="one leg on a slider")
+    part.add_argument("--plane", action="store_true", default=None, help="a quadruped in its sagittal plane")
+    group.add_argument("--side", type=int, nargs="+", metavar="±1", help=f"where knees point, {SIDE}")
+    group.add_argument("--body", type=float, metavar="KG", help=BODY)
 
 
 def in_the_plane(arguments: argparse.Namespace) -> Robot | None:
@@ -56,19 +67,7 @@ def in_the_plane(arguments: argparse.Namespace) -> Robot | None:
         BadValue: an option goes with --robot only, or the robot has not two pairs of legs of hip and knee.
     """
     robot = _loaded(arguments, "free")
-    if robot is None:
-        return None
-    from dataclasses import replace
-
-    from spear_pin import sagittal
-
-    if arguments.side is None:
-        return sagittal(robot)
-    if not set(arguments.side) <= {-1, 1}:
-        raise BadValue("--side", arguments.side, "1 or -1, for the posterior and for the anterior knees")
-    cut = sagittal(robot).cut
-    pairs = zip(() if cut is None else cut.legs, arguments.side, strict=True)
-    return sagittal(robot, [[replace(leg, side=side * leg.knee_sign) for leg in pair] for pair, side in pairs])
+    return None if robot is None else _plane(robot, arguments.side)
 
 
 def one_leg(arguments: argparse.Namespace, locked: list[str]) -> Robot | None:
@@ -78,11 +77,61 @@ def one_leg(arguments: argparse.Namespace, locked: list[str]) -> Robot | None:
         UnknownName: there is no such robot, or it has no such leg.
         BadValue: an option goes with --robot only, or the robot has no leg of hip and knee.
     """
-    if arguments.body is not None and arguments.robot is not None:
-        require("--body", arguments.body, lambda mass: mass >= 0, "a finite number >= 0, in kg")
+    if arguments.robot is not None:
+        _check_body(arguments.body)
     robot = _loaded(arguments, "fixed")
-    if robot is None:
-        return None
+    return None if robot is None else _leg(robot, arguments.leg, arguments.side, arguments.body, locked)
+
+
+def cut_out(source: str, arguments: argparse.Namespace, options: dict[str, Any]) -> Robot:
+    """A robot, or the part of it that `add_cut` asks for.
+
+    Args:
+        source: its name, or the path of its file.
+        arguments: those of `add_cut`.
+        options: of `load`; of a part's robot every joint has a motor, unless they or its TOML file say which.
+
+    Raises:
+        UnknownName: there is no such robot, or it has no such leg.
+        BadValue: there is no such part, or an option does not go with it.
+    """
+    from spear_pin import load
+
+    sides = arguments.side or []
+    if arguments.body is not None and arguments.leg is None:
+        raise BadValue("--body", arguments.body, "to go with --leg")
+    if arguments.leg is None and arguments.plane is None:
+        if sides:
+            raise BadValue("--side", sides[0], "to go with --leg or --plane")
+        return load(source, **options)
+    _check_body(arguments.body)
+    wanted, base = (1, "fixed") if arguments.plane is None else (2, "free")
+    if sides and len(sides) != wanted:
+        raise BadValue("--side", sides, f"{wanted} number{'s' if wanted > 1 else ''}, each 1 or -1")
+    unsaid = {name: value for name, value in _unsaid(source, base).items() if options.get(name) is None}
+    robot = load(source, **options | unsaid)
+    if arguments.leg is None:
+        return _plane(robot, sides or None)
+    return _leg(robot, arguments.leg, sides[0] if sides else None, arguments.body, [])
+
+
+def _plane(robot: Robot, sides: Sequence[int] | None) -> Robot:
+    """A quadruped in its sagittal plane, its knees on the sides that its legs have, or on others."""
+    from dataclasses import replace
+
+    from spear_pin import sagittal
+
+    if sides is None:
+        return sagittal(robot)
+    if not set(sides) <= {-1, 1}:
+        raise BadValue("--side", sides, "1 or -1, for the posterior and for the anterior knees")
+    cut = sagittal(robot).cut
+    pairs = zip(() if cut is None else cut.legs, sides, strict=True)
+    return sagittal(robot, [[replace(leg, side=side * leg.knee_sign) for leg in pair] for pair, side in pairs])
+
+
+def _leg(robot: Robot, name: str | None, side: int | None, body: float | None, locked: list[str]) -> Robot:
+    """A leg of a robot as a monopod, the first unless one is named."""
     from dataclasses import replace
 
     from spear_pin import monopod
@@ -90,15 +139,20 @@ def one_leg(arguments: argparse.Namespace, locked: list[str]) -> Robot | None:
     names = [leg.name for leg in robot.legs]
     if not names:
         expected = "a robot, x forward and z up, with a leg: a hip and a knee about the y axis, and a toe"
-        raise BadValue("--robot", arguments.robot, expected)
-    if arguments.leg is not None and arguments.leg not in names:
-        raise UnknownName("leg", arguments.leg, names)
-    leg = robot.legs[0 if arguments.leg is None else names.index(arguments.leg)]
-    side = leg.side if arguments.side is None else arguments.side * leg.knee_sign
-    if side not in (-1, 1):
+        raise BadValue("robot", robot.source, expected)
+    if name is not None and name not in names:
+        raise UnknownName("leg", name, names)
+    leg = robot.legs[0 if name is None else names.index(name)]
+    own = leg.side if side is None else side * leg.knee_sign
+    if own not in (-1, 1):
         expected = f"1 if {leg.knee} points forward as it flexes, -1 if backward: {robot.name} does not tell"
-        raise BadValue("--side", arguments.side, expected if not leg.side else "1 or -1")
-    return monopod(robot, replace(leg, side=side), "share" if arguments.body is None else arguments.body, locked)
+        raise BadValue("--side", side, expected if not leg.side else "1 or -1")
+    return monopod(robot, replace(leg, side=own), "share" if body is None else body, locked)
+
+
+def _check_body(body: float | None) -> None:
+    if body is not None:
+        require("--body", body, lambda mass: mass >= 0, "a finite number >= 0, in kg")
 
 
 def _loaded(arguments: argparse.Namespace, base: str) -> Robot | None:
@@ -110,12 +164,17 @@ def _loaded(arguments: argparse.Namespace, base: str) -> Robot | None:
             raise BadValue(f"--{name}", value, "to go with --robot")
         return None
     from spear_pin import load
+
+    return load(arguments.robot, repair=bool(arguments.repair), **_unsaid(arguments.robot, base))
+
+
+def _unsaid(source: str, base: str) -> dict[str, Any]:
+    """Options of `load` for a robot that is cut, as far as its TOML file does not say them."""
     from spear_pin.model.loading import sidecar_of
 
-    said = sidecar_of(arguments.robot)
+    said = sidecar_of(source)
     unsaid: dict[str, Any] = {"base": base} if said.base is None else {}
-    unsaid |= {"motors": "all"} if said.motors is None else {}
-    return load(arguments.robot, repair=bool(arguments.repair), **unsaid)
+    return unsaid | ({"motors": "all"} if said.motors is None else {})
 
 
 def called(robot: Robot) -> str:
@@ -142,6 +201,13 @@ def rests_on(robot: Robot) -> list[tuple[str, str]]:
     return [("" if i else what, line) for i, line in enumerate(lines)]
 
 
-def beyond(excesses: Sequence[Excess]) -> list[tuple[str, str]]:
-    """Limits that are not kept, a line each."""
-    return [("" if i else "beyond its limits", str(excess)) for i, excess in enumerate(excesses)]
+def doubted(doubts: Sequence[str]) -> list[tuple[str, str]]:
+    """What makes a gait implausible, a line each."""
+    return [("" if i else "implausible", doubt) for i, doubt in enumerate(doubts)]
+
+
+def stability(multipliers: Any, doubts: Sequence[str]) -> str:
+    """Whether a gait is stable, in words; of one that is implausible that is said with it."""
+    largest = abs(multipliers[0])
+    said = f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"
+    return f"{said} as computed, but implausible, see below" if doubts else said

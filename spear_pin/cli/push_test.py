@@ -9,16 +9,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.legs import add_leg as add_another
+from spear_pin.cli.legs import called, one_leg, rests_on
 from spear_pin.cli.output import aligned, shows
 from spear_pin.errors import BadValue
 from spear_pin.words import number
 
 if TYPE_CHECKING:
     from spear_pin.model.pinned import PinnedLeg
+    from spear_pin.model.robot import Robot
     from spear_pin.studies.push_test import GearRow, PassiveKnee, Release
 
 RECORDING = ("repeats", "noise", "quantum", "drift", "volts-per-rad", "offset", "seed")  # options of --write-csv
-DURATION = 1.5  # s
+DURATION, DEPTH = 1.5, 0.10  # s, m: of SPEAR-II; of another leg by its size
+FLEXION = (-0.2, 2.5)  # rad: of a knee of which the file does not say how far it turns
 NONE = "none"  # what --ratios calls the belt taken off
 
 
@@ -27,7 +31,7 @@ def add(commands: Commands) -> None:
     parser = add_command(
         commands, "push-test", run, "release the pushed-down leg: simulate it, write push_test.html and push_test.svg"
     )
-    parser.add_argument("--depth", type=float, default=0.10, metavar="M", help="of the push (default: 0.10)")
+    parser.add_argument("--depth", type=float, metavar="M", help=f"of the push (default: {DEPTH:.2f})")
     add_leg(parser)
     parser.add_argument(
         "--stiffness", type=float, metavar="N·m/RAD", help="of the spring (default: 48.25, or 47.12 without motor)"
@@ -59,6 +63,7 @@ def add(commands: Commands) -> None:
     records.add_argument("--volts-per-rad", type=float, metavar="V/RAD", help="of the potentiometer (default: 1.06)")
     records.add_argument("--offset", type=float, metavar="V", help="at the straight leg (default: 0.4)")
     records.add_argument("--seed", type=int, metavar="N", help="of the noise (default: 0)")
+    add_another(parser, "of which one leg is pushed down")
     add_out(parser, "the files")
     parser.add_argument("--open", action="store_true", help="open push_test.html in the browser")
 
@@ -79,6 +84,28 @@ def leg(arguments: argparse.Namespace) -> PinnedLeg:
     if arguments.ratio is not None and not 0 < arguments.ratio < math.inf:
         raise BadValue("--ratio", arguments.ratio, "a number > 0")
     return spear_ii(15.0 if arguments.ratio is None else arguments.ratio)
+
+
+def _limited(robot: Robot) -> bool:
+    """Whether the file says how far the knee may turn; some say turns of it."""
+    return max(map(abs, robot.limits["knee"].position)) < 2.0 * math.pi
+
+
+def _geared(robot: Robot, arguments: argparse.Namespace) -> Robot:
+    """Another robot's leg as --ratio and --no-motor say.
+
+    Raises:
+        BadValue: its rotors have no inertia, so that no ratio changes anything.
+    """
+    from spear_pin.model.variants import vary
+
+    if arguments.no_motor:
+        return vary(robot, knee_rotor=0.0)
+    if arguments.ratio is None:
+        return robot
+    if not robot.model.armature[robot.index("knee")]:
+        raise BadValue("--ratio", arguments.ratio, f"none: the knee of {called(robot)} has a rotor without inertia")
+    return vary(robot, knee_ratio=arguments.ratio)
 
 
 def _csv(word: str) -> str:
@@ -102,15 +129,29 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Simulate a release, compare gear ratios, or write a synthetic record."""
     from dataclasses import replace
 
+    from spear_pin.model.pinned import pin_toe
+    from spear_pin.model.scale import scale_of
+    from spear_pin.studies.hop_of_another import scaled_hopping
     from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, resting_at
 
     check_out(arguments)
     _check_mode(arguments)
+    other = one_leg(arguments, ["boom_x"])
+    scale = 1.0 if other is None else scale_of(other).length
+    arguments.depth = scale * DEPTH if arguments.depth is None else arguments.depth
     if arguments.ratios is not None:
         return _compared(arguments)
-    pinned = leg(arguments)
+    usual = WITHOUT_MOTOR if arguments.no_motor else WITH_MOTOR
+    if other is None:
+        pinned = leg(arguments)
+    else:
+        geared, spring = _geared(other, arguments), scaled_hopping(other).spring
+        pinned = pin_toe(geared, span=None if _limited(geared) else FLEXION)
+        usual = replace(usual, stiffness=spring.stiffness, damping=spring.damping)
+        if spring.stiffness == 0 and arguments.stiffness is None:
+            raise BadValue("--stiffness", None, "one, for the push test knows linear springs only")
     knee = replace(
-        WITHOUT_MOTOR if arguments.no_motor else WITH_MOTOR,
+        usual,
         **{name: value for name in ("stiffness", "damping") if (value := getattr(arguments, name)) is not None},
         coulomb=arguments.coulomb,
         zero=arguments.rest_angle,
@@ -126,6 +167,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 def _check_mode(arguments: argparse.Namespace) -> None:
     """Refuse options that would have no effect."""
     recording, comparing = arguments.write_csv is not None, arguments.ratios is not None
+    if arguments.robot is not None and (recording or comparing):
+        mode = "--write-csv: spear identify knows SPEAR-II alone" if recording else "--ratios: give one by --ratio"
+        raise BadValue("--robot", arguments.robot, f"none with {mode}")
     for option, given, works in (
         ("--write-csv", recording, not comparing),
         ("--ratio", arguments.ratio is not None, not comparing),
@@ -150,10 +194,13 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
     duration = DURATION if arguments.duration is None else arguments.duration
     result = release(pinned, knee, arguments.depth, duration)
     small = swing(pinned, knee)
-    title = f"SPEAR-II released from {100 * arguments.depth:g} cm" + (", no motor" if arguments.no_motor else "")
+    title = f"{called(pinned.robot)} released from {100 * arguments.depth:.4g} cm" + (
+        ", no motor" if arguments.no_motor else ""
+    )
     shown = playback(pinned, knee, result)
     page, picture = arguments.out / "push_test.html", arguments.out / "push_test.svg"
     figures = {
+        **({} if pinned.robot.cut is None else {"cut": str(pinned.robot.cut)}),
         "depth": arguments.depth,
         "spring_zero": knee.zero,
         "stiffness": knee.stiffness,
@@ -176,13 +223,14 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
     pulls = "never" if result.lift_off is None else f"from {result.lift_off:.4f} s on: the toe would lift off"
     turn = f"{result.extrema[0]:.4f} rad at {result.turns[0]:.4f} s" if result.turns.size else "none"
     rows = [
-        ("pushed to", f"{result.angle[0]:.4f} rad, {100 * arguments.depth:g} cm below the rest"),
+        ("pushed to", f"{result.angle[0]:.4f} rad, {100 * arguments.depth:.4g} cm below the rest"),
         ("rests at", f"{result.rest:.4f} rad (zero of the spring: {knee.zero:.4f} rad)"),
         ("small oscillation", f"{small.frequency:.4f} Hz, damping ratio {small.damping_ratio:.3f}"),
         ("rotor's share", f"{100 * small.rotor_share:.1f} % of the inertia ({pinned.rotor:.4g} kg·m²)"),
         ("first extremum", turn),
         ("least ground force", f"{figures['least_force']:.1f} N; the pin pulls {pulls}"),
         ("simulated", f"{duration:g} s ({result.reason})"),
+        *rests_on(pinned.robot),
         *shows(shown),
         ("files", f"{page}, {picture}"),
     ]

@@ -1,4 +1,4 @@
-"""Request of a command for a bounding gait: a shipped gait's request, and the options that change it."""
+"""Request of a command for a bounding gait: a shipped gait's, or Q-SPEAR's scaled, and the options that change it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import FREE, number_or_free
+from spear_pin.cli.legs import add_plane, in_the_plane
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -25,7 +26,6 @@ def add_request(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "gait",
         nargs="?",
-        default=GAIT,
         help=f"a shipped gait: what was asked of it is asked again (default: {GAIT})",
     )
     parser.add_argument("--speed", type=float, metavar="M/S", help="mean forward speed")
@@ -50,10 +50,11 @@ def add_request(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--ratio", type=float, metavar="N", help=f"of its gearbox (default: {RATIO:g})")
     parser.add_argument("--bus", type=float, metavar="V", help=f"of its supply (default: {BUS:g})")
     parser.add_argument("--hip-distance", type=float, metavar="M", help="posterior to anterior hips (default: 0.7)")
+    add_plane(parser, "of which Q-SPEAR's request is asked, scaled, within the limits of its joints")
 
 
 def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
-    """The robot, and a shipped gait's request with the options in the place of its own.
+    """The robot, and a shipped gait's request, or another robot's, with the options in the place of its own.
 
     Args:
         arguments: those of `add_request`.
@@ -69,13 +70,17 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
 
     from spear_pin.errors import UnknownName
     from spear_pin.gaits.library import REQUESTS
-    from spear_pin.gaits.request import FLEXED, OBJECTIVES
+    from spear_pin.gaits.request import FLEXED, OBJECTIVES, Request
     from spear_pin.model.loading import load
     from spear_pin.model.scale import scale_of
     from spear_pin.model.variants import vary
+    from spear_pin.studies.bound.of_another import springs_of
 
-    if arguments.gait not in REQUESTS:
-        raise UnknownName("gait", arguments.gait, REQUESTS)
+    shipped = arguments.gait or GAIT
+    if shipped not in REQUESTS:
+        raise UnknownName("gait", shipped, REQUESTS)
+    if arguments.robot is not None and arguments.gait is not None:
+        raise BadValue("gait", arguments.gait, "none with --robot: what was asked of a shipped gait is Q-SPEAR's")
     if arguments.objective is not None and arguments.objective not in OBJECTIVES:
         raise UnknownName("objective", arguments.objective, OBJECTIVES)
     names = ("speed", "objective", "lift_off", "friction", "clearance", "minimum_stride")
@@ -93,7 +98,8 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
     given: dict[str, Any] = {
         name: None if value == FREE else value for name, value in changes.items() if value is not None
     }
-    robot = load("q_spear")
+    other = in_the_plane(arguments)
+    robot = load("q_spear") if other is None else other
     if arguments.hip_distance is not None:
         robot = vary(robot, hip_distance=arguments.hip_distance)
     drive = _knee_drive(arguments)
@@ -103,7 +109,8 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
         given["knee_drive"] = drive
     elif arguments.objective in ("electrical", "violation"):
         raise BadValue("--knee-motor", None, f"a motor, for the objective {arguments.objective!r}")
-    request = replace(REQUESTS[arguments.gait], **given)
+    base = REQUESTS[shipped] if other is None else Request.scaled(robot, **springs_of(robot))
+    request = replace(base, **given)
     request.check(scale_of(robot))
     return robot, request
 

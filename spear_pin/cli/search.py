@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.legs import doubted, rests_on, stability
 from spear_pin.cli.output import aligned, progress
-from spear_pin.cli.request import MOTORS, add_request, requested
+from spear_pin.cli.request import GAIT, MOTORS, add_request, requested
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -22,7 +22,10 @@ SAME = 1e-5  # between fixed points that are one
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     parser = add_command(
-        commands, "search", run, "search a bounding gait of Q-SPEAR from cold, write gait.json (needs casadi)"
+        commands,
+        "search",
+        run,
+        "search a bounding gait of Q-SPEAR, or another quadruped, from cold, write gait.json (needs casadi)",
     )
     add_request(parser)
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the initial guess (default: 0)")
@@ -34,6 +37,8 @@ def add(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Search the gait, stabilise it and write its file."""
+    from dataclasses import asdict
+
     from spear_pin import simulate
     from spear_pin.gaits.collocation import casadi
     from spear_pin.gaits.feedback import regulated, speed_regulated
@@ -43,6 +48,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.hybrid.contact import Contact
     from spear_pin.model.scale import scale_of
     from spear_pin.studies.bound import summarize
+    from spear_pin.studies.joint_limits import doubts, excesses
 
     check_out(arguments)
     if arguments.seed < 0:
@@ -59,11 +65,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         if arguments.feedback != "none":
             show(f"designing feedback: {arguments.feedback}")
             gait = regulated(gait) if arguments.feedback == "regulated" else speed_regulated(gait)
-        figures = summarize(gait, simulate(gait.system, gait.state, progress=False))
-    shipped = None if robot.varied else _shipped_as(request)
+        trajectory = simulate(gait.system, gait.state, progress=False)
+        figures = summarize(gait, trajectory)
+    excess = [] if robot.cut is None else excesses(robot, trajectory)
+    shipped = None if robot.varied or robot.cut is not None else _shipped_as(request)
     unit, meaning = OBJECTIVES[request.objective]
     summary = {
-        "gait": arguments.gait,
+        "gait": None if robot.cut is not None else arguments.gait or GAIT,
         "seed": arguments.seed,
         "objective": request.objective,
         "objective_value": in_its_unit(request, scale_of(robot), solution),
@@ -76,9 +84,14 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "feedback": arguments.feedback,
         "shipped": shipped,
         "distance_from_shipped": None if shipped is None else _distance(gait, shipped),
+        "beyond_limits": [asdict(each) for each in excess],
+        "implausible": doubts(gait, excess),
     }
+    if robot.cut is not None:
+        summary["cut"] = str(robot.cut)
+    told = [*rests_on(robot), *doubted(summary["implausible"])]
     path = gait.save(arguments.out / "gait.json")
-    return summary | {"files": [str(path)], "text": _text(summary, path)}
+    return summary | {"files": [str(path)], "text": _text(summary, [*told, ("file", str(path))])}
 
 
 def _shipped_as(request: Request) -> str | None:
@@ -98,9 +111,7 @@ def _distance(gait: Gait, shipped: str) -> float:
     return float(np.abs(np.concatenate(gait.state) - np.concatenate(other.state)).max())
 
 
-def _text(summary: dict[str, Any], path: Path) -> str:
-    largest = abs(summary["multipliers"][0])
-
+def _text(summary: dict[str, Any], told: list[tuple[str, str]]) -> str:
     def peak(joint: str) -> str:
         torques = [
             max(summary[key][f"{leg}_{joint}"] for key in ("peak_torque_stance", "peak_torque_swing"))
@@ -123,12 +134,11 @@ def _text(summary: dict[str, Any], path: Path) -> str:
         ("cost of transport", f"{summary['cost_of_transport']:.3f} (mechanical, |power|)"),
         ("feedback", summary["feedback"]),
         ("multipliers", ", ".join(f"{abs(value):.4f}" for value in summary["multipliers"][:4]) + ", ... (magnitudes)"),
-        ("", f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"),
+        ("", stability(summary["multipliers"], summary["implausible"])),
         ("fixed point", f"residual {summary['residual']:.1e}"),
-        ("file", str(path)),
     ]
     if summary["shipped"] is not None:
         away = summary["distance_from_shipped"]
         verdict = "the same gait" if away < SAME else "another local optimum: another seed may lead to it"
-        rows.insert(-1, ("shipped gait", f"{summary['shipped']}: {away:.1e} from its fixed point, {verdict}"))
-    return aligned(rows)
+        rows.append(("shipped gait", f"{summary['shipped']}: {away:.1e} from its fixed point, {verdict}"))
+    return aligned([*rows, *told])

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, check_folder
 from spear_pin.cli.gaits import BOUND, bounding_gait
+from spear_pin.cli.legs import add_leg, one_leg, rests_on
 from spear_pin.cli.output import aligned
 from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
 from spear_pin.words import number
@@ -26,7 +27,9 @@ def add(commands: Commands) -> None:
     parser = add_command(
         commands, "sweep", run, "find gaits and their multipliers over any parameters, write a dataset"
     )
-    parser.add_argument("what", choices=("hop", "bound"), help="SPEAR-II's hop in place, or a bounding gait of Q-SPEAR")
+    parser.add_argument(
+        "what", choices=("hop", "bound"), help="SPEAR-II's hop in place or another leg's, or a bounding gait"
+    )
     parser.add_argument(
         "--over",
         action="append",
@@ -37,7 +40,7 @@ def add(commands: Commands) -> None:
     solved = parser.add_mutually_exclusive_group()
     solved.add_argument("--flight-time", type=float, metavar="S", help="of a hop: solve the stance torque for it")
     solved.add_argument("--speed", type=float, metavar="M/S", help="of a bound: solve the posterior hip torque for it")
-    parser.add_argument("--gait", default=BOUND, metavar="NAME|PATH", help=f"the bounding gait (default: {BOUND})")
+    parser.add_argument("--gait", metavar="NAME|PATH", help=f"the bounding gait (default: {BOUND})")
     sampled = parser.add_mutually_exclusive_group()
     sampled.add_argument("--sobol", type=int, metavar="N", help="N points of a Sobol sequence instead of a grid")
     sampled.add_argument("--latin", type=int, metavar="N", help="N points of a Latin hypercube instead of a grid")
@@ -47,6 +50,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("--chunk", type=int, default=512, metavar="N", help="points solved together (default: 512)")
     parser.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance (default: 1e-9)")
     parser.add_argument("--resume", action="store_true", help="go on with a sweep that was broken off")
+    add_leg(parser, "of which one leg's hop is swept")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -92,7 +96,10 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if found:
         files.append(str(save_figure(sweep_map(dataset), arguments.out.with_suffix(".svg"))))
     summary = {"points": len(why), "converged": found, "stable": int(dataset["stable"].sum()), "reasons": counts}
-    return summary | {"vary": vary, "files": files, "text": _text(summary, vary, files, dataset)}
+    if system.robot.cut is not None:
+        summary["cut"] = str(system.robot.cut)
+    told = [*rests_on(system.robot), ("files", ", ".join(files))]
+    return summary | {"vary": vary, "files": files, "text": _text(summary, vary, told, dataset)}
 
 
 def _check(arguments: argparse.Namespace) -> None:
@@ -108,6 +115,11 @@ def _check(arguments: argparse.Namespace) -> None:
             raise BadValue(f"--{option}", value, f"a whole number, at least {least}")
     if arguments.what == "hop" and arguments.speed is not None:
         raise BadValue("--speed", arguments.speed, "to go with bound; a hop takes --flight-time")
+    if arguments.what == "bound" and arguments.robot is not None:
+        expected = (
+            "to go with hop; of another quadruped save a bound by spear bound --robot ... --save, and give --gait"
+        )
+        raise BadValue("--robot", arguments.robot, expected)
     if arguments.what == "bound" and arguments.flight_time is not None:
         raise BadValue("--flight-time", arguments.flight_time, "to go with hop; a bound takes --speed")
     if arguments.speed is not None and not 0.0 < arguments.speed < math.inf:
@@ -151,16 +163,18 @@ def _asked(arguments: argparse.Namespace, names: set[str]) -> tuple[HybridSystem
     """The system, what to solve for, and the target."""
     from spear_pin import hopping, load
     from spear_pin.gaits.bounding import SPEED_BY
+    from spear_pin.studies.hop_of_another import scaled_hopping
 
+    leg = one_leg(arguments, ["boom_x"])
     if arguments.what == "hop":
         system, measure, value, solved = (
-            hopping(load("spear_ii", locked=["boom_x"])),
+            hopping(load("spear_ii", locked=["boom_x"])) if leg is None else scaled_hopping(leg),
             "flight_time",
             arguments.flight_time,
             "stance_torque",
         )
     else:
-        system = bounding_gait(arguments.gait, None)[1].system
+        system = bounding_gait(arguments.gait or BOUND, None)[1].system
         measure, value, solved = "mean_speed", arguments.speed, SPEED_BY
     if value is not None and measure in names:
         raise BadValue("--over", measure, f"another name, or no --{measure.replace('_', '-')}")
@@ -185,7 +199,7 @@ def _check_names(system: HybridSystem, axes: Axes) -> None:
             pass  # the name is known; what its values do, each point tells
 
 
-def _text(summary: dict[str, Any], vary: list[str], files: list[str], dataset: Any) -> str:
+def _text(summary: dict[str, Any], vary: list[str], told: list[tuple[str, str]], dataset: Any) -> str:
     share = 100.0 * summary["converged"] / summary["points"]
     rows = [
         ("points", f"{summary['points']}"),
@@ -199,4 +213,4 @@ def _text(summary: dict[str, Any], vary: list[str], files: list[str], dataset: A
         for name in vary:
             solved = dataset[name]
             rows.append((name.replace("_", " "), f"{float(solved.min()):.4f} to {float(solved.max()):.4f}"))
-    return aligned([*rows, ("files", ", ".join(files))])
+    return aligned([*rows, *told])

@@ -8,7 +8,7 @@ event-exact simulation. Every optimum is a local one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, Infeasible, NoGait
 from spear_pin.gaits.bounding import SPEED_BY, bounding
+from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.bounding_programme import Transcription, transcribe
 from spear_pin.gaits.collocation import Progress, Solution, resampled
 from spear_pin.gaits.gait import Gait
@@ -34,6 +35,18 @@ STRAYS = 0.2  # of a phase's time
 ATTEMPTS, APART = 3, 1000  # initial guesses of a cold search, and between their seeds
 PATIENCE = 300  # iterations of each; one that succeeds takes 40 to 250
 MET = 1e-5  # of a wish's scale: missed by less, it is met
+SLIPPED, SLOWER = 1.25, 0.9  # of the friction and of the speed that were asked for
+# wishes, by how their labels begin, and what to try where one is missed most: of the request and by how much it is
+REMEDIES: Mapping[str, Callable[[Request, float], str]] = {
+    "mean speed": lambda asked, by: f"speed={max(asked.speed - by, 0.5 * asked.speed):.3g}",
+    "duration of the stride": lambda asked, by: f"minimum_stride={max(asked.minimum_stride - by, 0.0):.3g}",
+    "friction": lambda asked, by: f"friction={SLIPPED * asked.friction:.2g}{_less_bent(asked)}",
+    "normal force": lambda asked, by: f"minimum_force={max(asked.minimum_force - by, 0.0):.3g}",
+    "clearance": lambda asked, by: f"clearance={max(asked.clearance - by, 0.0):.2g}",
+    "speed": lambda asked, by: f"a gearbox of a smaller ratio, or speed={SLOWER * asked.speed:.3g}",
+    "envelope": lambda asked, by: f"a stronger motor, another ratio{_free_spring(asked)}, or a slower speed",
+    "torque": lambda asked, by: f"{_stronger(asked, by)}speed={SLOWER * asked.speed:.3g}",
+}
 
 
 @typed
@@ -129,7 +142,7 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
     failure = NoGait("nothing was tried", np.inf)
     for by in POLISHED_BY:
         try:
-            gait = gait_beside(system, state, by, {"mean_speed": transcription.request.speed})
+            gait = gait_beside(system, state, [by], {"mean_speed": transcription.request.speed})
         except NoGait as error:
             failure = error
             continue
@@ -150,13 +163,47 @@ def obstacle(transcription: Transcription, solution: Solution) -> Infeasible | N
     loosened = relaxed.solve(iterations=300)
     if not loosened.success:
         reason = f"the optimiser ended with {solution.status} and its relaxed search with {loosened.status}"
-        return NoGait(reason, max(solution.violations.values()))
+        return _stopped(reason, solution, f"speed={SLOWER * transcription.request.speed:.3g}, or another seed")
     missed = {label: float(loosened.values[margin.unknown][0]) for label, margin in margins.items()}
     worst = max(missed, key=lambda label: missed[label])
     if missed[worst] < MET:
-        reason = f"the optimiser ended with {solution.status}, though every wish can be met; try another seed"
-        return NoGait(reason, max(solution.violations.values()))
-    return Infeasible(worst, missed[worst] * margins[worst].scale, margins[worst].unit)
+        reason = f"the optimiser ended with {solution.status}, though every wish can be met"
+        return _stopped(reason, solution, "another seed")
+    by = missed[worst] * margins[worst].scale
+    return Infeasible(worst, by, margins[worst].unit, remedy(transcription.request, worst, by))
+
+
+def _stopped(reason: str, solution: Solution, remedy: str) -> NoGait:
+    """A search that ended without a wish to blame: what its last iterate keeps to the least."""
+    worst = max(solution.violations, key=lambda label: solution.violations[label])
+    return NoGait(reason, solution.violations[worst], f"its last iterate misses {worst!r} most", remedy)
+
+
+def remedy(request: Request, wish: str, missed: float) -> str:
+    """One thing to try where a wish is missed; nothing where nothing is known.
+
+    Args:
+        request: that it is of.
+        wish: its label.
+        missed: by how much, in its unit.
+    """
+    known = (say for begin, say in REMEDIES.items() if wish.startswith(begin))
+    return next((say(request, missed) for say in known), "")
+
+
+def _less_bent(request: Request) -> str:
+    """A knee that strikes the ground less at a slant, where its angle is given."""
+    bent = request.knee_touchdown
+    return "" if bent is None else f" or a smaller knee_touchdown than {bent:.3g}"
+
+
+def _free_spring(request: Request) -> str:
+    return "" if request.stiffness is None else ", stiffness=None, which leaves it free"
+
+
+def _stronger(request: Request, missed: float) -> str:
+    """More torque of the hips, which the request counts by pairs of legs, where that is bounded."""
+    return "" if request.hip_torque is None else f"hip_torque={request.hip_torque + PAIR * missed:.3g} or "
 
 
 def _on_ground(robot: Robot, toes: tuple[str, ...], state: tuple[Array, Array]) -> tuple[Array, Array]:

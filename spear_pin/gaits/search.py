@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName
+from spear_pin.gaits.diagnosis import Reached, explained
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
@@ -26,7 +27,8 @@ Measure = Callable[[Run], float]
 
 SETTLE = 12  # cycles of simulation before Newton's method
 SETTLING = Options(rtol=1e-7, max_evaluations=EVALUATIONS)  # of each of these
-STRAINED = 5  # cycles with more evaluations than any gait's, after which a search is given up
+STRAINED = 2  # cycles with more evaluations than any gait's, after which a search is given up
+ENOUGH = 200_000  # evaluations after which no continuation is begun or refined
 TOLERANCE = 1e-10  # of Newton's method, or the integrator's where that is finer
 ROUGH_RTOL, ROUGH_TOLERANCE = 1e-8, 1e-6  # of the integrator and of Newton's method until a solution is near
 RESIDUAL = 1e-9
@@ -68,7 +70,8 @@ def find_gait(
         UnknownName: unknown parameter or measure.
         BadValue: not as many targets as parameters, or a target that no cycle has: no finite number, or a flight that
             closes none, see `HybridSystem.shortest_flight`.
-        NoGait: no periodic gait was found from here; the text says why.
+        NoGait: no periodic gait was found from here; the text says why, and of a hop what is likely to be the cause and
+            what to try.
     """
     target = dict(target or {})
     if len(vary) != len(target):
@@ -94,33 +97,52 @@ def find_gait(
                 return search.gait(*approach(begun[i], settled[i]))
             except NoGait as failure:
                 failures.append(failure)
+            tried = len(failures) >= len(begun)
+            if search.effort.reached or (tried and search.effort.evaluations > ENOUGH):
+                break  # a path to the targets ends where it did, begun anywhere
     except _Hopeless:
         residual = min((failure.residual for failure in failures), default=np.inf)
-        raise NoGait(f"cycles take more than {EVALUATIONS} evaluations each, which no gait's does", residual) from None
-    raise min(failures, key=lambda failure: failure.residual)
+        failures = [NoGait(f"cycles take more than {EVALUATIONS} evaluations each, which no gait's does", residual)]
+    nearest = min(failures, key=lambda each: each.residual)
+    raise explained(nearest, system, vary, target, search.effort.reached) from None
 
 
 def gait_beside(
-    system: HybridSystem, state: State, vary: str, target: Mapping[str, float], rtol: float = 1e-10
+    system: HybridSystem, state: State, vary: Sequence[str], target: Mapping[str, float], rtol: float = 1e-10
 ) -> Gait:
     """The fixed point beside a state that all but is one: Newton's method from there, and nothing else.
 
     Args:
         system: as of `find_gait`.
         state: (q, v) on the section.
-        vary: name of the parameter to solve for.
-        target: wanted value of the measure of a name.
+        vary: names of the parameters to solve for.
+        target: wanted values of as many measures, by name.
         rtol: relative tolerance of the integrator.
 
     Raises:
         NoGait: Newton's method does not end in one.
     """
     measures = tuple(system.measures[name] for name in target)
-    search = _Search((vary,), measures, np.array(list(target.values()), dtype=float), rtol, lambda n, norm: None)
+    search = _Search(tuple(vary), measures, np.array(list(target.values()), dtype=float), rtol, lambda n, norm: None)
     try:
         return search.gait(*search.newton(system, state, search.wanted, rtol, min(TOLERANCE, rtol)))
     except _Hopeless:
         raise NoGait(f"cycles take more than {EVALUATIONS} evaluations each", np.inf) from None
+
+
+@dataclass
+class _Effort:
+    """What a search has done so far.
+
+    Attributes:
+        evaluations: right-hand sides of its cycles.
+        strained: cycles that ran into the cap on evaluations.
+        reached: the farthest that a continuation came.
+    """
+
+    evaluations: int = 0
+    strained: int = 0
+    reached: Reached | None = None
 
 
 @dataclass(frozen=True)
@@ -132,7 +154,7 @@ class _Search:
     wanted: Array
     rtol: float
     on_iteration: Callable[[int, float], object]
-    strained: list[Run] = field(default_factory=list)  # cycles that ran into the cap on evaluations
+    effort: _Effort = field(default_factory=_Effort)
 
     def directly(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
         """The system and state that meet the targets, by Newton's method."""
@@ -140,7 +162,7 @@ class _Search:
 
     def by_continuation(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
         """The system and state, from the fixed point of the system as it is, the targets moved step by step."""
-        unasked = _Search((), (), self.wanted[:0], self.rtol, self.on_iteration, self.strained)
+        unasked = _Search((), (), self.wanted[:0], self.rtol, self.on_iteration, self.effort)
         system, state = unasked.roughly(system, state, self.wanted[:0])
         begin = self.measure(return_map(system, state, self.rtol))
         done, step, growth = 0.0, SHORTEST_STEP, 2.0
@@ -149,9 +171,10 @@ class _Search:
             try:
                 system, state = self.roughly(system, state, begin + reach * (self.wanted - begin))
                 done, step, growth = reach, growth * step, 2.0
+                self.effort.reached = Reached(done, system, state)
             except NoGait:
                 step, growth = 0.5 * step, 1.0
-                if step < SHORTEST_STEP:
+                if step < SHORTEST_STEP or self.effort.evaluations > ENOUGH:
                     raise
         return self.directly(system, state)
 
@@ -190,10 +213,11 @@ class _Search:
             self.on_iteration(n, residual)
 
     def _look_after(self, result: Run) -> None:
-        """Give the search up when too many cycles took more evaluations than any gait's."""
+        """Count, and give the search up when too many cycles took more evaluations than any gait's."""
+        self.effort.evaluations += result.evaluations
         if result.reason == "evaluation_cap":
-            self.strained.append(result)
-            if len(self.strained) == STRAINED:
+            self.effort.strained += 1
+            if self.effort.strained == STRAINED:
                 raise _Hopeless
 
     def measure(self, result: Run) -> Array:

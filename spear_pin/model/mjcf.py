@@ -58,6 +58,8 @@ def to_mjcf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> st
             numbers.
         BadFile: its URDF is gone.
     """
+    if robot.cut is not None:
+        raise BadValue("robot", robot.source, f"one of a file; {robot.cut.of}, out of which it is cut, can be written")
     if robot.added is not None:
         raise BadValue("robot", robot, "one without inertia beside its model's: MJCF cannot express that of an arm")
     root = etree.Element("mujoco", model=robot.name)

@@ -69,6 +69,23 @@ def robot_of(said: Mapping[str, Any]) -> Robot:
     return robot
 
 
+def moved(said: Mapping[str, Any], source: str | None) -> Mapping[str, Any]:
+    """An origin whose file is elsewhere: that out of which it was cut, if it was; None: as it is.
+
+    Args:
+        said: as of `origin`.
+        source: name of the robot, or path of its file.
+    """
+    if source is None:
+        return said
+    if "cut" not in said:
+        return {**said, "source": source}
+    whole = said["cut"]["of"]
+    elsewhere = moved(whole, source)
+    name = str(said["source"]).replace(repr(whole["source"]), repr(elsewhere["source"]))
+    return {**said, "source": name, "cut": {**said["cut"], "of": elsewhere}}
+
+
 def check_origin(said: Any, name: str = "robot") -> None:
     """Raise `ValueError` or `BadValue` unless it has all that an origin has, each of its kind."""
     if not isinstance(said, dict):

@@ -137,12 +137,13 @@ class PinnedLeg:
 
 
 @typed
-def pin_toe(robot: Robot, joint: str = "knee") -> PinnedLeg:
+def pin_toe(robot: Robot, joint: str = "knee", span: tuple[float, float] | None = None) -> PinnedLeg:
     """Pin the toe of a leg at the origin, below its hip, and leave one joint free.
 
     Args:
         robot: planar, with one toe and three coordinates: the height first, and two joints.
         joint: the one that stays, with finite limits in the URDF.
+        span: its least and largest angle, in rad; None: those limits.
 
     Raises:
         BadValue: the robot is not such a leg, or some angle within the joint's limits cannot be reached
@@ -152,7 +153,8 @@ def pin_toe(robot: Robot, joint: str = "knee") -> PinnedLeg:
     row = robot.index(joint)
     if not robot.planar or robot.nv != 3 or robot.nq != 3 or len(robot.toes) != 1 or row == 0:
         raise BadValue("robot", robot, "a planar leg with one toe, a height and two joints, as spear_ii, boom_x locked")
-    span = float(robot.model.lowerPositionLimit[row]), float(robot.model.upperPositionLimit[row])
+    if span is None:
+        span = float(robot.model.lowerPositionLimit[row]), float(robot.model.upperPositionLimit[row])
     if not (np.isfinite(span).all() and span[0] < span[1] and max(np.abs(span)) < 2 * np.pi):
         raise BadValue(f"limits of {joint}", span, "two angles, in rad")
     if np.abs(robot.toe_jacobian(np.zeros(3), robot.toes[0])[:, 0] - (0.0, 1.0)).max() > PLACED:

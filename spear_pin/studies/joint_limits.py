@@ -1,15 +1,19 @@
-"""By how much a motion exceeds what the robot's file allows its joints: torque, rate, angle."""
+"""What makes a gait implausible: limits of the robot's joints that it exceeds, multipliers that are all zero."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.robot import Robot
+
+FORGOTTEN = 1e-3  # of every multiplier: less is left of a disturbance after a cycle than a leg forgets
 
 
 @dataclass(frozen=True)
@@ -57,3 +61,19 @@ def excesses(robot: Robot, trajectory: Trajectory) -> tuple[Excess, ...]:
         if angles.min() < least:
             found.append(Excess(joint, "angle", float(angles.min()), least, "rad"))
     return tuple(found)
+
+
+@typed
+def doubts(gait: Gait, found: Sequence[Excess] = ()) -> tuple[str, ...]:
+    """Why a gait is not to be believed though it is computed right; nothing of one that is plausible.
+
+    Args:
+        gait: the gait.
+        found: limits that its motion does not keep, as of `excesses`.
+    """
+    said = [str(excess) for excess in found]
+    if np.abs(gait.multipliers).max() < FORGOTTEN:
+        said.append(
+            f"multipliers all below {FORGOTTEN:g}: each cycle forgets the last, as where torques outweigh the robot"
+        )
+    return tuple(said)

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, HoppingLaw, Spring, Trajectory, hopping, load, monopod, simulate
-from spear_pin.cli.hop import _within_limits
-from spear_pin.errors import NoGait
 from spear_pin.hybrid.periodic import residual
 from spear_pin.model.origin import robot_of
 from tests.cli.calls import printed, refused, run, words
@@ -44,40 +42,6 @@ def test_a_leg_hops(capsys, dog, tmp_path):
     np.testing.assert_allclose(hop.q[-1], trajectory.q[trajectory.cycle == 1][-1], rtol=0, atol=1e-8)
     page = (tmp_path / "hop.html").read_text(encoding="utf-8")
     assert "made, leg HR, hopping in place" in page and "not drawn" not in page and "drawn as bones" not in page
-
-
-class TestShorterFlights:
-    """Where joints could not keep to their limits, or there is no hop."""
-
-    @pytest.fixture
-    def solve(self, monkeypatch, hop):
-        """The flight time that is chosen, 1 being the one that is wanted, and what is said."""
-
-        def solve(over, none=()):
-            def solved(system, times, free):
-                times = [time for time in times if time not in none]
-                if not times:
-                    raise NoGait("of no avail", 0.1)
-                return replace(hop, durations={"flight": times[0]})
-
-            monkeypatch.setattr("spear_pin.cli.hop._solved", solved)
-            monkeypatch.setattr("spear_pin.simulate", lambda system, state, cycles: None)
-            excesses = iter(over)
-            monkeypatch.setattr("spear_pin.studies.joint_limits.excesses", lambda *_: ["too fast"] * next(excesses))
-            gait, said = _within_limits(hop.system, 1.0, False)
-            return gait.durations["flight"], said
-
-        return solve
-
-    def test_the_first_that_keeps_them(self, solve):
-        assert solve([0]) == (1.0, [])
-        assert solve([1, 1, 0]) == (0.8, [("in the air 1 s", "too fast")])
-
-    def test_none_keeps_them(self, solve):
-        assert solve([1] * 5) == (1.0, [])
-
-    def test_there_is_no_hop(self, solve):
-        assert solve([2, 0], none=(1.0, 0.9, 0.8)) == (0.65, [("in the air 1.15 s", "too fast; too fast")])
 
 
 def test_a_leg_is_saved(capsys, dog, tmp_path):

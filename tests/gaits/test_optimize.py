@@ -16,7 +16,7 @@ from spear_pin.gaits import library
 from spear_pin.gaits.bounding_programme import transcribe
 from spear_pin.gaits.collocation import Programme, Solution, hermite_simpson, node_name, quadrature, resampled
 from spear_pin.gaits.library import REQUESTS
-from spear_pin.gaits.optimize import search
+from spear_pin.gaits.optimize import remedy, search
 from spear_pin.gaits.request import Request
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
@@ -104,6 +104,8 @@ class TestSearch:
         with pytest.raises(Infeasible, match="mean speed.*m/s") as caught:
             search(fitted, Request(speed=10.0, knee_drive=drive))
         assert caught.value.violation > 0.5 and caught.value.unit == "m/s"
+        assert caught.value.remedy == f"speed={10.0 - caught.value.violation:.3g}"
+        assert str(caught.value).endswith(f"; try {caught.value.remedy}")
 
 
 @pytest.mark.slow
@@ -274,6 +276,26 @@ class TestRequest:
     def test_unknown_names(self, wish):
         with pytest.raises(UnknownName):
             Request(**wish)
+
+
+@pytest.mark.parametrize(
+    ("wish", "missed", "said"),
+    [
+        ("mean speed", 0.5, "speed=2"),
+        ("friction at posterior touchdown", 0.04, "friction=0.75 or a smaller knee_touchdown than 0.698"),
+        ("friction in anterior stance", 0.04, "friction=0.75 or a smaller knee_touchdown than 0.698"),
+        ("normal force in anterior stance", 5.0, "minimum_force=15"),
+        ("clearance in posterior stance", 0.01, "clearance=0.02"),
+        ("duration of the stride", 0.1, "minimum_stride=0.2"),
+        ("torque of the anterior_hip motor", 5.0, "hip_torque=90 or speed=2.25"),
+        ("speed of the posterior_knee motor", 5.0, "a gearbox of a smaller ratio, or speed=2.25"),
+        ("envelope of the posterior_knee motor", 5.0, "stiffness=None, which leaves it free"),
+        ("what nobody foresaw", 1.0, ""),
+    ],
+)
+def test_what_is_missed_has_a_remedy(wish, missed, said):
+    text = remedy(Request(hip_torque=80.0, minimum_stride=0.3), wish, missed)
+    assert said in text and bool(said) == bool(text)
 
 
 def test_without_casadi(monkeypatch):

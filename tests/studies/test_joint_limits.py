@@ -1,10 +1,12 @@
-"""Limits that a motion does not keep."""
+"""Limits that a motion does not keep, and what else makes a gait implausible."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from spear_pin import simulate
-from spear_pin.studies.joint_limits import excesses
+from spear_pin.studies.joint_limits import doubts, excesses
 
 
 @pytest.fixture(scope="module")
@@ -55,3 +57,12 @@ def test_unknown(motion, unknown):
     robot, trajectory = motion
     free = with_limits(robot, upperEffortLimit=unknown, upperVelocityLimit=unknown)
     assert excesses(free, trajectory) == ()
+
+
+def test_what_is_not_to_be_believed(motion, hop):
+    """A limit that is not kept, and a cycle that forgets the last."""
+    robot, trajectory = motion
+    found = excesses(with_limits(robot, upperEffortLimit=3.0), trajectory)
+    assert doubts(hop, ()) == () and doubts(hop, found) == (str(found[0]),)
+    (said,) = doubts(replace(hop, multipliers=np.zeros(3, dtype=complex)))
+    assert "multipliers all below 0.001" in said

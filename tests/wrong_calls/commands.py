@@ -61,6 +61,13 @@ OPTIONS = {
         "--lock": ("", "ankle", "Knee"),
         "--toes": ("", "hoof", "TOE"),
     },
+    "dynamics q_spear_full": {
+        "--leg": ("", "FL", "hip"),
+        "--side --plane": ("", "x", "0", "2", "1.5"),
+        "--side --leg=anterior_left": ("", "x", "0", "2", "1.5"),
+        "--body --leg=anterior_left": (*TEXT, "nan", "inf", "-1"),
+        **dict.fromkeys(("--side", "--body"), ("1",)),
+    },
     "hop": {
         "--flight-time": (*POSITIVE, "1e9"),
         "--stance-torque": NOT_NEGATIVE,
@@ -110,6 +117,9 @@ OPTIONS = {
         "--bus --knee-motor=ec_60_flat_100w_48v": POSITIVE,
         "--ratio": ("15",),
         "--hip-distance": POSITIVE,
+        "--robot": ("", "nothing", "no_such.urdf", "spear_ii", "/"),
+        "--robot long_stride": ("q_spear_full",),
+        "--side": ("1",),
         "--seed": SEED,
         "--feedback": NAME,
         "--out": FOLDER,
@@ -126,11 +136,15 @@ OPTIONS = {
         "--out": ("", "x", "x.nc", "none/x.zarr", "/proc/x.zarr", ".zarr/x"),
         "--over": ("", "x", "stiffness", "stiffness=", "=1", "stiffness=x", "stiffness=1:2", "stiffness=1:2:x"),
         "--over --over=friction=0.5,nan": ("stiffness=1:2:3",),
+        "--robot": ("", "nothing", "no_such.urdf", "/"),
+        "--leg --robot=q_spear_full": ("", "FL", "hip"),
+        **dict.fromkeys(("--leg", "--side", "--body"), ("1",)),
     },
     "sweep bound --over stiffness=110:115:2": {
         "--gait": (*NAME, "a_file"),
         "--speed": POSITIVE,
         "--flight-time": ("1",),
+        "--robot": ("q_spear_full",),
     },
     "push-test": {
         "--depth": (*NOT_NEGATIVE, "1"),
@@ -151,6 +165,11 @@ OPTIONS = {
         "--seed --write-csv=x": SEED,
         "--seed": ("1",),
         "--noise": ("0.1",),
+        "--robot": ("", "nothing", "no_such.urdf", "/"),
+        "--leg --robot=q_spear_full": ("", "FL", "hip"),
+        "--ratios --robot=q_spear_full": ("15",),
+        "--write-csv --robot=q_spear_full": ("x",),
+        **dict.fromkeys(("--leg", "--side", "--body"), ("1",)),
         "--out": FOLDER,
     },
     "identify lab.csv": {
@@ -192,7 +211,7 @@ OPTIONS = {
     },
     "export hop.npz --mp4": {"--fps": POSITIVE, "--speed": POSITIVE, "--time": ("1",)},
     "report": {"--only": ("", "nope", "["), "--figures": NAME, "--out": FOLDER},
-    "explore": {"--port": (*NUMBER, "-1", "65536", "1.5")},
+    "explore": {"--port": (*NUMBER, "-1", "65536", "1.5"), "--robot": ("solo12",)},
 }
 # and what does not go together
 LINES = (

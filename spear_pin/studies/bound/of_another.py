@@ -39,7 +39,7 @@ def bound_of(
         BadValue, UnknownName: a wish is not valid.
         MissingExtra: CasADi is not installed.
     """
-    request = Request.scaled(robot, **(_springs(robot) | wishes))
+    request = Request.scaled(robot, **(springs_of(robot) | wishes))
     speeds = [speed] if speed is not None else [share * request.speed for share in SLOWER]
     found = None
     for wanted in speeds:
@@ -66,7 +66,7 @@ def _over(gait: Gait) -> str:
     return "; ".join(map(str, excesses(gait.system.robot, simulate(gait.system, gait.state, 1))))
 
 
-def _springs(robot: Robot) -> dict[str, object]:
+def springs_of(robot: Robot) -> dict[str, object]:
     """What the robot's own file says of its springs, where both pairs have the same."""
     springs = [] if robot.settings is None else list(robot.settings.springs.values())
     if len(springs) != 2 or springs[0] != springs[1]:

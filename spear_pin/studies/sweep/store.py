@@ -24,6 +24,7 @@ import spear_pin
 from spear_pin.errors import BadFile, MissingExtra
 from spear_pin.files import atomic, parse_json
 from spear_pin.gaits.many import CONVERGED, REASONS
+from spear_pin.model.origin import origin
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import PARAMETERS
 from spear_pin.studies.sweep.job import Job, Rows
@@ -189,6 +190,7 @@ def _dataset(job: Job, rows: Mapping[str, Any], described: Mapping[str, Any]) ->
     coordinates = {name: ("point", column, units[name]) for name, column in job.points.items()}
     attributes = {
         "request": json.dumps(described, sort_keys=True),
+        "robot": json.dumps(origin(robot)),
         "phases": list(system.phases),
         "coordinates_of": list(robot.coordinates),
         "names": list(job.points),

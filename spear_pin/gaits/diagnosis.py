@@ -1,0 +1,222 @@
+"""Why a hop was not found, and one thing to try: what is told from the system and the farthest cycle of the search."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, NamedTuple
+
+from spear_pin.errors import NoGait, SpearError
+from spear_pin.gaits.targets import FLIGHT
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.periodic import return_map
+from spear_pin.hybrid.reasons import NUMERICAL
+from spear_pin.hybrid.result import State
+from spear_pin.model.limits import UNKNOWN
+from spear_pin.model.scale import scale_of
+
+KIND = "hopping"  # of systems of which this tells something
+ASIDE = 0.35  # rad: between the line from hip to toe at touchdown and straight down
+OFF = 2.0  # factor between a number and what is scaled from SPEAR-II's
+SWITCHED = 1e-6  # of a period: a stance that ends so near to the end of the square wave's is ended by it
+USUAL = 0.2  # s: flight of SPEAR-II
+DAMPING = "damping of the spring"
+HARMLESS = {"friction": 1, DAMPING: -1}  # to which side a number may be far off
+LONGER, FARTHER = 1.25, 1.5  # than the flight that was asked for, and than the last that there is
+COARSE = 1e-8  # relative tolerance of the cycle that is looked at
+
+
+class Reached(NamedTuple):
+    """How far a continuation came: the share of the way to the targets, and the fixed point there."""
+
+    share: float
+    system: HybridSystem
+    state: State
+
+
+class Diagnosis(NamedTuple):
+    """The likely cause, and one thing to try, each in words."""
+
+    cause: str
+    remedy: str
+
+
+class _Case(NamedTuple):
+    system: HybridSystem
+    vary: Collection[str]
+    target: Mapping[Any, float]
+    reached: Reached | None
+    law: Any  # of SPEAR-II, scaled to the robot, as `spring`
+    spring: Any
+
+
+def explained(
+    failure: NoGait,
+    system: HybridSystem,
+    vary: Collection[str],
+    target: Mapping[Any, float],
+    reached: Reached | None = None,
+) -> NoGait:
+    """The failure of a search, with the cause and what to try where it was for a hop and something is told.
+
+    Args:
+        failure: of the search.
+        system: with the parameters that it began with.
+        vary: names of those that it varied.
+        target: wanted values of measures.
+        reached: the farthest that its continuation came.
+    """
+    if system.kind != KIND:
+        return failure
+    try:
+        found = diagnosis(system, vary, target, reached)
+    except SpearError:  # a robot of which nothing can be told
+        return failure
+    return failure if found is None else NoGait(failure.reason, failure.residual, *found)
+
+
+def diagnosis(
+    system: HybridSystem, vary: Collection[str], target: Mapping[Any, float], reached: Reached | None = None
+) -> Diagnosis | None:
+    """What speaks against a hop, the most certain first; arguments as of `explained`.
+
+    Raises:
+        BadValue: the robot has not one leg with SPEAR-II's signs.
+    """
+    from spear_pin.gaits.hopping import HoppingLaw
+    from spear_pin.model.spring import Spring
+
+    turned = _knee_side(system)
+    if turned is not None:
+        return turned
+    case = _Case(system, vary, target, reached, HoppingLaw.scaled(system.robot), Spring.scaled(system.robot))
+    return next((found for test in TESTS if (found := test(case)) is not None), None)
+
+
+def _knee_side(system: HybridSystem) -> Diagnosis | None:
+    """A knee that flexes to the other side, or axes and zeros that are not SPEAR-II's."""
+    legs = system.robot.legs
+    if len(legs) != 1:
+        return None
+    leg = legs[0]
+    if leg.knee_sign < 0 or leg.side < 0:
+        cause = f"the knee {leg.knee!r} flexes to negative angles, and the law to positive ones"
+        return Diagnosis(cause, f"monopod(robot, {leg.name!r}), which turns it, in the place of the robot")
+    if leg.hip_sign < 0:
+        cause = f"the axis of the hip {leg.hip!r} points the other way than SPEAR-II's, for which the law is"
+        return Diagnosis(cause, f"monopod(robot, {leg.name!r}), which turns it, in the place of the robot")
+    if system.law.knee_touchdown <= 0:
+        cause = f"the knee lands at {system.law.knee_touchdown:.3g} rad, straight or bent to the wrong side"
+        return Diagnosis(cause, f"knee_touchdown={abs(system.law.knee_touchdown) or 1.0:.3g}")
+    return None
+
+
+def _toe_aside(case: _Case) -> Diagnosis | None:
+    """A toe that is not below the hip at touchdown."""
+    law, (leg,) = case.system.law, case.system.robot.legs
+    own = leg.lean(law.knee_touchdown)
+    hip = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown
+    aside = hip - own
+    if abs(aside) < ASIDE or "hip_touchdown" in case.vary:
+        return None
+    where = leg.length(law.knee_touchdown) * math.sin(aside)
+    cause = (
+        f"the toe lands {abs(where):.2g} m {'before' if where > 0 else 'behind'} the hip, commanded to {hip:.3g} rad"
+    )
+    return Diagnosis(cause, f"hip_touchdown={own:.3g}, with which it lands below")
+
+
+def _off_scale(case: _Case) -> Diagnosis | None:
+    """A number that is far from what does for SPEAR-II, scaled."""
+    law, spring, friction = case.system.law, case.system.spring, case.system.contact.friction
+    pairs = {
+        "friction": (friction, Contact().friction, ""),
+        "stance_torque": (law.stance_torque, case.law.stance_torque, "N·m"),
+        "frequency": (law.frequency, case.law.frequency, "Hz"),
+        "knee_touchdown": (law.knee_touchdown, case.law.knee_touchdown, "rad"),
+        "hip_gain": (law.hip_gain, case.law.hip_gain, "N·m/rad"),
+        "knee_gain": (law.knee_gain, case.law.knee_gain, "N·m/rad"),
+        DAMPING: (spring.damping, case.spring.damping, "N·m·s/rad"),
+    }
+    if case.reached is None and FLIGHT in case.target:
+        pairs["flight_time"] = case.target[FLIGHT], USUAL * scale_of(case.system.robot).time, "s"
+    if not spring.table:
+        pairs["stiffness"] = spring.stiffness + law.virtual_stiffness, case.spring.stiffness, "N·m/rad"
+    ratios = {
+        name: own / usual
+        for name, (own, usual, _) in pairs.items()
+        if (name not in case.vary or case.reached is None) and (own - usual) * HARMLESS.get(name, 0) <= 0
+    }
+    worst = max(ratios, key=lambda name: abs(math.log(max(ratios[name], 1e-9))))
+    if 1.0 / OFF < ratios[worst] < OFF:
+        return None
+    own, usual, unit = pairs[worst]
+    scaled = "SPEAR-II's" if case.system.robot.cut is None else "SPEAR-II's, scaled to this leg"
+    times = f"{ratios[worst]:.2g} times" if own else "far from"
+    name, key = worst.replace("_", " "), worst.partition(" ")[0]
+    return Diagnosis(f"the {name} of {f'{own:.3g} {unit}'.strip()} is {times} {scaled}", f"{key}={usual:.3g}")
+
+
+def _gap(case: _Case) -> Diagnosis | None:
+    """A continuation to a flight time that ended where the square wave ends stance."""
+    if case.reached is None or FLIGHT not in case.target or case.reached.share >= 1.0:
+        return None
+    cycle = return_map(case.reached.system, case.reached.state, COARSE)
+    if not cycle.cycles:
+        return None
+    law, stance, flight = case.reached.system.law, cycle.durations["stance"], cycle.durations["flight"]
+    wanted, period = case.target[FLIGHT], 1.0 / law.frequency
+    way = (
+        f"flights towards {wanted:.3g} s end at {flight:.3g} s"
+        if case.reached.share
+        else f"the nearest flight to {wanted:.3g} s is {flight:.3g} s"
+    )
+    way += f", with {law.stance_torque:.3g} N·m{_of_limit(case)}"
+    near = case.reached.share > 0.0 or wanted < FARTHER * flight
+    if near and abs(stance - period) < SWITCHED * period:
+        cause = f"{way}: there the square wave turns back after its {period:.3g} s and ends stance, a gap in the hops"
+        if wanted > flight:
+            beyond = FARTHER * flight if wanted > FARTHER * flight else LONGER * wanted
+            return Diagnosis(cause, f"a flight time of {beyond:.2g} s")
+        return Diagnosis(cause, f"a flight time of {_below(flight)} s")
+    return Diagnosis(
+        way, f"stance_torque={_below(law.stance_torque)}, with which it flies as long, or another stiffness"
+    )
+
+
+def _below(value: float) -> str:
+    """A number > 0 as text, rounded down to three digits: what is less was reached on the way."""
+    digits = 2 - math.floor(math.log10(value))
+    return f"{math.floor(value * 10.0**digits) / 10.0**digits:g}"
+
+
+def _of_limit(case: _Case) -> str:
+    """How the torque that was reached compares with the knee's limit, where it is more."""
+    limit = case.system.robot.limits["knee"].effort
+    torque = (case.system if case.reached is None else case.reached.system).law.stance_torque
+    return f", {torque / limit:.2g} times the knee's limit" if 0.0 < limit < min(torque, UNKNOWN) else ""
+
+
+def _torque(case: _Case) -> Diagnosis | None:
+    """A stance torque that the joint cannot have."""
+    said = _of_limit(case)
+    if not said:
+        return None
+    law, limit = case.system.law, case.system.robot.limits["knee"].effort
+    return Diagnosis(f"the stance torque is {law.stance_torque:.3g} N·m{said}", f"stance_torque={limit:.3g}")
+
+
+def _ended(case: _Case) -> Diagnosis | None:
+    """The first cycle, which breaks off."""
+    system = case.system
+    cycle = return_map(system, system.guess(), COARSE)
+    if cycle.cycles or cycle.reason in NUMERICAL:
+        return None
+    cause = f"the first hop ends in {cycle.domain.phase}: {cycle.message}"
+    if cycle.reason == "no_event" and cycle.domain.phase == "stance":
+        return Diagnosis(cause, f"stance_torque={FARTHER * system.law.stance_torque:.3g}")
+    return Diagnosis(cause, "fewer changes to what HoppingLaw.scaled and Spring.scaled give")
+
+
+TESTS: tuple[Callable[[_Case], Diagnosis | None], ...] = (_toe_aside, _off_scale, _gap, _torque, _ended)
