@@ -390,13 +390,21 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "gaits/bounding",
-        ["gaits/test_bounding"],
+        ["gaits/test_bounding", "gaits/test_fixed_springs"],
         {
             "bounding: lift-off from a double stance into the other one": (
-                "leg.toe: _lifts(leg, next_stance, other)",
-                "leg.toe: _lifts(leg, stance, leg)",
+                "leg.toe: _lifts(leg, next_stance, other, spring)",
+                "leg.toe: _lifts(leg, stance, leg, spring)",
             ),
-            "bounding: spring kept at lift-off": ("Reset(release=(leg.joint,), latch", "Reset(latch"),
+            "bounding: spring kept at lift-off": (
+                "if spring.rest is not None else (leg.joint,)",
+                "if True else (leg.joint,)",
+            ),
+            "bounding: a fixed spring let go": (
+                "release=() if spring.rest is not None else",
+                "release=() if False else",
+            ),
+            "bounding: a fixed spring in stance only": ("bearing if spring.rest is None else legs", "bearing"),
             "bounding: a stance that resumes begins anew": ("if resumed and f", "if not resumed and f"),
             "bounding: feedback at each touchdown": ("if first and not resumed:", "if not resumed:"),
             "bounding: feedback to the wrong leg's angle": ("+ adjust[4 + i]", "+ adjust[5 - i]"),

@@ -13,8 +13,8 @@ from spear_pin import __version__
 from tests.cli.calls import refused, run, words
 
 NAMES = (
-    *("robots", "dynamics", "hop", "explore", "push-test", "identify"),
-    *("bound", "search", "sweep", "report", "export", "doctor"),
+    *("robots", "dynamics", "hop", "explore", "push-test", "identify", "bound"),
+    *("search", "payoff", "sweep", "report", "export", "doctor"),
 )
 
 
