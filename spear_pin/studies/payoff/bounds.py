@@ -23,7 +23,7 @@ from spear_pin.studies.sweep.store import fingerprint
 
 SHARES = (0.6, 0.7, 0.8, 0.9)  # of the speed that `Request.scaled` has
 STEPS = (0.25, 0.5, 1.0, 1.5, 2.0)  # of the stiffness that the optimiser chooses
-TRIES = 3  # searches of a point that fails, each from another neighbour
+TRIES = 4  # searches of a point that fails, each from another neighbour
 PASSES = 2  # over all points, from neighbours that are new or have become better
 FOLLOWED = 2  # rounds in which neighbours of what became better are searched again
 BETTER = 0.005  # of a cost: what counts as better

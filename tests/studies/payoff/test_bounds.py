@@ -1,0 +1,166 @@
+"""A payoff study over searches that end at once: which are made, from where, and that none is made twice."""
+
+import json
+import math
+
+import pytest
+
+from spear_pin import load
+from spear_pin.errors import BadValue, SpearError
+from spear_pin.studies.payoff import Grid, Point, answer
+from spear_pin.studies.payoff import bounds as front
+from spear_pin.studies.payoff.bounds import FINER
+from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
+from tests.studies.payoff.stub import DRIVES, Stub, cost
+
+SPEEDS, STIFFNESSES = (1.8, 2.0, 2.2), (20.0, 40.0, 60.0)
+
+
+@pytest.fixture
+def study(monkeypatch, tmp_path):
+    def run(stub, path=tmp_path / "store.jsonl", **options):
+        monkeypatch.setattr("spear_pin.studies.payoff.searches.attempt", stub)
+        values = {"speeds": SPEEDS, "stiffnesses": STIFFNESSES, "drives": DRIVES} | options
+        return front(load("q_spear"), path, **values)
+
+    return run
+
+
+class TestGrid:
+    def test_neighbours_are_one_step_away_and_mutual(self):
+        grid = Grid(SPEEDS, STIFFNESSES)
+        assert len(list(grid)) == len(grid) == 21
+        for point in grid:
+            near = grid.neighbours(point)
+            assert len(set(near)) == len(near) and all(other in list(grid) for other in near)
+            assert all(point in grid.neighbours(other) for other in near)
+        assert grid.neighbours(Point(FIXED, 2.0, 20.0))[0] == Point(NONE, 2.0)
+
+    @pytest.mark.parametrize("speeds", [(), (0.0, 1.0), (2.0, 1.0), (1.0, 1.0)])
+    def test_what_does_not_rise_is_refused(self, speeds):
+        with pytest.raises(BadValue, match="speeds"):
+            Grid(speeds, STIFFNESSES)
+
+
+class TestBounds:
+    def test_every_point_is_searched_from_a_neighbour_and_again_from_another(self, study):
+        stub = Stub()
+        found = study(stub)
+        first = stub.asked[0]
+        assert first == (Point(NONE, 1.8), None, first[2]) and sum(start is None for _, start, _ in stub.asked) == 1
+        for point in found.grid:
+            assert found.at(point).cost == cost(point) and len(found.tries[point]) == 2
+            starts = {start for asked, start, meshes in stub.asked if asked == point and meshes != FINER}
+            assert len(starts) == 2 and starts - {None} <= set(found.grid.neighbours(point))
+        assert found.seconds == len(stub.asked)
+
+    def test_the_best_are_refined_and_their_stiffness_left_free(self, study):
+        stub = Stub()
+        found = study(stub)
+        assert found.speed == 2.0 and set(found.best) == {NONE, FIXED, SWITCHED} == set(found.finer)
+        assert found.best[SWITCHED].point == Point(SWITCHED, 2.0, None)
+        assert found.best[SWITCHED].figures.stiffness == 50.0 and found.best[FIXED].figures.stiffness == 30.0
+        refined = [(point, start) for point, start, meshes in stub.asked if meshes == FINER]
+        assert refined == [(each.point, each.point) for each in found.best.values()]
+
+    def test_a_point_that_fails_is_tried_from_its_other_neighbours(self, study):
+        hard = Point(SWITCHED, 2.0, 40.0)
+        found = study(Stub(lambda point, start: point == hard and start != Point(SWITCHED, 2.0, 60.0)))
+        assert [bool(each.reason) for each in found.tries[hard]][:4] == [True, True, True, False]
+        assert found.at(hard).cost == cost(hard) and "it is so" in found.tries[hard][0].reason
+
+    def test_what_never_has_a_gait_is_given_up_and_said(self, study):
+        hard = Point(SWITCHED, 2.0, 40.0)
+        found = study(Stub(lambda point, start: point == hard))
+        assert found.at(hard) is None and all(each.reason for each in found.tries[hard])
+        assert all(found.at(point) is not None for point in found.grid if point != hard)
+
+    def test_a_better_gait_spreads_to_its_neighbours(self, study):
+        """From the fastest speed a better branch is found, which slower ones reach from there only."""
+
+        def branch(point, start):
+            better = point == Point(NONE, 2.2) or (start is not None and start.speed > point.speed)
+            return cost(point) * (0.8 if better else 1.0)
+
+        found = study(Stub(costs=branch))
+        assert found.at(Point(NONE, 2.0)).cost == pytest.approx(0.8 * cost(Point(NONE, 2.0)))
+        assert answer(found).spread_of_all[1] == pytest.approx(0.25)
+
+    def test_without_stiffnesses_the_optimiser_s_own_leads(self, study):
+        found = study(Stub(), stiffnesses=None)
+        assert found.chosen == 50.0 and found.grid.stiffnesses == (12.5, 25.0, 50.0, 75.0, 100.0)
+
+    def test_no_bound_at_all_is_said(self, study):
+        with pytest.raises(SpearError, match="no bound to begin with: no spring at 1.8 m/s: no gait found: it is so"):
+            study(Stub(lambda point, start: True))
+
+    def test_resumed_after_every_search_it_ends_the_same_and_repeats_none(self, study, tmp_path):
+        class Killed(Exception):
+            pass
+
+        def breaking(stub, after):
+            def attempt(*arguments):
+                if len(stub.asked) == after:
+                    raise Killed
+                return stub(*arguments)
+
+            return attempt
+
+        whole, stub = study(Stub(), tmp_path / "whole.jsonl"), Stub()
+        total = len(whole.tries[Point(NONE, 1.8)]) and int(whole.seconds)
+        for _ in range(0, total, 7):
+            try:
+                study(breaking(stub, len(stub.asked) + 7))
+            except Killed:
+                pass
+        again = study(stub)
+        assert len(stub.asked) == total and again.best.keys() == whole.best.keys()
+        assert {point: again.at(point).key for point in again.grid} == {p: whole.at(p).key for p in whole.grid}
+        assert (tmp_path / "store.jsonl").read_bytes() == (tmp_path / "whole.jsonl").read_bytes()
+
+
+class TestAnswer:
+    def verdict(self, study, fixed, switched, fine=1.0):
+        def costs(point, start):
+            shares = {NONE: 1.0, FIXED: fixed, SWITCHED: switched}
+            return (1.0 + (point.speed - 2.0) ** 2) * shares[point.kind]
+
+        stub = Stub(costs=costs)
+        return answer(study(stub, speeds=(2.0,), stiffnesses=(40.0,)))
+
+    def test_the_switch_pays(self, study):
+        found = self.verdict(study, 0.9, 0.7)
+        assert found.verdict == "switchable" and found.saving == pytest.approx({FIXED: 0.1, SWITCHED: 0.3})
+        assert found.sentence.startswith("yes: at 2 m/s a switchable spring of 40 N·m/rad per leg saves 30.0 % of the")
+
+    def test_the_switch_does_not_pay_where_a_fixed_spring_does_as_well(self, study):
+        found = self.verdict(study, 0.71, 0.7)
+        assert found.verdict == "fixed" and "the switch does not" in found.sentence
+
+    def test_no_spring_pays(self, study):
+        found = self.verdict(study, 1.1, 0.99)
+        assert found.verdict == "none" and "adds 10.0 % to the electricity" in found.sentence
+
+    def test_what_starts_differ_by_is_no_saving(self, study):
+        """Of the switchable spring one start led 40 % higher: less than that is no answer."""
+
+        def costs(point, start):
+            unlucky = point.kind == SWITCHED and start == Point(NONE, 2.0)
+            return {NONE: 1.0, FIXED: 0.9, SWITCHED: 0.8}[point.kind] * (1.4 if unlucky else 1.0)
+
+        found = answer(study(Stub(costs=costs), speeds=(2.0,), stiffnesses=(40.0,)))
+        assert found.doubt == pytest.approx(0.4) and found.verdict == "none"
+
+    def test_knees_without_a_gait(self, study):
+        found = answer(study(Stub(lambda point, start: point.kind != NONE)))
+        assert found.verdict == "unknown" and math.isnan(found.saving[FIXED])
+
+    def test_edges_are_said(self, study):
+        found = answer(study(Stub(), speeds=(1.0, 2.0)))
+        assert "the fastest speed that was asked for is the best" in found.edges
+
+
+def test_the_store_names_what_is_studied(study, tmp_path):
+    study(Stub(), speeds=(2.0,), stiffnesses=(40.0,))
+    head = json.loads((tmp_path / "store.jsonl").read_text(encoding="utf-8").splitlines()[0].partition(" ")[2])
+    assert head["speeds"] == [2.0] and "virtual_stiffness=None" in head["request"]
