@@ -39,7 +39,10 @@ default_role = "py:obj"
 
 nitpicky = True
 # only references that name something of this package in full can be checked without the network
-nitpick_ignore_regex = [("py:.*", r"(?!spear_pin\.).*|spear_pin\.\w+"), ("py:class", r"spear_pin\..*\.([A-Z]|_\w+)")]
+nitpick_ignore_regex = [
+    ("py:.*", r"(?!spear_pin\.).*|spear_pin\.\w+"),
+    ("py:class", r"spear_pin\..*\.([A-Z]|_\w+)|spear_pin\.studies\.(payoff|workers)\..*"),
+]
 
 html_theme = "furo"
 html_title = "spear-pin"

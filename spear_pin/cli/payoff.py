@@ -18,7 +18,7 @@ from spear_pin.words import number
 
 if TYPE_CHECKING:
     from spear_pin.model.motor import Drive
-    from spear_pin.studies.payoff import Answer, Finding, Study
+    from spear_pin.studies.payoff import Answer, SearchEnd, Study
 
 OWN = "q_spear"  # the robot that is in its sagittal plane as it ships
 LEGS = ("posterior", "anterior")
@@ -183,7 +183,7 @@ def _save(study: Study, out: Path) -> list[Path]:
 
 
 def _text(study: Study, found: Answer, rests: list[tuple[str, str]], files: list[Path]) -> str:
-    def said(finding: Finding) -> str:
+    def said(finding: SearchEnd) -> str:
         figures = finding.figures
         assert figures is not None
         knee, hip = (max(figures.peak[f"{leg}_{part}"] for leg in LEGS) for part in ("knee", "hip"))

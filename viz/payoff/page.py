@@ -14,7 +14,7 @@ from spear_pin import __version__
 from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.simulate import simulate
-from spear_pin.studies.payoff import Answer, Finding, Study
+from spear_pin.studies.payoff import Answer, SearchEnd, Study
 from spear_pin.studies.payoff.answer import change
 from spear_pin.studies.payoff.grid import NONE, SWITCHED
 from spear_pin.studies.payoff.motors import PARTS
@@ -39,7 +39,7 @@ class Row(NamedTuple):
     """A point of the table of all points."""
 
     point: str
-    finding: Finding | None
+    finding: SearchEnd | None
     starts: int
     spread: float | None
     failures: list[str]
@@ -93,13 +93,13 @@ def rows(study: Study) -> list[Row]:
     return found
 
 
-def gait_of(study: Study, finding: Finding) -> Gait:
+def gait_of(study: Study, finding: SearchEnd) -> Gait:
     """The gait of a finding."""
     assert finding.gait is not None
     return rebuilt(study.robot, finding.gait)
 
 
-def _playback(study: Study, finding: Finding, title: str) -> str:
+def _playback(study: Study, finding: SearchEnd, title: str) -> str:
     gait = gait_of(study, finding)
     trajectory = simulate(gait.system, gait.state, STRIDES, progress=False)
     return page(study.robot, shortened(study.robot, trajectory), title=f"{title} at {finding.point.speed:.3g} m/s")
@@ -112,7 +112,7 @@ def _element(figure: Figure, key: str) -> Markup:
     return drawing(file.getvalue(), key, CAPTIONS[key])
 
 
-def summary(finding: Finding) -> dict[str, Any]:
+def summary(finding: SearchEnd) -> dict[str, Any]:
     """A finding as JSON tells it, without the optimiser's unknowns."""
     return {
         **asdict(finding.point),

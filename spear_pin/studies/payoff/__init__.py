@@ -10,14 +10,14 @@ from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.grid import KINDS, Grid, Point
 from spear_pin.studies.payoff.motors import Motors, assumed, fitted, of_file
 from spear_pin.studies.payoff.rests import rests_of
-from spear_pin.studies.payoff.searches import Finding, Search
+from spear_pin.studies.payoff.searches import SearchEnd, Search
 from spear_pin.studies.payoff.store import Store
 
 __all__ = [
     "KINDS",
     "Answer",
     "Figures",
-    "Finding",
+    "SearchEnd",
     "Grid",
     "Motors",
     "Point",

@@ -9,7 +9,7 @@ import numpy as np
 
 from spear_pin.studies.payoff.bounds import Study
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point
-from spear_pin.studies.payoff.searches import Finding
+from spear_pin.studies.payoff.searches import SearchEnd
 
 PEAKS = {NONE: "without a spring", FIXED: "with a fixed one", SWITCHED: "with a switchable one"}
 LEAST = 0.02  # of a cost: a smaller saving pays for no spring, whatever the doubt
@@ -68,16 +68,16 @@ def answer(study: Study) -> Answer:
     )
 
 
-def change(coarse: Finding, fine: Finding) -> float:
+def change(coarse: SearchEnd, fine: SearchEnd) -> float:
     """Relative change of the cost on a finer mesh, by magnitude; NaN where there is no gait on it."""
     return abs(fine.cost / coarse.cost - 1.0) if np.isfinite(fine.cost) else float(np.nan)
 
 
-def _saving(without: Finding | None, with_spring: Finding | None) -> float:
+def _saving(without: SearchEnd | None, with_spring: SearchEnd | None) -> float:
     return float(np.nan) if without is None or with_spring is None else 1.0 - with_spring.cost / without.cost
 
 
-def _least(study: Study, kind: str, speed: float) -> Finding | None:
+def _least(study: Study, kind: str, speed: float) -> SearchEnd | None:
     """The cheapest of a kind at a speed, whatever the stiffness."""
     own = [found for point in study.tries if (point.kind, point.speed) == (kind, speed) and (found := study.at(point))]
     return min(own, key=lambda each: each.cost, default=None)
@@ -128,7 +128,7 @@ def _does(study: Study, kind: str, saving: Mapping[str, float]) -> str:
     return f"a {name} spring of {found.figures.stiffness:.3g} N·m/rad per leg {does} the electricity"
 
 
-def _peak(finding: Finding) -> float:
+def _peak(finding: SearchEnd) -> float:
     """Largest torque of a knee's motor, in N·m."""
     assert finding.figures is not None
     return max(torque for joint, torque in finding.figures.peak.items() if joint.endswith("knee"))

@@ -17,7 +17,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.studies.design import points_of
 from spear_pin.studies.payoff.grid import FIXED, FREE, KINDS, NONE, SWITCHED, Grid, Point
 from spear_pin.studies.payoff.motors import PARTS, Motors, assumed, fitted, of_file, own_rotors
-from spear_pin.studies.payoff.searches import Finding, Search, Searcher, Tell
+from spear_pin.studies.payoff.searches import SearchEnd, Search, Searcher, Tell
 from spear_pin.studies.payoff.store import Store
 from spear_pin.studies.sweep.store import fingerprint
 
@@ -50,24 +50,24 @@ class Study:
     robot: Robot
     motors: Motors
     grid: Grid
-    tries: Mapping[Point, Sequence[Finding]]
-    best: Mapping[str, Finding]
-    finer: Mapping[str, Finding]
+    tries: Mapping[Point, Sequence[SearchEnd]]
+    best: Mapping[str, SearchEnd]
+    finer: Mapping[str, SearchEnd]
     speed: float
     chosen: float | None = None
     seconds: float = 0.0
 
-    def at(self, point: Point) -> Finding | None:
+    def at(self, point: Point) -> SearchEnd | None:
         """The cheapest gait of a point; None where there is none."""
         return cheapest(self.tries.get(point, ()))
 
-    def along(self, kind: str, speed: float) -> list[Finding]:
+    def along(self, kind: str, speed: float) -> list[SearchEnd]:
         """The cheapest gaits of a kind at a speed, by stiffness."""
         points = [point for point in self.grid if (point.kind, point.speed) == (kind, speed)]
         return [found for point in points if (found := self.at(point)) is not None]
 
 
-def cheapest(findings: Iterable[Finding]) -> Finding | None:
+def cheapest(findings: Iterable[SearchEnd]) -> SearchEnd | None:
     """The finding of least cost; None where no search found a gait."""
     found = [each for each in findings if each.figures is not None]
     return min(found, key=lambda each: each.cost, default=None)
@@ -141,9 +141,9 @@ class _Work:
     """The searches of a study, and what they found so far."""
 
     searcher: Searcher
-    tries: dict[Point, list[Finding]] = field(default_factory=dict)
+    tries: dict[Point, list[SearchEnd]] = field(default_factory=dict)
 
-    def search(self, searches: Sequence[Search]) -> list[Finding]:
+    def search(self, searches: Sequence[Search]) -> list[SearchEnd]:
         found = self.searcher.find(searches)
         for finding in found:
             known = self.tries.setdefault(finding.point, [])
@@ -151,15 +151,15 @@ class _Work:
                 known.append(finding)
         return found
 
-    def at(self, point: Point) -> Finding | None:
+    def at(self, point: Point) -> SearchEnd | None:
         return cheapest(self.tries.get(point, ()))
 
-    def improved(self, finding: Finding) -> bool:
+    def improved(self, finding: SearchEnd) -> bool:
         """Whether a point's gait is better than the first that was found for it."""
         first = next(each for each in self.tries[finding.point] if each.figures is not None)
         return finding.cost < (1.0 - BETTER) * first.cost
 
-    def slowest(self, points: Sequence[Point]) -> Finding:
+    def slowest(self, points: Sequence[Point]) -> SearchEnd:
         """The gait of the first point that has one, from cold."""
         reasons = []
         for point in points:
@@ -169,7 +169,7 @@ class _Work:
             reasons.append(f"{point}: {found.reason}")
         raise SpearError(f"there is no bound to begin with: {reasons[0]}")
 
-    def stiffnesses(self, bare: Finding, speeds: Sequence[float]) -> tuple[float | None, list[float]]:
+    def stiffnesses(self, bare: SearchEnd, speeds: Sequence[float]) -> tuple[float | None, list[float]]:
         """The stiffness that the optimiser chooses, and those about it, or about the one by the robot's size."""
         point = Point(SWITCHED, bare.point.speed, None)
         (found,) = self.search([Search(point, bare)])
@@ -210,7 +210,7 @@ class _Work:
         starts = [found for near in grid.neighbours(point) if (found := self.at(near)) is not None]
         return [each for start in starts if (each := Search(point, start)).key not in done]
 
-    def best(self, grid: Grid) -> tuple[dict[str, Finding], float]:
+    def best(self, grid: Grid) -> tuple[dict[str, SearchEnd], float]:
         """Of each kind the best at the speed at which a switchable spring costs least, its stiffness free."""
         found = [each for point in grid if point.kind == SWITCHED and (each := self.at(point)) is not None]
         everything = [each for point in grid if (each := self.at(point)) is not None]

@@ -37,7 +37,7 @@ class Search:
     """
 
     point: Point
-    start: Finding | None = None
+    start: SearchEnd | None = None
     meshes: tuple[int, ...] = MESHES
 
     @property
@@ -47,7 +47,7 @@ class Search:
 
 
 @dataclass(frozen=True)
-class Finding:
+class SearchEnd:
     """What came of a search.
 
     Attributes:
@@ -99,7 +99,7 @@ class Searcher:
     n_jobs: int | None = 1
     tell: Tell = lambda text: None
 
-    def find(self, searches: Sequence[Search]) -> list[Finding]:
+    def find(self, searches: Sequence[Search]) -> list[SearchEnd]:
         """What comes of some searches, in their order."""
         missing = {each.key: each for each in searches if self.store.get(each.key) is None}
         arguments = [(self.robot, self.motors, each) for each in missing.values()]
@@ -111,12 +111,12 @@ class Searcher:
         return [of_json(self.store.get(each.key) or {}) for each in searches]
 
 
-def attempt(robot: Robot, motors: Motors, asked: Search) -> Finding:
+def attempt(robot: Robot, motors: Motors, asked: Search) -> SearchEnd:
     """Search once."""
     begun = time.process_time()
     wanted = request(robot, asked.point, motors.knee, motors.hip)
     origin = "cold" if asked.start is None else str(asked.start.point)
-    finding = Finding(asked.key, asked.point, origin, asked.meshes, 0.0)
+    finding = SearchEnd(asked.key, asked.point, origin, asked.meshes, 0.0)
     try:
         start = None if asked.start is None else asked.start.solution
         gait, solution = search(robot, wanted, start=start, meshes=asked.meshes)
@@ -149,7 +149,7 @@ def rebuilt(robot: Robot, said: Mapping[str, Any]) -> Gait:
     return Gait(system, (q, v), said["parameters"], said["residual"], multipliers, said["durations"])
 
 
-def to_json(finding: Finding) -> dict[str, Any]:
+def to_json(finding: SearchEnd) -> dict[str, Any]:
     """A finding in JSON's terms."""
     line = {field.name: getattr(finding, field.name) for field in fields(finding)}
     line["point"] = asdict(finding.point)
@@ -160,7 +160,7 @@ def to_json(finding: Finding) -> dict[str, Any]:
     return line
 
 
-def of_json(line: Mapping[str, Any]) -> Finding:
+def of_json(line: Mapping[str, Any]) -> SearchEnd:
     """The finding of a line."""
     said = dict(line) | {"point": Point(**line["point"]), "meshes": tuple(line["meshes"])}
     if line["figures"] is not None:
@@ -168,7 +168,7 @@ def of_json(line: Mapping[str, Any]) -> Finding:
     if line["solution"] is not None:
         values = {name: np.array(value, dtype=float) for name, value in line["solution"]["values"].items()}
         said["solution"] = Solution(**line["solution"] | {"values": values})
-    return Finding(**said)
+    return SearchEnd(**said)
 
 
 def _tuples(value: Any) -> Any:

@@ -10,7 +10,7 @@ from spear_pin.gaits.collocation import Solution
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.design import sprung
-from spear_pin.studies.payoff import Figures, Finding, Motors
+from spear_pin.studies.payoff import Figures, SearchEnd, Motors
 from spear_pin.studies.payoff.figures import figures
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point, request
 from spear_pin.studies.payoff.searches import written
@@ -48,16 +48,16 @@ class Stub:
         start = None if search.start is None else search.start.point
         self.asked.append((search.point, start, search.meshes))
         origin = "cold" if start is None else str(start)
-        finding = Finding(search.key, search.point, origin, search.meshes, 1.0)
+        finding = SearchEnd(search.key, search.point, origin, search.meshes, 1.0)
         if self.fails(search.point, start):
-            return Finding(**vars(finding) | {"reason": "no gait found: it is so"})
+            return SearchEnd(**vars(finding) | {"reason": "no gait found: it is so"})
         kind, stiffness = search.point.kind, search.point.stiffness
         stiffness = BEST[kind] if stiffness is None else stiffness
         gait = of_leg(stiffness)
         found = Figures(
             **vars(own_figures(stiffness)) | {"cost": self.costs(search.point, start), "stiffness": stiffness}
         )
-        return Finding(**vars(finding) | {"figures": found, "gait": written(gait), "solution": SOLUTION})
+        return SearchEnd(**vars(finding) | {"figures": found, "gait": written(gait), "solution": SOLUTION})
 
 
 SOLUTION = Solution({"stiffness": np.array([112.0])}, 1.0, {"mean speed": 1e-9}, True, "Solve_Succeeded", 42)
