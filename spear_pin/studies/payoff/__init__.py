@@ -10,7 +10,7 @@ from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.grid import KINDS, Grid, Point
 from spear_pin.studies.payoff.motors import Motors, assumed, fitted, of_file
 from spear_pin.studies.payoff.rests import rests_of
-from spear_pin.studies.payoff.searches import SearchEnd, Search
+from spear_pin.studies.payoff.searches import Search, SearchEnd
 from spear_pin.studies.payoff.store import Store
 
 __all__ = [

@@ -17,7 +17,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.studies.design import points_of
 from spear_pin.studies.payoff.grid import FIXED, FREE, KINDS, NONE, SWITCHED, Grid, Point
 from spear_pin.studies.payoff.motors import PARTS, Motors, assumed, fitted, of_file, own_rotors
-from spear_pin.studies.payoff.searches import SearchEnd, Search, Searcher, Tell
+from spear_pin.studies.payoff.searches import Search, SearchEnd, Searcher, Tell
 from spear_pin.studies.payoff.store import Store
 from spear_pin.studies.sweep.store import fingerprint
 

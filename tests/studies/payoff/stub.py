@@ -10,7 +10,7 @@ from spear_pin.gaits.collocation import Solution
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.design import sprung
-from spear_pin.studies.payoff import Figures, SearchEnd, Motors
+from spear_pin.studies.payoff import Figures, Motors, SearchEnd
 from spear_pin.studies.payoff.figures import figures
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point, request
 from spear_pin.studies.payoff.searches import written
