@@ -1,0 +1,95 @@
+// where the camera stands, and whether it goes with the body
+
+const CAMERA_VIEWS = { // directions in the robot's axes: x forward, z up
+  "three-quarter": [0.42, -1, 0.17],
+  side: [0, -1, 0.03],
+  front: [1, 0, 0.03],
+  top: [0, -1e-3, 1],
+};
+
+function makeCamera(viewer, pane, data) {
+  const { camera, controls } = viewer;
+  const world = nodeAt(viewer, data.world).object;
+  const changed = [];
+  const state = { view: "three-quarter", held: null }; // x at which the world is held while the body runs off
+  const tell = () => changed.forEach((listener) => listener());
+
+  function place(position, target) {
+    camera.position.set(...position);
+    controls.target.set(...target);
+    controls.update();
+    viewer.set_dirty();
+  }
+
+  function setView(view) {
+    const [x, y, z] = CAMERA_VIEWS[view];
+    const scale = data.distance / Math.hypot(x, y, z);
+    place([x * scale, z * scale, -y * scale], [0, 0, 0]);
+    state.view = view;
+    tell();
+  }
+
+  // as text: a view's name, or the six numbers of a place and of what is looked at
+  function read() {
+    const numbers = [...camera.position.toArray(), ...controls.target.toArray()];
+    return state.view || numbers.map((number) => Number(number.toFixed(3))).join(",");
+  }
+
+  function write(text) {
+    const numbers = (text || "").split(",").map(Number);
+    if (text in CAMERA_VIEWS) return setView(text);
+    if (numbers.length !== 6 || !numbers.every(Number.isFinite)) return;
+    place(numbers.slice(0, 3), numbers.slice(3));
+    state.view = null;
+    tell();
+  }
+
+  function hold(x) {
+    state.held = x;
+    viewer.animator.seek(clockTime);
+    keepHeld();
+    tell();
+  }
+
+  let clockTime = 0;
+  function keepHeld() {
+    if (state.held !== null) world.position.x = state.held;
+  }
+
+  // the whole robot stays in view, however narrow the pane
+  viewer.set_3d_pane_size = function () {
+    const { clientWidth, clientHeight } = pane;
+    if (!clientWidth || !clientHeight) return;
+    camera.zoom = Math.min(1, clientWidth / clientHeight / data.aspect);
+    camera.aspect = clientWidth / clientHeight;
+    camera.updateProjectionMatrix();
+    viewer.renderer.setSize(clientWidth, clientHeight);
+    viewer.render(); // a canvas of a new size is empty
+  };
+  new ResizeObserver(() => viewer.set_3d_pane_size()).observe(pane);
+  viewer.set_3d_pane_size();
+  controls.addEventListener("start", () => {
+    state.view = null;
+  });
+  controls.addEventListener("end", tell);
+
+  return {
+    views: Object.keys(CAMERA_VIEWS),
+    state,
+    setView,
+    read,
+    write,
+    reset() {
+      hold(null);
+      setView("three-quarter");
+    },
+    here: () => world.position.x,
+    hold,
+    follows: data.follows,
+    onChange: (listener) => changed.push(listener),
+    onTime(time) {
+      clockTime = time;
+      keepHeld();
+    },
+  };
+}
