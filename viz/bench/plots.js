@@ -51,7 +51,8 @@ function makePlots(clock, data, samples, panel) {
         swatch.style.background = colors[i];
         const value = document.createElement("output");
         value.setAttribute("aria-live", "off");
-        item.append(swatch, column.name + " ", value);
+        item.title = column.name;
+        item.append(swatch, column.label + " ", value);
         caption.append(item);
         return value;
       });

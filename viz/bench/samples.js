@@ -4,9 +4,9 @@ function readSamples(packed) {
   const t = new Float64Array(bytesOf(packed.times).buffer);
   const values = new Float32Array(bytesOf(packed.values).buffer);
   let used = 0;
-  const columns = packed.columns.map(({ name, kind, unit, still }) => {
+  const columns = packed.columns.map(({ name, label, kind, unit, still }) => {
     const own = still === undefined ? values.subarray(used, (used += t.length)) : new Float32Array(t.length).fill(still);
-    return { name, kind, unit, values: own, title: unit ? `${name} [${unit}]` : name };
+    return { name, kind, unit, label, values: own, title: unit ? `${name} [${unit}]` : name };
   });
 
   // the last sample that is not after a time

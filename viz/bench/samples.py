@@ -40,12 +40,14 @@ class Column:
 
     Attributes:
         name: as `Trajectory.columns` has it, for instance `q_knee`.
+        label: what has it, of those of its kind: `knee`.
         kind: what it is, in words; columns of a kind and a unit share a plot.
         unit: of its values.
         values: (n,).
     """
 
     name: str
+    label: str
     kind: str
     unit: str
     values: Array
@@ -104,7 +106,7 @@ def packed(samples: Samples) -> dict[str, Any]:
         "times": _base64(samples.t, "<f8"),
         "values": _base64(np.array(moving), "<f4"),
         "columns": [
-            {"name": column.name, "kind": column.kind, "unit": column.unit}
+            {"name": column.name, "label": column.label, "kind": column.kind, "unit": column.unit}
             | ({} if column.moves else {"still": float(column.values[0])})
             for column in samples.columns
         ],
@@ -116,8 +118,8 @@ def packed(samples: Samples) -> dict[str, Any]:
 def plotted(samples: Samples) -> list[str]:
     """Names of the columns that a page shows first: what motors do, what the ground does, and where the joints are."""
     moving = [column for column in samples.columns if column.moves]
-    driven = {column.name.removeprefix("u_") for column in moving if column.kind == "motor torque"}
-    angles = [c.name for c in moving if c.kind == "position" and (not driven or c.name.removeprefix("q_") in driven)]
+    driven = {c.label for c in moving if c.kind == "motor torque"}
+    angles = [c.name for c in moving if c.kind == "position" and (not driven or c.label in driven)]
     torques = [c.name for c in moving if c.kind == "motor torque"]
     forces = [c.name for c in moving if c.name.startswith("force_z_")]
     return [*angles, *torques, *forces]
@@ -135,10 +137,11 @@ def _column(name: str, values: Array, units: dict[str, tuple[str, ...]]) -> Colu
     head, _, unit = name.partition(" [")
     symbol = next((each for each in sorted(KINDS, key=len, reverse=True) if head.startswith(f"{each}_")), None)
     if symbol is None:
-        return Column(head, head, unit.rstrip("]"), values)
+        return Column(head, head, head, unit.rstrip("]"), values)
     kind, which = KINDS[symbol]
-    own = units.get(head.removeprefix(f"{symbol}_"), ("",) * 4)
-    return Column(head, kind, which if isinstance(which, str) else own[which], values)
+    label = head.removeprefix(f"{symbol}_")
+    unit = which if isinstance(which, str) else units.get(label, ("",) * 4)[which]
+    return Column(head, label, kind, unit, values)
 
 
 def _units(robot: Robot) -> dict[str, tuple[str, ...]]:
