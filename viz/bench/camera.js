@@ -57,17 +57,20 @@ function makeCamera(viewer, pane, data) {
   }
 
   // the whole robot stays in view, however narrow the pane
+  let size = "";
   viewer.set_3d_pane_size = function () {
     const { clientWidth, clientHeight } = pane;
-    if (!clientWidth || !clientHeight) return;
+    const first = size === "";
+    if (!clientWidth || !clientHeight || size === `${clientWidth} ${clientHeight}`) return;
+    size = `${clientWidth} ${clientHeight}`;
     camera.zoom = Math.min(1, clientWidth / clientHeight / data.aspect);
     camera.aspect = clientWidth / clientHeight;
     camera.updateProjectionMatrix();
     viewer.renderer.setSize(clientWidth, clientHeight);
-    viewer.render(); // a canvas of a new size is empty
+    if (first) viewer.set_dirty();
+    else viewer.render(); // a canvas of a new size is empty
   };
   new ResizeObserver(() => viewer.set_3d_pane_size()).observe(pane);
-  viewer.set_3d_pane_size();
   controls.addEventListener("start", () => {
     state.view = null;
   });
