@@ -12,7 +12,7 @@
   const camera = makeCamera(viewer, at("pane"), data);
   clock.onTime((time) => {
     viewer.animator.seek(time);
-    camera.onTime(time);
+    camera.onTime();
   });
   const labels = makeLabels(viewer, at("pane"), at("labels"), data, samples);
   clock.onTime((time) => (labels.time = time));

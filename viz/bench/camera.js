@@ -9,9 +9,11 @@ const CAMERA_VIEWS = { // directions in the robot's axes: x forward, z up
 
 function makeCamera(viewer, pane, data) {
   const { camera, controls } = viewer;
-  const world = nodeAt(viewer, data.world).object;
+  const world = nodeAt(viewer, data.world).object; // goes back as the body goes forward
+  const stage = world.parent;
+  const middle = stage.position.x;
   const changed = [];
-  const state = { view: "three-quarter", held: null }; // x at which the world is held while the body runs off
+  const state = { view: "three-quarter", held: null }; // x of the world that stays in view while the body runs off
   const tell = () => changed.forEach((listener) => listener());
 
   function place(position, target) {
@@ -46,14 +48,14 @@ function makeCamera(viewer, pane, data) {
 
   function hold(x) {
     state.held = x;
-    viewer.animator.seek(clockTime);
     keepHeld();
+    viewer.set_dirty();
     tell();
   }
 
-  let clockTime = 0;
+  // not by the world's own place, which the animation sets only when its value changes
   function keepHeld() {
-    if (state.held !== null) world.position.x = state.held;
+    stage.position.x = middle + (state.held === null ? 0 : state.held - world.position.x);
   }
 
   // the whole robot stays in view, however narrow the pane
@@ -90,9 +92,6 @@ function makeCamera(viewer, pane, data) {
     hold,
     follows: data.follows,
     onChange: (listener) => changed.push(listener),
-    onTime(time) {
-      clockTime = time;
-      keepHeld();
-    },
+    onTime: keepHeld,
   };
 }

@@ -17,7 +17,9 @@ Array = NDArray[np.float64]
 
 MOST_VALUES = 48_000  # that a page holds, four bytes each
 LENGTH, ANGLE = ("m", "m/s", "m/s²", "N"), ("rad", "rad/s", "rad/s²", "N·m")
-KINDS = {  # of columns by their symbol: what they are, and which of the units of their coordinate, or which unit
+KINDS: dict[
+    str, tuple[str, int | str]
+] = {  # of columns by their symbol: what they are, and which of the units of their coordinate, or which unit
     "q": ("position", 0),
     "v": ("velocity", 1),
     "a": ("acceleration", 2),
@@ -140,8 +142,8 @@ def _column(name: str, values: Array, units: dict[str, tuple[str, ...]]) -> Colu
         return Column(head, head, head, unit.rstrip("]"), values)
     kind, which = KINDS[symbol]
     label = head.removeprefix(f"{symbol}_")
-    unit = which if isinstance(which, str) else units.get(label, ("",) * 4)[which]
-    return Column(head, label, kind, unit, values)
+    own = units.get(label, ("",) * 4)
+    return Column(head, label, kind, which if isinstance(which, str) else own[which], values)
 
 
 def _units(robot: Robot) -> dict[str, tuple[str, ...]]:
