@@ -22,7 +22,9 @@ STATES = {
     " document.getElementById('columns').open = true)",
     "keys": "document.getElementById('help').showModal()",
 }
-RUN = """new Promise(done => setTimeout(done, 300)).then(() => axe.run(document)).then(({ violations, incomplete, passes }) => ({
+RUN = """new Promise((done) => setTimeout(done, 300))
+  .then(() => axe.run(document))
+  .then(({ violations, incomplete, passes }) => ({
     violations: violations.map(({ id, help, nodes }) => [id, help, nodes.map((node) => node.html.slice(0, 90))]),
     incomplete: incomplete.map(({ id, nodes }) => `${id} (${nodes.length})`),
     passes: passes.length }))"""

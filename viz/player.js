@@ -138,7 +138,14 @@
       },
     };
     for (const [id, act] of Object.entries(clicks)) at(id).addEventListener("click", act);
-    at("legendbox").open = innerWidth >= 700 && innerHeight >= 420;
+    const columns = at("columns");
+    addEventListener("pointerdown", ({ target }) => columns.contains(target) || (columns.open = false));
+    columns.addEventListener("keydown", ({ key }) => {
+      if (key !== "Escape") return;
+      columns.open = false;
+      columns.firstElementChild.focus();
+    });
+    at("legendbox").open = innerHeight >= 420 && innerWidth >= (window.parent === window ? 700 : 1000);
     for (const [text, color] of [...data.legend, ...(data.ghost ? [["the other motion", "#8a97a3"]] : [])]) {
       const item = document.createElement("li");
       const swatch = document.createElement("i");
