@@ -1,8 +1,8 @@
 """How soon recorded pages open, and what a frame of them costs: `python -m benchmarks.playing PAGE...`.
 
-Each page is opened in a headless Chromium, which draws by the processor, and played for some seconds: its size, the first
-paint, the time in scripts until it is open, the frames drawn a second, and the time in scripts for each. Pages that
-older versions wrote are opened as well.
+Each page is opened in a headless Chromium, drawn by the processor, and played for some seconds: its size, the first paint,
+the time in scripts until it is open, the frames drawn a second, and the time in scripts for each. Pages that older
+versions wrote are opened as well.
 """
 
 from __future__ import annotations
