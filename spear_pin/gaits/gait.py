@@ -27,6 +27,7 @@ from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
 from spear_pin.model.origin import check_origin, origin, robot_of, unsaid
 from spear_pin.model.spring import Spring
+from spear_pin.showing import Shown
 
 FORMAT = "spear_pin gait 1"
 KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
@@ -36,8 +37,8 @@ KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
 }
 
 
-@dataclass(frozen=True)
-class Gait:
+@dataclass(frozen=True, repr=False)
+class Gait(Shown):
     """A fixed point of the return map.
 
     Attributes:
@@ -55,6 +56,11 @@ class Gait:
     residual: float
     multipliers: NDArray[np.complex128]
     durations: Mapping[str, float]
+
+    def __repr__(self) -> str:
+        largest = np.abs(self.multipliers).max()
+        parts = f"period {self.period:.4g} s", f"largest multiplier {largest:.4g}", "stable" * self.stable or "unstable"
+        return f"Gait({self.system.kind} of {self.system.robot.name!r}: {', '.join(parts)})"
 
     @property
     def stable(self) -> bool:

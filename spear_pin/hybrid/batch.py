@@ -19,6 +19,7 @@ from spear_pin.hybrid.lanes.runner import Lanes
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
+from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
 TIMES_FINER = 1000.0  # than asked for is what the Taylor engine integrates with: it costs little
@@ -27,8 +28,8 @@ CHUNK = 16384  # lanes at a time, which bounds memory
 LOCK = Lock()  # a compiled integrator has one state, whichever thread asks
 
 
-@dataclass(frozen=True)
-class Batch:
+@dataclass(frozen=True, repr=False)
+class Batch(Shown):
     """Outcomes of the lanes.
 
     Attributes:
@@ -51,6 +52,14 @@ class Batch:
     durations: Mapping[str, Array]
     observed: Mapping[str, Array]
     repeated: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        """Number of lanes."""
+        return len(self.reason)
+
+    def __repr__(self) -> str:
+        ends = zip(*np.unique(self.reason, return_counts=True), strict=True)
+        return f"Batch({len(self)} lanes: {', '.join(f'{count} {reason}' for reason, count in ends)})"
 
 
 @typed
