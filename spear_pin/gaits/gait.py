@@ -48,6 +48,11 @@ class Gait(Shown):
         residual: ‖P(x) - x‖∞.
         multipliers: Floquet multipliers, by decreasing modulus.
         durations: seconds in each phase.
+
+    Example:
+        >>> from spear_pin import Gait
+        >>> Gait.load("long_stride")
+        Gait(bounding of 'q_spear': period 0.3502 s, largest multiplier 1.067, unstable)
     """
 
     system: HybridSystem

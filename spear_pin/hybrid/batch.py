@@ -94,6 +94,14 @@ def simulate_many(
         BadValue: shapes do not fit, a number is not finite, lanes cannot differ in it (a spring's fixed rest angle),
             or the system has what the engine cannot compile: hardware, or dry friction of joints.
         UnknownName: no part has a numeric field of a name in `parameters`.
+
+    Example:
+        >>> import numpy as np
+        >>> from spear_pin import hopping, load, simulate_many
+        >>> system = hopping(load("spear_ii", locked=["boom_x"]))
+        >>> q, v = (np.tile(part, (3, 1)) for part in system.guess())
+        >>> simulate_many(system, q, v, cycles=2, parameters={"stiffness": [45.0, 50.0, 55.0]})
+        Batch(3 lanes: 3 complete)
     """
     q, v = np.array(q, dtype=float), np.array(v, dtype=float)
     given = {name: np.array(values, dtype=float) for name, values in (parameters or {}).items()}

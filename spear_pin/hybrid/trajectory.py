@@ -118,6 +118,17 @@ class Trajectory(Shown):
             and motors negative (a motor's work is here what leaves), the change that of the inductances.
         ground: on which it is, along which and normal to which forces and impulses are; None if a file does not say.
         origin: of the robot, see `spear_pin.model.origin`; None if a file does not say.
+
+    Example:
+        >>> from spear_pin import hopping, load, simulate
+        >>> system = hopping(load("spear_ii", locked=["boom_x"]))
+        >>> hops = simulate(system, system.guess(), cycles=2)
+        >>> hops.in_cycles(2).in_phase("flight").q.shape
+        (102, 3)
+        >>> print(hops.to_pandas()["force_z_toe"].max().round())  # N
+        179.0
+        >>> hops.play()  # which a notebook shows
+        Player(... MB; a notebook shows it, save(path) writes a page)
     """
 
     robot: str

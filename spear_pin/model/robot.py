@@ -58,6 +58,14 @@ class Robot(Shown):
         added: inertia beside the model's, if there is any (see `spear_pin.model.boom`).
         cut: what it was cut out of, if it was (see `spear_pin.model.cut`).
         settings: what the TOML file beside its own says, if there is one (see `spear_pin.model.settings`).
+
+    Example:
+        >>> from spear_pin import load
+        >>> robot = load("spear_ii", locked=["boom_x"])
+        >>> robot.coordinates, robot.units
+        (('boom_z', 'hip', 'knee'), ('m', 'rad', 'rad'))
+        >>> robot.mass_matrix([0.55, 0.5, 1.0]).shape
+        (3, 3)
     """
 
     def __init__(

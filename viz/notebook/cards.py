@@ -83,7 +83,7 @@ def _(gait: Gait) -> Card:
         *(Row(_words(name), _number(value), UNITS.get(name, "")) for name, value in gait.parameters.items()),
         Row("period", _number(gait.period), "s"),
         *(Row(_words(phase), _number(seconds), "s") for phase, seconds in gait.durations.items()),
-        Row("largest multiplier", _number(largest), verdict),
+        Row("largest multiplier", f"{_number(largest)}, {verdict}"),
         Row("residual", f"{gait.residual:.1e}"),
     ]
     system = gait.system

@@ -94,7 +94,9 @@ def standing(robot: Robot) -> Sketch:
     """The robot from its side, as lines from joint to joint, its knees bent, on the ground."""
     model, data = robot.model, robot.model.createData()
     pin.framesForwardKinematics(model, data, _bent(robot))
-    links = [(data.oMi[model.parents[i]], data.oMi[i]) for i in range(2, model.njoints) if model.parents[i]]
+    # as bodies are, so that a slide is no bone
+    hung = [(data.oMi[model.parents[i]], model.jointPlacements[i]) for i in range(2, model.njoints) if model.parents[i]]
+    links = [(body, body * place) for body, place in hung if place.translation.any()]
     tips = [model.getFrameId(toe) for toe in robot.toes]
     links += [(data.oMi[model.frames[i].parentJoint], data.oMf[i]) for i in tips]
     ends = np.array([[place.translation[[0, 2]] for place in link] for link in links]).reshape(-1, 2, 2)
