@@ -17,6 +17,7 @@ INK = "currentColor"
 LINE = (120, 20)  # px of a line over time
 SIDE = 150  # px of a drawing
 MOST_POINTS = 240  # of a line
+BELOW = 1e-6  # m: less is on the ground
 BENT = 1.0  # rad of the knees of a robot that stands
 
 
@@ -95,9 +96,9 @@ def standing(robot: Robot) -> Sketch:
     model, data = robot.model, robot.model.createData()
     pin.framesForwardKinematics(model, data, _bent(robot))
     # as bodies are, so that a slide is no bone
-    hung = [(data.oMi[model.parents[i]], model.jointPlacements[i]) for i in range(2, model.njoints) if model.parents[i]]
+    hung = [(data.oMi[model.parents[i]], model.jointPlacements[i]) for i in range(1, model.njoints)]
     links = [(body, body * place) for body, place in hung if place.translation.any()]
-    tips = [model.getFrameId(toe) for toe in robot.toes]
+    tips = [model.getFrameId(toe) for toe in robot.toes or [leg.toe for leg in robot.legs]]
     links += [(data.oMi[model.frames[i].parentJoint], data.oMf[i]) for i in tips]
     ends = np.array([[place.translation[[0, 2]] for place in link] for link in links]).reshape(-1, 2, 2)
     low, high = ends.min(axis=(0, 1), initial=0.0), ends.max(axis=(0, 1), initial=0.0)
@@ -106,8 +107,9 @@ def standing(robot: Robot) -> Sketch:
     place = np.array([20.0, SIDE - 8.0]) + (ends - low) * scale * (1.0, -1.0)
     bones = "".join(_line(link[:, 0], link[:, 1]) for link in place)
     joints = "".join(_dot(x, y, 3.0) for x, y in place[:, 0].tolist())
-    ground = Stroke(f"M0 {SIDE - 8 + scale * low[1]:.1f}H{width}", width=0.6)
-    says = f"{robot.name} from its side, its knees bent"
+    stands = bool(robot.toes) and low[1] > -BELOW
+    ground = Stroke(f"M0 {SIDE - 8 + scale * low[1]:.1f}H{width}" if stands else "", width=0.6)
+    says = f"{robot.name} from its side" + ", its knees bent" * bool(robot.legs)
     return Sketch(says, (width, SIDE), (ground, Stroke(bones, width=2.4), Stroke(joints, BLUE, filled=True)))
 
 
