@@ -31,7 +31,8 @@ myst_heading_anchors = 3
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120  # s
-os.environ["PYTHONPATH"] = str(Path(__file__).parents[1])  # of the kernels
+# kernels import what is documented, too
+os.environ["PYTHONPATH"] = os.pathsep.join([str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
 
 templates_path = ["_templates"]
 autodoc_typehints_format = "short"

@@ -1,6 +1,7 @@
 """The notebooks of the docs, executed as nbconvert does it, in a real browser."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -11,7 +12,8 @@ import pytest
 
 from tests.viz import chromium
 
-NOTEBOOKS = Path(__file__).parents[3] / "docs" / "notebooks"
+ROOT = Path(__file__).parents[3]
+NOTEBOOKS = ROOT / "docs" / "notebooks"
 WANTED = {  # of each page: cards, figures and frames
     "hop": (["spear_ii", "hopping", "Motion of spear_ii"], 1, 1),
     "two_springs": (["hopping", "hopping"], 1, 1),
@@ -44,7 +46,9 @@ def test_shows_player_plots_and_tables(name, tmp_path):
     source, page = tmp_path / "shown.ipynb", tmp_path / "shown.html"
     source.write_text(json.dumps(notebook(NOTEBOOKS / f"{name}.md")), encoding="utf-8")
     command = [sys.executable, "-m", "nbconvert", "--execute", "--to", "html", "--template", "basic", str(source)]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    environment = os.environ | {"PYTHONPATH": paths}
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     titles, figures, frames = WANTED[name]
     with chromium.Browser() as browser:
