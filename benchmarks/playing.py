@@ -1,6 +1,6 @@
 """How soon recorded pages open, and what a frame of them costs: `python -m benchmarks.playing PAGE...`.
 
-Each page is opened in a headless Chromium, drawn by the processor, and played for some seconds: its size, the first paint,
+Each page is opened in a headless Chromium, drawn by the processor, and played for some seconds: its size, first paint,
 the time in scripts until it is open, the frames drawn a second, and the time in scripts for each. Pages that older
 versions wrote are opened as well.
 """
