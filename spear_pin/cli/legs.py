@@ -67,7 +67,13 @@ def in_the_plane(arguments: argparse.Namespace) -> Robot | None:
         BadValue: an option goes with --robot only, or the robot has not two pairs of legs of hip and knee.
     """
     robot = _loaded(arguments, "free")
-    return None if robot is None else _plane(robot, arguments.side)
+    if robot is None:
+        return None
+    plane = _plane(robot, arguments.side)
+    if unknown := [leg.knee for leg in plane.legs if not leg.side]:
+        expected = f"1 or -1 for each pair, where {' and '.join(unknown)} point as they flex, 1 forward"
+        raise BadValue("--side", None, f"{expected}: {robot.name} does not tell")
+    return plane
 
 
 def one_leg(arguments: argparse.Namespace, locked: list[str]) -> Robot | None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -121,7 +122,8 @@ def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]
     def sprung(bearing: tuple[Leg, ...]) -> tuple[tuple[Mount, ...], tuple[Guard, ...]]:
         """Springs that act while some legs bear, and where they go slack."""
         acting = bearing if spring.rest is None else legs
-        mounts = tuple(_mount(leg, spring) for leg in acting)
+        undamped = replace(spring, damping=0.0)  # as what is let go
+        mounts = tuple(_mount(leg, spring if leg in bearing else undamped) for leg in acting)
         pairs = zip(mounts, acting, strict=True)
         return mounts, tuple(guard for mount, leg in pairs for guard in spring_switches(mount, leg.knee))
 

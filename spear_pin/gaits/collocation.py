@@ -183,7 +183,9 @@ class Programme:
         values: dict[str, Array] = {}
         for unknown in self._unknowns:
             n = len(unknown.guess)
-            values[unknown.name], found = unknown.scale * found[:n], found[n:]
+            # IPOPT oversteps bounds by some 1e-8
+            values[unknown.name] = unknown.scale * np.clip(found[:n], unknown.lower, unknown.upper)
+            found = found[n:]
         violations: dict[str, float] = {}
         for condition in self._conditions:
             n = len(condition.least)

@@ -14,7 +14,7 @@ from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.reasons import NUMERICAL
 from spear_pin.hybrid.result import State
 from spear_pin.model.limits import UNKNOWN
-from spear_pin.model.scale import scale_of
+from spear_pin.model.scale import Scale, scale_of
 
 KIND = "hopping"  # of systems of which this tells something
 ASIDE = 0.35  # rad: between the line from hip to toe at touchdown and straight down
@@ -152,7 +152,8 @@ def _off_scale(case: _Case) -> Diagnosis | None:
     if 1.0 / OFF < ratios[worst] < OFF:
         return None
     own, usual, unit = pairs[worst]
-    scaled = "SPEAR-II's" if case.system.robot.cut is None else "SPEAR-II's, scaled to this leg"
+    own_size = scale_of(case.system.robot) == Scale(1.0, 1.0, 1.0)
+    scaled = "SPEAR-II's" if own_size else "SPEAR-II's, scaled to this leg"
     times = f"{ratios[worst]:.2g} times" if own else "far from"
     name, key = worst.replace("_", " "), worst.partition(" ")[0]
     return Diagnosis(f"the {name} of {f'{own:.3g} {unit}'.strip()} is {times} {scaled}", f"{key}={usual:.3g}")

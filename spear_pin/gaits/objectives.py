@@ -140,9 +140,10 @@ def _electrical(phases: Sequence[tuple[Any, Sequence[Any]]], drives: Mapping[str
         for i, name in enumerate(MOTORS):
             power, drive = node.u[i] * node.v[3 + i], drives[name.split()[1]]
             if drive is not None:
-                # heat of one motor per squared torque, its gearbox taken as lossy both ways
-                heat, efficiency = float(drive.joule_power(1.0, 1.0)), drive.gearbox.efficiency
-                size = _size(power, scale)
+                size, efficiency = _size(power, scale), drive.gearbox.efficiency
+                driving, braking = 0.5 * (1.0 + power / size), 0.5 * (1.0 - power / size)
+                # of one motor per squared torque; where it brakes, its gears help
+                heat = sum(way * float(drive.joule_power(1.0, rate)) for way, rate in ((driving, 1.0), (braking, -1.0)))
                 power = 0.5 * (power + size) / efficiency + 0.5 * (power - size) * efficiency
                 power = power + PAIR * heat * (node.u[i] / PAIR) ** 2
             total = total + 0.5 * (power + _size(power, scale))

@@ -85,8 +85,9 @@ def search(
         raise BadValue("meshes", meshes, "whole numbers, at least 1")
     if contact is not None and not as_ground(contact).plain:
         raise BadValue("contact", contact, "level ground at height zero, the only one that the search knows")
-    if contact is not None and contact.friction < request.friction:
-        raise BadValue("contact.friction", contact.friction, f"at least the request's, {request.friction}")
+    ground = (contact or Contact()).friction
+    if ground < request.friction:
+        raise BadValue("contact.friction", ground, f"at least the request's, {request.friction}: give contact=")
     solution = start or _cold(robot, request, seed, on_iteration)
     for intervals in meshes:
         transcription = transcribe(robot, request, intervals, start=resampled(solution))

@@ -78,7 +78,7 @@ def check_floating(path: str | Path, model: pin.Model) -> None:
     if massless is not None and _fault(path, model):
         links = (f.name for f in model.frames if f.parentJoint == massless and f.type == pin.FrameType.BODY)
         problem = f"its root {next(links, '')!r} has no inertia, so that it cannot float as base='free' wants"
-        raise BadFile(path, f"{problem}: leave base out, or {REMEDY}")
+        raise BadFile(path, f"{problem}, and as a quadruped's trunk does: leave base out, or {REMEDY}")
 
 
 def with_inertia(path: str | Path, model: pin.Model, repair: bool) -> tuple[pin.Model, list[str]]:

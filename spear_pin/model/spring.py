@@ -35,8 +35,7 @@ class Spring:
         damping: b, in N·m·s/rad, acting in stance only (source: Table 4.2, with motor).
         unilateral: whether it pulls only beyond the latched angle; False is the linear idealisation.
         rest: the angle of a spring that is never switched (a fixed parallel spring), in rad; None: switched,
-            latched at touchdown and let go at lift-off. Its damper acts in stance only, as the other's. Hops take
-            it, bounds do not.
+            latched at touchdown and let go at lift-off. Its damper acts in stance only, as the other's.
         hardening: k₃, in N·m/rad³.
         preload: τ₀ with which it pulls as soon as it does, in N·m. A stop holds the spring as far as that stretched,
             so that the torque jumps at the latched angle, and what it stores there is not counted. A joint that comes

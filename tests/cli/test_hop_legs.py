@@ -147,6 +147,11 @@ def test_a_knee_of_which_the_side_is_not_known(capsys, blank):
     )
 
 
+def test_knees_of_which_the_sides_are_not_known(capsys, blank):
+    said = refused(capsys, "bound", "--robot", blank)
+    assert "--side is None; expected 1 or -1 for each pair, where" in said and "made does not tell" in said
+
+
 @pytest.mark.parametrize("option", [["--leg", "FL"], ["--side", "1"], ["--body", "2"], ["--repair"]], ids=words)
 def test_goes_with_a_robot(capsys, option):
     assert f"{option[0]} is" in refused(capsys, "hop", *option)

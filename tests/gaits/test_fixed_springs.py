@@ -40,6 +40,11 @@ class TestFixedSprings:
             np.testing.assert_allclose(stride.spring[:, i], expected, rtol=0, atol=1e-8)
         assert ("spring_switch" in {event.name for event in stride.events}) == spring.unilateral
 
+    def test_dampers_act_in_stance_only(self):
+        for domain in sprung(SPRINGS["damped"])[0].domains:
+            closed = [contact != "open" for contact in domain.contacts]
+            assert [mount.spring.damping for mount in domain.mounts] == [0.4 * bears for bears in closed], domain.name
+
     def test_the_motor_of_a_bearing_leg_gives_what_the_spring_does_not(self):
         """So the first stance is that without a spring, to rounding; in the air outputs are imposed all the same."""
         with_spring, state = sprung(SPRINGS["both ways"])
