@@ -6,7 +6,7 @@ import argparse
 import math
 import os
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,8 @@ from spear_pin.errors import BadValue, SpearError, UnknownName, require
 from spear_pin.words import number
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from spear_pin.model.motor import Drive
     from spear_pin.model.robot import Robot
     from spear_pin.studies.payoff import Answer, SearchEnd, Study
@@ -109,16 +111,20 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     rests = [*rests_of(study), *of_robot]
     files = {"page": arguments.out / "payoff.html"}
 
+    @cache
+    def drawn() -> dict[str, Figure]:
+        return {key: draw(study) for key, draw in FIGURES.items()}
+
     def write(path: Path) -> None:
         with atomic(path) as temporary:
-            temporary.write_text(render(study, found, name, rests), encoding="utf-8")
+            temporary.write_text(render(study, found, name, rests, drawn()), encoding="utf-8")
 
-    def drawn(key: str, path: Path) -> None:
-        save_figure(FIGURES[key](study), path)
+    def save(key: str, path: Path) -> None:
+        save_figure(drawn()[key], path)
 
     pictures: dict[Path, Callable[[Path], object]] = {files["page"]: write}
     for key in FIGURES:
-        pictures[arguments.out / f"payoff_{key}.svg"] = partial(drawn, key)
+        pictures[arguments.out / f"payoff_{key}.svg"] = partial(save, key)
     saved = _save(study, arguments.out)
     listed = [*pictures, *saved, arguments.out / "payoff.jsonl"]
     return {

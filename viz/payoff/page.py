@@ -21,7 +21,7 @@ from spear_pin.studies.payoff.motors import PARTS
 from spear_pin.viz.embedding import drawing, shared
 from spear_pin.viz.player import page, shortened
 from spear_pin.viz.plots.paper import style
-from spear_pin.viz.plots.payoff import FIGURES, TITLES
+from spear_pin.viz.plots.payoff import TITLES
 from spear_pin.viz.template import environment
 
 STRIDES = 4  # that are played
@@ -43,7 +43,9 @@ class Row(NamedTuple):
     failures: list[str]
 
 
-def render(study: Study, answer: Answer, name: str, assumptions: list[tuple[str, str]]) -> str:
+def render(
+    study: Study, answer: Answer, name: str, assumptions: list[tuple[str, str]], figures: Mapping[str, Figure]
+) -> str:
     """The text of the page.
 
     Args:
@@ -51,6 +53,7 @@ def render(study: Study, answer: Answer, name: str, assumptions: list[tuple[str,
         answer: what follows.
         name: of the robot.
         assumptions: what the study rests on, a name and what it says.
+        figures: those of `spear_pin.viz.plots.payoff`.
     """
     best = {kind: finding for kind, finding in study.best.items() if finding.figures is not None}
     played = [kind for kind in (NONE, SWITCHED) if kind in best]
@@ -73,7 +76,7 @@ def render(study: Study, answer: Answer, name: str, assumptions: list[tuple[str,
             played=played,
             rows=rows(study),
             assumptions=assumptions,
-            figures={key: _element(draw(study), key, study) for key, draw in FIGURES.items()},
+            figures={key: _element(figure, key, study) for key, figure in figures.items()},
             failed=[each for tries in study.tries.values() for each in tries if each.reason],
             searches=sum(map(len, study.tries.values())),
             data={"viewer": viewer, "pages": dict(zip(played, sides, strict=True))},

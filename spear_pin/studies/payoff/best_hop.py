@@ -1,8 +1,8 @@
 """The hop of least cost, sought among fixed points: every iterate is a hop, as long in the air as is wanted.
 
-The numbers of law and spring that are chosen are unknowns of SLSQP; for each of its trial points Newton's method gives the
-state and the stance torque, from the nearest hop that is known along its tangent. Derivatives are differences of cycles
-and the implicit function theorem. What comes out is made a fixed point to the last digits.
+The numbers of law and spring that are chosen are unknowns of SLSQP; for each of its trial points Newton's method gives
+the state and the stance torque, from the nearest hop that is known along its tangent. Derivatives are differences of
+cycles and the implicit function theorem. What comes out is made a fixed point to the last digits.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ STEP = 1e-4  # of differences, of the unknowns in their units
 ANGLE, RATE, SHARE = 0.1, 1.0, 0.1  # units of the state, in rad and 1/√(l/g), and of a range
 FAR = 10.0  # of the units: the gap where no cycle closes
 BAD = 1e2  # the cost where there is no hop, of that of the start
-CLOSED, NEAR = 1e-6, 1e-2  # gaps of a hop, and of one from which it is not far, in units
-CORRECTIONS = 6  # by Newton's method with the tangent of a hop nearby
+CLOSED = 1e-6  # gap of a hop, in units
+CORRECTIONS = 8  # by Newton's method with the tangent of a hop nearby
 REACH = 1.5  # units from one hop to the next at most
 OVER = 2e-3  # of a limit: it is kept
 ITERATIONS, ROUNDS = 40, 30  # of the optimiser, of the search for a first hop
@@ -106,7 +106,7 @@ class _Cycle:
 
 @dataclass
 class Cycles:
-    """Cycles by their unknowns: the state, the stance torque, and what is chosen; in units of which each is about one."""
+    """Cycles by their unknowns, each in a unit of about its size: the state, the stance torque, and what is chosen."""
 
     task: Task
     system: HybridSystem
@@ -267,7 +267,7 @@ class _Hops:
             moved = moved.copy()
             moved[:n] -= np.linalg.lstsq(gap[:, :n], cycle.gap, rcond=None)[0]
             last = size
-        return _Hop(moved, cycle) if size < np.sqrt(CLOSED) * NEAR else None
+        return None
 
     def best(self) -> Array:
         """The unknowns of the cheapest hop within limits.

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.errors import NoGait
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.gaits.targets import check_wanted
@@ -44,7 +45,8 @@ SHARES = (0.5, 0.7, 0.9, 1.1)  # of it, by the leg's size
 MESH, FINER = 60, 240  # samples of each phase
 TOLERANCES = {MESH: (1e-5, 1e-9), FINER: (1e-7, 1e-10)}  # of the optimiser and of the integrator
 LOADED = 0.1  # of the weight: with less on the toe the share that friction takes means nothing
-FOOTING = 0.02  # of the weight: what rests on the toe at least in the first half of stance
+FOOTING = 0.05  # of the weight: what rests on the toe at least while the knee flexes
+FREQUENCIES = (1.0, 1.3, 0.8, 1.6)  # of SPEAR-II's, scaled, that a first hop is looked for with, in turn
 KNEE, HIP = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
 FREQUENCY, TORQUE, STIFFNESS = (0.3, 2.5), (0.0, 6.0), (0.0, 8.0)  # of SPEAR-II's, scaled
 WORDS = Words(
@@ -66,9 +68,11 @@ WORDS = Words(
         ),
         (
             "what a law may do",
-            "in stance a square wave of torque and a virtual spring at the knee, none at the hip; in flight both joints"
-            " are driven to angles. Torque, frequency, virtual spring and both angles are chosen for each point, the"
-            " gains of the flight are SPEAR-II's, scaled; in flight a fixed spring is borne by the motor",
+            "in stance one period of a square wave of torque at the knee, its flexion as strong as leaves the toe on"
+            " the ground, and a virtual spring; no torque at the hip. A damper at the knee in stance, SPEAR-II's, scaled,"
+            " which no kind of knee is without. In flight both joints are driven to angles. Torque, frequency, virtual"
+            " spring and both angles are chosen for each point, the gains of the flight are SPEAR-II's, scaled; in"
+            " flight a fixed spring is borne by the motor",
         ),
         ("the leg", "on a vertical slider without friction; limits of the file and what the motors can do are kept"),
     ),
@@ -104,13 +108,7 @@ def within(motors: Motors | None, system: HybridSystem, trajectory: Trajectory) 
         if motors is not None:
             drive = getattr(motors, part)
             left.append(float(np.min(drive.margin(given.torque, given.speed))) / drive.stall_torque)
-    return np.array([*left, footing(system, trajectory) - FOOTING])
-
-
-def footing(system: HybridSystem, trajectory: Trajectory) -> float:
-    """The least normal force in the first half of stance, over the weight: by flexing the knee lifts the toe again."""
-    force = trajectory.force[trajectory.phase == "stance", 0, 1]
-    return float(force[: len(force) // 2].min(initial=np.inf)) / weight(system.robot)
+    return np.array(left)
 
 
 def ranges(robot: Robot, free: bool) -> dict[str, tuple[float, float]]:
@@ -177,33 +175,60 @@ def begun(robot: Robot, point: Point, near: Gait) -> tuple[HybridSystem, State]:
     law, spring = near.system.law, near.system.spring
     whole = spring.stiffness + law.virtual_stiffness
     own = whole if point.stiffness is None else point.stiffness
-    law = replace(law, virtual_stiffness=max(whole - own, 0.0))
+    law = replace(
+        law,
+        virtual_stiffness=max(whole - own, 0.0),
+        minimum_force=FOOTING * weight(robot),
+        hold_extension=True,
+    )
     rest = law.knee_touchdown if point.kind == FIXED else None
     real = Spring(stiffness=own, damping=spring.damping, rest=rest, unilateral=rest is None)
     return with_parts(near.system, law=law, spring=real), near.state
 
 
 def _search(robot: Robot, motors: Motors, asked: Search) -> Found:
-    flight, (mesh,) = asked.point.speed, asked.meshes
+    point, (mesh,) = asked.point, asked.meshes
+    task = _task(robot, point, partial(electricity, motors), partial(within, motors), mesh)
     if asked.start is None or asked.start.gait is None:
-        near = hop_of(scaled_hopping(robot), flight)
+        gait = _from_cold(robot, point, task)
     else:
-        near = rebuilt(HOPS.kind, robot, asked.start.gait)
-    task = _task(
-        robot, flight, partial(electricity, motors), partial(within, motors), mesh, asked.point.stiffness is None
-    )
-    gait = best_hop(task, *begun(robot, asked.point, near))
+        gait = best_hop(task, *begun(robot, point, rebuilt(HOPS.kind, robot, asked.start.gait)))
     return gait, figures_of(gait, motors, mesh), None
 
 
-def _task(robot: Robot, flight: float, cost: Any, spare: Any, mesh: int, free: bool) -> Task:
-    return Task(flight, cost, spare, ranges(robot, free), mesh, *TOLERANCES[mesh])
-
-
 def _reference(robot: Robot, flight: float) -> Gait:
-    near = hop_of(scaled_hopping(robot), flight)
-    task = _task(robot, flight, effort, partial(within, None), MESH, free=False)
-    return best_hop(task, *begun(robot, Point(NONE, flight), near))
+    point = Point(NONE, flight)
+    return _from_cold(robot, point, _task(robot, point, effort, partial(within, None), MESH))
+
+
+def _from_cold(robot: Robot, point: Point, task: Task) -> Gait:
+    """The best hop beside one by SPEAR-II's law, scaled, with one of some frequencies of its square wave.
+
+    That hop is about as long in the air as is wanted, or as long as SPEAR-II's for the leg's size.
+
+    Raises:
+        NoGait: there is none beside any.
+    """
+    system = scaled_hopping(robot)
+    failures = []
+    for wanted in (point.speed, USUAL * scale_of(robot).time):
+        for share in FREQUENCIES:
+            law = replace(
+                system.law,
+                frequency=share * system.law.frequency,
+                hold_extension=True,
+                minimum_force=FOOTING * weight(robot),
+            )
+            try:
+                return best_hop(task, *begun(robot, point, hop_of(with_parts(system, law=law), wanted)))
+            except NoGait as error:
+                failures.append(error)
+    raise failures[0]
+
+
+def _task(robot: Robot, point: Point, cost: Any, spare: Any, mesh: int) -> Task:
+    chosen = ranges(robot, free=point.stiffness is None)
+    return Task(point.speed, cost, spare, chosen, mesh, *TOLERANCES[mesh])
 
 
 def _flights(robot: Robot) -> tuple[float, ...]:

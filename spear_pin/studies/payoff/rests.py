@@ -11,8 +11,8 @@ from spear_pin.studies.payoff.study import Study
 ALWAYS = (
     (
         "springs",
-        "without mass or damping. A switchable one is latched at touchdown and let go at lift-off at no cost; a fixed"
-        " one rests at the knee's angle of touchdown and pulls both ways, in swing too",
+        "without mass, and without damping of their own. A switchable one is latched at touchdown and let go at"
+        " lift-off at no cost; a fixed one rests at the knee's angle of touchdown and pulls both ways, in swing too",
     ),
     (
         "left out",
