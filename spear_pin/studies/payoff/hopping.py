@@ -69,10 +69,10 @@ WORDS = Words(
         (
             "what a law may do",
             "in stance one period of a square wave of torque at the knee, its flexion as strong as leaves the toe on"
-            " the ground, and a virtual spring; no torque at the hip. A damper at the knee in stance, SPEAR-II's, scaled,"
-            " which no kind of knee is without. In flight both joints are driven to angles. Torque, frequency, virtual"
-            " spring and both angles are chosen for each point, the gains of the flight are SPEAR-II's, scaled; in"
-            " flight a fixed spring is borne by the motor",
+            " the ground, and a virtual spring; no torque at the hip. A damper at the knee in stance, SPEAR-II's,"
+            " scaled, which no kind of knee is without. In flight both joints are driven to angles. Torque, frequency,"
+            " virtual spring and both angles are chosen for each point, the gains of the flight are SPEAR-II's, scaled;"
+            " in flight a fixed spring is borne by the motor",
         ),
         ("the leg", "on a vertical slider without friction; limits of the file and what the motors can do are kept"),
     ),
