@@ -7,6 +7,7 @@ cycles and the implicit function theorem. What comes out is made a fixed point t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -38,6 +39,7 @@ BAD = 1e2  # the cost where there is no hop, of that of the start
 CLOSED = 1e-6  # gap of a hop, in units
 CORRECTIONS = 8  # by Newton's method with the tangent of a hop nearby
 REACH = 1.5  # units from one hop to the next at most
+LEAP = 0.08  # of the logarithm of a flight time
 OVER = 2e-3  # of a limit: it is kept
 ITERATIONS, ROUNDS = 40, 30  # of the optimiser, of the search for a first hop
 
@@ -89,6 +91,19 @@ def best_hop(task: Task, system: HybridSystem, state: State) -> Gait:
     if left < -2 * OVER:
         raise NoGait(f"beside the search's end a limit is exceeded by {-100 * left:.2g} %", gait.residual)
     return gait
+
+
+def led(task: Task, system: HybridSystem, state: State, flight_time: float) -> tuple[HybridSystem, State]:
+    """A system and a state with about the flight time of a task, from those of another one by small steps.
+
+    Raises:
+        NoGait: the way ends before.
+    """
+    steps = math.ceil(abs(math.log(task.flight_time / flight_time)) / LEAP)
+    for wanted in np.geomspace(flight_time, task.flight_time, steps + 1)[1:]:
+        cycles = Cycles(replace(task, flight_time=float(wanted)), system, state, chart(system, state))
+        system, state = cycles.begun(cycles.first())
+    return system, state
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ from spear_pin.model.spring import Spring
 from spear_pin.studies.bound import weight
 from spear_pin.studies.design import energy_drawn, points_of
 from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
-from spear_pin.studies.payoff.best_hop import Task, best_hop
+from spear_pin.studies.payoff.best_hop import Task, best_hop, led
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
 from spear_pin.studies.payoff.grid import FIXED, NONE, Point
@@ -41,7 +41,7 @@ from spear_pin.studies.payoff.study import Study, studied
 
 Array = NDArray[np.float64]
 USUAL = 0.2  # s: flight of SPEAR-II
-SHARES = (0.5, 0.7, 0.9, 1.1)  # of it, by the leg's size
+SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
 MESH, FINER = 60, 240  # samples of each phase
 TOLERANCES = {MESH: (1e-5, 1e-9), FINER: (1e-7, 1e-10)}  # of the optimiser and of the integrator
 LOADED = 0.1  # of the weight: with less on the toe the share that friction takes means nothing
@@ -204,14 +204,14 @@ def _reference(robot: Robot, flight: float) -> Gait:
 def _from_cold(robot: Robot, point: Point, task: Task) -> Gait:
     """The best hop beside one by SPEAR-II's law, scaled, with one of some frequencies of its square wave.
 
-    That hop is about as long in the air as is wanted, or as long as SPEAR-II's for the leg's size.
+    That hop is about as long in the air as SPEAR-II's for the leg's size, or as is wanted.
 
     Raises:
         NoGait: there is none beside any.
     """
     system = scaled_hopping(robot)
     failures = []
-    for wanted in (point.speed, USUAL * scale_of(robot).time):
+    for wanted in (USUAL * scale_of(robot).time, point.speed):
         for share in FREQUENCIES:
             law = replace(
                 system.law,
@@ -220,7 +220,8 @@ def _from_cold(robot: Robot, point: Point, task: Task) -> Gait:
                 minimum_force=FOOTING * weight(robot),
             )
             try:
-                return best_hop(task, *begun(robot, point, hop_of(with_parts(system, law=law), wanted)))
+                near = hop_of(with_parts(system, law=law), wanted)
+                return best_hop(task, *led(task, *begun(robot, point, near), near.durations["flight"]))
             except NoGait as error:
                 failures.append(error)
     raise failures[0]
