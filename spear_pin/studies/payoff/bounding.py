@@ -117,6 +117,10 @@ def _speeds(robot: Robot) -> tuple[float, ...]:
     return tuple(float(f"{share * Request.scaled(robot).speed:.3g}") for share in SHARES)
 
 
+def _first(robot: Robot, speeds: Sequence[float]) -> Sequence[float]:
+    return speeds  # the slowest
+
+
 def _stiffness(robot: Robot) -> float:
     return (Request.scaled(robot).stiffness or 0.0) / motors_of(robot)
 
@@ -142,6 +146,7 @@ BOUNDS = Gaits(
     search=_search,
     reference=_reference,
     speeds=_speeds,
+    first=_first,
     stiffness=_stiffness,
     check=_check,
     asked=_asked,

@@ -67,6 +67,7 @@ class Gaits:
         search: the gait of least electrical cost of a robot with its motors, and its figures.
         reference: the gait of least effort of a robot without springs at a speed, and what it took for motors.
         speeds: by default, by the robot's size.
+        first: speeds in the order in which a first gait is likeliest to be found from cold.
         stiffness: of a leg's spring, in N·m/rad, by the robot's size.
         check: refuses speeds that no such gait has.
         asked: what beside the rest tells one study from another.
@@ -80,6 +81,7 @@ class Gaits:
     search: Callable[[Robot, Motors, Search], Found]
     reference: Callable[[Robot, float], Gait]
     speeds: Callable[[Robot], tuple[float, ...]]
+    first: Callable[[Robot, Sequence[float]], Sequence[float]]
     stiffness: Callable[[Robot], float]
     check: Callable[[Robot, Sequence[float]], None]
     asked: Callable[[Robot], Mapping[str, Any]]

@@ -6,6 +6,7 @@ for T. At a flight time all hops are so measured by the same work.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -46,7 +47,7 @@ MESH, FINER = 60, 240  # samples of each phase
 TOLERANCES = {MESH: (1e-5, 1e-9), FINER: (1e-7, 1e-10)}  # of the optimiser and of the integrator
 LOADED = 0.1  # of the weight: with less on the toe the share that friction takes means nothing
 FOOTING = 0.05  # of the weight: what rests on the toe at least while the knee flexes
-FREQUENCIES = (1.0, 1.3, 0.8, 1.6)  # of SPEAR-II's, scaled, that a first hop is looked for with, in turn
+FREQUENCIES = (1.0, 1.3)  # of SPEAR-II's, scaled, that a first hop is looked for with, in turn
 KNEE, HIP = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
 FREQUENCY, TORQUE, STIFFNESS = (0.3, 2.5), (0.0, 6.0), (0.0, 8.0)  # of SPEAR-II's, scaled
 WORDS = Words(
@@ -236,6 +237,11 @@ def _flights(robot: Robot) -> tuple[float, ...]:
     return tuple(float(f"{share * USUAL * scale_of(robot).time:.3g}") for share in SHARES)
 
 
+def _first(robot: Robot, flights: Sequence[float]) -> Sequence[float]:
+    usual = USUAL * scale_of(robot).time
+    return sorted(flights, key=lambda flight: abs(math.log(flight / usual)))
+
+
 def _stiffness(robot: Robot) -> float:
     return Spring.scaled(robot).stiffness
 
@@ -261,6 +267,7 @@ HOPS = Gaits(
     search=_search,
     reference=_reference,
     speeds=_flights,
+    first=_first,
     stiffness=_stiffness,
     check=_check,
     asked=_asked,

@@ -128,7 +128,7 @@ def studied(
     motors = _motors(gaits, robot, drives, bus, speeds, store, tell)
     searcher = Searcher(gaits, fitted(robot, motors), motors, store, n_jobs, tell)
     work = _Work(searcher)
-    bare = work.slowest([Point(NONE, speed) for speed in speeds])
+    bare = work.begin([Point(NONE, speed) for speed in gaits.first(robot, speeds)])
     chosen = None
     if stiffnesses is None:
         chosen, stiffnesses = work.stiffnesses(bare)
@@ -170,7 +170,7 @@ class _Work:
         first = next(each for each in self.tries[finding.point] if each.figures is not None)
         return finding.cost < (1.0 - BETTER) * first.cost
 
-    def slowest(self, points: Sequence[Point]) -> SearchEnd:
+    def begin(self, points: Sequence[Point]) -> SearchEnd:
         """The gait of the first point that has one, from cold."""
         words, reasons = self.searcher.gaits.words, []
         for point in points:
