@@ -1,5 +1,6 @@
 """Sphinx: the pages of this folder, the API from its docstrings, the gallery from `examples/`."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -12,7 +13,7 @@ author = "The spear-pin developers"
 version = release = spear_pin.__version__
 
 extensions = [
-    "myst_parser",
+    "myst_nb",  # all that myst_parser reads, and notebooks, which it runs
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "sphinx_design",
@@ -26,6 +27,12 @@ exclude_patterns = ["_extensions", "_templates", "images"]
 
 myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 3
+
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120  # s
+# kernels import what is documented, too
+os.environ["PYTHONPATH"] = os.pathsep.join([str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
 
 templates_path = ["_templates"]
 autodoc_typehints_format = "short"

@@ -15,7 +15,16 @@ LONGEST = 2000  # characters of an error's text; what it names may be of any len
 
 
 class SpearError(Exception):
-    """Base class of every error this package raises on purpose; its text is one line."""
+    """Base class of every error this package raises on purpose; its text is one line.
+
+    Example:
+        >>> from spear_pin import SpearError, load
+        >>> try:
+        ...     load("spear_iii")
+        ... except SpearError as error:
+        ...     print(error)
+        unknown robot 'spear_iii'; valid: ...
+    """
 
     def __init__(self, text: str) -> None:
         super().__init__(shortened(" ".join(text.split())))
@@ -29,6 +38,13 @@ class RobotWarning(UserWarning):
 
     `spear_pin.load` warns of what it leaves out or mends, of a trunk that stays fixed and of a robot without motors.
     `warnings.simplefilter("ignore", RobotWarning)` silences it.
+
+    Example:
+        >>> import warnings
+        >>> from spear_pin import RobotWarning, load
+        >>> with warnings.catch_warnings():
+        ...     warnings.simplefilter("ignore", RobotWarning)
+        ...     robot = load("spear_ii")
     """
 
     def __init__(self, text: str) -> None:

@@ -256,10 +256,24 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "hybrid/trajectory",
-        ["hybrid/test_trajectory"],
+        "hybrid/trajectory_tables",
+        ["hybrid/test_trajectory", "hybrid/test_trajectory_tables"],
         {
-            "degrees in the table": ('("q", self.q, self.coordinates)', '("q", np.degrees(self.q), self.coordinates)'),
+            "degrees in the table": ('("q", one.q, one.coordinates)', '("q", np.degrees(one.q), one.coordinates)'),
+            "velocities in the units of positions": ('"v": "/s"', '"v": ""'),
+            "the torque of a slide in N·m": ('"m": "N",', '"m": "N·m",'),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/trajectory_parts",
+        ["hybrid/test_trajectory_parts"],
+        {
+            "the ledger of the cycle before": ("slice(max(first, 1) - 1,", "slice(max(first - 2, 0),"),
+            "events of the whole in a part": ("any(begin <= e.time <= end for begin, end in spans)", "spans"),
+            "no gap between the phases of a part": (
+                "np.flatnonzero(later & elsewhere)",
+                "np.flatnonzero(later & ~later)",
+            ),
         },
     ),
     *mistakes_in(
@@ -479,6 +493,21 @@ MUTATIONS = [
                 "if came[1] is self._fresh:\n                start, fresh",
                 "if False:\n                start, fresh",
             ),
+        },
+    ),
+    *mistakes_in(
+        "viz/notebook/sketches",
+        ["viz/notebook/test_cards"],
+        {
+            "multipliers outside the circle look like those inside": ("abs(z) < 1.0)", "abs(z) < 9.0)"),
+            "slides drawn as bones": ("if place.translation.any()]", "]"),
+        },
+    ),
+    *mistakes_in(
+        "viz/plots/columns",
+        ["viz/plots/test_columns"],
+        {
+            "lines across what is left out": ("gaps(trajectory) + 1", "gaps(trajectory)[:0]"),
         },
     ),
     *mistakes_in(

@@ -13,7 +13,8 @@ import spear_pin
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-PAGES = {path.stem: path.read_text(encoding="utf-8") for path in DOCS.glob("*.md")}
+PATHS = [*DOCS.glob("*.md"), *DOCS.glob("notebooks/*.md")]
+PAGES = {path.relative_to(DOCS).with_suffix("").as_posix(): path.read_text(encoding="utf-8") for path in PATHS}
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 
 

@@ -7,7 +7,12 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), *(ROOT / "examples").glob("*.py")]
+PAGES = [
+    ROOT / "README.md",
+    *(ROOT / "docs").glob("*.md"),
+    *(ROOT / "docs").glob("notebooks/*.md"),
+    *(ROOT / "examples").glob("*.py"),
+]
 IMPORT = re.compile(r"^ *from (spear_pin[\w.]*) import (\([^)]*\)|[^\n]+)", re.M)
 ONCE = {
     "studies.basin": "midway pushed recover",

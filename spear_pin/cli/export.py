@@ -155,20 +155,12 @@ def _size(text: str) -> tuple[int, int]:
 
 def _moving(arguments: argparse.Namespace, trajectory: Trajectory) -> Robot:
     """The robot of a trajectory; joints that it does not have are locked in one that is given."""
-    from spear_pin.model.loading import load
-    from spear_pin.model.origin import moved, robot_of
+    from spear_pin.model.mover import mover
 
+    one, given = trajectory, arguments.robot
     try:
-        if trajectory.origin is not None and (arguments.robot is None or "cut" in trajectory.origin):
-            return robot_of(moved(trajectory.origin, arguments.robot))
-        whole = load(trajectory.robot if arguments.robot is None else arguments.robot)
+        return mover(one.origin, one.robot, one.coordinates, one.toes, given, "--robot")
     except (SpearError, ValueError) as error:
-        if arguments.robot is not None:
+        if given is not None:
             raise
         raise BadFile(arguments.what, f"its robot is not found: {error}; give it by --robot") from None
-    if not set(trajectory.coordinates) <= set(whole.coordinates):
-        expected = f"a robot with {', '.join(trajectory.coordinates)}, which the trajectory has"
-        raise BadValue("--robot", whole.source, expected)
-    joints = list(zip(whole.model.names, whole.model.joints, strict=True))[1:]
-    locked = [name for name, joint in joints if whole.coordinates[joint.idx_v] not in trajectory.coordinates]
-    return load(whole.source, toes=trajectory.toes, locked=locked)

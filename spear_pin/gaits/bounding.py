@@ -77,6 +77,11 @@ def bounding(
         BadValue: the robot has not the coordinates, toes and motors of `q_spear`, both contact and ground are given,
             or the law has event feedback, which goes by the torso's height, and the
             ground is not level at height zero.
+
+    Example:
+        >>> from spear_pin import Gait, bounding, load
+        >>> bounding(load("q_spear"), Gait.load("long_stride").system.law).phases
+        ('posterior_stance', 'double_1', 'flight_1', 'anterior_stance', 'double_2', 'flight_2')
     """
     spring, contact = spring or _spring(robot), given(contact, ground)
     if law.feedback and not as_ground(contact).plain:

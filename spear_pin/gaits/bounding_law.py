@@ -90,6 +90,13 @@ class BoundingLaw:
         feedback_limits: largest adjustment of each of `INPUTS`, in N·m and rad.
         speed_gain: gain of β += K (ẋ_td - ẋ*) at each touchdown, posterior and anterior, in N·s.
         speed_nominal: ẋ* just after posterior and anterior touchdown, in m/s.
+
+    Example:
+        >>> from dataclasses import replace
+        >>> from spear_pin import Gait
+        >>> law = Gait.load("long_stride").system.law
+        >>> replace(law, posterior_hip_torque=-120.0).posterior_hip_torque  # N·m
+        -120.0
     """
 
     posterior_hip_torque: float

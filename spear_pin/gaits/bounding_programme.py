@@ -43,6 +43,7 @@ class Transcription:
     """The nonlinear programme of a request, and how to read its solution."""
 
     request: Request
+    scale: Scale
     programme: Programme
     law: dict[str, Any]
     stiffness: Any
@@ -60,6 +61,7 @@ class Transcription:
             **values,
             knee_rest=request.knee_rest,
             lift_off=request.lift_off,
+            epsilon=BoundingLaw.epsilon * self.scale.time,
             nominal=(*q[1:].tolist(), *v.tolist()),
         )
         return law, (q, v), stiffness
@@ -113,7 +115,7 @@ class _Writer:
             unit = self.scale.torque
             self.stiffness = programme.variable("stiffness", PAIR_STIFFNESS, 0.0, STIFFEST, 100.0, unit=unit)
         self.top = ceiling(programme, request, self.scale)
-        self.result = Transcription(request, programme, self.law, self.stiffness)
+        self.result = Transcription(request, self.scale, programme, self.law, self.stiffness)
 
     def add_phase(self, phase: Phase, intervals: int, travelled: float) -> float:
         """One phase by itself; returns how far its guess travels."""

@@ -27,6 +27,7 @@ from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
 from spear_pin.model.origin import check_origin, origin, robot_of, unsaid
 from spear_pin.model.spring import Spring
+from spear_pin.showing import Shown
 
 FORMAT = "spear_pin gait 1"
 KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
@@ -36,8 +37,8 @@ KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
 }
 
 
-@dataclass(frozen=True)
-class Gait:
+@dataclass(frozen=True, repr=False)
+class Gait(Shown):
     """A fixed point of the return map.
 
     Attributes:
@@ -47,6 +48,11 @@ class Gait:
         residual: ‖P(x) - x‖∞.
         multipliers: Floquet multipliers, by decreasing modulus.
         durations: seconds in each phase.
+
+    Example:
+        >>> from spear_pin import Gait
+        >>> Gait.load("long_stride")
+        Gait(bounding of 'q_spear': period 0.3502 s, largest multiplier 1.067, unstable)
     """
 
     system: HybridSystem
@@ -55,6 +61,11 @@ class Gait:
     residual: float
     multipliers: NDArray[np.complex128]
     durations: Mapping[str, float]
+
+    def __repr__(self) -> str:
+        largest = np.abs(self.multipliers).max()
+        parts = f"period {self.period:.4g} s", f"largest multiplier {largest:.4g}", "stable" * self.stable or "unstable"
+        return f"Gait({self.system.kind} of {self.system.robot.name!r}: {', '.join(parts)})"
 
     @property
     def stable(self) -> bool:

@@ -55,6 +55,11 @@ class HoppingLaw:
         foot_placement: K of the term K (ẋ_lo - ẋ*) added to the commanded hip angle, in rad·s/m,
             ẋ_lo being the hip's forward speed latched at lift-off; needs a free boom_x.
         speed: ẋ*, in m/s.
+
+    Example:
+        >>> from spear_pin import HoppingLaw
+        >>> HoppingLaw(stance_torque=8.5).frequency  # Hz
+        2.56
     """
 
     knee_touchdown: float = 1.0
@@ -201,6 +206,12 @@ def hopping(
     Raises:
         BadValue: law, spring or contact is none, both contact and ground are given, or the robot is not a planar one
             with a toe "toe" and motors on "hip" and "knee" last.
+
+    Example:
+        >>> from spear_pin import HoppingLaw, hopping, load
+        >>> system = hopping(load("spear_ii", locked=["boom_x"]), HoppingLaw(stance_torque=8.5))
+        >>> system.phases
+        ('stance', 'flight')
     """
     law, spring, contact = law or HoppingLaw(), spring or Spring(), given(contact, ground)
     if not robot.planar or robot.toes != ("toe",) or robot.coordinates[-2:] != ("hip", "knee"):

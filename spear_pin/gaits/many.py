@@ -30,6 +30,7 @@ from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import section
 from spear_pin.hybrid.shooting import SHORT_CYCLE, Shooting
 from spear_pin.kinds import typed
+from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
 Measure = Callable[[HybridSystem, Array, Batch], Array]
@@ -73,8 +74,8 @@ MEASURES: Mapping[str, Measure] = {
 }
 
 
-@dataclass(frozen=True)
-class GaitTable:
+@dataclass(frozen=True, repr=False)
+class GaitTable(Shown):
     """Outcomes of the lanes, a row each; NaN where no fixed point was found.
 
     Attributes:
@@ -94,6 +95,13 @@ class GaitTable:
     multipliers: NDArray[np.complex128]
     durations: Mapping[str, Array]
     reason: NDArray[np.str_]
+
+    def __len__(self) -> int:
+        """Number of lanes."""
+        return len(self.reason)
+
+    def __repr__(self) -> str:
+        return f"GaitTable({len(self)} lanes: {self.converged.sum()} gaits found, {self.stable.sum()} stable)"
 
     @property
     def converged(self) -> NDArray[np.bool_]:

@@ -72,6 +72,13 @@ def find_gait(
             closes none, see `HybridSystem.shortest_flight`.
         NoGait: no periodic gait was found from here; the text says why, and of a hop what is likely to be the cause and
             what to try.
+
+    Example:
+        >>> from spear_pin import find_gait, hopping, load
+        >>> system = hopping(load("spear_ii", locked=["boom_x"]))
+        >>> gait = find_gait(system, vary=["stance_torque"], target={"flight_time": 0.2})
+        >>> round(gait.parameters["stance_torque"], 2), gait.stable  # N·m
+        (7.83, True)
     """
     target = dict(target or {})
     if len(vary) != len(target):

@@ -19,6 +19,7 @@ from spear_pin.hybrid.lanes.runner import Lanes
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
+from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
 TIMES_FINER = 1000.0  # than asked for is what the Taylor engine integrates with: it costs little
@@ -27,8 +28,8 @@ CHUNK = 16384  # lanes at a time, which bounds memory
 LOCK = Lock()  # a compiled integrator has one state, whichever thread asks
 
 
-@dataclass(frozen=True)
-class Batch:
+@dataclass(frozen=True, repr=False)
+class Batch(Shown):
     """Outcomes of the lanes.
 
     Attributes:
@@ -51,6 +52,14 @@ class Batch:
     durations: Mapping[str, Array]
     observed: Mapping[str, Array]
     repeated: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        """Number of lanes."""
+        return len(self.reason)
+
+    def __repr__(self) -> str:
+        ends = zip(*np.unique(self.reason, return_counts=True), strict=True)
+        return f"Batch({len(self)} lanes: {', '.join(f'{count} {reason}' for reason, count in ends)})"
 
 
 @typed
@@ -85,6 +94,14 @@ def simulate_many(
         BadValue: shapes do not fit, a number is not finite, lanes cannot differ in it (a spring's fixed rest angle),
             or the system has what the engine cannot compile: hardware, or dry friction of joints.
         UnknownName: no part has a numeric field of a name in `parameters`.
+
+    Example:
+        >>> import numpy as np
+        >>> from spear_pin import hopping, load, simulate_many
+        >>> system = hopping(load("spear_ii", locked=["boom_x"]))
+        >>> q, v = (np.tile(part, (3, 1)) for part in system.guess())
+        >>> simulate_many(system, q, v, cycles=2, parameters={"stiffness": [45.0, 50.0, 55.0]})
+        Batch(3 lanes: 3 complete)
     """
     q, v = np.array(q, dtype=float), np.array(v, dtype=float)
     given = {name: np.array(values, dtype=float) for name, values in (parameters or {}).items()}

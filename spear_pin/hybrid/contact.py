@@ -24,6 +24,11 @@ class Contact:
 
     Attributes:
         friction: coefficient of Coulomb friction, static and kinetic (assumption; not in the source).
+
+    Example:
+        >>> from spear_pin import Contact, hopping, load
+        >>> hopping(load("spear_ii"), contact=Contact(friction=0.5)).contact
+        Contact(friction=0.5)
     """
 
     friction: float = 0.8

@@ -35,6 +35,11 @@ class Ground(Contact):
         friction: coefficient of Coulomb friction, static and kinetic (assumption; not in the source).
         slope: σ, in rad, positive uphill in +x.
         height: of the plane at x = 0, in m.
+
+    Example:
+        >>> from spear_pin import Ground, hopping, load
+        >>> hopping(load("spear_ii"), ground=Ground(slope=0.1)).ground.slope
+        0.1
     """
 
     slope: float = 0.0

@@ -47,6 +47,12 @@ def simulate(
 
     Raises:
         BadValue: a tolerance, the number of cycles or samples, or the state is not valid.
+
+    Example:
+        >>> from spear_pin import hopping, load, simulate
+        >>> system = hopping(load("spear_ii", locked=["boom_x"]))
+        >>> simulate(system, system.guess(), cycles=2)
+        Trajectory('spear_ii': 2 cycles, 1.139 s, 420 samples, 10 events, complete)
     """
     require("samples", samples, lambda n: n >= 1 and n % 1 == 0, "a whole number, at least 1")
     from tqdm import tqdm

@@ -1,19 +1,25 @@
-"""Result of a simulation: samples, events, the energy ledger; saved, loaded, exported."""
+"""Result of a simulation: samples, events, the energy ledger; saved, loaded, cut, shown, and made tables of."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue, UnknownName
-from spear_pin.files import atomic
+from spear_pin.errors import BadValue, SpearError, UnknownName, require
 from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.trajectory_parts import gaps
 from spear_pin.kinds import typed
+from spear_pin.model.mover import mover
+from spear_pin.model.robot import Robot
+from spear_pin.showing import Player, Shown, playing, plotted
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
@@ -75,8 +81,8 @@ class Ledger:
         return left
 
 
-@dataclass(frozen=True)
-class Trajectory:
+@dataclass(frozen=True, repr=False)
+class Trajectory(Shown):
     """Motion over time; at every sample D a + C v + G = B tau + friction + Σ Jᵀ F, J and F in the ground's axes.
 
     An event's two sides are two samples. There are at least 100 samples a phase.
@@ -112,6 +118,17 @@ class Trajectory:
             and motors negative (a motor's work is here what leaves), the change that of the inductances.
         ground: on which it is, along which and normal to which forces and impulses are; None if a file does not say.
         origin: of the robot, see `spear_pin.model.origin`; None if a file does not say.
+
+    Example:
+        >>> from spear_pin import hopping, load, simulate
+        >>> system = hopping(load("spear_ii", locked=["boom_x"]))
+        >>> hops = simulate(system, system.guess(), cycles=2)
+        >>> hops.in_cycles(2).in_phase("flight").q.shape
+        (102, 3)
+        >>> print(hops.to_pandas()["force_z_toe"].max().round())  # N
+        179.0
+        >>> hops.play()  # which a notebook shows
+        Player(... MB; a notebook shows it, save(path) writes a page)
     """
 
     robot: str
@@ -143,6 +160,11 @@ class Trajectory:
     electrical: Ledger | None = None
     ground: Ground | None = None
     origin: Mapping[str, Any] | None = None
+
+    def __repr__(self) -> str:
+        duration = self.t[-1] - self.t[0]
+        parts = f"{self.cycles} cycles", f"{duration:.4g} s", f"{len(self)} samples", f"{len(self.events)} events"
+        return f"Trajectory({self.robot!r}: {', '.join(parts)}, {self.reason})"
 
     def __len__(self) -> int:
         """Number of samples."""
@@ -184,48 +206,115 @@ class Trajectory:
         Raises:
             BadValue: the suffix is neither .csv nor .mat.
         """
-        suffix = Path(path).suffix
-        if suffix == ".csv":
-            columns, table = self.columns()
-            with atomic(path) as temporary, temporary.open("w", encoding="utf-8") as file:
-                file.write(",".join(["domain", *columns]) + "\n")
-                for name, row in zip(self.domain, table, strict=True):
-                    file.write(name + "," + ",".join(map(repr, row.tolist())) + "\n")
-        elif suffix == ".mat":
-            from scipy.io import savemat
+        from spear_pin.hybrid.trajectory_tables import export
 
-            arrays = {name: getattr(self, name) for name in SAMPLED}
-            arrays["domain"], arrays["phase"] = self.domain.astype(object), self.phase.astype(object)
-            ledger = {flow: self.ledger[flow] for flow in self.ledger.flows}
-            events = {"name": [e.name for e in self.events], "time": [e.time for e in self.events]}
-            extra: dict[str, Any] = {"coordinates": list(self.coordinates), "ledger": ledger, "events": events}
-            if self.electrical is not None:
-                extra["electrical"] = {flow: self.electrical[flow] for flow in self.electrical.flows}
-            with atomic(path) as temporary, temporary.open("wb") as file:
-                savemat(file, arrays | extra, oned_as="column")
-        else:
-            raise BadValue("path", str(path), "a name ending in .csv or .mat")
-        return Path(path)
+        return export(self, path, SAMPLED)
 
     def columns(self) -> tuple[list[str], Array]:
         """Names with units, and values, of everything numeric, one row a sample."""
-        names, parts = ["t [s]", "cycle"], [self.t[:, None], self.cycle[:, None].astype(float)]
-        for symbol, values, labels in (
-            ("q", self.q, self.coordinates),
-            ("v", self.v, self.coordinates),
-            ("a", self.a, self.coordinates),
-            ("u", self.u, self.actuated),
-            ("tau", self.tau, self.actuated),
-            ("friction", self.friction, self.coordinates),
-            ("spring", self.spring, self.spring_joints),
-            ("current", self.current, self.actuated if self.current.size else ()),
-            ("reference", self.reference, self.actuated if self.reference.size else ()),
-            ("force_x", self.force[:, :, 0], self.toes),
-            ("force_z", self.force[:, :, 1], self.toes),
-        ):
-            names += [f"{symbol}_{label}" for label in labels]
-            parts.append(values)
-        return names, np.hstack(parts)
+        from spear_pin.hybrid.trajectory_tables import columns
+
+        return columns(self)
+
+    def units(self) -> dict[str, str]:
+        """Unit of each column by its name; "m or rad" and the like where the robot, which tells, is not found."""
+        from spear_pin.hybrid.trajectory_tables import units
+
+        return units(self)
+
+    def to_pandas(self) -> Any:
+        """The samples as a `pandas.DataFrame`, indexed by time: the `columns`, domain, phase and engaged springs.
+
+        Its `attrs["units"]` has the unit of each column.
+        """
+        from spear_pin.hybrid.trajectory_tables import frame
+
+        return frame(self)
+
+    def to_xarray(self) -> Any:
+        """The samples as an `xarray.Dataset` over time, coordinates, motors, toes and springs, with their units.
+
+        Raises:
+            MissingExtra: xarray is not installed.
+        """
+        from spear_pin.hybrid.trajectory_tables import dataset
+
+        return dataset(self)
+
+    @typed
+    def in_cycles(self, first: int, last: int | None = None) -> Trajectory:
+        """A part: the cycles from the first to the last, both in it, with their events and their rows of the ledger.
+
+        Args:
+            first: number of the first, as in `cycle`: 1 is the first whole one.
+            last: number of the last; None: there is no other.
+
+        Raises:
+            BadValue: there are no such cycles.
+        """
+        from spear_pin.hybrid.trajectory_parts import cycles
+
+        return cycles(self, first, first if last is None else last)
+
+    @typed
+    def in_phase(self, name: str) -> Trajectory:
+        """A part: the samples and events of a phase, wherever it recurs; its ledger has no rows.
+
+        Raises:
+            UnknownName: there is no such phase.
+        """
+        from spear_pin.hybrid.trajectory_parts import phase
+
+        return phase(self, name)
+
+    @typed
+    def load_robot(self, source: str | None = None) -> Robot:
+        """The robot that moved, loaded again.
+
+        Args:
+            source: its name or path, where its own is not found; of what was cut out of a robot, that robot's.
+
+        Raises:
+            SpearError: there is no such robot, or it is not this one's.
+        """
+        return mover(self.origin, self.robot, self.coordinates, self.toes, source)
+
+    @typed
+    def play(self, robot: Robot | None = None, *, title: str = "", height: int = 480) -> Player:
+        """The motion as a notebook plays it in place; of a long one the end, as much as 2 MB hold.
+
+        Args:
+            robot: that moved; by default it is loaded again, which needs its file.
+            title: shown above; by default the robot's name.
+            height: of the frame, in pixels.
+
+        Raises:
+            BadValue: there are gaps in it, its robot is not found, or the height is not positive.
+        """
+        require("height", height, lambda pixels: pixels >= 1, "a whole number of pixels, at least 1")
+        if len(gaps(self)):
+            raise BadValue("trajectory", "one with gaps", "one without, such as `in_cycles` gives")
+        if robot is None:
+            try:
+                robot = self.load_robot()
+            except (SpearError, ValueError) as error:
+                raise BadValue(
+                    "trajectory.robot", self.robot, f"a robot that is found ({error}); or play(robot)"
+                ) from None
+        return playing(robot, self, title, int(height))
+
+    @typed
+    def plot(self, *columns: str) -> Figure:
+        """Columns over time, those of the same unit in one panel, stance shaded; a notebook shows the figure.
+
+        Args:
+            columns: names among those of `columns`, or what all of a kind begin with: "q", "v", "a", "u", "tau",
+                "friction", "spring", "current", "reference", "force_x" or "force_z". By default "q" and "force_z".
+
+        Raises:
+            UnknownName: there is no such column.
+        """
+        return plotted(self, columns)
 
 
 _REST = ("robot", "coordinates", "actuated", "toes", "spring_joints", "cycles", "reason", "message", "evaluations")

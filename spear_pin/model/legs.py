@@ -71,6 +71,12 @@ class Leg:
 
     Raises:
         BadValue: a sign is none, or a length not positive.
+
+    Example:
+        >>> from spear_pin import load
+        >>> leg = load("q_spear_full").legs[0]
+        >>> leg.name, leg.knee, round(leg.lean(1.0), 3)  # the hip's angle with the toe below it, in rad
+        ('posterior_left', 'posterior_left_knee', 0.5)
     """
 
     name: str

@@ -124,6 +124,11 @@ def load(
         BadFile: the file is missing or invalid (see `read_urdf`), a joint moves no inertia, or a root that is to float
             has none.
         BadValue: another base, or a motor for a joint of several degrees of freedom.
+
+    Example:
+        >>> from spear_pin import load
+        >>> load("spear_ii", locked=["boom_x"])
+        Robot('spear_ii', nq=3, nv=3, nu=2, toes=['toe'], locked=['boom_x'])
     """
     if base not in (None, "free", "fixed"):
         raise BadValue("base", base, "'free' or 'fixed'")

@@ -36,6 +36,12 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
         UnknownName: there is no such leg, or no such joint to lock; the text lists the valid ones.
         BadValue: the leg has other joints, such as an ankle, or it is not known to which side its knee flexes; or the
             mass is none.
+
+    Example:
+        >>> from spear_pin import load, monopod
+        >>> leg = monopod(load("q_spear_full"), "posterior_left")
+        >>> leg.coordinates
+        ('boom_x', 'boom_z', 'hip', 'knee')
     """
     locked = tuple(locked)
     of = sided(simple(named_leg(robot.model, robot.legs, leg)))

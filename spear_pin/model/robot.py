@@ -20,6 +20,7 @@ from spear_pin.model.legs import Leg, find_legs
 from spear_pin.model.limits import Limits, limits_of
 from spear_pin.model.named_legs import leg_of
 from spear_pin.model.settings import Settings
+from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
 WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -33,7 +34,7 @@ UNIT = 1e-4  # by which the length of a quaternion in q may be off 1
 OUT_OF_PLANE = 1e-5  # rad or m per unit of a coordinate: a URDF's "1.5708" is a right angle
 
 
-class Robot:
+class Robot(Shown):
     """A robot read from a URDF: D(q) v̇ + C(q, v) v + G(q) = B u + Σ Jᵀ F, (3.16).
 
     Build one with `spear_pin.load`. Queries take and return float64 arrays in SI units and radians;
@@ -57,6 +58,14 @@ class Robot:
         added: inertia beside the model's, if there is any (see `spear_pin.model.boom`).
         cut: what it was cut out of, if it was (see `spear_pin.model.cut`).
         settings: what the TOML file beside its own says, if there is one (see `spear_pin.model.settings`).
+
+    Example:
+        >>> from spear_pin import load
+        >>> robot = load("spear_ii", locked=["boom_x"])
+        >>> robot.coordinates, robot.units
+        (('boom_z', 'hip', 'knee'), ('m', 'rad', 'rad'))
+        >>> robot.mass_matrix([0.55, 0.5, 1.0]).shape
+        (3, 3)
     """
 
     def __init__(
@@ -132,6 +141,12 @@ class Robot:
         said = self.cut or self.settings
         sides = {} if said is None else said.sides
         return tuple(replace(leg, side=sides.get(leg.name, leg.side)) for leg in find_legs(self))
+
+    @cached_property
+    def units(self) -> tuple[str, ...]:
+        """Unit of each coordinate, "m" or "rad", (nv,)."""
+        axes = (np.reshape(joint.S, (6, -1)) for joint in self._data.joints[1:])
+        return tuple("m" if column[:3].any() else "rad" for each in axes for column in each.T)
 
     @property
     def mass(self) -> float:

@@ -43,6 +43,12 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
         UnknownName: there is no such leg.
         BadValue: the robot has not two such pairs, or its legs have other joints; or those of a pair are not alike: in
             length, by more than a twentieth, in having motors, or in limits that leave no angle to both.
+
+    Example:
+        >>> from spear_pin import load, sagittal
+        >>> plane = sagittal(load("q_spear_full"))
+        >>> plane.actuated
+        ('posterior_hip', 'posterior_knee', 'anterior_hip', 'anterior_knee')
     """
     source = Source(robot)
     if pairs is None and robot.settings is not None:

@@ -46,6 +46,12 @@ class Spring:
             stiffness is 0: between them a smooth curve that rises and falls as they do, see `curve.through`, beyond
             them straight on. They begin with (0, 0), or are on both sides of it if the spring is not unilateral. Where
             the torque falls, as behind the best lever of a linkage, it may not change its sign.
+
+    Example:
+        >>> from spear_pin import Spring, hopping, load
+        >>> system = hopping(load("spear_ii"), spring=Spring(stiffness=55.0))
+        >>> float(system.spring.torque(0.2))  # at 0.2 rad, in N·m: it extends
+        -11.0
     """
 
     stiffness: float = 48.84

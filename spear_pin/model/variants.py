@@ -93,6 +93,11 @@ def vary(robot: Robot, **values: float) -> Robot:
         UnknownName: the robot has no parameter of that name; the text lists those that it has.
         BadValue: a value is not a finite number > 0 (>= 0 for a rotor or friction), or the robot's model was
             changed by other means.
+
+    Example:
+        >>> from spear_pin import load, vary
+        >>> vary(load("spear_ii"), knee_ratio=20.0).gear_ratio("knee")
+        20.0
     """
     valid = parameters_of(robot)
     for name, value in values.items():

@@ -27,6 +27,7 @@ def found(robot):
     numbers = {name: law[name] / scale.torque for name in (*TORQUES, "virtual_stiffness")}
     numbers |= {name: law[name] / scale.length for name in LENGTHS} | {name: law[name] for name in ANGLES}
     numbers |= {phase: time / scale.time for phase, time in gait.durations.items()}
+    numbers |= {"epsilon": law["epsilon"] / scale.time}
     state = {"q": q / lengths, "v": v / lengths * scale.time, "multipliers": np.sort(np.abs(gait.multipliers))}
     return numbers | state | {"objective": solution.objective}
 

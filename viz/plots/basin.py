@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.studies.basin.attraction import ELSEWHERE, Attraction
-from spear_pin.viz.plots.paper import style
+from spear_pin.viz.plots.paper import Picture, style
 
 Array = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ def basin_map(strides: ArrayLike, axes: Mapping[str, ArrayLike]) -> Figure:
     if counts.shape != (len(rows), len(columns)):
         raise BadValue("strides", counts.shape, f"an array of {len(rows)} x {len(columns)}")
     with style():
-        figure = Figure(figsize=(3.4, 2.8), layout="constrained")
+        figure = Picture(figsize=(3.4, 2.8), layout="constrained")
         panel = figure.subplots()
         panel.set_facecolor("0.9")
         across, up = _edges(columns), _edges(rows)
@@ -89,7 +89,7 @@ def attraction_map(found: Attraction, rows: ArrayLike, columns: ArrayLike, up: s
         "interpolation": "none",
     }
     with style():
-        figure = Figure(figsize=(4.4, 3.2), layout="constrained")
+        figure = Picture(figsize=(4.4, 3.2), layout="constrained")
         axes = figure.subplots()
         present = [name for name in np.unique(reason).tolist() if name != "reached"]
         for name in present:

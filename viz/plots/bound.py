@@ -13,7 +13,7 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import LEGS, PAIR
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.trajectory import Trajectory
-from spear_pin.viz.plots.paper import BLUE, GREEN, VERMILLION, style
+from spear_pin.viz.plots.paper import BLUE, GREEN, VERMILLION, Picture, style
 from spear_pin.viz.plots.trajectory import DETAIL
 
 Array = NDArray[np.float64]
@@ -37,7 +37,7 @@ def bound_summary(trajectory: Trajectory, gait: Gait) -> Figure:
     if gait.system.kind != "bounding":
         raise BadValue("gait", gait.system.kind, "a bounding gait")
     with style():
-        figure = Figure(figsize=(7.0, 6.8), layout="constrained")
+        figure = Picture(figsize=(7.0, 6.8), layout="constrained")
         axes = figure.subplots(4, 2, sharex=True)
         (falls, toes), (height, pitch), (force, hips), (posterior, anterior) = axes
         draw_foot_falls(falls, trajectory)

@@ -21,7 +21,7 @@ from spear_pin.model.motor import Drive
 from spear_pin.model.variants import PARAMETERS
 from spear_pin.studies.design import STIFFNESSES, Member, Points, against, points, spring_sweep
 from spear_pin.viz.plots.bound import COLORS, SHADES
-from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, style
+from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Picture, style
 
 Array = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ def compliance(gait: Gait, stiffness: float = 56.0) -> Figure:
     """
     sweep = spring_sweep(gait, (0.0, stiffness))
     with style():
-        figure = Figure(figsize=(7.0, 2.3), layout="constrained")
+        figure = Picture(figsize=(7.0, 2.3), layout="constrained")
         for axes, leg in zip(figure.subplots(1, 2), FRONT_FIRST, strict=True):
             _over_stride(axes, sweep[0.0], leg, "knee")
             _plot(axes, sweep[0.0], leg, "--", color=VERMILLION, label="without a spring")
@@ -72,7 +72,7 @@ def stiffness_sweep(gait: Gait, stiffnesses: Sequence[float] = STIFFNESSES) -> F
     sweep = spring_sweep(gait, stiffnesses)
     colors = colormaps["cividis"](np.linspace(0.0, 0.8, len(sweep)))
     with style():
-        figure = Figure(figsize=(7.0, 2.6), layout="constrained")
+        figure = Picture(figsize=(7.0, 2.6), layout="constrained")
         panels = figure.subplots(1, 2)
         for axes, leg in zip(panels, FRONT_FIRST, strict=True):
             i = LEGS.index(leg)
@@ -94,7 +94,7 @@ def hip_torques(gait: Gait) -> Figure:
     """Torque of a hip motor, of front and back legs, as in Fig. 5.7; its root mean square as a dashed line."""
     given = points(gait, "hip")
     with style():
-        figure = Figure(figsize=(7.0, 2.3), layout="constrained")
+        figure = Picture(figsize=(7.0, 2.3), layout="constrained")
         for axes, leg in zip(figure.subplots(1, 2, sharey=True), FRONT_FIRST, strict=True):
             _over_stride(axes, given, leg, "hip")
             _plot(axes, given, leg, color=BLUE, label="motor")
@@ -127,7 +127,7 @@ def torque_speed(gait: Gait, drives: Mapping[str, Drive], part: str = "knee") ->
     along = np.where(given.torque == 0.0, np.abs(given.speed), np.sign(given.torque) * given.speed)
     fastest = 1.08 * np.abs(along).max()
     with style():
-        figure = Figure(figsize=(5.2, 4.0), layout="constrained")
+        figure = Picture(figsize=(5.2, 4.0), layout="constrained")
         axes = figure.subplots()
         for size, (color, (name, drive)) in enumerate(zip(DRIVES, drives.items(), strict=False)):
             use = against(given, drive)
@@ -174,7 +174,7 @@ def family_plot(members: Sequence[Member], name: str) -> Figure:
     knees = np.array([points(gait, "knee").peak for gait in gaits])
     hips = np.array([np.abs(points(gait, "hip").torque).max(axis=0) for gait in gaits])
     with style():
-        figure = Figure(figsize=(7.0, 3.6), layout="constrained")
+        figure = Picture(figsize=(7.0, 3.6), layout="constrained")
         (knee, hip), (stride, largest) = axes = figure.subplots(2, 2, sharex=True)
         for i, leg in enumerate(LEGS):
             knee.plot(values, knees[:, i], "o-", color=COLORS[leg], label=leg)

@@ -13,7 +13,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from spear_pin.errors import BadValue
 from spear_pin.studies.drivetrain import KneeDrive
-from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, style
+from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Picture, style
 
 HEATING = "Rms over continuous torque (1)"
 MARGIN = "Margin to the envelope (N·m)"
@@ -62,7 +62,7 @@ def drivetrain(rows: Sequence[KneeDrive]) -> Figure:
         raise BadValue("rows", motors, f"at most {len(COLORS)} motors")
     ratios = sorted({row.ratio for row in rows})
     with style():
-        figure = Figure(figsize=(7.0, 4.2), layout="constrained")
+        figure = Picture(figsize=(7.0, 4.2), layout="constrained")
         panels = figure.subplots(2, 3, sharex=True)
         for axes, (label, value) in zip(panels.flat, PANELS.items(), strict=True):
             for place, motor in enumerate(motors):

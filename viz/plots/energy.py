@@ -21,7 +21,7 @@ from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.studies.energetics import EnergyFlow
 from spear_pin.studies.published_costs import UNVERIFIED, CostPoint, Kind, running_animals
 from spear_pin.viz.plots.panels import draw_angle, draw_height
-from spear_pin.viz.plots.paper import BLUE, GREEN, PURPLE, STANCE, STANCE_COLOR, VERMILLION, style
+from spear_pin.viz.plots.paper import BLUE, GREEN, PURPLE, STANCE, STANCE_COLOR, VERMILLION, Picture, style
 from spear_pin.viz.plots.sankey import KEPT, LOST, Sankey
 
 LOSSES = {
@@ -52,7 +52,7 @@ def energy_flow(flow: EnergyFlow) -> Figure:
     if not (given > 0.0 and work > 0.0):
         raise BadValue("flow", (given, work), "one in which batteries give energy and motors do work, in J")
     with style():
-        figure = Figure()
+        figure = Picture()
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         axes.set_axis_off()
         sankey = Sankey(axes, given)
@@ -89,7 +89,7 @@ def cost_of_transport(points: Sequence[CostPoint], computed: Sequence[CostPoint]
     masses = np.array([point.mass for point in everything])
     span = np.geomspace(0.4 * masses.min(), 3.0 * masses.max(), 50)
     with style():
-        figure = Figure(figsize=(5.2, 4.0), layout="constrained")
+        figure = Picture(figsize=(5.2, 4.0), layout="constrained")
         axes = figure.subplots()
         axes.plot(span, [running_animals(mass) for mass in span], color=GREEN, label="running animals (recollection)")
         for point in everything:
@@ -124,7 +124,7 @@ def currents(trajectory: Trajectory, hops: int = DETAIL) -> Figure:
         raise BadValue("trajectory.current", trajectory.current.shape, "currents, of a system with hardware")
     shown = trajectory.cycle <= hops
     with style():
-        figure = Figure(figsize=(7.0, 2.3), layout="constrained")
+        figure = Picture(figsize=(7.0, 2.3), layout="constrained")
         panels = figure.subplots(1, len(trajectory.actuated), squeeze=False)[0]
         for axes, i in zip(panels, reversed(range(len(trajectory.actuated))), strict=True):
             for begin, end in _stances(trajectory):
@@ -151,7 +151,7 @@ def heights(trajectory: Trajectory, clean: Trajectory | None = None) -> Figure:
     """
     vertical = trajectory.coordinates.index("boom_z")
     with style():
-        figure = Figure(figsize=(7.0, 2.3), layout="constrained")
+        figure = Picture(figsize=(7.0, 2.3), layout="constrained")
         axes = figure.subplots()
         draw_height(axes, trajectory)
         if clean is not None:
@@ -175,7 +175,7 @@ def angles_against(trajectory: Trajectory, clean: Trajectory, gait: Gait | None 
     """
     shown = trajectory.t[trajectory.cycle <= hops]
     with style():
-        figure = Figure(figsize=(7.0, 2.4), layout="constrained")
+        figure = Picture(figsize=(7.0, 2.4), layout="constrained")
         for axes, joint in zip(figure.subplots(1, 2), ("hip", "knee"), strict=True):
             draw_angle(axes, trajectory, joint, gait)
             axes.plot(clean.t, clean.q[:, clean.coordinates.index(joint)], "-.", color=PURPLE, label=CLEAN)

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from spear_pin.errors import BadValue
 from spear_pin.studies.identification import NUISANCES, QUANTITIES, Estimate
 from spear_pin.studies.identification.estimate import Parameter
-from spear_pin.viz.plots.paper import VERMILLION, style
+from spear_pin.viz.plots.paper import VERMILLION, Picture, style
 from spear_pin.viz.plots.push import ANGLE, TIME
 
 SYNTHETIC = "synthetic"
@@ -42,7 +42,7 @@ def fit_summary(estimates: Mapping[str, Estimate]) -> Figure:
     lowest, highest, span = angles.min(), angles.max(), np.ptp(angles)
     sources = [_source(given) for given in estimates.values()]
     with style():
-        figure = Figure(figsize=(7.0 if columns > 1 else 4.2, 3.4 * rows), layout="constrained")
+        figure = Picture(figsize=(7.0 if columns > 1 else 4.2, 3.4 * rows), layout="constrained")
         grid = figure.add_gridspec(2 * rows, columns, height_ratios=(1.8, 1.1) * rows)
         upper: Axes | None = None
         lower: Axes | None = None
@@ -88,7 +88,7 @@ def correlations(estimate: Estimate) -> Figure:
     which = "" if few else f"\nshared, and of release 1 of {len(estimate.trials)}"
     with style():
         side = 1.3 + 0.36 * len(chosen)
-        figure = Figure(figsize=(side + 0.5, side), layout="constrained")
+        figure = Picture(figsize=(side + 0.5, side), layout="constrained")
         panel = figure.subplots()
         mesh = panel.pcolormesh(matrix, cmap="RdBu_r", vmin=-1.0, vmax=1.0, edgecolors="white", linewidth=0.5)
         for (i, j), value in np.ndenumerate(matrix):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -15,7 +13,7 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.trajectory import Trajectory
-from spear_pin.model.loading import load
+from spear_pin.hybrid.trajectory_parts import gaps
 from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, STANCE, STANCE_COLOR, VERMILLION
 
 Span = tuple[int, int]  # first and last sample
@@ -36,7 +34,7 @@ NEGLIGIBLE = 1e-3  # of the largest flow: too little to be seen
 def draw_angle(axes: Axes, trajectory: Trajectory, joint: str, gait: Gait | None) -> None:
     """Angle of a joint over time, with what is commanded in flight and latched in stance."""
     index = trajectory.coordinates.index(joint)
-    _over_time(axes, trajectory, f"{_words(joint)} angle (rad)")
+    over(axes, trajectory, f"{_words(joint)} angle (rad)")
     axes.plot(trajectory.t, trajectory.q[:, index], color=BLUE, label="simulated")
     if gait is not None:
         _levels(axes, trajectory, _commanded(trajectory, joint, gait), "--", "commanded")
@@ -45,18 +43,18 @@ def draw_angle(axes: Axes, trajectory: Trajectory, joint: str, gait: Gait | None
         spans = _runs(trajectory, _bears(trajectory) & engaged)
         latched = [(span, float(trajectory.q[span[0], index])) for span in spans]
         _levels(axes, trajectory, latched, ":", "latched")
-    _legend(axes)
+    label_columns(axes)
 
 
 def draw_force(axes: Axes, trajectory: Trajectory) -> None:
     """Ground force over time."""
-    _over_time(axes, trajectory, "Ground force (N)")
+    over(axes, trajectory, "Ground force (N)")
     for index, toe in enumerate(trajectory.toes):
         of_toe = f" of {toe.replace('_', ' ')}" if len(trajectory.toes) > 1 else ""
         for column, color, label in ((1, BLUE, "normal"), (0, VERMILLION, "tangential")):
             force = trajectory.force[:, index, column]
             axes.plot(trajectory.t, force, LINES[index % len(LINES)], color=color, label=label + of_toe)
-    _legend(axes, 4 if len(trajectory.toes) == 1 else 2)
+    label_columns(axes, 4 if len(trajectory.toes) == 1 else 2)
 
 
 def draw_torque(axes: Axes, trajectory: Trajectory, joint: str = "knee") -> None:
@@ -64,12 +62,12 @@ def draw_torque(axes: Axes, trajectory: Trajectory, joint: str = "knee") -> None
     motor = trajectory.u[:, trajectory.actuated.index(joint)]
     spring = trajectory.spring[:, trajectory.spring_joints.index(joint)]
     total = trajectory.tau[:, trajectory.actuated.index(joint)]
-    _over_time(axes, trajectory, f"{_words(joint)} torque (N·m)")
+    over(axes, trajectory, f"{_words(joint)} torque (N·m)")
     axes.axhline(0.0, color="0.6", linewidth=0.5)
     axes.plot(trajectory.t, motor, color=BLUE, label="motor")
     axes.plot(trajectory.t, spring, color=GREEN, label="spring")
     axes.plot(trajectory.t, total - motor - spring, color=VERMILLION, label="damping")
-    _legend(axes)
+    label_columns(axes)
 
 
 def draw_energy(axes: Axes, trajectory: Trajectory, cycle: str = "Hop") -> None:
@@ -109,29 +107,27 @@ def draw_height(axes: Axes, trajectory: Trajectory, coordinate: str = "boom_z") 
     """Height of the hip over time."""
     rise = trajectory.coordinates.index(coordinate)
     apexes = trajectory.named("apex")
-    _over_time(axes, trajectory, "Height of the hip (m)")
+    over(axes, trajectory, "Height of the hip (m)")
     axes.plot(trajectory.t, trajectory.q[:, rise], color=BLUE, label="hip")
     if apexes:
         axes.plot([e.time for e in apexes], [e.q[rise] for e in apexes], "o", color=VERMILLION, label="apex")
-    _legend(axes)
+    label_columns(axes)
 
 
 def draw_clearance(axes: Axes, trajectory: Trajectory) -> None:
     """Height of the toes above the ground over time."""
-    robot = load(trajectory.robot, toes=trajectory.toes)
-    locked = [name for name in robot.coordinates if name not in trajectory.coordinates]
-    if locked:
-        robot = load(trajectory.robot, toes=trajectory.toes, locked=locked)
-    _over_time(axes, trajectory, "Clearance (mm)")
+    robot = trajectory.load_robot()
+    over(axes, trajectory, "Clearance (mm)")
     ground = trajectory.ground or Ground()
     for index, toe in enumerate(trajectory.toes):
         heights = np.array([ground.foot(robot, q, toe)[0] for q in trajectory.q])
         axes.plot(trajectory.t, 1e3 * heights, LINES[index % len(LINES)], color=GREEN, label=toe.replace("_", " "))
     if len(trajectory.toes) > 1:
-        _legend(axes)
+        label_columns(axes)
 
 
-def _over_time(axes: Axes, trajectory: Trajectory, label: str) -> None:
+def over(axes: Axes, trajectory: Trajectory, label: str) -> None:
+    """Prepare axes for what is drawn over the time of a trajectory: its stances, its limits, its labels."""
     if len(trajectory.t) < 2:
         raise BadValue("trajectory.t", trajectory.t, "at least two samples")
     for first, last in _stances(trajectory):
@@ -141,7 +137,8 @@ def _over_time(axes: Axes, trajectory: Trajectory, label: str) -> None:
     axes.set_ylabel(label)
 
 
-def _legend(axes: Axes, columns: int = 4) -> None:
+def label_columns(axes: Axes, columns: int = 4) -> None:
+    """Legend above the axes, in so many columns."""
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
 
 
@@ -173,8 +170,9 @@ def _of_all_legs(flow: str) -> str:
 
 def _runs(trajectory: Trajectory, chosen: NDArray[np.bool_]) -> list[Span]:
     """First and last sample of every unbroken run of chosen samples that lasts."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], chosen, [False])).astype(int)))
-    runs = [(int(first), int(end) - 1) for first, end in list(pairwise(edges))[::2]]
+    cuts = np.append(np.flatnonzero(np.diff(chosen.astype(int))), gaps(trajectory)) + 1
+    pieces = np.split(np.arange(len(chosen)), np.unique(cuts))
+    runs = [(int(piece[0]), int(piece[-1])) for piece in pieces if chosen[piece[0]]]
     return [(first, last) for first, last in runs if trajectory.t[last] > trajectory.t[first]]
 
 

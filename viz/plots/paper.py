@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.resources import as_file, files
+from io import BytesIO
 from pathlib import Path
 
 from matplotlib import rc_context
@@ -17,6 +18,7 @@ from spear_pin.kinds import typed
 STANCE = "stance"
 STANCE_COLOR = "0.92"
 BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
+SCREEN, SHARPNESS = 120, 2.0  # pixels for an inch of paper, of which a sharp screen shows several for one
 FORMATS = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}  # with the metadata left out
 
 
@@ -25,6 +27,17 @@ def style() -> Iterator[None]:
     """The style sheet, for as long as the block lasts."""
     with as_file(files("spear_pin.viz.plots").joinpath("paper.mplstyle")) as sheet, rc_context(fname=sheet):
         yield
+
+
+class Picture(Figure):
+    """A figure that belongs to no window, and that a notebook shows."""
+
+    def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
+        """The picture, and how large it is to be shown, in pixels."""
+        file = BytesIO()
+        with style():
+            self.savefig(file, format="png", dpi=SHARPNESS * SCREEN)
+        return file.getvalue(), {"width": round(SCREEN * self.get_figwidth())}
 
 
 @typed

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from spear_pin.errors import BadValue
 from spear_pin.studies.push_test import GearRow, Release, spear_ii
-from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, style
+from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Picture, style
 
 RELEASES = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, "black")
 TIME, ANGLE = "Time since the release (s)", "Knee angle (rad)"
@@ -32,7 +32,7 @@ def release_summary(releases: Mapping[str, Release]) -> Figure:
     if not 0 < len(releases) <= len(RELEASES):
         raise BadValue("releases", list(releases), f"one to {len(RELEASES)} releases")
     with style():
-        figure = Figure(figsize=(4.2, 5.0), layout="constrained")
+        figure = Picture(figsize=(4.2, 5.0), layout="constrained")
         knee, hip, force = figure.subplots(3, 1, sharex=True)
         for color, (name, given) in zip(RELEASES, releases.items(), strict=False):
             knee.axhline(given.rest, color=color, linewidth=0.6, linestyle="--", gid=f"rest {name}")
@@ -78,7 +78,7 @@ def gear_comparison(rows: Sequence[GearRow]) -> Figure:
     rotor = np.array([row.rotor for row in rows])
     at = np.arange(len(rows))
     with style():
-        figure = Figure(figsize=(7.0, max(2.7, 1.2 + 0.22 * len(rows))), layout="constrained")
+        figure = Picture(figsize=(7.0, max(2.7, 1.2 + 0.22 * len(rows))), layout="constrained")
         knee, inertia = figure.subplots(1, 2, width_ratios=(1.6, 1.0))
         for row, name, color in zip(rows, names, colors, strict=True):
             given = row.release

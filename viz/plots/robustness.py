@@ -7,7 +7,7 @@ import scipy
 from matplotlib.figure import Figure
 
 from spear_pin.studies.basin.robustness import Robustness
-from spear_pin.viz.plots.paper import BLUE, style
+from spear_pin.viz.plots.paper import BLUE, Picture, style
 from spear_pin.viz.plots.sweep import label
 
 BINS = 10  # as many draws in each
@@ -19,7 +19,7 @@ def robustness_figure(found: Robustness) -> Figure:
     columns = max(1, min(len(names), 4))
     with style():
         rows = max(1, -(-len(names) // columns))
-        figure = Figure(figsize=(1.9 * columns + 0.4, 1.9 * rows + 0.2), layout="constrained")
+        figure = Picture(figsize=(1.9 * columns + 0.4, 1.9 * rows + 0.2), layout="constrained")
         panels = figure.subplots(rows, columns, sharey=True, squeeze=False)
         for axes in panels.flat[len(names) :]:
             axes.set_visible(False)

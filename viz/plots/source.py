@@ -19,7 +19,7 @@ from spear_pin.studies.identification import QUANTITIES
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, pushed_angle, spear_ii
 from spear_pin.studies.push_test.power_off import PowerOff
 from spear_pin.viz.plots.identification import mathematical
-from spear_pin.viz.plots.paper import BLUE, GREEN, PURPLE, VERMILLION, style
+from spear_pin.viz.plots.paper import BLUE, GREEN, PURPLE, VERMILLION, Picture, style
 from spear_pin.viz.plots.push import ANGLE, TIME
 
 METRICS = {  # rows of Table 2.4 that are to be small, with their labels
@@ -48,7 +48,7 @@ def switched_spring(latched: float = 0.3) -> Figure:
     angles = np.linspace(0.0, 1.2, 241)
     engaged, disengaged = torques(angles, latched)
     with style():
-        figure = Figure(layout="constrained")
+        figure = Picture(layout="constrained")
         axes = figure.subplots()
         axes.plot(angles, engaged, color=BLUE, label="key engaged: $S_1$")
         axes.plot(angles, disengaged, "--", color=VERMILLION, label="disengaged: $S_1$ and $S_2$ in series")
@@ -65,7 +65,7 @@ def design_metrics() -> Figure:
     ratios = np.array([getattr(SPEAR_II, name) / getattr(SPEAR_I, name) for name in METRICS])
     at = np.arange(len(METRICS))
     with style():
-        figure = Figure(figsize=(4.6, 2.8), layout="constrained")
+        figure = Picture(figsize=(4.6, 2.8), layout="constrained")
         axes = figure.subplots()
         axes.barh(at, ratios - 1.0, 0.6, 1.0, color=[BLUE if ratio <= 1.0 else VERMILLION for ratio in ratios])
         axes.axvline(1.0, color="black", linewidth=0.6)
@@ -88,7 +88,7 @@ def balance() -> Figure:
     """Thigh and its centre of mass about the hip, of both robots, as in Fig. 2.9; both drawn with SPEAR-II's length."""
     length = 0.318
     with style():
-        figure = Figure(figsize=(3.4, 2.6), layout="constrained")
+        figure = Picture(figsize=(3.4, 2.6), layout="constrained")
         panels = figure.subplots(1, 2, sharey=True)
         for axes, (name, design) in zip(panels, {"SPEAR-I": SPEAR_I, "SPEAR-II": SPEAR_II}.items(), strict=True):
             axes.plot([0.0, 0.0], [0.0, -length], color="0.75", linewidth=6.0, solid_capstyle="round", zorder=1)
@@ -113,7 +113,7 @@ def printed_model() -> Figure:
         "Torque of the weight (N·m)": np.array([gravity_torque(angle) for angle in angles]),
     }
     with style():
-        figure = Figure(figsize=(7.0, 2.3), layout="constrained")
+        figure = Picture(figsize=(7.0, 2.3), layout="constrained")
         for axes, (label, values) in zip(figure.subplots(1, 2), quantities.items(), strict=True):
             axes.plot(angles, values[:, 1], color=BLUE, label="corrected")
             axes.plot(angles, values[:, 0], "--", color=VERMILLION, label="as printed")
@@ -131,7 +131,7 @@ def crank_slider() -> Figure:
     poses = {"at rest": rest} | {f"{100 * d:g} cm": pushed_angle(leg, WITH_MOTOR, d) for d in DEPTHS}
     angles = np.linspace(0.0, 1.9, 96)
     with style():
-        figure = Figure(figsize=(7.0, 2.6), layout="constrained")
+        figure = Picture(figsize=(7.0, 2.6), layout="constrained")
         drawn, height, hip = figure.subplots(1, 3, width_ratios=(0.8, 1.0, 1.0))
         for i, (name, angle) in enumerate(poses.items()):
             y, thigh, _ = leg.configuration(angle)
@@ -166,7 +166,7 @@ def power_off_heights(cases: Mapping[str, PowerOff]) -> Figure:
     if not 0 < len(cases) <= len(CASES):
         raise BadValue("cases", list(cases), f"one to {len(CASES)} cases")
     with style():
-        figure = Figure(figsize=(4.6, 2.6), layout="constrained")
+        figure = Picture(figsize=(4.6, 2.6), layout="constrained")
         axes = figure.subplots()
         for color, (label, case) in zip(CASES, cases.items(), strict=False):
             given = case.release
@@ -195,7 +195,7 @@ def bridge_currents(machine: Motor, ratio: float, speeds: tuple[float, float] = 
     names = {"open": "supply disconnected", "coast": "all switches open", "short": "phases shorted"}
     lines = {"open": ":", "coast": "-", "short": "--"}
     with style():
-        figure = Figure(figsize=(7.0, 2.4), layout="constrained")
+        figure = Picture(figsize=(7.0, 2.4), layout="constrained")
         volts, amperes = figure.subplots(1, 2)
         volts.plot(rates, emf, color=BLUE, label="back-EMF (4.8)")
         volts.axhline(threshold, color=VERMILLION, linestyle="--", label="battery and two diodes")
@@ -213,7 +213,7 @@ def bridge_currents(machine: Motor, ratio: float, speeds: tuple[float, float] = 
 def source_comparison() -> Figure:
     """Stiffness and damping of Table 4.1 with their standard deviations, their mean, and the mean of Table 4.2."""
     with style():
-        figure = Figure(figsize=(5.4, 4.2), layout="constrained")
+        figure = Picture(figsize=(5.4, 4.2), layout="constrained")
         stiffness, damping = figure.subplots(2, 1, sharex=True)
         for motor, color, side, name in ((True, BLUE, -1, "with motor"), (False, VERMILLION, 1, "without motor")):
             rows = [*(row for row in TABLE_4_1 if row.motor == motor), average(motor)]

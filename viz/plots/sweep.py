@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.model.variants import PARAMETERS
-from spear_pin.viz.plots.paper import BLUE, VERMILLION, style
+from spear_pin.viz.plots.paper import BLUE, VERMILLION, Picture, style
 
 Array = NDArray[np.float64]
 UNITS = {
@@ -53,7 +53,7 @@ def sweep_map(dataset: Any) -> Figure:
     solved = dataset[vary[0]].to_numpy() if vary else dataset["duration"].to_numpy().sum(axis=1)
     panels = {"Largest multiplier (1)": largest, label(vary[0] if vary else "period"): solved}
     with style():
-        figure = Figure(figsize=(7.0, 2.8), layout="constrained")
+        figure = Picture(figsize=(7.0, 2.8), layout="constrained")
         for i, (panel, (title, values)) in enumerate(zip(figure.subplots(1, 2), panels.items(), strict=True)):
             panel.set_xlabel(label(names[0]))
             if len(names) == 1:

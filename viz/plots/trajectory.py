@@ -8,7 +8,7 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.viz.plots.panels import draw_angle, draw_clearance, draw_energy, draw_force, draw_height, draw_torque
-from spear_pin.viz.plots.paper import style
+from spear_pin.viz.plots.paper import Picture, style
 
 DETAIL = 2  # cycles that a composite shows of the quantities that repeat
 
@@ -22,7 +22,7 @@ def joint_angles(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
         gait: if given, the angles its law commands in flight are drawn as well.
     """
     with style():
-        figure = Figure(figsize=(3.4, 3.2), layout="constrained")
+        figure = Picture(figsize=(3.4, 3.2), layout="constrained")
         hip, knee = figure.subplots(2, 1, sharex=True)
         draw_angle(hip, trajectory, "hip", gait)
         draw_angle(knee, trajectory, "knee", gait)
@@ -34,7 +34,7 @@ def joint_angles(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
 def ground_force(trajectory: Trajectory) -> Figure:
     """Ground force on each toe over time, tangential and normal; impulses at touchdown are not in it."""
     with style():
-        figure = Figure(layout="constrained")
+        figure = Picture(layout="constrained")
         draw_force(figure.subplots(), trajectory)
         return figure
 
@@ -43,7 +43,7 @@ def ground_force(trajectory: Trajectory) -> Figure:
 def knee_torque(trajectory: Trajectory, joint: str = "knee") -> Figure:
     """Torque on a knee over time, positive in flexion, split into motor, spring and damping."""
     with style():
-        figure = Figure(layout="constrained")
+        figure = Picture(layout="constrained")
         draw_torque(figure.subplots(), trajectory, joint)
         return figure
 
@@ -59,7 +59,7 @@ def energy_per_hop(trajectory: Trajectory) -> Figure:
         BadValue: the trajectory has no whole hop.
     """
     with style():
-        figure = Figure(layout="constrained")
+        figure = Picture(layout="constrained")
         draw_energy(figure.subplots(), trajectory)
         return figure
 
@@ -68,7 +68,7 @@ def energy_per_hop(trajectory: Trajectory) -> Figure:
 def boom_height(trajectory: Trajectory) -> Figure:
     """Height of the hip over time, and how far the toe is above the ground."""
     with style():
-        figure = Figure(figsize=(3.4, 3.0), layout="constrained")
+        figure = Picture(figsize=(3.4, 3.0), layout="constrained")
         height, clearance = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
         draw_height(height, trajectory)
         draw_clearance(clearance, trajectory)
@@ -88,7 +88,7 @@ def hop_summary(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
         BadValue: the trajectory has no whole hop.
     """
     with style():
-        figure = Figure(figsize=(7.0, 5.6), layout="constrained")
+        figure = Picture(figsize=(7.0, 5.6), layout="constrained")
         axes = figure.subplots(3, 2)
         (height, energy), (hip, knee), (force, torque) = axes
         draw_height(height, trajectory)

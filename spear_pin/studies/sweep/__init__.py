@@ -3,7 +3,7 @@
 `points` make a `job`, whose `chunks` are solved, and kept in a `store`.
 """
 
-from spear_pin.studies.sweep.chunks import reasons, sweep
+from spear_pin.studies.sweep.chunks import reasons, sweep, table
 from spear_pin.studies.sweep.points import grid, sample
 
-__all__ = ["grid", "reasons", "sample", "sweep"]
+__all__ = ["grid", "reasons", "sample", "sweep", "table"]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, NoGait
-from spear_pin.gaits.many import REASONS
+from spear_pin.gaits.many import REASONS, GaitTable
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import taylor
@@ -98,6 +98,25 @@ def sweep(
 def reasons(dataset: Any) -> NDArray[np.str_]:
     """Reason for which each point's search ended, in words of `gaits.many.REASONS`."""
     return np.asarray(np.array(list(REASONS))[dataset["reason"].to_numpy()])
+
+
+def table(dataset: Any) -> GaitTable:
+    """The rows of a sweep as `gaits.many.find_many` gives them, all of them read; a notebook shows how many ended how.
+
+    Args:
+        dataset: what `sweep` returns, or what was read of its folder.
+    """
+    attributes, arrays = dataset.attrs, {name: dataset[name].to_numpy() for name in dataset.variables}
+    phases = [str(phase) for phase in attributes["phases"]]
+    return GaitTable(
+        arrays["q"],
+        arrays["v"],
+        {str(name): arrays[name] for name in (*attributes["names"], *attributes["vary"])},
+        arrays["residual"],
+        arrays["multiplier_re"] + 1j * arrays["multiplier_im"],
+        dict(zip(phases, arrays["duration"].T, strict=True)),
+        reasons(dataset),
+    )
 
 
 def _solve(index: int, job: Job) -> tuple[int, Rows]:

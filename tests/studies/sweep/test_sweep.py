@@ -16,7 +16,7 @@ from spear_pin.errors import BadFile, BadValue, MissingExtra, UnknownName
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import changed, with_hardware
 from spear_pin.studies.hardware import Rig
-from spear_pin.studies.sweep import chunks, grid, reasons, sample, store, sweep
+from spear_pin.studies.sweep import chunks, grid, reasons, sample, store, sweep, table
 
 # workers, which compile as it ships, are held to the bit against what is computed here
 pytestmark = [pytest.mark.extra("heyoka", "joblib", "xarray", "zarr"), pytest.mark.optimised]
@@ -132,6 +132,16 @@ class TestDataset:
         table = whole.set_index(point=["knee_ratio", "stiffness"]).unstack("point")
         assert table["stance_torque"].shape == (2, 12)
         assert (table["stance_torque"][1] > table["stance_torque"][0]).all()
+
+    def test_is_a_table_that_shows_itself(self, whole):
+        shown = table(whole)
+        assert shown.converged.all() and shown.stable.all() and len(shown) == whole.sizes["point"]
+        np.testing.assert_array_equal(shown.largest, whole["largest_multiplier"])
+        np.testing.assert_array_equal(
+            shown.durations["flight"], whole["duration"][:, list(whole.attrs["phases"]).index("flight")]
+        )
+        assert set(shown.parameters) == {*whole.attrs["names"], *whole.attrs["vary"]}
+        assert "Gaits" in shown._repr_html_()
 
     def test_is_what_one_search_finds(self, system, hop, tmp_path):
         found = sweep(system, {"stiffness": [48.84]}, tmp_path / "one.zarr", ["stance_torque"], {"flight_time": 0.2})

@@ -15,7 +15,7 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from spear_pin import Contact, Gait, HoppingLaw, Trajectory, hopping, load, simulate
+from spear_pin import Contact, Gait, HoppingLaw, Trajectory, hopping, load, monopod, simulate
 from spear_pin.errors import BadFile, BadValue
 from spear_pin.viz import plots
 from spear_pin.viz.plots.panels import NEGLIGIBLE
@@ -221,6 +221,16 @@ def test_importing_plots_opens_no_window():
     script = "import sys, spear_pin.viz.plots; print('matplotlib.pyplot' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+def test_clearance_of_a_leg_that_was_cut_out_of_a_robot():
+    leg = monopod(load("q_spear_full"), "posterior_left", locked=["boom_x"])
+    system = hopping(leg, HoppingLaw.scaled(leg))
+    trajectory = simulate(system, system.guess(), 1, 1e-6, progress=False)
+    axes = Figure().subplots()
+    plots.draw_clearance(axes, trajectory)
+    heights = [leg.toe_position(q, "toe")[1] for q in trajectory.q]
+    assert line(axes, "toe")[1] == pytest.approx(1e3 * np.array(heights), abs=1e-9)
 
 
 def test_slipping_is_part_of_stance():

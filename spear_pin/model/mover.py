@@ -1,0 +1,43 @@
+"""The robot of a motion that was kept, loaded again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from spear_pin.errors import BadValue
+from spear_pin.model.loading import load
+from spear_pin.model.origin import moved, robot_of
+from spear_pin.model.robot import Robot
+
+
+def mover(
+    said: Mapping[str, Any] | None,
+    source: str,
+    coordinates: Iterable[str],
+    toes: Iterable[str],
+    elsewhere: str | None = None,
+    name: str = "source",
+) -> Robot:
+    """The robot that moved; joints that the motion does not have are locked in it.
+
+    Args:
+        said: its origin, as of `spear_pin.model.origin`; None if a file does not say.
+        source: its name, or the path of its file.
+        coordinates: names of those that moved.
+        toes: frame names of its toes.
+        elsewhere: name or path, where its own is not found; of what was cut out of a robot, that robot's.
+        name: that `elsewhere` was given by.
+
+    Raises:
+        SpearError: there is no such robot, or it has not the coordinates.
+        ValueError: what is said is no origin.
+    """
+    if said is not None and (elsewhere is None or "cut" in said):
+        return robot_of(moved(said, elsewhere))
+    whole, wanted = load(source if elsewhere is None else elsewhere), tuple(coordinates)
+    if not set(wanted) <= set(whole.coordinates):
+        raise BadValue(name, whole.source, f"a robot with {', '.join(wanted)}, which the trajectory has")
+    joints = list(zip(whole.model.names, whole.model.joints, strict=True))[1:]
+    locked = [joint for joint, kind in joints if whole.coordinates[kind.idx_v] not in wanted]
+    return load(whole.source, toes=tuple(toes), locked=locked)

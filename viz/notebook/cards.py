@@ -1,0 +1,170 @@
+"""Cards: what is in a result, row by row, and a drawing."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import singledispatch
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import listed
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.many import GaitTable
+from spear_pin.hybrid.batch import Batch
+from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.model.robot import Robot
+from spear_pin.viz.notebook import sketches
+from spear_pin.viz.notebook.sketches import Sketch
+from spear_pin.viz.plots.sweep import UNITS
+from spear_pin.viz.template import environment
+
+MOST_ROWS = 12  # of a kind
+ROUNDING = 1e-9  # of the largest value: less is zero
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of a card: name, value, unit, and a drawing beside it."""
+
+    name: str
+    value: str
+    unit: str = ""
+    sketch: Sketch | None = None
+
+
+@dataclass(frozen=True)
+class Card:
+    """What is shown: a title, a remark on it, rows, and a drawing beside them."""
+
+    title: str
+    remark: str
+    rows: tuple[Row, ...]
+    sketch: Sketch | None = None
+
+
+def card(shown: object) -> str:
+    """The card of a robot, a gait, a trajectory or a table of many, as HTML."""
+    return environment().get_template("notebook/card.html").render(card=described(shown))
+
+
+@singledispatch
+def described(shown: object) -> Card:
+    """What the card of something says; of what is not known here, its text."""
+    return Card(type(shown).__name__, repr(shown), ())
+
+
+@described.register
+def _(robot: Robot) -> Card:
+    units = [
+        f" ({unit})" if robot.nq == robot.nv else "" for unit in robot.units
+    ]  # a floating joint's are of its rates
+    coordinates = (f"{name}{unit}" for name, unit in zip(robot.coordinates, units, strict=True))
+    ratios = (f"{joint} ({robot.gear_ratio(joint):.4g} : 1)" for joint in robot.actuated)
+    rows = [
+        Row("mass", _number(robot.mass), "kg"),
+        Row("coordinates", _some(coordinates)),
+        Row("motors", _some(ratios) or "none"),
+        Row("toes", _some(robot.toes) or "none"),
+        *([Row("locked", _some(robot.locked))] if robot.locked else []),
+        *(Row(name, _number(value), UNITS.get(name, "")) for name, value in robot.varied.items()),
+    ]
+    kind = "planar" if robot.planar else "three-dimensional"
+    return Card(robot.name, f"{kind} robot", tuple(rows), sketches.standing(robot))
+
+
+@described.register
+def _(gait: Gait) -> Card:
+    largest = float(np.abs(gait.multipliers).max())
+    verdict = "stable" if gait.stable else "unstable"
+    rows = [
+        *(Row(_words(name), _number(value), UNITS.get(name, "")) for name, value in gait.parameters.items()),
+        Row("period", _number(gait.period), "s"),
+        *(Row(_words(phase), _number(seconds), "s") for phase, seconds in gait.durations.items()),
+        Row("largest multiplier", f"{_number(largest)}, {verdict}"),
+        Row("residual", f"{gait.residual:.1e}"),
+    ]
+    system = gait.system
+    remark = f"{verdict} gait of {system.robot.name}"
+    return Card(_words(system.kind), remark, tuple(rows), sketches.circle(gait.multipliers))
+
+
+@described.register
+def _(run: Trajectory) -> Card:
+    units, t = run.units(), run.t
+    counts = Counter(event.name for event in run.events)
+    residual = np.abs(run.ledger.residual).max(initial=0.0)
+    rows = [
+        Row("time", f"{_number(t[0])} to {_number(t[-1])}", "s"),
+        Row("cycles", f"{run.cycles} whole"),
+        Row("events", _some(f"{count} {_words(name)}" for name, count in counts.items()) or "none"),
+        *(
+            Row(f"q_{name}", _range(run.q[:, i]), units[f"q_{name}"], _line(run, run.q[:, i], name))
+            for i, name in list(enumerate(run.coordinates))[:MOST_ROWS]
+        ),
+        *(
+            Row(f"force_z_{toe}", _range(run.force[:, i, 1]), "N", _line(run, run.force[:, i, 1], toe))
+            for i, toe in list(enumerate(run.toes))[:MOST_ROWS]
+        ),
+        *([Row("energy unaccounted for", f"{residual:.1e}", "J a cycle")] if run.cycles else []),
+        *([] if run.complete else [Row("ended", run.message)]),
+    ]
+    return Card(f"Motion of {run.robot}", f"{len(run):,} samples", tuple(rows))
+
+
+@described.register
+def _(table: GaitTable) -> Card:
+    rows = [
+        *_reasons(table.reason),
+        Row("stable", f"{table.stable.sum():,}", sketch=sketches.bar(float(table.stable.mean()), "share of the lanes")),
+        *(Row(_words(name), _range(values), UNITS.get(name, "")) for name, values in table.parameters.items()),
+        Row("largest multiplier", _range(table.largest)),
+        *(Row(_words(phase), _range(values), "s") for phase, values in table.durations.items()),
+    ]
+    name, values = next(iter(table.parameters.items()))
+    drawn = sketches.scatter(values, table.largest, 1.0, f"largest multiplier over {_words(name)}, and 1")
+    return Card("Gaits", f"of {len(table):,} lanes", tuple(rows), drawn)
+
+
+@described.register
+def _(batch: Batch) -> Card:
+    rows = [
+        *_reasons(batch.reason),
+        Row("cycles", _range(batch.cycles.astype(float))),
+        *(Row(_words(phase), _range(values), "s") for phase, values in batch.durations.items()),
+        Row("run by the reference engine", f"{batch.repeated.sum():,}"),
+    ]
+    return Card("Runs", f"of {len(batch):,} lanes", tuple(rows))
+
+
+def _reasons(reasons: NDArray[np.str_]) -> Iterator[Row]:
+    """How many lanes ended how."""
+    for reason, count in Counter(reasons.tolist()).most_common():
+        yield Row(_words(reason), f"{count:,}", sketch=sketches.bar(count / len(reasons), "share of the lanes"))
+
+
+def _line(run: Trajectory, values: NDArray[np.float64], name: str) -> Sketch:
+    return sketches.over_time(run.t, values, f"{name} over time")
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}".replace("-", "−")
+
+
+def _range(values: NDArray[np.float64]) -> str:
+    known = values[np.isfinite(values)]
+    if not len(known):
+        return "none"
+    tiny = ROUNDING * np.abs(known).max()
+    low, high = (_number(0.0 if abs(value) <= tiny else float(value)) for value in (known.min(), known.max()))
+    return low if low == high else f"{low} to {high}"
+
+
+def _some(words: Iterable[str]) -> str:
+    return listed(list(words), MOST_ROWS)
