@@ -41,6 +41,7 @@ CORRECTIONS = 8  # by Newton's method with the tangent of a hop nearby
 REACH = 1.5  # units from one hop to the next at most
 LEAP = 0.08  # of the logarithm of a flight time
 OVER = 2e-3  # of a limit: it is kept
+DEARER, OTHERS = 2e-3, 8  # of the cost: hops that are tried where there is no fixed point beside the cheapest
 ITERATIONS, ROUNDS = 40, 30  # of the optimiser, of the search for a first hop
 
 
@@ -85,12 +86,19 @@ def best_hop(task: Task, system: HybridSystem, state: State) -> Gait:
         method="SLSQP",
         options={"ftol": task.tolerance, "maxiter": ITERATIONS},
     )
-    gait = gait_beside(*cycles.begun(hops.best()), [TORQUE], {"flight_time": task.flight_time})
-    cycle = simulate(gait.system, gait.state, samples=task.samples, progress=False)
-    left = task.spare(gait.system, cycle).min(initial=0.0)
-    if left < -2 * OVER:
-        raise NoGait(f"beside the search's end a limit is exceeded by {-100 * left:.2g} %", gait.residual)
-    return gait
+    failures = []
+    for x in hops.cheapest():
+        try:
+            gait = gait_beside(*cycles.begun(x), [TORQUE], {"flight_time": task.flight_time})
+        except NoGait as error:  # on the brink of hops whose toe does not leave the ground
+            failures.append(error)
+            continue
+        cycle = simulate(gait.system, gait.state, samples=task.samples, progress=False)
+        left = task.spare(gait.system, cycle).min(initial=0.0)
+        if left >= -2 * OVER:
+            return gait
+        failures.append(NoGait(f"beside it a limit is exceeded by {-100 * left:.2g} %", gait.residual))
+    raise failures[0]
 
 
 def led(task: Task, system: HybridSystem, state: State, flight_time: float) -> tuple[HybridSystem, State]:
@@ -284,8 +292,8 @@ class _Hops:
             last = size
         return None
 
-    def best(self) -> Array:
-        """The unknowns of the cheapest hop within limits.
+    def cheapest(self) -> list[Array]:
+        """The unknowns of the cheapest hops within limits, each dearer than the one before by more than a little.
 
         Raises:
             NoGait: there is none.
@@ -294,7 +302,11 @@ class _Hops:
         if not fitting:
             left = max(float(hop.cycle.spare.min()) for hop in self.known.values() if hop is not None)
             raise NoGait(f"none of the hops keeps to limits of joints and motors, by {-100 * left:.2g} % of one", 0.0)
-        return min(fitting, key=lambda hop: hop.cycle.cost).x
+        chosen: list[_Hop] = []
+        for hop in sorted(fitting, key=lambda hop: hop.cycle.cost):
+            if not chosen or hop.cycle.cost > (1.0 + DEARER) * chosen[-1].cycle.cost:
+                chosen.append(hop)
+        return [hop.x for hop in chosen[:OTHERS]]
 
 
 def with_values(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:

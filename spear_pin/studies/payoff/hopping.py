@@ -21,6 +21,7 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.parameters import rebuilt as with_parts
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.simulate import simulate
@@ -159,7 +160,9 @@ def _held(gait: Gait, trajectory: Trajectory, motors: Motors) -> tuple[str, ...]
     """Ends of ranges at which the law is, and limits that are used up, in words."""
     found = []
     for name, (least, most) in ranges(gait.system.robot, free=False).items():
-        value, near = getattr(gait.system.law, name), 1e-3 * (most - least)
+        if getattr(gait.system.law, name) is None:  # a hip that follows the knee
+            continue
+        value, near = parameter(gait.system, name), 1e-3 * (most - least)
         end = "least" if value - least < near else "largest" if most - value < near else ""
         if end and not (name == "virtual_stiffness" and end == "least"):
             found.append(f"{name.replace('_', ' ')} is the {end} allowed")
