@@ -39,12 +39,14 @@ class TestPayoff:
         assert page.count("data-play=") == 2 and len(page) < 3_000_000
         assert all(unit in page for unit in ("Stiffness of a leg (N·m/rad)", "N·m for ever"))
 
+    @pytest.mark.slow
     def test_a_second_call_searches_nothing(self, capsys, tmp_path, stub):
         status, first, _ = run(capsys, *CALL, "--out", tmp_path)
         asked = len(stub.asked)
         assert (status, run(capsys, *CALL, "--out", tmp_path)) == (0, (0, first, "")) and len(stub.asked) == asked
         refused(capsys, "another study", *CALL, "--bus", "24", "--out", tmp_path)
 
+    @pytest.mark.slow
     def test_text(self, capsys, tmp_path, stub):
         status, out, err = run(capsys, *CALL, "--out", tmp_path)
         assert status == 0 and err == ""
