@@ -51,6 +51,7 @@ def prepared(words):
     return prepare
 
 
+RISING = ("", "x", "0", "-1", "nan", "inf", ",", "2,1", "1,1")  # of numbers between commas
 # the words of a command, and its options, with what each needs beside it and the words that it does not take
 OPTIONS = {
     "robots": {},
@@ -125,8 +126,8 @@ OPTIONS = {
         "--out": FOLDER,
     },
     "payoff q_spear": {
-        "--speeds": (*POSITIVE, "2,1", "1,1", ",", "1e9"),
-        "--stiffnesses": (*POSITIVE, "2,1", "1,1", ","),
+        "--speeds": (*RISING, "1e9"),
+        "--stiffnesses": RISING,
         "--flight-times": ("0.2",),
         "--body": ("1",),
         "--knee-motor --knee-ratio=15": NAME,
@@ -141,7 +142,7 @@ OPTIONS = {
         "--out": FOLDER,
     },
     "payoff spear_ii": {
-        "--flight-times": (*POSITIVE, "2,1", "1,1", ",", "1e9"),
+        "--flight-times": (*RISING, "1e9"),
         "--speeds": ("2",),
         "--leg": ("leg",),
         "--side": ("1",),
