@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from functools import cache, partial
+from itertools import starmap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -106,7 +107,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             tell=show,
         )
     found = answer(study)
-    name = called(robot)
+    name = called(robot).removesuffix(",")
     of_robot = [(label, text) for label, text in rests_on(robot) if not text.startswith("rotors without")]
     rests = [*rests_of(study), *of_robot]
     files = {"page": arguments.out / "payoff.html"}
@@ -251,16 +252,14 @@ def _text(study: Study, found: Answer, rests: list[tuple[str, str]], files: list
             f" heat {max(figures.heat.values()):.2f} of continuous, multiplier {figures.multiplier:.3f}"
         )
 
+    def share(kind: str, value: float) -> str:
+        return f"{kind} unknown" if math.isnan(value) else f"{kind} {100 * value:.1f} %"
+
     rows = [("answer", found.sentence)]
     rows += [(f"best, {kind}", said(each)) for kind, each in study.best.items()]
     rows += [
-        (
-            f"saved {words.pace.format(speed)}",
-            ", ".join(
-                f"{kind} {100 * share:.1f} %" if share == share else f"{kind} unknown" for kind, share in saved.items()
-            ),
-        )
-        for speed, saved in found.by_speed.items()
+        ("" if i else "saved", f"{words.pace.format(speed)}: {', '.join(starmap(share, saved.items()))}")
+        for i, (speed, saved) in enumerate(found.by_speed.items())
     ]
     mesh = "not all of them were found on a finer mesh" if math.isnan(found.mesh) else f"by {100 * found.mesh:.2g} %"
     mesh = mesh if math.isnan(found.mesh) else f"{mesh} on a finer mesh"

@@ -50,7 +50,7 @@ class TestPayoff:
     def test_text(self, capsys, tmp_path, stub):
         status, out, err = run(capsys, *CALL, "--out", tmp_path)
         assert status == 0 and err == ""
-        for words in ("answer", "saved at 2.5 m/s", "on a finer mesh", "without a gait", "knee motors, given"):
+        for words in ("answer", "at 2.5 m/s: fixed", "on a finer mesh", "without a gait", "knee motors, given"):
             assert words in out
 
     def test_json_has_no_nan(self, capsys, tmp_path, stub):

@@ -53,7 +53,7 @@ def answer(study: Study) -> Answer:
     changes = [change(each, study.finer[kind]) for kind, each in study.best.items()]
     mesh = float(np.nan) if not changes or np.isnan(changes).any() else float(max(changes))
     doubt = max(spread, 0.0 if np.isnan(mesh) else mesh)
-    everywhere = [spread for point in study.tries if (spread := _spread(study, point)) > 0.0] or [0.0]
+    everywhere = [each for point in study.tries if (each := _spread(study, point)) > 0.0] or [0.0]
     verdict = _verdict(saving, doubt)
     return Answer(
         verdict=verdict,

@@ -156,7 +156,7 @@ class TestAnswer:
             return {NONE: 1.0, FIXED: 0.9, SWITCHED: 0.8}[point.kind] * (1.4 if unlucky else 1.0)
 
         found = answer(study(Stub(costs=costs), speeds=(2.0,), stiffnesses=(40.0,)))
-        assert found.doubt == pytest.approx(0.4) and found.verdict == "none"
+        assert found.doubt == found.spread == pytest.approx(0.4) and found.verdict == "none"
 
     def test_knees_without_a_gait(self, study):
         found = answer(study(Stub(lambda point, start: point.kind != NONE)))
