@@ -5,23 +5,26 @@ from __future__ import annotations
 import argparse
 import math
 import os
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Sequence
+from functools import cache, partial
+from itertools import starmap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
-from spear_pin.cli.legs import called, in_the_plane, rests_on
+from spear_pin.cli.legs import BODY, called, in_the_plane, one_leg, rests_on
 from spear_pin.cli.output import aligned, progress
 from spear_pin.errors import BadValue, SpearError, UnknownName, require
 from spear_pin.words import number
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from spear_pin.model.motor import Drive
+    from spear_pin.model.robot import Robot
     from spear_pin.studies.payoff import Answer, SearchEnd, Study
 
-OWN = "q_spear"  # the robot that is in its sagittal plane as it ships
-LEGS = ("posterior", "anterior")
+QUADRUPED, LEG = "q_spear", "spear_ii"  # robots that are in the plane as they ship
 EFFICIENCY = 0.83  # of a gearbox whose efficiency is not given
 
 
@@ -31,18 +34,26 @@ def add(commands: Commands) -> None:
         commands,
         "payoff",
         run,
-        "tell whether a switchable parallel spring in the knee would pay off, by bounds optimised for each; write page",
+        "tell whether a switchable parallel spring in the knee would pay off, by bounds or hops optimised for each;"
+        " write page",
     )
     parser.add_argument("robot", metavar="ROBOT", help="name of a robot, or path of a URDF, MJCF or TOML file")
     parser.add_argument(
         "--side",
         type=int,
-        nargs=2,
+        nargs="+",
         metavar="±1",
-        help="where the posterior and the anterior knees point, 1 forward, where the file does not tell",
+        help="where the knee of the leg, or the posterior and the anterior knees, point, 1 forward, where the file does"
+        " not tell",
     )
+    parser.add_argument(
+        "--leg", metavar="NAME", help="one of its legs, which hops in place; without it all of it bounds"
+    )
+    parser.add_argument("--body", type=float, metavar="KG", help=f"{BODY}; with --leg")
     parser.add_argument("--repair", action="store_true", default=None, help="mend inertias that are not possible")
-    parser.add_argument("--speeds", type=numbers, metavar="A,B,...", help="m/s (default: four, by the robot's size)")
+    four = "(default: four, by the robot's size)"
+    parser.add_argument("--speeds", type=numbers, metavar="A,B,...", help=f"of bounds, m/s {four}")
+    parser.add_argument("--flight-times", type=numbers, metavar="A,B,...", help=f"of hops, s {four}")
     parser.add_argument(
         "--stiffnesses",
         type=numbers,
@@ -66,34 +77,29 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Search, and write the page."""
     check_out(arguments)
-    for name in ("speeds", "stiffnesses"):
+    for name in ("speeds", "flight_times", "stiffnesses"):
         values = getattr(arguments, name)
         if values is not None and (values[0] <= 0 or list(values) != sorted(set(values))):
-            raise BadValue(f"--{name}", ",".join(f"{value:g}" for value in values), "numbers > 0 that rise")
+            raise BadValue(
+                f"--{name.replace('_', '-')}", ",".join(f"{value:g}" for value in values), "numbers > 0 that rise"
+            )
     if arguments.workers is not None and arguments.workers < 1:
         raise BadValue("--workers", arguments.workers, "a whole number, at least 1")
     drives = given_drives(arguments)
 
-    from spear_pin import load
     from spear_pin.files import atomic
-    from spear_pin.gaits.collocation import casadi
-    from spear_pin.gaits.request import Request
-    from spear_pin.model.scale import scale_of
-    from spear_pin.studies.payoff import answer, bounds, rests_of
+    from spear_pin.studies.payoff import answer, rests_of
     from spear_pin.viz.payoff import as_json, render
     from spear_pin.viz.plots import save_figure
-    from spear_pin.viz.plots.payoff import drawings
+    from spear_pin.viz.plots.payoff import FIGURES
 
-    casadi()
-    robot = load(OWN) if arguments.robot == OWN else in_the_plane(arguments)
-    assert robot is not None
-    for speed in arguments.speeds or ():
-        Request.scaled(robot, speed=speed).check(scale_of(robot))
+    hop = arguments.leg is not None or arguments.robot == LEG
+    robot, study_of, speeds = (_hops if hop else _bounds)(arguments)
     with progress() as show:
-        study = bounds(
+        study = study_of(
             robot,
             arguments.out / "payoff.jsonl",
-            speeds=arguments.speeds,
+            speeds=speeds,
             stiffnesses=arguments.stiffnesses,
             drives=drives,
             bus=arguments.bus,
@@ -101,21 +107,25 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             tell=show,
         )
     found = answer(study)
-    name = called(robot)
+    name = called(robot).removesuffix(",")
     of_robot = [(label, text) for label, text in rests_on(robot) if not text.startswith("rotors without")]
     rests = [*rests_of(study), *of_robot]
     files = {"page": arguments.out / "payoff.html"}
 
+    @cache
+    def drawn() -> dict[str, Figure]:
+        return {key: draw(study) for key, draw in FIGURES.items()}
+
     def write(path: Path) -> None:
         with atomic(path) as temporary:
-            temporary.write_text(render(study, found, name, rests), encoding="utf-8")
+            temporary.write_text(render(study, found, name, rests, drawn()), encoding="utf-8")
 
-    def drawn(key: str, path: Path) -> None:
-        save_figure(drawings(study)[key], path)
+    def save(key: str, path: Path) -> None:
+        save_figure(drawn()[key], path)
 
     pictures: dict[Path, Callable[[Path], object]] = {files["page"]: write}
-    for key in ("cost", "saving", "torque"):
-        pictures[arguments.out / f"payoff_{key}.svg"] = partial(drawn, key)
+    for key in FIGURES:
+        pictures[arguments.out / f"payoff_{key}.svg"] = partial(save, key)
     saved = _save(study, arguments.out)
     listed = [*pictures, *saved, arguments.out / "payoff.jsonl"]
     return {
@@ -126,6 +136,52 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "opened": files["page"] if arguments.open else None,
         "text": _text(study, found, rests, listed),
     }
+
+
+def _bounds(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study], Sequence[float] | None]:
+    """The robot in its sagittal plane, its study, and the speeds that were asked for."""
+    from spear_pin import load
+    from spear_pin.gaits.collocation import casadi
+    from spear_pin.studies.payoff import bounds
+
+    for option in ("body", "flight_times"):
+        _only(arguments, option, "to go with --leg")
+    casadi()
+    if arguments.robot == QUADRUPED:
+        _only(arguments, "side", f"nothing: it is known of {QUADRUPED}")
+        return load(QUADRUPED), bounds, arguments.speeds
+    if arguments.side is not None and len(arguments.side) != 2:
+        raise BadValue(
+            "--side", arguments.side, "two numbers, of the posterior and of the anterior knees; one with --leg"
+        )
+    robot = in_the_plane(arguments)
+    assert robot is not None
+    return robot, bounds, arguments.speeds
+
+
+def _hops(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study], Sequence[float] | None]:
+    """The leg on its slider, its study, and the flight times that were asked for."""
+    from spear_pin import load
+    from spear_pin.studies.payoff import hops
+
+    _only(arguments, "speeds", "to go without --leg: of a hop give --flight-times")
+    if arguments.robot == LEG:
+        for option in ("leg", "side", "body"):
+            _only(arguments, option, f"nothing: {LEG} is one leg")
+        return load(LEG, locked=["boom_x"]), hops, arguments.flight_times
+    side, *more = arguments.side or [None]
+    if more:
+        raise BadValue("--side", arguments.side, "one number with --leg")
+    robot = one_leg(argparse.Namespace(**vars(arguments) | {"side": side}), ["boom_x"])
+    assert robot is not None
+    return robot, hops, arguments.flight_times
+
+
+def _only(arguments: argparse.Namespace, option: str, expected: str) -> None:
+    """Refuse an option that has no place."""
+    value = getattr(arguments, option)
+    if value is not None:
+        raise BadValue(f"--{option.replace('_', '-')}", value, expected)
 
 
 def numbers(word: str) -> tuple[float, ...]:
@@ -171,38 +227,39 @@ def given_drives(arguments: argparse.Namespace) -> dict[str, Drive]:
 
 def _save(study: Study, out: Path) -> list[Path]:
     """Write the best gaits, where their robot can be told in a file."""
-    from spear_pin.viz.payoff import gait_of
-
     saved = []
     for kind, finding in study.best.items():
         try:
-            saved.append(gait_of(study, finding).save(out / f"payoff_{kind}.json"))
+            saved.append(study.gait(finding).save(out / f"payoff_{kind}.json"))
         except SpearError:
             continue
     return saved
 
 
 def _text(study: Study, found: Answer, rests: list[tuple[str, str]], files: list[Path]) -> str:
+    from spear_pin.viz.payoff import most
+
+    words = study.gaits.words
+
     def said(finding: SearchEnd) -> str:
         figures = finding.figures
         assert figures is not None
-        knee, hip = (max(figures.peak[f"{leg}_{part}"] for leg in LEGS) for part in ("knee", "hip"))
+        knee, hip = (most(figures.peak, part) for part in ("knee", "hip"))
         spring = f"{figures.stiffness:.3g} N·m/rad, " if finding.point.kind != "none" else ""
         return (
-            f"{figures.cost:.4f}: {spring}peak knee {knee:.3g}, hip {hip:.3g} N·m,"
+            f"{figures.cost:.4f}, {study.gaits.energy(study.robot, figures):.3g} J:"
+            f" {spring}peak knee {knee:.3g}, hip {hip:.3g} N·m,"
             f" heat {max(figures.heat.values()):.2f} of continuous, multiplier {figures.multiplier:.3f}"
         )
+
+    def share(kind: str, value: float) -> str:
+        return f"{kind} unknown" if math.isnan(value) else f"{kind} {100 * value:.1f} %"
 
     rows = [("answer", found.sentence)]
     rows += [(f"best, {kind}", said(each)) for kind, each in study.best.items()]
     rows += [
-        (
-            f"saved at {speed:.3g} m/s",
-            ", ".join(
-                f"{kind} {100 * share:.1f} %" if share == share else f"{kind} unknown" for kind, share in saved.items()
-            ),
-        )
-        for speed, saved in found.by_speed.items()
+        ("" if i else "saved", f"{words.pace.format(speed)}: {', '.join(starmap(share, saved.items()))}")
+        for i, (speed, saved) in enumerate(found.by_speed.items())
     ]
     mesh = "not all of them were found on a finer mesh" if math.isnan(found.mesh) else f"by {100 * found.mesh:.2g} %"
     mesh = mesh if math.isnan(found.mesh) else f"{mesh} on a finer mesh"

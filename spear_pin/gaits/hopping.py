@@ -91,8 +91,6 @@ class HoppingLaw:
             require("HoppingLaw.hip_touchdown", self.hip_touchdown, lambda angle: abs(angle) < math.pi, "within ±π rad")
         if self.minimum_force is not None:
             require("HoppingLaw.minimum_force", self.minimum_force, lambda force: force >= 0, "a number >= 0, in N")
-            if self.virtual_stiffness != 0.0:  # the limit reckons with a real spring
-                raise BadValue("HoppingLaw.virtual_stiffness", self.virtual_stiffness, "0 with a minimum_force")
 
     @classmethod
     @typed
@@ -157,25 +155,31 @@ def stance_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, 
     """
     knee = p.stance_torque * held["flexing"]
     if p.minimum_force is not None:
-        knee = knee + held["limited"] * (limited_torque(p, dyn, ops) - knee)
-    return (p.hip_stance_torque, knee - p.virtual_stiffness * held["taut"] * (q[-1] - held["knee_touchdown"]))
+        knee = knee + held["limited"] * (limited_torque(q, held, p, dyn, ops) - knee)
+    return (p.hip_stance_torque, knee + virtual_torque(q, held, p))
 
 
-def limited_torque(p: HoppingLaw, dyn: Dynamics, ops: Operations) -> Any:
+def virtual_torque(q: Any, held: Any, p: HoppingLaw) -> Any:
+    """Torque of the spring that the knee motor imitates, in N·m."""
+    return -p.virtual_stiffness * held["taut"] * (q[-1] - held["knee_touchdown"])
+
+
+def limited_torque(q: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operations) -> Any:
     """Flexing torque, up to τ̄, at which the normal force is `minimum_force`, in N·m.
 
     It is zero where the force would be less even without flexion. Flexion is limited only where it
     unloads the toe; a sliding toe may be loaded by it, and then no torque is singled out.
     """
-    unloaded, per_torque = _normal_force(p, dyn)
+    unloaded, per_torque = _normal_force(q, held, p, dyn)
     limit = (unloaded - p.minimum_force) / ops.maximum(-per_torque, FLAT)
     return ops.maximum(-ops.maximum(-limit, -p.stance_torque), 0.0)
 
 
-def _normal_force(p: HoppingLaw, dyn: Dynamics) -> tuple[Any, Any]:
+def _normal_force(q: Any, held: Any, p: HoppingLaw, dyn: Dynamics) -> tuple[Any, Any]:
     """The normal force without flexion, in N, and its change with the knee torque, in 1/m."""
-    unloaded = dyn.normal_force("toe", (p.hip_stance_torque, 0.0))
-    return unloaded, dyn.normal_force("toe", (p.hip_stance_torque, 1.0)) - unloaded
+    hip, virtual = p.hip_stance_torque, virtual_torque(q, held, p)
+    unloaded = dyn.normal_force("toe", (hip, virtual))
+    return unloaded, dyn.normal_force("toe", (hip, virtual + 1.0)) - unloaded
 
 
 @typed
@@ -288,7 +292,7 @@ def _limit_guards(law: HoppingLaw) -> tuple[Guard, ...]:
 
     def margin(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
         # negative where τ̄ leaves too little force and less would leave more; only in the first half period
-        unloaded, per_torque = _normal_force(p, dyn)
+        unloaded, per_torque = _normal_force(q, held, p, dyn)
         excess = unloaded + per_torque * p.stance_torque - p.minimum_force
         spare = (1.0 - 2.0 * held["limited"]) * ops.maximum(excess, per_torque)
         return held["compressing"] * spare + (1.0 - held["compressing"])

@@ -64,9 +64,9 @@ def simulate(
     return _trajectory(system, result, sampler)
 
 
-def sample(system: HybridSystem, result: Run) -> Trajectory:
+def sample(system: HybridSystem, result: Run, samples: int = SAMPLES) -> Trajectory:
     """Sample a run that was kept, as `simulate` does."""
-    sampler = Sampler(system, SAMPLES)
+    sampler = Sampler(system, samples)
     for segment in result.segments:
         sampler.add(segment)
     return _trajectory(system, result, sampler)

@@ -250,10 +250,11 @@ class TestMinimumForce:
         system = hopping(random_starts.robot(False), HoppingLaw(minimum_force=40.0))
         (guard,) = (guard for guard in system.of_phase("stance")[0].guards if guard.name == "force_limit")
         dyn = SimpleNamespace(normal_force=lambda toe, u: 20.0 + sliding * u[1])
-        held = {"compressing": 1.0, "limited": 0.0}
-        value = guard.value(0.0, None, None, held, system.law, dyn, SimpleNamespace(maximum=max))
+        held = {"compressing": 1.0, "limited": 0.0, "taut": 1.0, "knee_touchdown": 1.0}
+        q = [0.0, 0.0, 1.2]
+        value = guard.value(0.0, q, None, held, system.law, dyn, SimpleNamespace(maximum=max))
         assert (value < 0.0) is limited
-        back = guard.value(0.0, None, None, {**held, "limited": 1.0}, system.law, dyn, SimpleNamespace(maximum=max))
+        back = guard.value(0.0, q, None, {**held, "limited": 1.0}, system.law, dyn, SimpleNamespace(maximum=max))
         assert back == -value
 
     @pytest.mark.parametrize("seed", [13, 65])

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin import HoppingLaw, Spring, hopping, simulate
+from spear_pin import Spring, hopping, simulate
 from spear_pin.errors import BadValue
 from spear_pin.gaits.hopping import flight_law
 
@@ -54,7 +54,12 @@ class TestOtherKnees:
         with pytest.raises(BadValue, match="^Spring.rest is "):
             Spring(rest=rest)
 
-    def test_limit_of_the_force_with_an_imitated_spring(self):
-        """It reckons with a real one."""
-        with pytest.raises(BadValue, match="^HoppingLaw.virtual_stiffness is "):
-            HoppingLaw(minimum_force=10.0, virtual_stiffness=48.84)
+    def test_limit_of_the_force_with_an_imitated_spring(self, robot, hop):
+        """Flexion is limited as with a real one: nothing moves differently."""
+        law = replace(hop.system.law, minimum_force=12.0, hold_extension=True)
+        real = hopping(robot, law, Spring(damping=1.3))
+        imitated = hopping(robot, replace(law, virtual_stiffness=48.84), Spring(stiffness=0.0, damping=1.3))
+        both = [simulate(system, hop.state, 2) for system in (real, imitated)]
+        assert both[0].named("force_limit") and len(both[0].events) == len(both[1].events)
+        np.testing.assert_allclose(both[1].q[-1], both[0].q[-1], atol=1e-8)
+        np.testing.assert_allclose(both[1].tau, both[0].tau, atol=1e-5)

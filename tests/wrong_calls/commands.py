@@ -51,6 +51,7 @@ def prepared(words):
     return prepare
 
 
+RISING = ("", "x", "0", "-1", "nan", "inf", ",", "2,1", "1,1")  # of numbers between commas
 # the words of a command, and its options, with what each needs beside it and the words that it does not take
 OPTIONS = {
     "robots": {},
@@ -123,6 +124,34 @@ OPTIONS = {
         "--seed": SEED,
         "--feedback": NAME,
         "--out": FOLDER,
+    },
+    "payoff q_spear": {
+        "--speeds": (*RISING, "1e9"),
+        "--stiffnesses": RISING,
+        "--flight-times": ("0.2",),
+        "--body": ("1",),
+        "--knee-motor --knee-ratio=15": NAME,
+        "--hip-motor --hip-ratio=15": NAME,
+        "--knee-motor": (*NAME, "assumed_600w"),
+        "--knee-ratio": (*POSITIVE, "15"),
+        "--hip-ratio --hip-motor=assumed_600w": POSITIVE,
+        "--efficiency --knee-motor=assumed_600w --knee-ratio=15": (*POSITIVE, "1.5"),
+        "--efficiency": ("0.9",),
+        "--bus": POSITIVE,
+        "--workers": COUNT,
+        "--out": FOLDER,
+    },
+    "payoff spear_ii": {
+        "--flight-times": (*RISING, "1e9"),
+        "--speeds": ("2",),
+        "--leg": ("leg",),
+        "--side": ("1",),
+        "--body": ("1",),
+    },
+    "payoff q_spear_full": {
+        "--leg": ("", "FL", "hip"),
+        "--side --leg=anterior_left": ("", "x", "0", "2", "1.5"),
+        "--body --leg=anterior_left": (*TEXT, "nan", "inf", "-1"),
     },
     "sweep hop --over stiffness=40:50:3": {
         "--flight-time": POSITIVE,
@@ -241,6 +270,11 @@ LINES = (
     "identify lab.csv --smoothed-already",
     "identify a_file",
     "identify .",
+    "payoff",
+    "payoff nope",
+    "payoff q_spear --side 1",
+    "payoff q_spear_full --side 1",
+    "payoff q_spear_full --leg anterior_left --side 1 1",
     "search nope",
     "search --objective electrical",
     "search --minimum-knee-torque 1 --clearance 9e99",

@@ -1,5 +1,5 @@
 """The page of a payoff study: the answer, the maps, two motions beside each other, every point, and the doubts."""
 
-from spear_pin.viz.payoff.page import as_json, gait_of, render
+from spear_pin.viz.payoff.page import as_json, most, render
 
-__all__ = ["as_json", "gait_of", "render"]
+__all__ = ["as_json", "most", "render"]

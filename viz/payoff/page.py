@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any, NamedTuple
 
@@ -11,27 +12,24 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from spear_pin import __version__
-from spear_pin.gaits.bounding_law import LEGS
-from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.simulate import simulate
+from spear_pin.studies.design import joints_of
 from spear_pin.studies.payoff import Answer, SearchEnd, Study
 from spear_pin.studies.payoff.answer import change
 from spear_pin.studies.payoff.grid import NONE, SWITCHED
 from spear_pin.studies.payoff.motors import PARTS
-from spear_pin.studies.payoff.searches import rebuilt
 from spear_pin.viz.embedding import drawing, shared
 from spear_pin.viz.player import page, shortened
 from spear_pin.viz.plots.paper import style
-from spear_pin.viz.plots.payoff import TITLES, drawings
+from spear_pin.viz.plots.payoff import TITLES
 from spear_pin.viz.template import environment
 
 STRIDES = 4  # that are played
-JOINTS = [f"{leg}_{part}" for part in PARTS for leg in LEGS]
 CAPTIONS = {
-    "cost": "Electrical cost of transport of the cheapest gait found at each point, knees and hips together, nothing"
-    " stored of what motors give back. Hatched: no gait was found.",
-    "saving": "What the spring saves against the knee without one at the same speed; below zero it costs.",
-    "torque": "Torque of one knee motor of each pair over a stride, of the best gait with each knee.",
+    "cost": "{cost} of the cheapest gait found at each point, knees and hips together, nothing stored of what motors"
+    " give back. Hatched: no gait was found.",
+    "saving": "What the spring saves against the knee without one in the same row; below zero it costs.",
+    "torque": "Torque of one knee motor of each leg that is shown over a cycle, of the best gait with each knee.",
 }
 
 
@@ -45,7 +43,9 @@ class Row(NamedTuple):
     failures: list[str]
 
 
-def render(study: Study, answer: Answer, name: str, assumptions: list[tuple[str, str]]) -> str:
+def render(
+    study: Study, answer: Answer, name: str, assumptions: list[tuple[str, str]], figures: Mapping[str, Figure]
+) -> str:
     """The text of the page.
 
     Args:
@@ -53,6 +53,7 @@ def render(study: Study, answer: Answer, name: str, assumptions: list[tuple[str,
         answer: what follows.
         name: of the robot.
         assumptions: what the study rests on, a name and what it says.
+        figures: those of `spear_pin.viz.plots.payoff`.
     """
     best = {kind: finding for kind, finding in study.best.items() if finding.figures is not None}
     played = [kind for kind in (NONE, SWITCHED) if kind in best]
@@ -67,12 +68,15 @@ def render(study: Study, answer: Answer, name: str, assumptions: list[tuple[str,
             answer=answer,
             best=best,
             titles=TITLES,
-            joints=JOINTS,
+            words=study.gaits.words,
+            most=most,
+            energy=lambda figures: study.gaits.energy(study.robot, figures),
+            joints=[joint for part in PARTS for joint in joints_of(study.robot, part)],
             changes={kind: change(finding, study.finer[kind]) for kind, finding in best.items()},
             played=played,
             rows=rows(study),
             assumptions=assumptions,
-            figures={key: (_element(figure, key), CAPTIONS[key]) for key, figure in drawings(study).items()},
+            figures={key: _element(figure, key, study) for key, figure in figures.items()},
             failed=[each for tries in study.tries.values() for each in tries if each.reason],
             searches=sum(map(len, study.tries.values())),
             data={"viewer": viewer, "pages": dict(zip(played, sides, strict=True))},
@@ -89,35 +93,39 @@ def rows(study: Study) -> list[Row]:
         costs = [each.cost for each in tries if each.figures is not None]
         spread = max(costs) / min(costs) - 1.0 if len(costs) > 1 else None
         failures = [f"from {each.origin}: {each.reason}" for each in tries if each.reason]
-        found.append(Row(str(point), study.at(point), len(tries), spread, failures))
+        found.append(Row(study.gaits.words.of(point), study.at(point), len(tries), spread, failures))
     return found
 
 
-def gait_of(study: Study, finding: SearchEnd) -> Gait:
-    """The gait of a finding."""
-    assert finding.gait is not None
-    return rebuilt(study.robot, finding.gait)
+def most(values: Mapping[str, float], part: str) -> float:
+    """The largest of the values of knees or hips."""
+    return max(value for joint, value in values.items() if joint.endswith(part))
 
 
 def _playback(study: Study, finding: SearchEnd, title: str) -> str:
-    gait = gait_of(study, finding)
+    gait = study.gait(finding)
     trajectory = simulate(gait.system, gait.state, STRIDES, progress=False)
-    return page(study.robot, shortened(study.robot, trajectory), title=f"{title} at {finding.point.speed:.3g} m/s")
+    pace = study.gaits.words.pace.format(finding.point.speed)
+    return page(study.robot, shortened(study.robot, trajectory), title=f"{title}, {pace}")
 
 
-def _element(figure: Figure, key: str) -> Markup:
-    file = io.BytesIO()
+def _element(figure: Figure, key: str, study: Study) -> tuple[Markup, str]:
+    """A figure and its caption."""
+    file, caption = io.BytesIO(), CAPTIONS[key].format(cost=study.gaits.words.cost)
     with style():
         figure.savefig(file, format="svg", metadata={"Date": None})
-    return drawing(file.getvalue(), key, CAPTIONS[key])
+    return drawing(file.getvalue(), key, caption), caption
 
 
-def summary(finding: SearchEnd) -> dict[str, Any]:
-    """A finding as JSON tells it, without the optimiser's unknowns."""
+def summary(study: Study, finding: SearchEnd) -> dict[str, Any]:
+    """A finding as JSON tells it, without the optimiser's unknowns; its energy is that of a cycle, in J."""
+    figures = finding.figures
+    energy = None if figures is None else study.gaits.energy(study.robot, figures)
     return {
         **asdict(finding.point),
         "reason": finding.reason,
-        "figures": None if finding.figures is None else asdict(finding.figures),
+        "energy": energy,
+        "figures": None if figures is None else asdict(figures),
     }
 
 
@@ -132,11 +140,11 @@ def as_json(study: Study, answer: Answer) -> dict[str, Any]:
             "stiffnesses": study.grid.stiffnesses,
             "chosen_stiffness": study.chosen,
             "motors": said,
-            "best": {kind: summary(each) for kind, each in study.best.items()},
-            "finer": {kind: summary(each) for kind, each in study.finer.items()},
+            "best": {kind: summary(study, each) for kind, each in study.best.items()},
+            "finer": {kind: summary(study, each) for kind, each in study.finer.items()},
             "points": [
                 {"point": row.point, "starts": row.starts, "spread": row.spread, "failures": row.failures}
-                | ({} if row.finding is None else summary(row.finding))
+                | ({} if row.finding is None else summary(study, row.finding))
                 for row in rows(study)
             ],
             "cpu_seconds": study.seconds,

@@ -5,7 +5,7 @@ In the style of `plots`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,36 +15,35 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.hybrid.simulate import simulate
-from spear_pin.studies.design import points_of
-from spear_pin.studies.payoff import KINDS, Grid, Point, Study
+from spear_pin.studies.design import joints_of, points_of
+from spear_pin.studies.payoff import KINDS, Point, Study
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
-from spear_pin.studies.payoff.searches import rebuilt
 from spear_pin.viz.plots.paper import BLUE, GREEN, VERMILLION, style
 
 Array = NDArray[np.float64]
 TITLES = {NONE: "No spring", FIXED: "Fixed spring", SWITCHED: "Switchable spring"}
 COLORS = {NONE: VERMILLION, FIXED: GREEN, SWITCHED: BLUE}
-STIFFNESS, SPEED = "Stiffness of a leg (N·m/rad)", "Speed (m/s)"
+STIFFNESS = "Stiffness of a leg (N·m/rad)"
 
 
 def cost_map(study: Study) -> Figure:
-    """Electrical cost of transport of each point, a panel for each kind of knee; hatched where no gait was found."""
+    """Electrical cost of each point, a panel for each kind of knee; hatched where no gait was found."""
     tables = {kind: costs(study, kind) for kind in KINDS}
     found = np.concatenate([table[np.isfinite(table)] for table in tables.values()])
     scale = Normalize(found.min(), found.max()) if len(found) else Normalize(0.0, 1.0)
+    form = "{:.2f}" if found.max(initial=0.0) < 10.0 else "{:.1f}"
     with style():
         figure = Figure(figsize=(7.0, 2.6), layout="constrained")
         across = len(study.grid.stiffnesses)
         panels = figure.subplots(1, 3, sharey=True, width_ratios=[1.2, across, across])
         for panel, (kind, table) in zip(panels, tables.items(), strict=True):
-            drawn = _cells(panel, table, study.grid, scale, "{:.2f}", "cividis")
+            drawn = _cells(panel, table, study, scale, form, "cividis")
             panel.set_title(TITLES[kind])
             if kind != NONE:
                 panel.set_xlabel(STIFFNESS)
-        panels[0].set_ylabel(SPEED)
-        figure.colorbar(drawn, ax=panels, label="Electrical cost of transport (1)")
+        panels[0].set_ylabel(study.gaits.words.axis)
+        figure.colorbar(drawn, ax=panels, label=f"{study.gaits.words.cost} (1)")
         return figure
 
 
@@ -58,31 +57,31 @@ def saving_map(study: Study) -> Figure:
         figure = Figure(figsize=(7.0, 2.6), layout="constrained")
         panels = figure.subplots(1, 2, sharey=True)
         for panel, (kind, table) in zip(panels, tables.items(), strict=True):
-            drawn = _cells(panel, table, study.grid, Normalize(-largest, largest), "{:.0f}", "RdBu")
+            drawn = _cells(panel, table, study, Normalize(-largest, largest), "{:.0f}", "RdBu")
             panel.set_title(TITLES[kind])
             panel.set_xlabel(STIFFNESS)
-        panels[0].set_ylabel(SPEED)
+        panels[0].set_ylabel(study.gaits.words.axis)
         figure.colorbar(drawn, ax=panels, label="Saved of the electricity (%)")
         return figure
 
 
 def knee_torques(study: Study) -> Figure:
-    """Torque of one knee motor of each pair over a stride, of the best gait with each kind of knee."""
+    """Torque of one knee motor of each pair, or of the leg, over a cycle, of the best gait with each kind of knee."""
+    joints = joints_of(study.robot, "knee")
     with style():
         figure = Figure(figsize=(7.0, 2.4), layout="constrained")
-        panels = figure.subplots(1, 2, sharey=True)
+        panels = np.atleast_1d(figure.subplots(1, len(joints), sharey=True))
         for kind, finding in study.best.items():
-            assert finding.gait is not None
-            gait = rebuilt(study.robot, finding.gait)
+            gait = study.gait(finding)
             given = points_of(study.robot, simulate(gait.system, gait.state, progress=False), "knee")
-            for i, panel in enumerate(panels):
-                panel.plot(given.t - given.t[0], given.torque[:, i], color=COLORS[kind], label=TITLES[kind])
-        for panel, leg in zip(panels, LEGS, strict=True):
+            for panel, torque in zip(panels, given.torque.T, strict=True):
+                panel.plot(given.t - given.t[0], torque, color=COLORS[kind], label=TITLES[kind])
+        for panel, joint in zip(panels, joints, strict=True):
             panel.axhline(0.0, color="0.6", linewidth=0.5)
-            panel.set_title(f"{leg.capitalize()} knee")
-            panel.set_xlabel("Time from posterior touchdown (s)")
+            panel.set_title(joint.replace("_", " ").capitalize())
+            panel.set_xlabel(study.gaits.words.since)
         panels[0].set_ylabel("Motor torque (N·m)")
-        panels[1].legend(fontsize="x-small")
+        panels[-1].legend(fontsize="x-small")
         return figure
 
 
@@ -93,9 +92,9 @@ def costs(study: Study, kind: str) -> Array:
     return np.array([[np.nan if each is None else each.cost for each in row] for row in rows])
 
 
-def _cells(axes: Axes, table: Array, grid: Grid, scale: Normalize, form: str, colors: str) -> Any:
+def _cells(axes: Axes, table: Array, study: Study, scale: Normalize, form: str, colors: str) -> Any:
     """Cells with their numbers; of a table with one column there are no stiffnesses."""
-    up, across = table.shape
+    grid, (up, across) = study.grid, table.shape
     hatched: dict[str, Any] = {"facecolor": "0.9", "edgecolor": "0.55", "hatch": "////", "linewidth": 0}
     axes.add_patch(Rectangle((0, 0), across, up, gid="lost", **hatched))
     drawn = axes.pcolormesh(np.ma.masked_invalid(table), cmap=colors, norm=scale)
@@ -113,6 +112,4 @@ def _cells(axes: Axes, table: Array, grid: Grid, scale: Normalize, form: str, co
     return drawn
 
 
-def drawings(study: Study) -> Mapping[str, Figure]:
-    """The figures of a study by their names."""
-    return {"cost": cost_map(study), "saving": saving_map(study), "torque": knee_torques(study)}
+FIGURES: Mapping[str, Callable[[Study], Figure]] = {"cost": cost_map, "saving": saving_map, "torque": knee_torques}

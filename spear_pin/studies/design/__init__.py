@@ -6,7 +6,16 @@ Torques and stiffnesses here are those of one leg and its motor, half of the sag
 from spear_pin.studies.design.drive_choice import Design, codesign, smallest_violation
 from spear_pin.studies.design.envelopes import EnvelopeUse, against, electrical_cost, energy_drawn
 from spear_pin.studies.design.families import Member, family
-from spear_pin.studies.design.operating_points import STIFFNESSES, Points, points, points_of, spring_sweep, sprung
+from spear_pin.studies.design.operating_points import (
+    STIFFNESSES,
+    Points,
+    joints_of,
+    motors_of,
+    points,
+    points_of,
+    spring_sweep,
+    sprung,
+)
 
 __all__ = [
     "STIFFNESSES",
@@ -19,6 +28,8 @@ __all__ = [
     "electrical_cost",
     "energy_drawn",
     "family",
+    "joints_of",
+    "motors_of",
     "points",
     "points_of",
     "smallest_violation",

@@ -23,12 +23,12 @@ class EnvelopeUse:
 
     Attributes:
         drive: the drive.
-        margin: available less required torque at each point, in N·m, (n, 2); negative outside.
-        outside: share of the stride's time outside, by leg, (2,).
-        worst: least margin by leg, in N·m, (2,).
+        margin: available less required torque at each point, in N·m, by leg as of `Points`; negative outside.
+        outside: share of the cycle's time outside, by leg.
+        worst: least margin by leg, in N·m.
         near_events: of the points outside, the share within 20 ms after touchdown or before lift-off; NaN
             where none is outside.
-        heating: rms torque over the drive's continuous torque, by leg, (2,).
+        heating: rms torque over the drive's continuous torque, by leg.
     """
 
     drive: Drive
@@ -63,15 +63,15 @@ def against(given: Points, drive: Drive) -> EnvelopeUse:
 
 @typed
 def energy_drawn(given: Points, drive: Drive, regeneration: float = 0.0) -> float:
-    """Electrical energy that all motors of one kind of joint draw in a stride, both legs of each pair, in J.
+    """Electrical energy that all motors of one kind of joint draw in a cycle, both legs of each pair, in J.
 
     Args:
-        given: operating points of one stride.
+        given: operating points of one cycle.
         drive: of each of the joints.
         regeneration: share of the electrical power given back that is stored.
     """
     power = drawn_power(drive.bus_power(given.torque, given.speed), regeneration).sum(axis=1)
-    return float(PAIR * np.trapezoid(power, given.t))
+    return float(given.motors * np.trapezoid(power, given.t))
 
 
 @typed

@@ -1,4 +1,4 @@
-"""Operating points of the quadruped's motors over a stride: torque and speed, with springs of any stiffness."""
+"""Operating points of a quadruped's or a leg's motors over a cycle: torque and speed, with springs of any stiffness."""
 
 from __future__ import annotations
 
@@ -24,15 +24,16 @@ STIFFNESSES = (0.0, 56.0, 112.0, 200.0, 300.0, 400.0)  # N·m/rad, of Fig. 5.6; 
 
 @dataclass(frozen=True)
 class Points:
-    """Operating points of one kind of joint over a stride, of one motor.
+    """Operating points of one kind of joint over a cycle, of one motor; a column for each of the model's legs.
 
     Attributes:
         t: time, in s, (n,).
-        torque: of a motor, by leg (posterior, anterior), in N·m, (n, 2).
-        speed: of the joint, in rad/s, (n, 2).
-        bears: whether the leg is on the ground, (n, 2).
-        since: time since its touchdown, in s, NaN in the air, (n, 2).
-        until: time until its lift-off, in s, NaN in the air, (n, 2).
+        torque: of a motor, by leg (posterior, anterior, or the only one), in N·m, (n, 2) or (n, 1).
+        speed: of the joint, in rad/s, like the torque.
+        bears: whether the leg is on the ground, like the torque.
+        since: time since its touchdown, in s, NaN in the air, like the torque.
+        until: time until its lift-off, in s, NaN in the air, like the torque.
+        motors: how many the torque of a joint is shared by.
     """
 
     t: Array
@@ -41,6 +42,7 @@ class Points:
     bears: NDArray[np.bool_]
     since: Array
     until: Array
+    motors: int = PAIR
 
     @property
     def peak(self) -> Array:
@@ -82,17 +84,27 @@ def sprung(system: HybridSystem, stiffness: float) -> HybridSystem:
 
 
 def points_of(robot: Robot, trajectory: Trajectory, part: str) -> Points:
-    """Operating points of the knees ("knee") or hips ("hip") over a stride of a robot."""
-    legs = legs_of(robot)
-    columns = [leg.motors[("hip", "knee").index(part)] for leg in legs]
-    rows = [leg.knee if part == "knee" else leg.hip for leg in legs]
-    bears = np.stack([trajectory.force[:, i].any(axis=1) for i in range(len(legs))], axis=1)
+    """Operating points of the knees ("knee") or hips ("hip") over a cycle of a robot."""
+    joints, motors = joints_of(robot, part), motors_of(robot)
+    columns = [robot.actuated.index(joint) for joint in joints]
+    rows = [robot.index(joint) for joint in joints]
+    bears = np.stack([trajectory.force[:, i].any(axis=1) for i in range(len(joints))], axis=1)
     since, until = np.full(bears.shape, np.nan), np.full(bears.shape, np.nan)
-    for i in range(len(legs)):
+    for i in range(len(joints)):
         times = trajectory.t[bears[:, i]]
         if len(times):
             since[bears[:, i], i], until[bears[:, i], i] = times - times[0], times[-1] - times
-    return Points(trajectory.t, trajectory.u[:, columns] / PAIR, trajectory.v[:, rows], bears, since, until)
+    return Points(trajectory.t, trajectory.u[:, columns] / motors, trajectory.v[:, rows], bears, since, until, motors)
+
+
+def joints_of(robot: Robot, part: str) -> tuple[str, ...]:
+    """The knees ("knee") or hips ("hip") of a robot in the plane, in the order of its toes."""
+    return (part,) if motors_of(robot) == 1 else tuple(f"{leg.name}_{part}" for leg in legs_of(robot))
+
+
+def motors_of(robot: Robot) -> int:
+    """Motors that one joint of a robot in the plane stands for: one of a leg's own, two of a pair's."""
+    return 1 if len(robot.legs) == 1 else PAIR
 
 
 @typed

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spear_pin.studies.payoff.bounds import Study
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point
 from spear_pin.studies.payoff.searches import SearchEnd
+from spear_pin.studies.payoff.study import Study
 
 PEAKS = {NONE: "without a spring", FIXED: "with a fixed one", SWITCHED: "with a switchable one"}
 LEAST = 0.02  # of a cost: a smaller saving pays for no spring, whatever the doubt
@@ -53,7 +53,7 @@ def answer(study: Study) -> Answer:
     changes = [change(each, study.finer[kind]) for kind, each in study.best.items()]
     mesh = float(np.nan) if not changes or np.isnan(changes).any() else float(max(changes))
     doubt = max(spread, 0.0 if np.isnan(mesh) else mesh)
-    everywhere = [spread for point in study.tries if (spread := _spread(study, point)) > 0.0] or [0.0]
+    everywhere = [each for point in study.tries if (each := _spread(study, point)) > 0.0] or [0.0]
     verdict = _verdict(saving, doubt)
     return Answer(
         verdict=verdict,
@@ -112,8 +112,9 @@ def _sentence(study: Study, verdict: str, saving: Mapping[str, float], doubt: fl
     bare = study.best[NONE].cost
     costs = f" ({study.best[first].cost:.3g} against {bare:.3g} without)" if first in study.best else ""
     peaks = ", ".join(f"{_peak(study.best[kind]):.3g} {word}" for kind, word in PEAKS.items() if kind in study.best)
+    pace = study.gaits.words.pace.format(study.speed)
     return (
-        f"{opening}: at {study.speed:.3g} m/s {_does(study, first, saving)}{costs}, {_does(study, second, saving)};"
+        f"{opening}: {pace} {_does(study, first, saving)}{costs}, {_does(study, second, saving)};"
         f" peak knee torque, in N·m: {peaks}"
     )
 
@@ -136,10 +137,11 @@ def _peak(finding: SearchEnd) -> float:
 
 def _edges(study: Study) -> tuple[str, ...]:
     """Where the best point is at the edge of what was tried."""
-    speeds, stiffnesses = study.grid.speeds, study.grid.stiffnesses
+    words, speeds, stiffnesses = study.gaits.words, study.grid.speeds, study.grid.stiffnesses
     found = []
     if len(speeds) > 1 and study.speed in (speeds[0], speeds[-1]):
-        found.append(f"the {'slowest' if study.speed == speeds[0] else 'fastest'} speed that was asked for is the best")
+        extreme = words.slowest if study.speed == speeds[0] else words.fastest
+        found.append(f"{extreme} that was asked for is the best")
     for kind in (FIXED, SWITCHED):
         best = study.best.get(kind)
         if best is not None and best.point.stiffness == stiffnesses[-1]:

@@ -4,18 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 from spear_pin.errors import BadValue
-from spear_pin.gaits.bounding_law import PAIR
-from spear_pin.gaits.request import Request
-from spear_pin.model.motor import Drive
-from spear_pin.model.robot import Robot
 
 NONE, FIXED, SWITCHED = KINDS = ("none", "fixed", "switched")
 WORDS = {NONE: "no spring", FIXED: "a fixed spring", SWITCHED: "a switchable spring"}
-# with a virtual stiffness that is given, a spring that is like it would have the advantage
-FREE: dict[str, Any] = {"virtual_stiffness": None, "minimum_knee_torque": 0.0}
 
 
 @dataclass(frozen=True)
@@ -24,7 +17,7 @@ class Point:
 
     Attributes:
         kind: one of `KINDS`.
-        speed: wanted mean forward speed, in m/s.
+        speed: wanted mean forward speed, in m/s; of a hop in place, which has none, its flight time, in s.
         stiffness: of a leg's spring, in N·m/rad; 0 without one, None where the optimiser chooses it.
     """
 
@@ -32,25 +25,30 @@ class Point:
     speed: float
     stiffness: float | None = 0.0
 
-    def __str__(self) -> str:
+    def said(self, pace: str) -> str:
+        """The point in words.
+
+        Args:
+            pace: how its speed is said, such as "at {:.3g} m/s".
+        """
         spring = "the best stiffness" if self.stiffness is None else f"{self.stiffness:.3g} N·m/rad"
         own = "" if self.kind == NONE else f" of {spring}"
-        return f"{WORDS[self.kind]}{own} at {self.speed:.3g} m/s"
+        return f"{WORDS[self.kind]}{own} {pace.format(self.speed)}"
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Speeds in m/s and stiffnesses of a leg in N·m/rad, both rising; knees without a spring beside them."""
+    """Speeds, as of `Point`, and stiffnesses of a leg in N·m/rad, both rising; knees without a spring beside them."""
 
     speeds: tuple[float, ...]
     stiffnesses: tuple[float, ...]
 
     def __post_init__(self) -> None:
         """Check the fields."""
-        for name, unit in (("speeds", "m/s"), ("stiffnesses", "N·m/rad")):
+        for name in ("speeds", "stiffnesses"):
             values = getattr(self, name)
             if not values or values[0] <= 0 or any(a >= b for a, b in zip(values, values[1:], strict=False)):
-                raise BadValue(name, values, f"numbers > 0 that rise, in {unit}")
+                raise BadValue(name, values, "numbers > 0 that rise")
 
     def __iter__(self) -> Iterator[Point]:
         for speed in self.speeds:
@@ -80,18 +78,3 @@ class Grid:
         for near in (softer, slower, other, harder, faster):
             found += near
         return found
-
-
-def request(robot: Robot, point: Point, knee: Drive, hip: Drive) -> Request:
-    """What a search is asked at a point: least electrical cost of transport, within motors and limits."""
-    stiffness = None if point.stiffness is None else PAIR * point.stiffness
-    asked = Request.scaled(
-        robot,
-        speed=point.speed,
-        objective="electrical",
-        stiffness=stiffness,
-        **FREE,
-        knee_drive=knee,
-        hip_drive=hip,
-    )
-    return replace(asked, rest=asked.knee_touchdown) if point.kind == FIXED else asked

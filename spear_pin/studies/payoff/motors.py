@@ -1,4 +1,4 @@
-"""Motors of a payoff study: given, of the robot's own file, or assumed by what a bound without springs takes."""
+"""Motors of a payoff study: given, of the robot's own file, or assumed by what a gait without springs takes."""
 
 from __future__ import annotations
 
@@ -6,16 +6,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from spear_pin.errors import BadValue
-from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.model.catalogue import motor, scaled
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import vary
+from spear_pin.studies.design import joints_of
+from spear_pin.studies.hardware import Rig
 
 KIND = "antigravity_4004_300kv"  # that is scaled
 RATIO, EFFICIENCY = 9.0, 0.9  # of legged robots with such motors; its efficiency is assumed
-SPARE = 1.5  # by which torque and speed of an assumed motor exceed what the bound takes
+SPARE = 1.5  # by which torque and speed of an assumed motor exceed what the gait takes
 PARTS = ("knee", "hip")
+SOURCE = "spear_ii"  # the robot whose motors the package knows
 
 
 @dataclass(frozen=True)
@@ -36,44 +38,56 @@ class Motors:
 
 
 def of_file(robot: Robot, part: str, bus: float | None = None) -> Drive | None:
-    """Drive of a part by the robot's TOML file, where it knows the motors of both pairs and they are alike.
+    """Drive of a part by the robot's TOML file, where it knows the motors of all legs and they are alike.
 
     Args:
-        robot: in its sagittal plane.
+        robot: in the plane.
         part: "knee" or "hip".
         bus: of the supply, in V; by default the motor's nominal voltage.
     """
     if robot.settings is None:
         return None
     found = []
-    for joint in (f"{leg}_{part}" for leg in LEGS):
+    for joint in joints_of(robot, part):
         own = robot.settings.motors.get(joint)
         if own is None:
             return None
         gearbox = Gearbox(_ratio(robot, joint) or 1.0, robot.settings.efficiencies.get(joint, 1.0))
         found.append(Drive(own, gearbox, own.known("nominal_voltage") if bus is None else bus))
-    if found[0] != found[1]:
-        raise BadValue(f"motors of the {part}s", [drive.motor.name for drive in found], "the same in both pairs")
+    if found.count(found[0]) != len(found):
+        raise BadValue(f"motors of the {part}s", [drive.motor.name for drive in found], "the same in all legs")
     for quantity in ("torque_constant", "resistance", "rotor_inertia"):
         found[0].motor.known(quantity)
     return found[0]
 
 
-def assumed(robot: Robot, part: str, torque: float, rate: float, bus: float | None = None) -> Drive:
-    """A catalogue motor scaled so that its continuous torque is `SPARE` times the rms torque of a bound.
+def known(robot: Robot, part: str, bus: float | None = None) -> tuple[Drive, str] | None:
+    """The robot's own drive of a part, and where it is from, in words: its TOML file, or of SPEAR-II the source."""
+    drive = of_file(robot, part, bus)
+    if drive is not None:
+        return drive, f"by {robot.settings.path if robot.settings else ''}"
+    if robot.cut is not None or robot.source != SOURCE:
+        return None
+    rig = Rig()
+    gearbox = Gearbox(robot.gear_ratio(part), getattr(rig, f"{part}_efficiency"))
+    return Drive(getattr(rig, part), gearbox, rig.battery.voltage if bus is None else bus), "SPEAR-II's"
 
-    Gears and rotors of the robot's own file stay. The supply is the motor's, or as much as `SPARE` times the bound's
+
+def assumed(robot: Robot, part: str, torque: float, rate: float, bus: float | None = None) -> Drive:
+    """A catalogue motor scaled so that its continuous torque is `SPARE` times the rms torque of a gait.
+
+    Gears and rotors of the robot's own file stay. The supply is the motor's, or as much as `SPARE` times the gait's
     speed needs.
 
     Args:
-        robot: in its sagittal plane.
+        robot: in the plane.
         part: "knee" or "hip".
-        torque: largest rms torque of one motor in a bound without springs, in N·m.
+        torque: largest rms torque of one motor in a gait without springs, in N·m.
         rate: largest speed of the joints in it, in rad/s.
         bus: of the supply, in V, if it is known.
     """
     like = motor(KIND)
-    ratio = _ratio(robot, f"{LEGS[0]}_{part}") if _has_rotor(robot, part) else None
+    ratio = _ratio(robot, joints_of(robot, part)[0]) if _has_rotor(robot, part) else None
     one = Drive(like, Gearbox(ratio or RATIO, EFFICIENCY), like.known("nominal_voltage"))
     power = like.known("rated_power") * SPARE * torque / one.continuous_torque
     needed = SPARE * rate * one.constant
@@ -97,7 +111,7 @@ def own_rotors(robot: Robot) -> tuple[str, ...]:
 
 
 def _has_rotor(robot: Robot, part: str) -> bool:
-    return all(robot.model.armature[robot.index(f"{leg}_{part}")] > 0.0 for leg in LEGS)
+    return all(robot.model.armature[robot.index(joint)] > 0.0 for joint in joints_of(robot, part))
 
 
 def _ratio(robot: Robot, joint: str) -> float | None:

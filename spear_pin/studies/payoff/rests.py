@@ -4,24 +4,15 @@ from __future__ import annotations
 
 from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.motor import Drive
-from spear_pin.studies.payoff.bounds import Study
+from spear_pin.studies.design import joints_of
 from spear_pin.studies.payoff.motors import PARTS, SPARE
+from spear_pin.studies.payoff.study import Study
 
 ALWAYS = (
     (
-        "what is minimised",
-        "the electricity that knees and hips draw over weight and distance, heat of the windings included, by a smooth"
-        " stand-in whose gears lose both ways; the costs shown are those of the simulated motion",
-    ),
-    (
-        "what a law may do",
-        "in stance a constant torque and a virtual spring at the knee and a constant torque at the hip, in swing Bézier"
-        " curves; all of it, the virtual spring too, is chosen for each point",
-    ),
-    (
         "springs",
-        "without mass or damping. A switchable one is latched at touchdown and let go at lift-off at no cost; a fixed"
-        " one rests at the knee's angle of touchdown and pulls both ways, in swing too",
+        "without mass, and without damping of their own. A switchable one is latched at touchdown and let go at"
+        " lift-off at no cost; a fixed one rests at the knee's angle of touchdown and pulls both ways, in swing too",
     ),
     (
         "left out",
@@ -34,13 +25,14 @@ ALWAYS = (
 def rests_of(study: Study) -> list[tuple[str, str]]:
     """What a study rests on, names and what they say."""
     motors = [(f"{part} motors, {study.motors.said[part]}", _motor(study, part)) for part in PARTS]
-    return [*motors, ("limits of the file", "; ".join(_limits(study, part) for part in PARTS)), *ALWAYS]
+    limits = "limits of the file", "; ".join(_limits(study, part) for part in PARTS)
+    return [*motors, limits, *study.gaits.words.rests, *ALWAYS]
 
 
 def _motor(study: Study, part: str) -> str:
     drive: Drive = getattr(study.motors, part)
     name = drive.motor.name.removesuffix(" (assumption)")
-    sized = f", to bear {SPARE:g} times the rms torque of a bound of least effort without springs"
+    sized = f", to bear {SPARE:g} times the rms torque of a {study.gaits.words.one} of least effort without springs"
     rotor = f"rotor {drive.reflected_inertia:.2e} kg·m² at the joint"
     return (
         f"{name}{sized if study.motors.said[part] == 'assumed' else ''}; {drive.gearbox.ratio:g}:1, efficiency"
@@ -51,9 +43,9 @@ def _motor(study: Study, part: str) -> str:
 
 
 def _limits(study: Study, part: str) -> str:
-    limits = study.robot.limits[f"posterior_{part}"]
+    limits = study.robot.limits[joints_of(study.robot, part)[0]]
     effort, velocity = (
         f"{value:g} {unit}" if 0.0 < value < UNKNOWN else f"no limit in {unit}"
         for value, unit in ((limits.effort, "N·m"), (limits.velocity, "rad/s"))
     )
-    return f"a pair of {part}s {effort}, {velocity}"
+    return f"{study.gaits.words.joint.format(part=part)} {effort}, {velocity}"

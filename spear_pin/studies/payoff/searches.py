@@ -1,29 +1,20 @@
-"""Searches of a payoff study, each kept in its store: asked for again it is read, not searched."""
+"""Searches of a payoff study and what came of them, and both in JSON's terms."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
-from spear_pin.errors import BadValue, Infeasible, NoGait
-from spear_pin.gaits.bounding import bounding
-from spear_pin.gaits.bounding_law import BoundingLaw
 from spear_pin.gaits.collocation import Solution
-from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.optimize import MESHES, search
+from spear_pin.gaits.gait import KINDS, Gait
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
-from spear_pin.studies import workers
-from spear_pin.studies.payoff.figures import Figures, figures
-from spear_pin.studies.payoff.grid import Point, request
-from spear_pin.studies.payoff.motors import Motors
-from spear_pin.studies.payoff.store import Store, digest
-
-PURPOSE = "a payoff study in several processes"
+from spear_pin.studies.payoff.figures import Figures
+from spear_pin.studies.payoff.grid import Point
+from spear_pin.studies.payoff.store import digest
 
 
 @dataclass(frozen=True)
@@ -33,12 +24,12 @@ class Search:
     Attributes:
         point: what is asked.
         start: the finding to start from; None: cold.
-        meshes: as of `spear_pin.gaits.optimize.search`.
+        meshes: intervals of each phase, as of `spear_pin.gaits.optimize.search`; of a hop the samples of each phase.
     """
 
     point: Point
-    start: SearchEnd | None = None
-    meshes: tuple[int, ...] = MESHES
+    start: SearchEnd | None
+    meshes: tuple[int, ...]
 
     @property
     def key(self) -> str:
@@ -59,7 +50,7 @@ class SearchEnd:
         reason: why there is no gait; empty where there is one.
         figures: of the gait.
         gait: what `rebuilt` makes it from.
-        solution: the optimiser's.
+        solution: the optimiser's, of a bound.
     """
 
     key: str
@@ -74,56 +65,8 @@ class SearchEnd:
 
     @property
     def cost(self) -> float:
-        """Electrical cost of transport; infinite where there is no gait."""
+        """Electrical cost; infinite where there is no gait."""
         return np.inf if self.figures is None else self.figures.cost
-
-
-Tell = Callable[[str], object]
-
-
-@dataclass(frozen=True)
-class Searcher:
-    """Searches for a robot with its motors, in processes, each kept in a store.
-
-    Attributes:
-        robot: in its sagittal plane, the motors' rotors in it.
-        motors: its motors.
-        store: where findings are kept.
-        n_jobs: processes.
-        tell: called with what is going on, in words.
-    """
-
-    robot: Robot
-    motors: Motors
-    store: Store
-    n_jobs: int | None = 1
-    tell: Tell = lambda text: None
-
-    def find(self, searches: Sequence[Search]) -> list[SearchEnd]:
-        """What comes of some searches, in their order."""
-        missing = {each.key: each for each in searches if self.store.get(each.key) is None}
-        arguments = [(self.robot, self.motors, each) for each in missing.values()]
-        if missing:
-            self.tell(f"searching for {arguments[0][2].point}")
-            for finding in workers.each(attempt, arguments, self.n_jobs, PURPOSE):
-                self.store.keep(to_json(finding))
-                self.tell(f"{len(self.store)} searches done, the last for {finding.point}")
-        return [of_json(self.store.get(each.key) or {}) for each in searches]
-
-
-def attempt(robot: Robot, motors: Motors, asked: Search) -> SearchEnd:
-    """Search once."""
-    begun = time.process_time()
-    wanted = request(robot, asked.point, motors.knee, motors.hip)
-    origin = "cold" if asked.start is None else str(asked.start.point)
-    finding = SearchEnd(asked.key, asked.point, origin, asked.meshes, 0.0)
-    try:
-        start = None if asked.start is None else asked.start.solution
-        gait, solution = search(robot, wanted, start=start, meshes=asked.meshes)
-        found = figures(gait, motors, wanted)
-    except (Infeasible, NoGait, BadValue) as error:  # the last where a stride that was found is none
-        return replace(finding, seconds=time.process_time() - begun, reason=str(error))
-    return replace(finding, seconds=time.process_time() - begun, figures=found, gait=written(gait), solution=solution)
 
 
 def written(gait: Gait) -> dict[str, Any]:
@@ -139,13 +82,14 @@ def written(gait: Gait) -> dict[str, Any]:
     }
 
 
-def rebuilt(robot: Robot, said: Mapping[str, Any]) -> Gait:
-    """The gait of a robot that `written` wrote."""
-    law = BoundingLaw(**{name: _tuples(value) for name, value in said["law"].items()})
+def rebuilt(kind: str, robot: Robot, said: Mapping[str, Any]) -> Gait:
+    """The gait of a robot that `written` wrote, of a kind among `spear_pin.gaits.gait.KINDS`."""
+    build, law_of = KINDS[kind]
+    law = law_of(**{name: _tuples(value) for name, value in said["law"].items()})
     spring = Spring(**{name: _tuples(value) for name, value in said["spring"].items()})
     q, v = (np.array(part, dtype=float) for part in said["state"])
     multipliers = np.array([complex(*pair) for pair in said["multipliers"]])
-    system = bounding(robot, law, spring)
+    system = build(robot, law, spring)
     return Gait(system, (q, v), said["parameters"], said["residual"], multipliers, said["durations"])
 
 

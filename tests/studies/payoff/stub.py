@@ -1,19 +1,20 @@
 """Searches that end at once: a shipped gait with another spring, what it costs by a formula."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
 from spear_pin import Gait
+from spear_pin.errors import NoGait
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.collocation import Solution
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.design import sprung
-from spear_pin.studies.payoff import Figures, Motors, SearchEnd
-from spear_pin.studies.payoff.figures import figures
-from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point, request
-from spear_pin.studies.payoff.searches import written
+from spear_pin.studies.payoff import Motors
+from spear_pin.studies.payoff.bounding import figures_of, request
+from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point
 
 DRIVES = {
     "knee": Drive(motor("assumed_600w"), Gearbox(15.0, 0.83), 48.0),
@@ -34,7 +35,7 @@ def cost(point):
 
 
 class Stub:
-    """Takes the place of `searches.attempt`.
+    """Takes the place of the search for a bound.
 
     Args:
         fails: tells of a point and of the point that a search begins from whether there is no gait.
@@ -47,17 +48,12 @@ class Stub:
     def __call__(self, robot, motors, search):
         start = None if search.start is None else search.start.point
         self.asked.append((search.point, start, search.meshes))
-        origin = "cold" if start is None else str(start)
-        finding = SearchEnd(search.key, search.point, origin, search.meshes, 1.0)
         if self.fails(search.point, start):
-            return SearchEnd(**vars(finding) | {"reason": "no gait found: it is so"})
+            raise NoGait("it is so", 1.0)
         kind, stiffness = search.point.kind, search.point.stiffness
         stiffness = BEST[kind] if stiffness is None else stiffness
-        gait = of_leg(stiffness)
-        found = Figures(
-            **vars(own_figures(stiffness)) | {"cost": self.costs(search.point, start), "stiffness": stiffness}
-        )
-        return SearchEnd(**vars(finding) | {"figures": found, "gait": written(gait), "solution": SOLUTION})
+        found = replace(own_figures(), cost=self.costs(search.point, start), stiffness=stiffness)
+        return of_leg(stiffness), found, SOLUTION
 
 
 SOLUTION = Solution({"stiffness": np.array([112.0])}, 1.0, {"mean speed": 1e-9}, True, "Solve_Succeeded", 42)
@@ -76,9 +72,9 @@ def of_leg(stiffness):
 
 
 @cache
-def own_figures(stiffness):
-    asked = request(shipped().system.robot, Point(SWITCHED, 2.5, stiffness), *DRIVES.values())
-    return figures(of_leg(stiffness), MOTORS, asked)
+def own_figures():
+    asked = request(shipped().system.robot, Point(SWITCHED, 2.5, 56.0), MOTORS)
+    return figures_of(shipped(), MOTORS, asked)
 
 
 def springs_of(gait):

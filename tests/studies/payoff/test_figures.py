@@ -7,8 +7,9 @@ from spear_pin import load, sagittal, vary
 from spear_pin.model.catalogue import motor
 from spear_pin.studies.bound import weight
 from spear_pin.studies.design import electrical_cost
-from spear_pin.studies.payoff import Motors, Point, assumed, figures, fitted, of_file
-from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, request
+from spear_pin.studies.payoff import Motors, Point, assumed, fitted, of_file
+from spear_pin.studies.payoff.bounding import figures_of, request
+from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.studies.payoff.motors import KIND, RATIO, SPARE
 from spear_pin.studies.payoff.searches import rebuilt, written
 from tests.gaits.bounding_gaits import gait, trajectory
@@ -21,7 +22,7 @@ ADDUCTIONS = [f"{pair}_{side}_adduction" for pair in ("posterior", "anterior") f
 @pytest.fixture(scope="module")
 def found():
     robot = gait(NAME).system.robot
-    return figures(gait(NAME), MOTORS, request(robot, Point(SWITCHED, 2.5, 56.0), *DRIVES.values()))
+    return figures_of(gait(NAME), MOTORS, request(robot, Point(SWITCHED, 2.5, 56.0), MOTORS))
 
 
 class TestFigures:
@@ -55,14 +56,14 @@ class TestFigures:
 
     def test_bounds_that_hold_it_are_named(self, found):
         robot = gait(NAME).system.robot
-        tight = request(robot, Point(NONE, 2.5), *DRIVES.values())
+        tight = request(robot, Point(NONE, 2.5), MOTORS)
         shortest = min(gait(NAME).durations[f"{leg}_stance"] for leg in ("posterior", "anterior"))
-        held = figures(gait(NAME), MOTORS, type(tight)(**vars(tight) | {"minimum_stance": shortest})).held
+        held = figures_of(gait(NAME), MOTORS, type(tight)(**vars(tight) | {"minimum_stance": shortest})).held
         assert any("as short as it may be" in each for each in held)
 
     def test_written_and_rebuilt(self):
         own = gait(NAME)
-        again = rebuilt(own.system.robot, written(own))
+        again = rebuilt("bounding", own.system.robot, written(own))
         assert again.system.law == own.system.law and again.system.spring == own.system.spring
         assert (again.state[0] == own.state[0]).all() and again.residual == own.residual
         assert (again.multipliers == own.multipliers).all()
@@ -72,13 +73,12 @@ class TestRequest:
     def test_kinds(self):
         robot = load("q_spear")
         none, fixed, switched = (
-            request(robot, Point(kind, 2.0, 40.0 if kind != NONE else 0.0), *DRIVES.values())
-            for kind in (NONE, FIXED, SWITCHED)
+            request(robot, Point(kind, 2.0, 40.0 if kind != NONE else 0.0), MOTORS) for kind in (NONE, FIXED, SWITCHED)
         )
         assert (none.stiffness, fixed.stiffness, switched.stiffness) == (0.0, 80.0, 80.0)
         assert fixed.rest == fixed.knee_touchdown and switched.rest is None
         assert {each.virtual_stiffness for each in (none, fixed, switched)} == {None}
-        assert request(robot, Point(SWITCHED, 2.0, None), *DRIVES.values()).stiffness is None
+        assert request(robot, Point(SWITCHED, 2.0, None), MOTORS).stiffness is None
 
 
 class TestMotors:

@@ -1,33 +1,32 @@
-"""Payoff study of a bound: the gait of least electrical cost for each knee, stiffness and speed."""
+"""Payoff study of any kind of gait: the one of least electrical cost for each knee, stiffness and speed."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import spear_pin
 from spear_pin.errors import Infeasible, NoGait, SpearError
-from spear_pin.gaits.optimize import search
-from spear_pin.gaits.request import Request
+from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.motor import Drive
 from spear_pin.model.robot import Robot
 from spear_pin.studies.design import points_of
-from spear_pin.studies.payoff.grid import FIXED, FREE, KINDS, NONE, SWITCHED, Grid, Point
-from spear_pin.studies.payoff.motors import PARTS, Motors, assumed, fitted, of_file, own_rotors
-from spear_pin.studies.payoff.searches import Search, SearchEnd, Searcher, Tell
+from spear_pin.studies.payoff.gaits import Gaits
+from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED, Grid, Point
+from spear_pin.studies.payoff.motors import PARTS, Motors, assumed, fitted, known, own_rotors
+from spear_pin.studies.payoff.searcher import Searcher, Tell
+from spear_pin.studies.payoff.searches import Search, SearchEnd, rebuilt
 from spear_pin.studies.payoff.store import Store
 from spear_pin.studies.sweep.store import fingerprint
 
-SHARES = (0.6, 0.7, 0.8, 0.9)  # of the speed that `Request.scaled` has
 STEPS = (0.25, 0.5, 1.0, 1.5, 2.0)  # of the stiffness that the optimiser chooses
 TRIES = 4  # searches of a point that fails, each from another neighbour
 PASSES = 2  # over all points, from neighbours that are new or have become better
 FOLLOWED = 2  # rounds in which neighbours of what became better are searched again
 BETTER = 0.005  # of a cost: what counts as better
-FINER = (20,)  # intervals of each phase
 
 
 @dataclass(frozen=True)
@@ -35,18 +34,20 @@ class Study:
     """What was found.
 
     Attributes:
-        robot: in its sagittal plane, the motors' rotors in it.
+        gaits: the kind of gait.
+        robot: in the plane, the motors' rotors in it.
         motors: its motors.
         grid: what was asked.
         tries: every search, by point, in order.
         best: of each kind the finding at `speed` whose stiffness the optimiser chose, or the best of the grid there.
         finer: the same on a finer mesh; where that failed with a reason.
-        speed: at which the answer is given, in m/s.
+        speed: at which the answer is given, as of `Point`.
         chosen: stiffness of a leg's switchable spring that the optimiser chose for the grid, in N·m/rad; None where
             stiffnesses were given, or none was found.
         seconds: of processors, all searches together.
     """
 
+    gaits: Gaits
     robot: Robot
     motors: Motors
     grid: Grid
@@ -61,6 +62,11 @@ class Study:
         """The cheapest gait of a point; None where there is none."""
         return cheapest(self.tries.get(point, ()))
 
+    def gait(self, finding: SearchEnd) -> Gait:
+        """The gait of a finding that has one."""
+        assert finding.gait is not None
+        return rebuilt(self.gaits.kind, self.robot, finding.gait)
+
     def along(self, kind: str, speed: float) -> list[SearchEnd]:
         """The cheapest gaits of a kind at a speed, by stiffness."""
         points = [point for point in self.grid if (point.kind, point.speed) == (kind, speed)]
@@ -73,7 +79,8 @@ def cheapest(findings: Iterable[SearchEnd]) -> SearchEnd | None:
     return min(found, key=lambda each: each.cost, default=None)
 
 
-def bounds(
+def studied(
+    gaits: Gaits,
     robot: Robot,
     path: Path,
     *,
@@ -87,24 +94,25 @@ def bounds(
     """Gaits of least electrical cost without springs, with fixed and with switchable ones.
 
     Args:
-        robot: in its sagittal plane, as `spear_pin.sagittal` cuts it, or Q-SPEAR.
+        gaits: the kind of gait.
+        robot: in the plane.
         path: of the store; what is in it is not searched again.
-        speeds: rising, in m/s; by default `SHARES` of that of `Request.scaled`.
+        speeds: as of `Point`, rising; by default by the robot's size.
         stiffnesses: of a leg's spring, rising, in N·m/rad; by default `STEPS` of the one that the optimiser chooses.
-        drives: of "knee" and "hip"; those left out are the robot's file's, or assumed.
+        drives: of "knee" and "hip"; those left out are the robot's own, or assumed.
         bus: of the supply, in V, of motors that are not given.
         n_jobs: processes.
         tell: called with what is going on, in words.
 
     Raises:
-        NoGait, Infeasible: not even a bound without springs was found.
+        NoGait, Infeasible: not even a gait without springs was found.
         BadFile: the store is of another study, or cannot be written.
         BadValue: what was asked makes no sense.
-        MissingExtra: CasADi, or for several processes joblib, is not installed.
+        MissingExtra: for several processes joblib, is not installed.
     """
-    scaled = Request.scaled(robot)
-    speeds = tuple(speeds or (float(f"{share * scaled.speed:.3g}") for share in SHARES))
+    speeds = tuple(speeds or gaits.speeds(robot))
     Grid(speeds, tuple(stiffnesses or (1.0,)))
+    gaits.check(robot, speeds)
     drives = dict(drives or {})
     asked = {
         "version": spear_pin.__version__,
@@ -114,26 +122,26 @@ def bounds(
         "drives": {part: asdict(drive) for part, drive in drives.items()},
         "bus": bus,
         "settings": None if robot.settings is None else str(robot.settings),
-        "request": str(replace(scaled, **FREE)),
+        **gaits.asked(robot),
     }
     store = Store(path, asked)
-    motors = _motors(robot, drives, bus, speeds, store, tell)
-    searcher = Searcher(fitted(robot, motors), motors, store, n_jobs, tell)
+    motors = _motors(gaits, robot, drives, bus, speeds, store, tell)
+    searcher = Searcher(gaits, fitted(robot, motors), motors, store, n_jobs, tell)
     work = _Work(searcher)
-    bare = work.slowest([Point(NONE, speed) for speed in speeds])
+    bare = work.begin([Point(NONE, speed) for speed in gaits.first(robot, speeds)])
     chosen = None
     if stiffnesses is None:
-        chosen, stiffnesses = work.stiffnesses(bare, speeds)
+        chosen, stiffnesses = work.stiffnesses(bare)
     grid = Grid(speeds, tuple(stiffnesses))
     work.fill(grid)
     for _ in range(PASSES - 1):
         work.again(grid)
     best, speed = work.best(grid)
-    again = searcher.find([Search(each.point, each, FINER) for each in best.values()])
+    again = searcher.find([Search(each.point, each, gaits.finer) for each in best.values()])
     finer = dict(zip(best, again, strict=True))
     everything = [*(each for row in work.tries.values() for each in row), *finer.values()]
     seconds = sum({each.key: each.seconds for each in everything}.values())
-    return Study(searcher.robot, motors, grid, work.tries, best, finer, speed, chosen, seconds)
+    return Study(gaits, searcher.robot, motors, grid, work.tries, best, finer, speed, chosen, seconds)
 
 
 @dataclass
@@ -151,6 +159,9 @@ class _Work:
                 known.append(finding)
         return found
 
+    def of(self, point: Point, start: SearchEnd | None = None) -> Search:
+        return Search(point, start, self.searcher.gaits.meshes)
+
     def at(self, point: Point) -> SearchEnd | None:
         return cheapest(self.tries.get(point, ()))
 
@@ -159,22 +170,22 @@ class _Work:
         first = next(each for each in self.tries[finding.point] if each.figures is not None)
         return finding.cost < (1.0 - BETTER) * first.cost
 
-    def slowest(self, points: Sequence[Point]) -> SearchEnd:
+    def begin(self, points: Sequence[Point]) -> SearchEnd:
         """The gait of the first point that has one, from cold."""
-        reasons = []
+        words, reasons = self.searcher.gaits.words, []
         for point in points:
-            (found,) = self.search([Search(point)])
+            (found,) = self.search([self.of(point)])
             if found.figures is not None:
                 return found
-            reasons.append(f"{point}: {found.reason}")
-        raise SpearError(f"there is no bound to begin with: {reasons[0]}")
+            reasons.append(f"{words.of(point)}: {found.reason}")
+        raise SpearError(f"there is no {words.one} to begin with: {reasons[0]}")
 
-    def stiffnesses(self, bare: SearchEnd, speeds: Sequence[float]) -> tuple[float | None, list[float]]:
+    def stiffnesses(self, bare: SearchEnd) -> tuple[float | None, list[float]]:
         """The stiffness that the optimiser chooses, and those about it, or about the one by the robot's size."""
         point = Point(SWITCHED, bare.point.speed, None)
-        (found,) = self.search([Search(point, bare)])
+        (found,) = self.search([self.of(point, bare)])
         if found.figures is None:
-            like = Request.scaled(self.searcher.robot).stiffness or 0.0
+            like = self.searcher.gaits.stiffness(self.searcher.robot)
             return None, [float(f"{step * like:.3g}") for step in STEPS]
         chosen = found.figures.stiffness
         return chosen, [float(f"{step * chosen:.3g}") for step in STEPS]
@@ -208,7 +219,7 @@ class _Work:
         """Searches of a point from neighbours' best gaits, but for those that were done."""
         done = {each.key for each in self.tries.get(point, ())}
         starts = [found for near in grid.neighbours(point) if (found := self.at(near)) is not None]
-        return [each for start in starts if (each := Search(point, start)).key not in done]
+        return [each for start in starts if (each := self.of(point, start)).key not in done]
 
     def best(self, grid: Grid) -> tuple[dict[str, SearchEnd], float]:
         """Of each kind the best at the speed at which a switchable spring costs least, its stiffness free."""
@@ -220,7 +231,7 @@ class _Work:
             own = [each for point in grid if (point.kind, point.speed) == (kind, speed) and (each := self.at(point))]
             if own:
                 best[kind] = min(own, key=lambda each: each.cost)
-        freely = [Search(Point(kind, speed, None), best[kind]) for kind in (FIXED, SWITCHED) if kind in best]
+        freely = [self.of(Point(kind, speed, None), best[kind]) for kind in (FIXED, SWITCHED) if kind in best]
         for finding in self.search(freely):
             if finding.cost < best[finding.point.kind].cost:
                 best[finding.point.kind] = finding
@@ -228,19 +239,25 @@ class _Work:
 
 
 def _motors(
-    robot: Robot, drives: Mapping[str, Drive], bus: float | None, speeds: Sequence[float], store: Store, tell: Tell
+    gaits: Gaits,
+    robot: Robot,
+    drives: Mapping[str, Drive],
+    bus: float | None,
+    speeds: Sequence[float],
+    store: Store,
+    tell: Tell,
 ) -> Motors:
-    """Motors that are given, of the robot's file, or assumed."""
+    """Motors that are given, the robot's own, or assumed."""
     found, said, own = dict(drives), dict.fromkeys(drives, "given"), []
     for part in PARTS:
         if part in found:
             continue
-        drive = of_file(robot, part, bus)
-        if drive is not None:
-            found[part], said[part] = drive, f"by {robot.settings.path if robot.settings else ''}"
+        own_drive = known(robot, part, bus)
+        if own_drive is not None:
+            found[part], said[part] = own_drive
             own.append(part)
     if missing := [part for part in PARTS if part not in found]:
-        takes = _taken(robot, speeds, store, tell)
+        takes = _taken(gaits, robot, speeds, store, tell)
         for part in missing:
             torque, rate = takes["takes"][part]
             found[part] = assumed(robot, part, torque, rate, bus)
@@ -249,20 +266,20 @@ def _motors(
     return Motors(found["knee"], found["hip"], said, tuple(own))
 
 
-def _taken(robot: Robot, speeds: Sequence[float], store: Store, tell: Tell) -> dict[str, Any]:
-    """Torque and speed of each part in a bound of least effort without springs, the fastest that there is.
+def _taken(gaits: Gaits, robot: Robot, speeds: Sequence[float], store: Store, tell: Tell) -> dict[str, Any]:
+    """Torque and speed of each part in a gait of least effort without springs, the fastest that there is.
 
     Raises:
         NoGait, Infeasible: there is none.
     """
-    known = store.get("reference")
-    if known is not None:
-        return known
+    found = store.get("reference")
+    if found is not None:
+        return found
     failure: SpearError | None = None
     for speed in sorted(speeds, reverse=True):
-        tell(f"searching for what motors have to do at {speed:.3g} m/s")
+        tell(f"searching for what motors have to do {gaits.words.pace.format(speed)}")
         try:
-            gait, _ = search(robot, Request.scaled(robot, speed=speed, stiffness=0.0))
+            gait = gaits.reference(robot, speed)
         except (Infeasible, NoGait) as error:
             failure = error
             continue

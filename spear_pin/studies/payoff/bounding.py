@@ -1,0 +1,169 @@
+"""Payoff study of a bound: the gait of least electrical cost of transport for each knee, stiffness and speed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from spear_pin.gaits.bounding_law import LEGS
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.optimize import MESHES, search
+from spear_pin.gaits.request import Request
+from spear_pin.hybrid.simulate import simulate
+from spear_pin.model.robot import Robot
+from spear_pin.model.scale import scale_of
+from spear_pin.studies.bound import summarize, weight
+from spear_pin.studies.design import motors_of
+from spear_pin.studies.payoff.figures import Figures, figures
+from spear_pin.studies.payoff.gaits import Found, Gaits, Words
+from spear_pin.studies.payoff.grid import FIXED, Point
+from spear_pin.studies.payoff.motors import Motors
+from spear_pin.studies.payoff.searches import Search
+from spear_pin.studies.payoff.study import Study, studied
+
+SHARES = (0.6, 0.7, 0.8, 0.9)  # of the speed that `Request.scaled` has
+FINER = (20,)  # intervals of each phase
+AT = 0.02  # of a bound of the request's: a gait that near is held by it
+# with a virtual stiffness that is given, a spring that is like it would have the advantage
+FREE: dict[str, Any] = {"virtual_stiffness": None, "minimum_knee_torque": 0.0}
+WORDS = Words(
+    one="bound",
+    doing="bounding",
+    pace="at {:.3g} m/s",
+    paces="at {:.3g} to {:.3g} m/s",
+    axis="Speed (m/s)",
+    slowest="the slowest speed",
+    fastest="the fastest speed",
+    cost="Electrical cost of transport",
+    since="Time from posterior touchdown (s)",
+    joint="a pair of {part}s",
+    rests=(
+        (
+            "what is minimised",
+            "the electricity that knees and hips draw over weight and distance, heat of the windings included, by a"
+            " smooth stand-in whose gears lose both ways; the costs shown are those of the simulated motion",
+        ),
+        (
+            "what a law may do",
+            "in stance a constant torque and a virtual spring at the knee and a constant torque at the hip, in swing"
+            " Bézier curves; all of it, the virtual spring too, is chosen for each point",
+        ),
+    ),
+)
+
+
+def request(robot: Robot, point: Point, motors: Motors) -> Request:
+    """What a search is asked at a point: least electrical cost of transport, within motors and limits."""
+    asked = Request.scaled(
+        robot,
+        speed=point.speed,
+        objective="electrical",
+        stiffness=None if point.stiffness is None else motors_of(robot) * point.stiffness,
+        **FREE,
+        knee_drive=motors.knee,
+        hip_drive=motors.hip,
+    )
+    return replace(asked, rest=asked.knee_touchdown) if point.kind == FIXED else asked
+
+
+def figures_of(gait: Gait, motors: Motors, request: Request) -> Figures:
+    """Figures of a bound that was searched for.
+
+    Args:
+        gait: a bounding gait.
+        motors: that drive it.
+        request: what was asked, for the bounds that the gait keeps to.
+    """
+    trajectory = simulate(gait.system, gait.state, progress=False)
+    said = summarize(gait, trajectory)
+    return figures(
+        gait,
+        motors,
+        trajectory,
+        work=weight(gait.system.robot) * said["stride"],
+        speed=said["speed"],
+        friction=said["friction_used"],
+        held=_held(gait, request, said["friction_used"]),
+    )
+
+
+def _held(gait: Gait, request: Request, friction: float) -> tuple[str, ...]:
+    """Bounds that the request set and that the gait is at."""
+    found = []
+    for leg in LEGS:
+        if gait.durations[f"{leg}_stance"] <= (1.0 + AT) * request.minimum_stance:
+            found.append(f"the {leg} stance is as short as it may be")
+        if getattr(gait.system.law, f"{leg}_knee_torque") <= (1.0 + AT) * request.minimum_knee_torque:
+            found.append(f"the {leg} knee's torque at rest is the least allowed")
+    if friction >= (1.0 - 2 * AT) * request.friction:
+        found.append("friction is used up")
+    return tuple(found)
+
+
+def _search(robot: Robot, motors: Motors, asked: Search) -> Found:
+    wanted = request(robot, asked.point, motors)
+    start = None if asked.start is None else asked.start.solution
+    gait, solution = search(robot, wanted, start=start, meshes=asked.meshes)
+    return gait, figures_of(gait, motors, wanted), solution
+
+
+def _reference(robot: Robot, speed: float) -> Gait:
+    return search(robot, Request.scaled(robot, speed=speed, stiffness=0.0))[0]
+
+
+def _speeds(robot: Robot) -> tuple[float, ...]:
+    return tuple(float(f"{share * Request.scaled(robot).speed:.3g}") for share in SHARES)
+
+
+def _first(robot: Robot, speeds: Sequence[float]) -> Sequence[float]:
+    return speeds  # the slowest
+
+
+def _stiffness(robot: Robot) -> float:
+    return (Request.scaled(robot).stiffness or 0.0) / motors_of(robot)
+
+
+def _check(robot: Robot, speeds: Sequence[float]) -> None:
+    for speed in speeds:
+        Request.scaled(robot, speed=speed).check(scale_of(robot))
+
+
+def _asked(robot: Robot) -> Mapping[str, Any]:
+    return {"request": str(replace(Request.scaled(robot), **FREE))}
+
+
+def _energy(robot: Robot, figures: Figures) -> float:
+    return figures.cost * weight(robot) * figures.speed * sum(figures.durations.values())
+
+
+BOUNDS = Gaits(
+    kind="bounding",
+    words=WORDS,
+    meshes=MESHES,
+    finer=FINER,
+    search=_search,
+    reference=_reference,
+    speeds=_speeds,
+    first=_first,
+    stiffness=_stiffness,
+    check=_check,
+    asked=_asked,
+    energy=_energy,
+)
+
+
+def bounds(robot: Robot, path: Path, **options: Any) -> Study:
+    """Bounds of least electrical cost without springs, with fixed and with switchable ones.
+
+    Args:
+        robot: in its sagittal plane, as `spear_pin.sagittal` cuts it, or Q-SPEAR.
+        path: of the store; what is in it is not searched again.
+        **options: as of `studied`; speeds are by default `SHARES` of that of `Request.scaled`.
+
+    Raises:
+        NoGait, Infeasible, BadFile, BadValue: as of `studied`.
+        MissingExtra: CasADi, or for several processes joblib, is not installed.
+    """
+    return studied(BOUNDS, robot, path, **options)

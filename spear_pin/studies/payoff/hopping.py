@@ -1,0 +1,293 @@
+"""Payoff study of a hop of one leg in place: the hop of least electricity for each knee, stiffness and flight time.
+
+The cost of a hop is the electricity of a cycle over m g h with h = g T²/8, as high as a body rises that is in the air
+for T. At a flight time all hops are so measured by the same work.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import NoGait
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.hopping import HoppingLaw
+from spear_pin.gaits.targets import check_wanted
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import parameter
+from spear_pin.hybrid.parameters import rebuilt as with_parts
+from spear_pin.hybrid.result import State
+from spear_pin.hybrid.simulate import simulate
+from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.model.limits import UNKNOWN
+from spear_pin.model.robot import Robot
+from spear_pin.model.scale import scale_of
+from spear_pin.model.spring import Spring
+from spear_pin.studies.bound import weight
+from spear_pin.studies.design import energy_drawn, points_of
+from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
+from spear_pin.studies.payoff.best_hop import Task, best_hop, led
+from spear_pin.studies.payoff.figures import Figures, figures
+from spear_pin.studies.payoff.gaits import Found, Gaits, Words
+from spear_pin.studies.payoff.grid import FIXED, NONE, Point
+from spear_pin.studies.payoff.motors import PARTS, Motors
+from spear_pin.studies.payoff.searches import Search, rebuilt
+from spear_pin.studies.payoff.study import Study, studied
+
+Array = NDArray[np.float64]
+USUAL = 0.2  # s: flight of SPEAR-II
+SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
+MESH, FINER = 60, 240  # samples of each phase
+TOLERANCES = {MESH: (1e-5, 1e-9), FINER: (1e-7, 1e-10)}  # of the optimiser and of the integrator
+LOADED = 0.1  # of the weight: with less on the toe the share that friction takes means nothing
+FOOTING = 0.05  # of the weight: what rests on the toe at least while the knee flexes
+FREQUENCIES = (1.0, 1.3)  # of SPEAR-II's, scaled, that a first hop is looked for with, in turn
+KNEE, HIP = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
+FREQUENCY, TORQUE, STIFFNESS = (0.3, 2.5), (0.0, 6.0), (0.0, 8.0)  # of SPEAR-II's, scaled
+WORDS = Words(
+    one="hop",
+    doing="hopping in place",
+    pace="{:.3g} s in the air",
+    paces="{:.3g} to {:.3g} s in the air",
+    axis="Flight time (s)",
+    slowest="the shortest flight",
+    fastest="the longest flight",
+    cost="Electricity of a hop over m g h",
+    since="Time from touchdown (s)",
+    joint="the {part}",
+    rests=(
+        (
+            "what is minimised",
+            "the electricity that knee and hip draw in a hop, heat of the windings included, over m g h: m the mass on"
+            " the slider, h = g T²/8 the rise of a body that is T in the air",
+        ),
+        (
+            "what a law may do",
+            "in stance one period of a square wave of torque at the knee, its flexion as strong as leaves the toe on"
+            " the ground, and a virtual spring; no torque at the hip. A damper at the knee in stance, SPEAR-II's,"
+            " scaled, which no kind of knee is without. In flight both joints are driven to angles. Torque, frequency,"
+            " virtual spring and both angles are chosen for each point, the gains of the flight are SPEAR-II's, scaled;"
+            " in flight a fixed spring is borne by the motor",
+        ),
+        ("the leg", "on a vertical slider without friction; limits of the file and what the motors can do are kept"),
+    ),
+)
+
+
+def work(robot: Robot, flight_time: float) -> float:
+    """Work m g h of a hop with a flight time T in s, h = g T²/8, in J."""
+    gravity = weight(robot) / robot.mass
+    return weight(robot) * gravity * flight_time**2 / 8.0
+
+
+def electricity(motors: Motors, system: HybridSystem, trajectory: Trajectory) -> float:
+    """What knee and hip draw, in J."""
+    return sum(energy_drawn(points_of(system.robot, trajectory, part), getattr(motors, part)) for part in PARTS)
+
+
+def effort(system: HybridSystem, trajectory: Trajectory) -> float:
+    """∫ Σ u² dt, in N²·m²·s."""
+    return float(np.trapezoid((trajectory.u**2).sum(axis=1), trajectory.t))
+
+
+def within(motors: Motors | None, system: HybridSystem, trajectory: Trajectory) -> Array:
+    """What is left of the limits of the joints, and of the motors' envelopes, as shares of them."""
+    robot, left = system.robot, []
+    for part in PARTS:
+        given, limits = points_of(robot, trajectory, part), robot.limits[part]
+        for values, limit in ((given.torque, limits.effort), (given.speed, limits.velocity)):
+            if 0.0 < limit < UNKNOWN:
+                left.append(1.0 - float(np.abs(values).max()) / limit)
+        angles, (least, most) = trajectory.q[:, robot.index(part)], limits.position
+        left += [gap for gap in (float(angles.min()) - least, most - float(angles.max())) if abs(gap) < UNKNOWN]
+        if motors is not None:
+            drive = getattr(motors, part)
+            left.append(float(np.min(drive.margin(given.torque, given.speed))) / drive.stall_torque)
+    return np.array(left)
+
+
+def ranges(robot: Robot, free: bool) -> dict[str, tuple[float, float]]:
+    """Of each number that is chosen, least and most.
+
+    Args:
+        robot: a leg.
+        free: whether the stiffness of the spring is among them.
+    """
+    law, stiffness = HoppingLaw.scaled(robot), Spring.scaled(robot).stiffness
+
+    def angles(part: str, least: float, most: float) -> tuple[float, float]:
+        low, high = robot.limits[part].position
+        return max(low, least), min(high, most)
+
+    def times(shares: tuple[float, float], value: float) -> tuple[float, float]:
+        return shares[0] * value, shares[1] * value
+
+    chosen = {
+        "stance_torque": times(TORQUE, law.stance_torque),
+        "knee_touchdown": angles("knee", *KNEE),
+        "hip_touchdown": angles("hip", *HIP),
+        "frequency": times(FREQUENCY, law.frequency),
+        "virtual_stiffness": times(STIFFNESS, stiffness),
+    }
+    return chosen | ({"stiffness": times(STIFFNESS, stiffness)} if free else {})
+
+
+def figures_of(gait: Gait, motors: Motors, samples: int = MESH) -> Figures:
+    """Figures of a hop.
+
+    Args:
+        gait: a hop in place.
+        motors: that drive it.
+        samples: of each phase.
+    """
+    robot, flight = gait.system.robot, gait.durations["flight"]
+    trajectory = simulate(gait.system, gait.state, samples=samples, progress=False)
+    along, normal = trajectory.force[:, 0].T
+    loaded = normal > LOADED * weight(robot)
+    friction = float((np.abs(along[loaded]) / normal[loaded]).max(initial=0.0))
+    held = _held(gait, trajectory, motors)
+    return figures(gait, motors, trajectory, work=work(robot, flight), speed=flight, friction=friction, held=held)
+
+
+def _held(gait: Gait, trajectory: Trajectory, motors: Motors) -> tuple[str, ...]:
+    """Ends of ranges at which the law is, and limits that are used up, in words."""
+    found = []
+    for name, (least, most) in ranges(gait.system.robot, free=False).items():
+        if getattr(gait.system.law, name) is None:  # a hip that follows the knee
+            continue
+        value, near = parameter(gait.system, name), 1e-3 * (most - least)
+        end = "least" if value - least < near else "largest" if most - value < near else ""
+        if end and not (name == "virtual_stiffness" and end == "least"):
+            found.append(f"{name.replace('_', ' ')} is the {end} allowed")
+    if within(motors, gait.system, trajectory).min() < 0.01:
+        found.append("a limit of a joint or a motor is reached")
+    return tuple(found)
+
+
+def begun(robot: Robot, point: Point, near: Gait) -> tuple[HybridSystem, State]:
+    """A system for a point, and a state: what its spring does not do of the one before, a virtual one does.
+
+    The damper stays, without a spring too: it is the knee's.
+    """
+    law, spring = near.system.law, near.system.spring
+    whole = spring.stiffness + law.virtual_stiffness
+    own = whole if point.stiffness is None else point.stiffness
+    law = replace(
+        law,
+        virtual_stiffness=max(whole - own, 0.0),
+        minimum_force=FOOTING * weight(robot),
+        hold_extension=True,
+    )
+    rest = law.knee_touchdown if point.kind == FIXED else None
+    real = Spring(stiffness=own, damping=spring.damping, rest=rest, unilateral=rest is None)
+    return with_parts(near.system, law=law, spring=real), near.state
+
+
+def _search(robot: Robot, motors: Motors, asked: Search) -> Found:
+    point, (mesh,) = asked.point, asked.meshes
+    task = _task(robot, point, partial(electricity, motors), partial(within, motors), mesh)
+    if asked.start is None or asked.start.gait is None:
+        gait = _from_cold(robot, point, task)
+    else:
+        gait = best_hop(task, *begun(robot, point, rebuilt(HOPS.kind, robot, asked.start.gait)))
+    return gait, figures_of(gait, motors, mesh), None
+
+
+def _reference(robot: Robot, flight: float) -> Gait:
+    point = Point(NONE, flight)
+    return _from_cold(robot, point, _task(robot, point, effort, partial(within, None), MESH))
+
+
+def _from_cold(robot: Robot, point: Point, task: Task) -> Gait:
+    """The best hop beside one by SPEAR-II's law, scaled, with one of some frequencies of its square wave.
+
+    That hop is about as long in the air as SPEAR-II's for the leg's size, or as is wanted.
+
+    Raises:
+        NoGait: there is none beside any.
+    """
+    system = scaled_hopping(robot)
+    failures = []
+    for wanted in (USUAL * scale_of(robot).time, point.speed):
+        for share in FREQUENCIES:
+            law = replace(
+                system.law,
+                frequency=share * system.law.frequency,
+                hold_extension=True,
+                minimum_force=FOOTING * weight(robot),
+            )
+            try:
+                near = hop_of(with_parts(system, law=law), wanted)
+                return best_hop(task, *led(task, *begun(robot, point, near), near.durations["flight"]))
+            except NoGait as error:
+                failures.append(error)
+    raise failures[0]
+
+
+def _task(robot: Robot, point: Point, cost: Any, spare: Any, mesh: int) -> Task:
+    chosen = ranges(robot, free=point.stiffness is None)
+    return Task(point.speed, cost, spare, chosen, mesh, *TOLERANCES[mesh])
+
+
+def _flights(robot: Robot) -> tuple[float, ...]:
+    return tuple(float(f"{share * USUAL * scale_of(robot).time:.3g}") for share in SHARES)
+
+
+def _first(robot: Robot, flights: Sequence[float]) -> Sequence[float]:
+    usual = USUAL * scale_of(robot).time
+    return sorted(flights, key=lambda flight: abs(math.log(flight / usual)))
+
+
+def _stiffness(robot: Robot) -> float:
+    return Spring.scaled(robot).stiffness
+
+
+def _check(robot: Robot, flights: Sequence[float]) -> None:
+    for flight in flights:
+        check_wanted(scaled_hopping(robot), {"flight_time": flight})
+
+
+def _asked(robot: Robot) -> Mapping[str, Any]:
+    return {"gait": "hop", "ranges": {name: list(ends) for name, ends in ranges(robot, free=True).items()}}
+
+
+def _energy(robot: Robot, figures: Figures) -> float:
+    return figures.cost * work(robot, figures.speed)
+
+
+HOPS = Gaits(
+    kind="hopping",
+    words=WORDS,
+    meshes=(MESH,),
+    finer=(FINER,),
+    search=_search,
+    reference=_reference,
+    speeds=_flights,
+    first=_first,
+    stiffness=_stiffness,
+    check=_check,
+    asked=_asked,
+    energy=_energy,
+)
+
+
+def hops(robot: Robot, path: Path, **options: Any) -> Study:
+    """Hops of least electricity without a spring, with fixed and with switchable ones.
+
+    Args:
+        robot: a leg with boom_x locked, as `spear_pin.monopod` cuts it, or SPEAR-II.
+        path: of the store; what is in it is not searched again.
+        **options: as of `studied`; speeds are flight times, in s, by default `SHARES` of SPEAR-II's for the leg's size.
+
+    Raises:
+        NoGait, BadFile, BadValue: as of `studied`.
+        MissingExtra: for several processes joblib, is not installed.
+    """
+    return studied(HOPS, robot, path, **options)

@@ -1,0 +1,50 @@
+"""Searches of a payoff study in processes, each kept in its store: asked for again it is read, not searched."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from spear_pin.model.robot import Robot
+from spear_pin.studies import workers
+from spear_pin.studies.payoff import gaits as of_gaits
+from spear_pin.studies.payoff.gaits import Gaits
+from spear_pin.studies.payoff.motors import Motors
+from spear_pin.studies.payoff.searches import Search, SearchEnd, of_json, to_json
+from spear_pin.studies.payoff.store import Store
+
+PURPOSE = "a payoff study in several processes"
+Tell = Callable[[str], object]
+
+
+@dataclass(frozen=True)
+class Searcher:
+    """Searches for a robot with its motors, in processes, each kept in a store.
+
+    Attributes:
+        gaits: the kind of gait.
+        robot: in the plane, the motors' rotors in it.
+        motors: its motors.
+        store: where findings are kept.
+        n_jobs: processes.
+        tell: called with what is going on, in words.
+    """
+
+    gaits: Gaits
+    robot: Robot
+    motors: Motors
+    store: Store
+    n_jobs: int | None = 1
+    tell: Tell = lambda text: None
+
+    def find(self, searches: Sequence[Search]) -> list[SearchEnd]:
+        """What comes of some searches, in their order."""
+        missing = {each.key: each for each in searches if self.store.get(each.key) is None}
+        if missing:
+            words = self.gaits.words
+            self.tell(f"searching for {words.of(next(iter(missing.values())).point)}")
+            arguments = [(self.gaits, self.robot, self.motors, each) for each in missing.values()]
+            for finding in workers.each(of_gaits.attempt, arguments, self.n_jobs, PURPOSE):
+                self.store.keep(to_json(finding))
+                self.tell(f"{len(self.store)} searches done, the last for {words.of(finding.point)}")
+        return [of_json(self.store.get(each.key) or {}) for each in searches]

@@ -1,0 +1,59 @@
+"""`spear payoff`: the page, what is printed, and that it goes on where it was broken off."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from spear_pin.studies.payoff.bounding import BOUNDS
+from tests.cli.calls import printed, refused, run
+from tests.gaits.bounding_gaits import trajectory
+from tests.studies.payoff.stub import Stub
+
+CALL = (
+    *("payoff", "q_spear", "--speeds", "2,2.5", "--stiffnesses", "40,60", "--bus", "48", "--workers", "1"),
+    *("--knee-motor", "assumed_600w", "--knee-ratio", "15", "--hip-motor", "assumed_600w", "--hip-ratio", "15"),
+)
+
+
+@pytest.fixture
+def stub(monkeypatch):
+    made = Stub(lambda point, start: point.kind == "switched" and point.stiffness == 60.0)
+    monkeypatch.setattr("spear_pin.studies.payoff.bounding.BOUNDS", replace(BOUNDS, search=made))
+    monkeypatch.setattr("spear_pin.gaits.collocation.casadi", lambda: None)
+    for drawer in ("payoff.page", "plots.payoff"):  # of whose motion there is one for all
+        monkeypatch.setattr(f"spear_pin.viz.{drawer}.simulate", lambda *given, **named: trajectory("long_stride"))
+    return made
+
+
+class TestPayoff:
+    def test_page_pictures_and_figures(self, capsys, tmp_path, stub):
+        found = printed(capsys, *CALL, "--out", tmp_path)
+        assert found["answer"]["verdict"] == "switchable" and found["speed"] == 2.0
+        assert found["best"]["switched"]["figures"]["stiffness"] == 50.0 and found["motors"]["knee"]["from"] == "given"
+        assert len(found["points"]) == 2 * 5 + 2 and sum("figures" not in each for each in found["points"]) == 2
+        names = {path.name for path in tmp_path.iterdir()}
+        assert names >= {"payoff.html", "payoff_cost.svg", "payoff_saving.svg", "payoff_torque.svg", "payoff.jsonl"}
+        page = (tmp_path / "payoff.html").read_text(encoding="utf-8")
+        assert "Yes: at 2 m/s a switchable spring of 50 N·m/rad per leg saves" in page and "it is so" in page
+        assert page.count("data-play=") == 2 and len(page) < 3_000_000
+        assert all(unit in page for unit in ("Stiffness of a leg (N·m/rad)", "N·m for ever"))
+
+    @pytest.mark.slow
+    def test_a_second_call_searches_nothing(self, capsys, tmp_path, stub):
+        status, first, _ = run(capsys, *CALL, "--out", tmp_path)
+        asked = len(stub.asked)
+        assert (status, run(capsys, *CALL, "--out", tmp_path)) == (0, (0, first, "")) and len(stub.asked) == asked
+        refused(capsys, "another study", *CALL, "--bus", "24", "--out", tmp_path)
+
+    @pytest.mark.slow
+    def test_text(self, capsys, tmp_path, stub):
+        status, out, err = run(capsys, *CALL, "--out", tmp_path)
+        assert status == 0 and err == ""
+        for words in ("answer", "at 2.5 m/s: fixed", "on a finer mesh", "without a gait", "knee motors, given"):
+            assert words in out
+
+    def test_json_has_no_nan(self, capsys, tmp_path, stub):
+        stub.fails = lambda point, start: point.kind != "none"
+        status, out, _ = run(capsys, *CALL, "--json", "--out", tmp_path)
+        assert status == 0 and json.loads(out)["answer"]["saving"] == {"fixed": None, "switched": None}
