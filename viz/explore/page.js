@@ -100,8 +100,8 @@
     seek(state.time % hop.duration);
   }
 
-  function tell({ message, verdict }) {
-    at("verdict").textContent = message;
+  function tell({ message, verdict, onward }) {
+    at("verdict").textContent = onward ? "On the way there. " + message : message;
     at("verdict").className = verdict;
     document.body.classList.toggle("stale", verdict === "none");
   }
@@ -197,7 +197,8 @@
         }
         tell(hop);
         if (hop.verdict === "none") {
-          if (!state.hop) wish = wish || { search: "", keep: true, begun }; // the default one, to begin with
+          if (hop.onward) wish = wish || { search, keep, begun };
+          else if (!state.hop) wish = wish || { search: "", keep: true, begun }; // the default one, to begin with
           continue;
         }
         if (state.kept && hop.kept && !wish) {

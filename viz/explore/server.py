@@ -17,6 +17,7 @@ from typing import Any
 from urllib.parse import parse_qsl, urlsplit
 
 from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName, brief
+from spear_pin.studies.explore.bounds import Underway
 from spear_pin.studies.explore.engines import Engine
 from spear_pin.studies.explore.figures import script
 from spear_pin.studies.explore.knobs import Knobs, Subject
@@ -53,8 +54,15 @@ def _error(status: HTTPStatus, text: str, **headers: str) -> Answer:
 
 
 def _none(view: str, knobs: Knobs, error: NoGait) -> Answer:
-    """There is no such motion, and why: the page keeps the last one."""
-    said = {"view": view, "knobs": knobs.values, "kept": knobs.kept, "verdict": "none", "message": f"{error.reason}."}
+    """There is no such motion, and why: the page keeps the last one, and asks again where that leads onward."""
+    said = {
+        "view": view,
+        "knobs": knobs.values,
+        "kept": knobs.kept,
+        "verdict": "none",
+        "message": f"{error.reason}.",
+        "onward": isinstance(error, Underway),
+    }
     return _text(HTTPStatus.OK, json.dumps(said), "application/json")
 
 

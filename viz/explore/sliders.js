@@ -59,6 +59,6 @@ function makeSliders(knobs, panel, { turn, enter, refuse }) {
   };
 }
 
-const ORIGINS = { source: "source", solved: "solved", assumption: "assumption", scaled: "scaled", own: "own" };
+const ORIGINS = { source: "source", solved: "solved", assumption: "assumption", scaled: "scaled", own: "at first" };
 const ORIGINS_SAID = { source: "the source's", solved: "solved for", assumption: "assumption",
-  scaled: "scaled by size", own: "the robot's or the gait's own" };
+  scaled: "scaled by size", own: "the gait's, or a file's" };

@@ -14,8 +14,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from types import MappingProxyType
 
-import numpy as np
-
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.bounding import SPEED_BY
 from spear_pin.gaits.gait import Gait
@@ -35,6 +33,7 @@ FARTHER = 1.0  # m/s from the gait's own speed, either way
 SLOWEST = 0.1  # of its own speed
 LEAN = 0.1  # rad from the gait's own angles at touchdown
 STEPS = 3  # Newton's methods that may fail on the way to one answer
+REACH = 0.15  # of a slider's range, farther than which no step goes at first
 PATIENCE = 3.0  # s, after which none is begun or continued
 MEMORY = 200  # gaits that are known at most
 
@@ -93,12 +92,16 @@ class Bound(Subject):
     def thorough(self) -> Sequence[Knobs]:
         """A gait beside the first."""
         speed = self.knobs[SPEED]
-        return (self.at(**{SPEED: round(1.002 * speed.default, speed.digits)}),)
+        return (self.at().turned(speed=round(1.002 * speed.default, speed.digits)),)
 
     def nearest(self, numbers: tuple[float, ...]) -> Known:
-        """The known gait that is nearest, each number against its range."""
-        spans = np.array([knob.high - knob.low for knob in self.knobs.values()])
-        return min(self.known, key=lambda each: float(np.abs((np.array(each.numbers) - numbers) / spans).max()))
+        """The known gait that is nearest."""
+        return min(self.known, key=lambda each: self.distance(each.numbers, numbers))
+
+    def distance(self, one: tuple[float, ...], other: tuple[float, ...]) -> float:
+        """The largest difference of two settings, each number's against its range."""
+        spans = [knob.high - knob.low for knob in self.knobs.values()]
+        return max(abs(a - b) / span for a, b, span in zip(one, other, spans, strict=True))
 
     def remember(self, known: Known) -> None:
         """Know a gait more, and forget the oldest but the first."""
@@ -117,6 +120,10 @@ class Bound(Subject):
         return system.build(vary(system.robot, **changes), law=system.law, spring=system.spring, contact=system.ground)
 
 
+class Underway(NoGait):
+    """There was no more time; what was found on the way is known, so that the same question leads farther."""
+
+
 def stride(knobs: Knobs, engine: Engine) -> Motion:
     """A stride of the gait with these numbers.
 
@@ -125,32 +132,39 @@ def stride(knobs: Knobs, engine: Engine) -> Motion:
         engine: solves for it.
 
     Raises:
+        Underway: not yet; see there.
         NoGait: none was found; the text says why, and how far the way to it led.
     """
     subject = knobs.subject
     assert isinstance(subject, Bound)
     if knobs == subject.at():
         return periodic(knobs, subject.gait)
-    near, failures, wanted = subject.nearest(knobs.numbers), 0, knobs
-    first = len(subject.known) == 1  # which is compiled meanwhile
+    begun = near = subject.nearest(knobs.numbers)
+    step, failures = REACH, 0
+    engine.advance(knobs, near.state, 1)  # with other gears it is compiled
+    first = len(subject.known) == 1  # so is what runs cycles side by side
     until = math.inf if first else time.perf_counter() + PATIENCE
     while True:
+        share = min(1.0, step / max(subject.distance(near.numbers, knobs.numbers), 1e-12))
+        numbers = tuple(a + share * (b - a) for a, b in zip(near.numbers, knobs.numbers, strict=True))
+        wanted = knobs if share == 1.0 else replace(knobs, numbers=numbers)
         target = {"mean_speed": wanted.values[SPEED]}
         try:
             gait = engine.beside(wanted, near.state, {SPEED_BY: near.torque}, target, until)
         except SpearError as error:
             failures += 1
+            step = 0.4 * share * subject.distance(near.numbers, knobs.numbers)
             if failures >= STEPS or time.perf_counter() > until:
                 residual = error.residual if isinstance(error, NoGait) else math.inf
-                raise NoGait(f"{_said(subject, near)} none was found beyond: {_why(error)}", residual) from None
-            middle = tuple((a + b) / 2 for a, b in zip(near.numbers, wanted.numbers, strict=True))
-            wanted = replace(knobs, numbers=middle)
+                told = f"{_said(subject, near)} none was found beyond: {_why(error)}"
+                late = failures < STEPS and near is not begun
+                raise (Underway if late else NoGait)(told, residual) from None
             continue
+        if wanted is knobs:
+            subject.remember(Known(knobs.numbers, gait.state, gait.parameters[SPEED_BY]))
+            return periodic(knobs, gait)
         near = Known(wanted.numbers, gait.state, gait.parameters[SPEED_BY])
         subject.remember(near)
-        if wanted.numbers == knobs.numbers:
-            return periodic(knobs, gait)
-        wanted = knobs
 
 
 def _why(error: SpearError) -> str:
@@ -185,8 +199,8 @@ def bound_to_explore(gait: Gait, title: str) -> Bound:
     mostly = max(20.0, abs(law.anterior_hip_torque))
     knobs = {
         SPEED: Knob("Mean speed", "m/s", speed, round(slowest, 2), round(speed + FARTHER, 2), 3, "own", "the gait's"),
-        "virtual_stiffness": _about("Knee stiffness, motor and spring", "N·m/rad", law.virtual_stiffness, "the gait's"),
-        "stiffness": _about("of that the spring's", "N·m/rad", spring.stiffness, "of a pair", 0.0, 3.5),
+        "virtual_stiffness": _about("Knee stiffness", "N·m/rad", law.virtual_stiffness, "spring and motors of a pair"),
+        "stiffness": _about("the spring's part", "N·m/rad", spring.stiffness, "the motors do the rest", 0.0, 3.5),
         "anterior_hip_torque": Knob(
             "Anterior hip torque",
             "N·m",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -27,8 +27,8 @@ from spear_pin.studies.explore.knobs import Knobs
 
 Array = NDArray[np.float64]
 RTOL = 1e-9
-CALLS = 20  # of the engine, in which Newton's method has to end
-LATE = "Newton's method takes too long"
+CALLS = 13  # of the engine, in which Newton's method has to end
+LATE = "Newton's method takes longer than a few seconds"
 
 
 class Solve(Protocol):
@@ -101,15 +101,22 @@ class _Either(LaneCycles):
 
     Attributes:
         until: when to give up, of `time.perf_counter`.
+        ended: why cycles did not close, the latest last.
     """
 
     until: float = math.inf
+    ended: list[str] = field(default_factory=list)
 
     def __call__(self, lanes: NDArray[np.int64], q: Array, v: Array, values: Array) -> Cycles:
         if time.perf_counter() > self.until:
-            raise NoGait(LATE, np.inf)
+            raise NoGait(self.said(LATE), np.inf)
         cycles = super().__call__(lanes, q, v, values)
+        self.ended.extend(cycles.reason[cycles.reason != ""])
         return replace(cycles, reference=np.zeros_like(cycles.reference))
+
+    def said(self, why: str) -> str:
+        """Why there is no gait, with what ended the last cycle near it that did not close."""
+        return f"{why}; near it {REASONS[self.ended[-1]]}" if self.ended else why
 
 
 def _beside_lane(
@@ -125,8 +132,8 @@ def _beside_lane(
     shooting = Shooting(charts, cycle, tuple(vary), np.array([list(target.values())]))
     roots = shooting.solve(np.array([list(vary.values())]), TOLERANCE, CALLS)
     if roots.end[0] != CONVERGED:
-        why = REASONS.get(roots.reason[0]) or WHY[roots.end[0]].format(n=roots.iteration[0])
-        raise NoGait(why, float(roots.norm[0]))
+        why = WHY[roots.end[0]].format(n=roots.iteration[0])
+        raise NoGait(cycle.said(why), float(roots.norm[0]))
     q, v = shooting.states(np.zeros(1, dtype=np.int64), roots.x)
     found = multipliers(cycle, ground.charts(q, v, slides), roots.x[:, charts.dimension :])
     if found.reason[0] != CONVERGED:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Mapping
 from dataclasses import asdict
 
 import numpy as np
@@ -154,7 +155,7 @@ def _loading(robot: Robot) -> tuple[str, str]:
     return f"{lines}\nrobot = vary(robot, {varied})" if varied else lines, needed
 
 
-def _loaded(robot: Robot, more: dict[str, object] | None = None) -> str:
+def _loaded(robot: Robot, more: Mapping[str, object] | None = None) -> str:
     said = {**robot.options, **(more or {})}
     named = "".join(f", {name}={list(x) if isinstance(x, tuple) else x!r}" for name, x in said.items())
     return f"load({str(robot.source)!r}{named})"

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache
+from typing import Any
 
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
@@ -69,8 +70,8 @@ class Leg(Subject):
 
     def system(self, values: Mapping[str, float]) -> HybridSystem:
         """The hop with these numbers."""
-        of_spring = {name: values[name] for name in MATERIAL}
-        of_law = {name: values[name] for name in ("stance_torque", "knee_touchdown", "frequency")}
+        of_spring: dict[str, Any] = {name: values[name] for name in MATERIAL}
+        of_law: dict[str, Any] = {name: values[name] for name in ("stance_torque", "knee_touchdown", "frequency")}
         if self.law.hip_touchdown is not None:  # the toe stays below the hip
             of_law["hip_touchdown"] = self.robot.legs[0].lean(values["knee_touchdown"])
         ratio = {RATIO: values[RATIO]} if RATIO in values else {}
@@ -147,7 +148,7 @@ def hop_of_leg(robot: Robot, title: str) -> Leg:
         "damping": (spring.damping, scale.torque * scale.time, *by_file),
     }
     knobs = {name: knob for name, knob in KNOBS.items() if name != RATIO}
-    knobs |= {name: _scaled(KNOBS[name], *said) for name, said in factors.items()}  # type: ignore[arg-type]
+    knobs |= {name: _scaled(KNOBS[name], *said) for name, said in factors.items()}
     return Leg(robot, law, spring, knobs, title, flight, gait.state)
 
 

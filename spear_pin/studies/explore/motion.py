@@ -37,8 +37,9 @@ class Motion:
 
 
 def shown(knobs: Knobs, verdict: Verdict, message: str, start: State, cycles: int, gait: Gait | None = None) -> Motion:
-    """So many cycles from a state."""
-    return Motion(knobs, verdict, message, start, simulate(knobs.system, start, cycles, progress=False), gait)
+    """So many cycles from a state, of a gait with what was solved for."""
+    system = knobs.system if gait is None else gait.system
+    return Motion(knobs, verdict, message, start, simulate(system, start, cycles, progress=False), gait)
 
 
 def periodic(knobs: Knobs, gait: Gait) -> Motion:
