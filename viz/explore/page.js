@@ -191,7 +191,7 @@
         }
         if (!keep) complain("");
         if (adopt) {
-          Object.assign(state, { knobs: hop.knobs, view: hop.view, kept: hop.kept });
+          Object.assign(state, { knobs: { ...hop.knobs }, view: hop.view, kept: hop.kept });
           place();
           history.replaceState(null, "", query() + location.hash);
         }

@@ -18,10 +18,11 @@ function makeSliders(knobs, panel, { turn, enter, refuse }) {
     const label = make("label", { for: number.id }, make("span", {}, knob.label), number, make("span", { class: "unit" }, unit));
     const slider = make("input", { type: "range", name, min: knob.low, max: knob.high, step: "any",
       "aria-label": `${knob.label}${unit ? " in " + unit : ""}` });
+    const first = Number(knob.default.toFixed(knob.digits));
     const part = (knob.default - knob.low) / (knob.high - knob.low);
     const mark = make("i", { class: knob.origin, style: `left:calc(8px + (100% - 16px) * ${part})` });
-    const origin = make("button", { type: "button", class: `origin ${knob.origin}`, title: `Back to ${knob.default}`,
-      "aria-label": `${knob.label} back to ${knob.default}` }, `${ORIGINS[knob.origin]} ${knob.default}, ${knob.note}`);
+    const origin = make("button", { type: "button", class: `origin ${knob.origin}`, title: `Back to ${first}`,
+      "aria-label": `${knob.label} back to ${first}` }, `${ORIGINS[knob.origin]} ${first}, ${knob.note}`);
     slider.addEventListener("input", () => turn(name, Number(Number(slider.value).toFixed(knob.digits))));
     slider.addEventListener("change", enter);
     number.addEventListener("keydown", (event) => event.stopPropagation()); // digits are no keys of the page here

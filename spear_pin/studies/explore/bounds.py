@@ -204,7 +204,7 @@ def bound_to_explore(gait: Gait, title: str) -> Bound:
         "anterior_hip_torque": Knob(
             "Anterior hip torque",
             "N·m",
-            round(law.anterior_hip_torque, 3),
+            law.anterior_hip_torque,
             round(law.anterior_hip_torque - mostly, 1),
             round(law.anterior_hip_torque + mostly, 1),
             3,
@@ -215,7 +215,7 @@ def bound_to_explore(gait: Gait, title: str) -> Bound:
             f"{leg}_leg_touchdown": Knob(
                 f"{leg.capitalize()} leg at touchdown",
                 "rad",
-                round(angle, 4),
+                angle,
                 round(angle - LEAN, 3),
                 round(angle + LEAN, 3),
                 4,
@@ -241,4 +241,4 @@ def bound_to_explore(gait: Gait, title: str) -> Bound:
 
 def _about(label: str, unit: str, value: float, note: str, least: float = 0.5, most: float = 2.0) -> Knob:
     digits = max(0, 3 - math.floor(math.log10(max(value, 1e-3))))
-    return Knob(label, unit, round(value, digits), least * value, most * value or 100.0, digits, "own", note)
+    return Knob(label, unit, value, least * value, most * value or 100.0, digits, "own", note)

@@ -95,6 +95,7 @@ def _hop_script(hops: Motion) -> str:
     return PROGRAM.format(
         title=hops.knobs.subject.title,
         message=textwrap.fill(hops.message, 110),
+        standard="from dataclasses import replace\n\n" if "replace(" in loading else "",
         imported=imported + needed,
         loading=loading,
         law=_code(system.law),
@@ -171,9 +172,7 @@ PROGRAM = '''"""{title} in place, with numbers set in `spear explore`.
 {message}
 """
 
-from dataclasses import replace
-
-import numpy as np
+{standard}import numpy as np
 
 from spear_pin import Contact, HoppingLaw, Spring, {imported}hopping, load, simulate, vary
 from spear_pin.viz.player import record

@@ -154,7 +154,7 @@ def hop_of_leg(robot: Robot, title: str) -> Leg:
 
 def _scaled(knob: Knob, default: float, factor: float, origin: Origin, note: str) -> Knob:
     """A knob of another robot: its own default, in a range that is scaled, and wider where the default is out of it."""
-    digits = max(0, knob.digits - 1 - math.floor(math.log10(factor)))
+    digits = max(0, knob.digits - round(math.log10(factor)))
     low, high = min(knob.low * factor, 0.5 * default), max(knob.high * factor, 2.0 * default)
     coarse = max(0, digits - 1)
     return replace(

@@ -387,7 +387,7 @@ class TestPage:
             return [await table.text(), picture.type, picture.size];
         })()""")
         head, *rows = saved[0].splitlines()
-        assert head.startswith("domain,t [s],q_boom_z [m],") and len(rows) > 50
+        assert head.startswith("domain,t [s],cycle,q_boom_z [m],") and len(rows) > 50
         assert saved[1] == "image/png" and saved[2] > 5000
 
     @pytest.mark.slow
@@ -414,11 +414,13 @@ OVERFLOWING = """(() => {
     const width = document.documentElement.clientWidth;
     const out = (element) => {
         const { left, right } = element.getBoundingClientRect();
-        const hidden = getComputedStyle(element).overflowX !== "visible" && element.scrollWidth > element.clientWidth + 1;
+        const clips = getComputedStyle(element).overflowX !== "visible";
+        const hidden = clips && element.scrollWidth > element.clientWidth + 1;
         return right > left && (left < -1 || right > width + 1 || hidden);
     };
     return [...document.querySelectorAll("body *")]
-        .filter((element) => !element.closest("dialog, .chart, #pane") && out(element)).map((element) => element.outerHTML);
+        .filter((element) => !element.closest("dialog, .chart, #pane") && out(element))
+        .map((element) => element.outerHTML);
 })()"""
 KEYS = {"ArrowRight": ("ArrowRight", 39), "Escape": ("Escape", 27)}
 
@@ -436,14 +438,9 @@ def press(browser, *keys):
 @pytest.mark.browser
 @pytest.mark.slow
 @pytest.mark.skipif(find() is None, reason="no Chromium here")
-class TestPageOfABound:
-    @pytest.fixture(scope="class")
-    def server(self):
-        subject = bound_to_explore(Gait.load("long_stride"), "Q-SPEAR bounding")
-        with serving(Explorer(subject, best_engine())) as started:
-            yield started
-
-    def test_it_follows_a_slider_and_keeps_the_last_where_there_is_none(self, browser, server):
+def test_a_bound_follows_a_slider_and_the_last_stays_where_there_is_none(browser):
+    subject = bound_to_explore(Gait.load("long_stride"), "Q-SPEAR bounding")
+    with serving(Explorer(subject, best_engine())) as server:
         browser.errors.clear()
         visit(browser, server, "#t=0.1")
         assert "unstable: the largest multiplier is 1.067" in text(browser, "verdict")
