@@ -32,8 +32,6 @@ KINDS: dict[
     "force_x": ("force along the ground", "N"),
     "force_z": ("force normal to the ground", "N"),
 }
-SLIDING = ("JointModelPX", "JointModelPY", "JointModelPZ", "JointModelPrismaticUnaligned")
-LEADING_LENGTHS = {"JointModelFreeFlyer": 3, "JointModelPlanar": 2}
 
 
 @dataclass(frozen=True)
@@ -148,20 +146,7 @@ def _column(name: str, values: Array, units: dict[str, tuple[str, ...]]) -> Colu
 
 def _units(robot: Robot) -> dict[str, tuple[str, ...]]:
     """Units of position, velocity, acceleration and force along each coordinate, by its name."""
-    units: dict[str, tuple[str, ...]] = {}
-    for joint in list(robot.model.joints)[1:]:
-        kind = joint.shortname()
-        lengths = joint.nv if kind in SLIDING else LEADING_LENGTHS.get(kind, 0)
-        parts = robot.coordinates[joint.idx_v : joint.idx_v + joint.nv]
-        units |= {part: LENGTH if number < lengths else ANGLE for number, part in enumerate(parts)}
-        if joint.nq != joint.nv:
-            places = robot.configuration[joint.idx_q : joint.idx_q + joint.nq]
-            units |= {
-                place: LENGTH if number < lengths else ("", *ANGLE[1:])
-                for number, place in enumerate(places)
-                if place not in units
-            }
-    return units
+    return {name: LENGTH if unit == "m" else ANGLE for name, unit in zip(robot.coordinates, robot.units, strict=True)}
 
 
 def _base64(values: Array, kind: str) -> str:
