@@ -142,6 +142,7 @@ def _opening(subject: Subject, engine: Engine) -> dict[str, Any]:
     views = views_of(subject)
     hops = next(iter(views.values()))(subject.at(), engine)
     _, scene = _scene(hops)
+    known = figures(hops)
     return {
         "kind": subject.kind,
         "title": subject.title,
@@ -150,9 +151,9 @@ def _opening(subject: Subject, engine: Engine) -> dict[str, Any]:
         "knobs": {name: asdict(knob) for name, knob in subject.knobs.items()},
         "views": list(views),
         "engine": {"name": engine.name, "extra": engine.extra},
-        "readouts": READOUTS[subject.kind],
+        "readouts": {name: said for name, said in READOUTS[subject.kind].items() if known[name] is not None},
         "plots": PLOTS[subject.kind],
-        "default": {"series": series(hops), "figures": figures(hops), "knobs": hops.knobs.values},
+        "default": {"series": series(hops), "figures": known, "knobs": hops.knobs.values},
         "legend": [
             ["spring engaged", css(COIL_COLOR)],
             ["ground force", css(ARROW_COLOR)],

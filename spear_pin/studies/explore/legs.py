@@ -135,21 +135,27 @@ def hop_of_leg(robot: Robot, title: str) -> Leg:
         raise BadValue("robot", robot, 'a leg that hops in place: monopod(..., locked=["boom_x"])')
     scale = scale_of(robot)
     usual = scaled_hopping(robot)
-    knee = KNOBS["knee_touchdown"].default
-    law = replace(usual.law, knee_touchdown=knee, hip_touchdown=robot.legs[0].lean(knee))
-    gait = hop_of(usual.build(robot, law, usual.spring, usual.ground), scale.time * FLIGHT_TIME, within_limits=True)
-    law, spring, flight = gait.system.law, gait.system.spring, gait.durations["flight"]
     own = robot.settings is not None and "knee" in robot.settings.springs
     by_file: tuple[Origin, str] = ("own", "of its file") if own else ("scaled", "from SPEAR-II's")
-    factors = {
-        "stiffness": (spring.stiffness, scale.torque, *by_file),
-        "stance_torque": (law.stance_torque, scale.torque, "solved", f"for {flight:.3g} s of flight"),
-        "frequency": (law.frequency, 1.0 / scale.time, "scaled", "from SPEAR-II's"),
-        "damping": (spring.damping, scale.torque * scale.time, *by_file),
+    given = {
+        "stiffness": _scaled(KNOBS["stiffness"], usual.spring.stiffness, scale.torque, *by_file),
+        "frequency": _scaled(KNOBS["frequency"], usual.law.frequency, 1.0 / scale.time, "scaled", "from SPEAR-II's"),
+        "damping": _scaled(KNOBS["damping"], usual.spring.damping, scale.torque * scale.time, *by_file),
     }
-    knobs = {name: knob for name, knob in KNOBS.items() if name != RATIO}
-    knobs |= {name: _scaled(KNOBS[name], *said) for name, said in factors.items()}
-    return Leg(robot, law, spring, knobs, title, flight, gait.state)
+    knee = KNOBS["knee_touchdown"].default
+    law = replace(
+        usual.law,
+        knee_touchdown=knee,
+        hip_touchdown=robot.legs[0].lean(knee),
+        frequency=given["frequency"].default,
+    )
+    spring = replace(usual.spring, stiffness=given["stiffness"].default, damping=given["damping"].default)
+    gait = hop_of(usual.build(robot, law, spring, usual.ground), scale.time * FLIGHT_TIME, within_limits=True)
+    flight, torque = gait.durations["flight"], gait.system.law.stance_torque
+    note = f"for {flight:.3g} s of flight"
+    given["stance_torque"] = _scaled(KNOBS["stance_torque"], torque, scale.torque, "solved", note)
+    knobs = {name: given.get(name, knob) for name, knob in KNOBS.items() if name != RATIO}
+    return Leg(robot, gait.system.law, spring, knobs, title, flight, gait.state)
 
 
 def _scaled(knob: Knob, default: float, factor: float, origin: Origin, note: str) -> Knob:

@@ -40,7 +40,7 @@ def test_sliders_are_of_the_legs_own_size(leg, subject):
 def test_it_begins_at_a_hop_whose_torque_was_solved_for(subject):
     hops = settled(subject.at(), REFERENCE)
     assert hops.verdict == "periodic"
-    assert hops.gait.durations["flight"] == pytest.approx(subject.wanted, abs=1e-3)  # as far as sliders have decimals
+    assert hops.gait.durations["flight"] == pytest.approx(subject.wanted, abs=2e-5)
     assert subject.knobs["stance_torque"].origin == "solved" and "s of flight" in subject.keeps
     known = figures(hops)
     assert known["rotor_torque"] is None and known["apex_height"] > 0
