@@ -16,6 +16,7 @@ from pathlib import Path
 from urllib.parse import urlencode
 
 from spear_pin.studies.explore.engines import REFERENCE, TAYLOR, best_engine
+from spear_pin.studies.explore.legs import spear_ii_hop
 from spear_pin.viz.explore.server import Explorer
 from tests.viz.chromium import Browser
 from tests.viz.explore.exploring import move, serving, visit
@@ -51,7 +52,7 @@ def main() -> None:
     parser.add_argument("--engine", choices=("Taylor", "reference"), default=best_engine().name)
     parser.add_argument("--picture", type=Path, metavar="FILE")
     given = parser.parse_args()
-    explorer = Explorer({"Taylor": TAYLOR, "reference": REFERENCE}[given.engine])
+    explorer = Explorer(spear_ii_hop(), {"Taylor": TAYLOR, "reference": REFERENCE}[given.engine])
     begun = time.process_time()
     for name, value in drawn(given.moves, given.rounds):
         explorer.answer(f"/hop?{urlencode({name: value})}")

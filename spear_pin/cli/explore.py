@@ -3,18 +3,30 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command
+from spear_pin.cli.gaits import BOUND, bounding_gait
+from spear_pin.cli.legs import OPTIONS, add_leg, called, one_leg
 from spear_pin.errors import BadValue
+
+if TYPE_CHECKING:
+    from spear_pin.studies.explore.knobs import Subject
 
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(commands, "explore", run, "turn the hop's numbers on a page of this machine, and watch it")
+    what = "turn the numbers of a hop or a bound on a page of this machine, and watch it"
+    parser = add_command(commands, "explore", run, what)
+    parser.add_argument(
+        "motion", nargs="?", choices=("hop", "bound"), default="hop", help="what is turned (default: hop)"
+    )
+    parser.add_argument(
+        "gait", nargs="?", metavar="GAIT", help=f"a bound that ships, or a saved one (default: {BOUND})"
+    )
     parser.add_argument("--port", type=int, default=0, metavar="N", help="of the page (default: any that is free)")
     parser.add_argument("--open", action="store_true", help="open the page in the browser")
-    parser.add_argument("--robot", help=argparse.SUPPRESS)  # others have it: refused with the reason
+    add_leg(parser, "of which one leg hops, with sliders of its size")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -28,26 +40,48 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     if not 0 <= arguments.port <= 65535:
         raise BadValue("--port", arguments.port, "a port from 1 to 65535, or 0 for any that is free")
+    _check(arguments)
 
     def end(number: int, frame: object) -> None:
         raise KeyboardInterrupt
 
-    if arguments.robot is not None:
-        expected = "none: the sliders have SPEAR-II's ranges; spear hop and sweep take another robot's leg"
-        raise BadValue("--robot", arguments.robot, expected)
     engine = best_engine()
     with progress() as show:
-        show("solving the default hop")
-        explorer = Explorer(engine)
+        show(f"solving the default {arguments.motion}")
+        explorer = Explorer(_subject(arguments), engine)
     try:
         with Server(explorer, arguments.port) as server:
             for number in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(number, end)
             text = f"{server.url}  ({engine.name} engine; Ctrl-C ends it)"
-            print_result({"url": server.url, "port": server.port, "engine": engine.name, "text": text}, arguments.json)
+            told = {"url": server.url, "port": server.port, "engine": engine.name, "motion": arguments.motion}
+            print_result(told | {"text": text}, arguments.json)
             if arguments.open:
                 webbrowser.open(server.url)
             server.serve_forever()
     except KeyboardInterrupt:
         pass
     raise SystemExit(0)  # what there was to print is printed
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    """Refuse what does not go together, before anything is computed."""
+    if arguments.motion == "hop" and arguments.gait is not None:
+        raise BadValue("GAIT", arguments.gait, "to go with bound: a hop begins at its default numbers")
+    for name in ("robot", *OPTIONS):
+        value = getattr(arguments, name)
+        if arguments.motion == "bound" and value is not None:
+            expected = "none: of another robot `spear bound --robot NAME --save` writes bound.json, which can be GAIT"
+            raise BadValue(f"--{name}", value, expected)
+
+
+def _subject(arguments: argparse.Namespace) -> Subject:
+    """What is turned."""
+    from spear_pin.studies.explore.bounds import bound_to_explore
+    from spear_pin.studies.explore.legs import hop_of_leg, spear_ii_hop
+
+    if arguments.motion == "bound":
+        _, gait = bounding_gait(arguments.gait or BOUND, None)
+        return bound_to_explore(gait, f"{called(gait.system.robot)} bounding")
+    robot = one_leg(arguments, ["boom_x"])
+    return spear_ii_hop() if robot is None else hop_of_leg(robot, f"{called(robot)} hopping")

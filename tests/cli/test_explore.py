@@ -67,3 +67,16 @@ def test_a_port_that_does_not_exist_is_refused(capsys, port):
 def test_a_port_that_is_taken_is_refused(capsys):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         assert "one that is free" in refused(capsys, "explore", "--port", taken.getsockname()[1])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("hop", "long_stride"), "GAIT is"),
+        (("bound", "nope"), "unknown gait"),
+        (("bound", "--robot", "solo12"), "--robot is"),
+        (("--body", "2"), "to go with --robot"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(capsys, arguments, said):
+    assert said in refused(capsys, "explore", *arguments)

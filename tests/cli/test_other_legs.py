@@ -195,8 +195,9 @@ class TestExport:
         assert drawn[0].model == leg.model and drawn[0].coordinates == Trajectory.load(tmp_path / "hop.npz").coordinates
 
 
-def test_sliders_are_those_of_spear_ii(capsys, dog):
-    assert "--robot is" in (said := refused(capsys, "explore", "--robot", dog)) and "SPEAR-II's ranges" in said
+def test_a_bound_is_explored_of_a_saved_gait(capsys, dog):
+    said = refused(capsys, "explore", "bound", "--robot", dog)
+    assert "--robot is" in said and "spear bound --robot NAME --save" in said
 
 
 def test_the_law_of_a_leg(leg):

@@ -240,10 +240,14 @@ OPTIONS = {
     },
     "export hop.npz --mp4": {"--fps": POSITIVE, "--speed": POSITIVE, "--time": ("1",)},
     "report": {"--only": ("", "nope", "["), "--figures": NAME, "--out": FOLDER},
-    "explore": {"--port": (*NUMBER, "-1", "65536", "1.5"), "--robot": ("solo12",)},
+    "explore": {"--port": (*NUMBER, "-1", "65536", "1.5"), "--robot": NAME, "--body": ("1",), "--leg": ("posterior",)},
+    "explore bound": {"--robot": ("solo12",), "--body": ("1",)},
 }
 # and what does not go together
 LINES = (
+    "explore trot",
+    "explore bound nope",
+    "explore hop long_stride",
     "dynamics",
     "dynamics nope",
     "dynamics none.urdf",

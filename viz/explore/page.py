@@ -1,4 +1,4 @@
-"""The page on which one turns the hop's numbers: its text, and the answers it asks for.
+"""The page on which one turns a motion's numbers: its text, and the answers it asks for.
 
 A page of our own, on the scene of the recorded one: viser or meshcat's server would add sockets and processes, and
 sliders, plots and an address that holds the state would still have to be written.
@@ -7,17 +7,21 @@ sliders, plots and an address that holds the state would still have to be writte
 from __future__ import annotations
 
 import base64
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.studies.explore.engines import Engine
 from spear_pin.studies.explore.figures import figures
-from spear_pin.studies.explore.hops import VIEWS, Hops, settled
-from spear_pin.studies.explore.knobs import KNOBS, Knobs
+from spear_pin.studies.explore.knobs import Subject
+from spear_pin.studies.explore.motion import Motion
+from spear_pin.studies.explore.views import views_of
+from spear_pin.viz.bench.samples import packed, samples_of, thinned
 from spear_pin.viz.playback import meshcat_commands as c
 from spear_pin.viz.playback.frames import Frames, resample
 from spear_pin.viz.playback.overlays import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
@@ -26,42 +30,67 @@ from spear_pin.viz.playback.stage import HORIZON, WORLD
 from spear_pin.viz.player import SPEEDS, in_words
 from spear_pin.viz.template import css, environment
 
+Columns = dict[str, tuple[NDArray[np.float64], int]]
+
 CLIENT = "Spear-Client"  # header by which a page tells itself from others; what comes without is one client
 RATE = 60.0  # frames per second
-READOUTS = {  # label, unit and decimals of the figures
-    "apex_height": ("Apex of the hip", "m", 4),
-    "flight_time": ("Flight", "s", 4),
-    "stance_time": ("Stance", "s", 4),
-    "peak_force": ("Peak ground force", "N", 1),
-    "peak_torque": ("Peak knee torque", "N·m", 2),
-    "rotor_torque": ("before the gear", "N·m", 3),
-    "peak_power": ("Peak knee power", "W", 1),
-    "motor_work": ("Motor work a hop", "J", 2),
-    "spring_share": ("Spring's share", "%", 1),
+READOUTS: Mapping[str, Mapping[str, tuple[str, str, int]]] = {  # label, unit and decimals of the figures
+    "hop": {
+        "apex_height": ("Apex of the hip", "m", 4),
+        "flight_time": ("Flight", "s", 4),
+        "stance_time": ("Stance", "s", 4),
+        "peak_force": ("Peak ground force", "N", 1),
+        "peak_torque": ("Peak knee torque", "N·m", 2),
+        "rotor_torque": ("before the gear", "N·m", 3),
+        "peak_power": ("Peak knee power", "W", 1),
+        "motor_work": ("Motor work a hop", "J", 2),
+        "spring_share": ("Spring's share", "%", 1),
+    },
+    "bound": {
+        "speed": ("Mean speed", "m/s", 3),
+        "stride": ("Stride", "m", 3),
+        "period": ("Period", "s", 4),
+        "peak_force": ("Peak force, a pair", "N", 0),
+        "friction_used": ("Friction used", "", 2),
+        "knee_torque": ("Knee torque, a motor", "N·m", 1),
+        "hip_torque": ("Hip torque, a motor", "N·m", 1),
+        "knee_rate": ("Peak knee rate", "rad/s", 1),
+        "impact_loss": ("Lost in impacts", "J", 1),
+        "cost_of_transport": ("Cost of transport", "", 3),
+        "posterior_hip_torque": ("Post. hip, solved", "N·m", 2),
+    },
 }
-PLOTS = (  # title, unit, and the series with their labels and colours, those of `plots`
-    ("Height of the hip", "m", {"height": ("", "#0072B2")}),
-    ("Ground force", "N", {"normal": ("normal", "#0072B2"), "tangential": ("tangential", "#D55E00")}),
-    (
-        "Knee torque",
-        "N·m",
-        {"motor": ("motor", "#0072B2"), "spring": ("spring", "#009E73"), "damper": ("damping", "#D55E00")},
+PLOTS: Mapping[str, tuple[tuple[str, str, dict[str, str]], ...]] = {  # title, unit, and the series with their labels
+    "hop": (
+        ("Height of the hip", "m", {"height": "hip"}),
+        ("Ground force", "N", {"normal": "normal", "tangential": "tangential"}),
+        ("Knee torque", "N·m", {"motor": "motor", "damper": "damping", "spring": "spring"}),
     ),
-)
+    "bound": (
+        ("Pitch, nose up", "rad", {"pitch": "torso"}),
+        ("Normal force, a pair", "N", {f"normal_{leg}": leg for leg in LEGS}),
+        ("Knee motors, a pair", "N·m", {f"knee_{leg}": leg for leg in LEGS}),
+        ("Hip motors, a pair", "N·m", {f"hip_{leg}": leg for leg in LEGS}),
+    ),
+}
 
 
-def page(engine: Engine) -> str:
+SOLVED = {"hop": "stance_torque", "bound": ""}  # the knob that what is kept is solved by
+
+
+def page(subject: Subject, engine: Engine) -> str:
     """The text of the page."""
-    return environment().get_template("explore/page.html").render(data=_opening(engine))
+    return environment().get_template("explore/page.html").render(title=subject.title, data=_opening(subject, engine))
 
 
-def answer(view: str, hops: Hops) -> dict[str, Any]:
-    """Hops as the page shows them: playback, series to plot, figures."""
+def answer(view: str, hops: Motion) -> dict[str, Any]:
+    """A motion as the page shows it: playback, series to plot, samples, figures."""
     frames, scene = _scene(hops)
     multipliers = hops.gait.multipliers.tolist() if hops.gait is not None else []
     return {
         "view": view,
         "knobs": hops.knobs.values,
+        "kept": hops.knobs.kept,
         "verdict": hops.verdict,
         "message": hops.message,
         "figures": figures(hops),
@@ -69,40 +98,62 @@ def answer(view: str, hops: Hops) -> dict[str, Any]:
         "duration": frames.duration,
         "spans": [[in_words(span.name), span.begin, span.end] for span in frames.spans],
         "events": [[in_words(name), time] for name, time in frames.events],
-        "series": series(hops.trajectory),
+        "series": series(hops),
+        "samples": packed(thinned(samples_of(hops.knobs.system.robot, hops.trajectory))),
         "commands": [_packed(command) for command in _changes(scene)]
         + [_packed(c.set_animation(scene.clips, frames.duration))],
     }
 
 
-def series(trajectory: Trajectory) -> dict[str, list[float]]:
-    """Series plotted over t, in s: height in m, forces in N, torques on the knee in N·m."""
-    knee = trajectory.actuated.index("knee")
-    motor, spring = trajectory.u[:, knee], trajectory.spring[:, trajectory.spring_joints.index("knee")]
-    height = trajectory.q[:, trajectory.coordinates.index("boom_z")]
-    columns: dict[str, tuple[NDArray[np.float64], int]] = {
-        "t": (trajectory.t - trajectory.t[0], 5),
-        "height": (height, 5),
-        "normal": (trajectory.force[:, 0, 1], 2),
-        "tangential": (trajectory.force[:, 0, 0], 2),
-        "motor": (motor, 3),
-        "spring": (spring, 3),
-        "damper": (trajectory.tau[:, knee] - motor - spring, 3),
-    }
+def series(motion: Motion) -> dict[str, list[float]]:
+    """Series plotted over t, in s; torques in N·m, forces in N, heights in m, angles in rad."""
+    trajectory = motion.trajectory
+    own = _bound_columns(trajectory) if motion.knobs.subject.kind == "bound" else _hop_columns(trajectory)
+    columns: Columns = {"t": (trajectory.t - trajectory.t[0], 5), **own}
     return {name: np.round(values, digits).tolist() for name, (values, digits) in columns.items()}
 
 
-def _opening(engine: Engine) -> dict[str, Any]:
-    """Data that the page begins with: its knobs, the stage, the default hop to compare with."""
-    hops = settled(Knobs(), engine)
-    _, scene = _scene(hops)
+def _hop_columns(trajectory: Trajectory) -> Columns:
+    """Height, forces and the torques on the knee."""
+    knee = trajectory.actuated.index("knee")
+    motor, spring = trajectory.u[:, knee], trajectory.spring[:, trajectory.spring_joints.index("knee")]
     return {
-        "knobs": {name: asdict(knob) for name, knob in KNOBS.items()},
-        "views": list(VIEWS),
+        "height": (trajectory.q[:, trajectory.coordinates.index("boom_z")], 5),
+        "normal": (trajectory.force[:, 0, 1], 2),
+        "tangential": (trajectory.force[:, 0, 0], 2),
+        "motor": (motor, 4),
+        "spring": (spring, 4),
+        "damper": (trajectory.tau[:, knee] - motor - spring, 4),
+    }
+
+
+def _bound_columns(trajectory: Trajectory) -> Columns:
+    """Pitch, nose up, forces and motors of the pairs."""
+    columns: Columns = {"pitch": (-trajectory.q[:, trajectory.coordinates.index("pitch")], 5)}
+    for i, leg in enumerate(LEGS):
+        columns[f"normal_{leg}"] = trajectory.force[:, i, 1], 1
+        for joint in ("knee", "hip"):
+            columns[f"{joint}_{leg}"] = trajectory.u[:, trajectory.actuated.index(f"{leg}_{joint}")], 2
+    return columns
+
+
+def _opening(subject: Subject, engine: Engine) -> dict[str, Any]:
+    """Data that the page begins with: its knobs, the stage, the default motion to compare with."""
+    views = views_of(subject)
+    hops = next(iter(views.values()))(subject.at(), engine)
+    _, scene = _scene(hops)
+    known = figures(hops)
+    return {
+        "kind": subject.kind,
+        "title": subject.title,
+        "keeps": subject.keeps,
+        "solved": SOLVED[subject.kind],
+        "knobs": {name: asdict(knob) for name, knob in subject.knobs.items()},
+        "views": list(views),
         "engine": {"name": engine.name, "extra": engine.extra},
-        "readouts": READOUTS,
-        "plots": PLOTS,
-        "default": {"series": series(hops.trajectory), "figures": figures(hops)},
+        "readouts": {name: said for name, said in READOUTS[subject.kind].items() if known[name] is not None},
+        "plots": PLOTS[subject.kind],
+        "default": {"series": series(hops), "figures": known, "knobs": hops.knobs.values},
         "legend": [
             ["spring engaged", css(COIL_COLOR)],
             ["ground force", css(ARROW_COLOR)],
@@ -110,6 +161,8 @@ def _opening(engine: Engine) -> dict[str, Any]:
         ],
         "speeds": SPEEDS,
         "client": CLIENT,
+        "world": WORLD,
+        "follows": scene.follows,
         "aspect": scene.view.aspect,
         "distance": scene.view.distance,
         "horizon": css(HORIZON),
@@ -118,7 +171,7 @@ def _opening(engine: Engine) -> dict[str, Any]:
     }
 
 
-def _scene(hops: Hops) -> tuple[Frames, Scene]:
+def _scene(hops: Motion) -> tuple[Frames, Scene]:
     robot = hops.knobs.system.robot
     frames = resample(robot, hops.trajectory, RATE)
     return frames, moving(robot, frames)

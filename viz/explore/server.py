@@ -16,17 +16,18 @@ from threading import Condition
 from typing import Any
 from urllib.parse import parse_qsl, urlsplit
 
-from spear_pin.errors import BadValue, SpearError, UnknownName, brief
+from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName, brief
+from spear_pin.studies.explore.bounds import Underway
 from spear_pin.studies.explore.engines import Engine
 from spear_pin.studies.explore.figures import script
-from spear_pin.studies.explore.hops import VIEWS, Hops
-from spear_pin.studies.explore.knobs import Knobs
+from spear_pin.studies.explore.knobs import Knobs, Subject
+from spear_pin.studies.explore.motion import Motion
+from spear_pin.studies.explore.views import views_of
 from spear_pin.viz.explore.page import CLIENT, answer, page
 
 HOST = "127.0.0.1"
 PATIENCE = 10.0  # s that a client may take to say what it wants
 KEPT = 64  # answers that are kept, for going back and forward
-COMPILED = (Knobs(knee_touchdown=1.15), Knobs(knee_touchdown=0.5))  # between them in every domain there is
 POLICY = (
     "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; style-src 'unsafe-inline'; img-src data: blob:; "
     "connect-src 'self'; frame-ancestors 'none'"
@@ -50,6 +51,19 @@ def _text(status: HTTPStatus, text: str, kind: str = "text/plain", **headers: st
 
 def _error(status: HTTPStatus, text: str, **headers: str) -> Answer:
     return _text(status, json.dumps({"error": text}), "application/json", **headers)
+
+
+def _none(view: str, knobs: Knobs, error: NoGait) -> Answer:
+    """There is no such motion, and why: the page keeps the last one, and asks again where that leads onward."""
+    said = {
+        "view": view,
+        "knobs": knobs.values,
+        "kept": knobs.kept,
+        "verdict": "none",
+        "message": f"{error.reason}.",
+        "onward": isinstance(error, Underway),
+    }
+    return _text(HTTPStatus.OK, json.dumps(said), "application/json")
 
 
 class _Superseded(Exception):
@@ -97,18 +111,20 @@ class Explorer:
     """Answers to the page's questions, computed one at a time; of those that a client has waiting, the newest.
 
     Args:
-        engine: that hops are followed with.
+        subject: what is turned.
+        engine: that motions are followed with.
     """
 
-    def __init__(self, engine: Engine) -> None:
-        self._turns = _Turns()
-        self._hops = lru_cache(KEPT)(lambda view, knobs: VIEWS[view](knobs, engine))
-        self._page = page(engine)
-        for knobs in COMPILED if engine.extra else ():  # before somebody waits for it
-            self._hops("settled", knobs)
+    def __init__(self, subject: Subject, engine: Engine) -> None:
+        self._turns, self._subject = _Turns(), subject
+        self._views = views_of(subject)
+        self._motions = lru_cache(KEPT)(lambda view, knobs: self._views[view](knobs, engine))
+        self._page = page(subject, engine)
+        for knobs in subject.thorough if engine.extra else ():  # compiled before somebody waits for it
+            self._motions(next(iter(self._views)), knobs)
         self._routes: Mapping[str, Callable[[str, Knobs, str], Answer]] = {
             "/": lambda view, knobs, client: _text(HTTPStatus.OK, self._page, "text/html"),
-            "/hop": self._hop,
+            f"/{subject.kind}": self._motion,
             "/script": self._script,
         }
 
@@ -118,13 +134,15 @@ class Explorer:
         if parts.path not in self._routes or not target.startswith("/"):
             return _error(HTTPStatus.NOT_FOUND, f"there is no {brief(parts.path)}; there are {', '.join(self._routes)}")
         try:
-            view, knobs = read(parts.query)
+            view, knobs = self.read(parts.query)
         except SpearError as error:
             if parts.path == "/":  # the page says what is wrong
                 return _text(HTTPStatus.BAD_REQUEST, self._page, "text/html")
             return _error(HTTPStatus.BAD_REQUEST, str(error))
         try:
             return self._routes[parts.path](view, knobs, client)
+        except NoGait as error:
+            return _none(view, knobs, error)
         except _Superseded:
             return _error(HTTPStatus.CONFLICT, "not computed: the same client has asked something newer")
         except SpearError as error:
@@ -134,38 +152,42 @@ class Explorer:
         """Wait for what is being computed, and compute no more."""
         self._turns.end()
 
-    def _hop(self, view: str, knobs: Knobs, client: str) -> Answer:
+    def read(self, query: str) -> tuple[str, Knobs]:
+        """View and knobs from the query of an address; what is not named is at its default.
+
+        Raises:
+            UnknownName: there is no such knob or view.
+            BadValue: a name stands there twice, or a value is out of its range; the text names the range.
+        """
+        words: dict[str, str] = {}
+        for name, word in parse_qsl(query, keep_blank_values=True):
+            if name in words:
+                raise BadValue(name, word, "one value only")
+            words[name] = word
+        view = words.pop("view", next(iter(self._views)))
+        if view not in self._views:
+            raise UnknownName("view", view, self._views)
+        keep = words.pop("keep", "no")
+        valid = ("yes", "no") if self._subject.keeps else ("no",)
+        if keep not in valid:
+            raise BadValue("keep", keep, " or ".join(valid))
+        return view, self._subject.read(words, keep == "yes")
+
+    def _motion(self, view: str, knobs: Knobs, client: str) -> Answer:
         with self._turns.turn(client):
             begun = time.perf_counter()
-            hops: Hops = self._hops(view, knobs)
+            motion: Motion = self._motions(view, knobs)
             simulated = time.perf_counter()
-            text = json.dumps(answer(view, hops), allow_nan=False, separators=(",", ":"))
+            text = json.dumps(answer(view, motion), allow_nan=False, separators=(",", ":"))
         drawn = time.perf_counter()
         timing = f"simulate;dur={1e3 * (simulated - begun):.1f}, draw;dur={1e3 * (drawn - simulated):.1f}"
         return _text(HTTPStatus.OK, text, "application/json", Server_Timing=timing)
 
     def _script(self, view: str, knobs: Knobs, client: str) -> Answer:
         with self._turns.turn(client):
-            text = script(self._hops(view, knobs))
-        return _text(HTTPStatus.OK, text, "text/x-python", Content_Disposition='attachment; filename="explored_hop.py"')
-
-
-def read(query: str) -> tuple[str, Knobs]:
-    """View and knobs from the query of an address; what is not named is at its default.
-
-    Raises:
-        UnknownName: there is no such knob or view.
-        BadValue: a name stands there twice, or a value is out of its range; the text names the range.
-    """
-    words: dict[str, str] = {}
-    for name, word in parse_qsl(query, keep_blank_values=True):
-        if name in words:
-            raise BadValue(name, word, "one value only")
-        words[name] = word
-    view = words.pop("view", next(iter(VIEWS)))
-    if view not in VIEWS:
-        raise UnknownName("view", view, VIEWS)
-    return view, Knobs.read(words)
+            text = script(self._motions(view, knobs))
+        named = f'attachment; filename="explored_{self._subject.kind}.py"'
+        return _text(HTTPStatus.OK, text, "text/x-python", Content_Disposition=named)
 
 
 class Server(ThreadingTCPServer):

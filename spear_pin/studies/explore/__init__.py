@@ -1,1 +1,1 @@
-"""The hop with its numbers turned by hand: `knobs`, `engines` that follow it, the `hops` that come, their `figures`."""
+"""Motions whose numbers are turned by hand: `knobs` of `legs` and `bounds`, `engines` and `figures` of them."""

@@ -1,86 +1,175 @@
-"""Two ways to follow a hop from touchdown to touchdown and to find the periodic one near: with and without heyoka."""
+"""Two ways to follow a motion from section to section and to find the periodic one near: with and without heyoka."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import lru_cache
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from spear_pin.errors import NoGait
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.many import find_many
-from spear_pin.gaits.search import find_gait
-from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.gaits.lane_cycles import LaneCycles, multipliers
+from spear_pin.gaits.many import CONVERGED, MEASURES, REASONS, find_many
+from spear_pin.gaits.search import TOLERANCE, WHY, find_gait, gait_beside
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.result import Options, State
 from spear_pin.hybrid.run import run
+from spear_pin.hybrid.section import section
+from spear_pin.hybrid.shooting import Cycles, Shooting
 from spear_pin.studies.explore.knobs import Knobs
+
+Array = NDArray[np.float64]
+RTOL = 1e-9
+CALLS = 13  # of the engine, in which Newton's method has to end
+LATE = "Newton's method takes longer than a few seconds"
+
+
+class Solve(Protocol):
+    """Solves for the periodic motion near a state, with what varies and the targets; None if there is none."""
+
+    def __call__(
+        self, knobs: Knobs, state: State, vary: Sequence[str] = (), target: Mapping[str, float] | None = None
+    ) -> Gait | None:
+        """The gait."""
+
+
+class Beside(Protocol):
+    """The same by Newton's method from there alone, from values of what varies.
+
+    Raises:
+        NoGait: it does not end in one, or not until then, of `time.perf_counter`.
+    """
+
+    def __call__(
+        self, knobs: Knobs, state: State, vary: Mapping[str, float], target: Mapping[str, float], until: float
+    ) -> Gait:
+        """The gait."""
 
 
 @dataclass(frozen=True)
 class Engine:
-    """Two functions by which hops are followed and solved for.
+    """Functions by which motions are followed and solved for.
 
     Attributes:
         name: of the engine.
         extra: the extra of the package that it needs, if it needs one.
-        advance: the state some hops after another on the section, and how many there were before the run ended.
-        solve: the periodic hop near a state on the section, or None.
+        advance: the state some cycles after another on the section, and how many there were before the run ended.
+        solve: the periodic motion near a state on the section, or None.
+        beside: the periodic motion beside one.
     """
 
     name: str
     extra: str | None
     advance: Callable[[Knobs, State, int], tuple[State, int]]
-    solve: Callable[[Knobs, State], Gait | None]
+    solve: Solve
+    beside: Beside
 
 
-@lru_cache(4)
-def _template(knee_ratio: float) -> HybridSystem:
-    """System that lanes differ from: one with a spring of its own would be compiled again."""
-    return Knobs(knee_ratio=knee_ratio).system
-
-
-def _lane(knobs: Knobs) -> tuple[HybridSystem, dict[str, list[float]]]:
-    """A system, and the numbers of its only lane."""
-    numbers = {name: [value] for name, value in knobs.values.items() if name != "knee_ratio"}
-    return _template(knobs.knee_ratio), numbers
-
-
-def _advance_lane(knobs: Knobs, state: State, hops: int) -> tuple[State, int]:
-    if not hops:
+def _advance_lane(knobs: Knobs, state: State, cycles: int) -> tuple[State, int]:
+    if not cycles:
         return state, 0
-    system, parameters = _lane(knobs)
-    batch = simulate_many(system, state[0][None], state[1][None], hops, parameters=parameters)
+    system, numbers = knobs.subject.lane(knobs.values)
+    parameters = {name: [value] for name, value in numbers.items()}
+    batch = simulate_many(system, state[0][None], state[1][None], cycles, parameters=parameters)
     return (batch.q[0], batch.v[0]), int(batch.cycles[0])
 
 
-def _solve_lane(knobs: Knobs, state: State) -> Gait | None:
-    system, parameters = _lane(knobs)
-    table = find_many(system, parameters, guess=state)
+def _solve_lane(
+    knobs: Knobs, state: State, vary: Sequence[str] = (), target: Mapping[str, float] | None = None
+) -> Gait | None:
+    system, numbers = knobs.subject.lane(knobs.values)
+    table = find_many(system, {name: [value] for name, value in numbers.items()}, vary, target, guess=state)
     if not table.converged[0]:
         return None
     durations = {phase: float(seconds[0]) for phase, seconds in table.durations.items()}
+    solved = {name: float(table.parameters[name][0]) for name in vary}
     found = table.q[0], table.v[0]
-    return Gait(knobs.system, found, {}, float(table.residual[0]), table.multipliers[0], durations)
+    own = with_parameters(knobs.system, solved)
+    return Gait(own, found, solved, float(table.residual[0]), table.multipliers[0], durations)
 
 
-def _advance_run(knobs: Knobs, state: State, hops: int) -> tuple[State, int]:
-    if not hops:
+@dataclass(frozen=True)
+class _Either(LaneCycles):
+    """Cycles by whichever engine runs them: where it is both, that shows in the fourth decimal of multipliers.
+
+    Attributes:
+        until: when to give up, of `time.perf_counter`.
+        ended: why cycles did not close, the latest last.
+    """
+
+    until: float = math.inf
+    ended: list[str] = field(default_factory=list)
+
+    def __call__(self, lanes: NDArray[np.int64], q: Array, v: Array, values: Array) -> Cycles:
+        if time.perf_counter() > self.until:
+            raise NoGait(self.said(LATE), np.inf)
+        cycles = super().__call__(lanes, q, v, values)
+        self.ended.extend(cycles.reason[cycles.reason != ""])
+        return replace(cycles, reference=np.zeros_like(cycles.reference))
+
+    def said(self, why: str) -> str:
+        """Why there is no gait, with what ended the last cycle near it that did not close."""
+        return f"{why}; near it {REASONS[self.ended[-1]]}" if self.ended else why
+
+
+def _beside_lane(
+    knobs: Knobs, state: State, vary: Mapping[str, float], target: Mapping[str, float], until: float
+) -> Gait:
+    system, numbers = knobs.subject.lane(knobs.values)
+    fixed = {name: np.array([value]) for name, value in numbers.items() if name not in vary}
+    cycle = _Either(system, fixed, tuple(vary), [MEASURES[name] for name in target], RTOL, until=until)
+    ground = section(system, fixed)
+    q, v = state[0][None], state[1][None]
+    slides = ground.sliding(q, v)[0]
+    charts = ground.charts(q, v, slides)
+    shooting = Shooting(charts, cycle, tuple(vary), np.array([list(target.values())]))
+    roots = shooting.solve(np.array([list(vary.values())]), TOLERANCE, CALLS)
+    if roots.end[0] != CONVERGED:
+        why = WHY[roots.end[0]].format(n=roots.iteration[0])
+        raise NoGait(cycle.said(why), float(roots.norm[0]))
+    q, v = shooting.states(np.zeros(1, dtype=np.int64), roots.x)
+    found = multipliers(cycle, ground.charts(q, v, slides), roots.x[:, charts.dimension :])
+    if found.reason[0] != CONVERGED:
+        raise NoGait(REASONS[found.reason[0]], float(found.residual[0]))
+    solved = dict(zip(vary, roots.x[0, charts.dimension :].tolist(), strict=True))
+    durations = {phase: float(seconds[0]) for phase, seconds in found.durations.items()}
+    own = with_parameters(knobs.system, solved)
+    return Gait(own, (q[0], v[0]), solved, float(found.residual[0]), found.multipliers[0], durations)
+
+
+def _advance_run(knobs: Knobs, state: State, cycles: int) -> tuple[State, int]:
+    if not cycles:
         return state, 0
-    result = run(knobs.system, state, hops, Options())
+    result = run(knobs.system, state, cycles, Options())
     return result.state, result.cycles
 
 
-def _solve_run(knobs: Knobs, state: State) -> Gait | None:
+def _solve_run(
+    knobs: Knobs, state: State, vary: Sequence[str] = (), target: Mapping[str, float] | None = None
+) -> Gait | None:
     try:
-        return find_gait(knobs.system, guess=state)
+        return find_gait(knobs.system, vary, target, guess=state)  # type: ignore[arg-type]
     except NoGait:
         return None
 
 
-TAYLOR = Engine("Taylor", "fast", _advance_lane, _solve_lane)
-REFERENCE = Engine("reference", None, _advance_run, _solve_run)
+def _beside_run(
+    knobs: Knobs, state: State, vary: Mapping[str, float], target: Mapping[str, float], until: float
+) -> Gait:
+    if time.perf_counter() > until:
+        raise NoGait(LATE, np.inf)
+    return gait_beside(with_parameters(knobs.system, vary), state, list(vary), target, RTOL)
+
+
+TAYLOR = Engine("Taylor", "fast", _advance_lane, _solve_lane, _beside_lane)
+REFERENCE = Engine("reference", None, _advance_run, _solve_run, _beside_run)
 
 
 def best_engine() -> Engine:

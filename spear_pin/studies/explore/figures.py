@@ -1,17 +1,57 @@
-"""Figures of hops that are shown while their numbers are turned, and the program that computes them again."""
+"""Figures of motions that are shown while their numbers are turned, and the program that computes them again."""
 
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Mapping
+from dataclasses import asdict
 
 import numpy as np
 
+from spear_pin.gaits.bounding_law import LEGS
+from spear_pin.model.robot import Robot
+from spear_pin.studies.bound import summarize
 from spear_pin.studies.energetics import costs
-from spear_pin.studies.explore.hops import Hops
+from spear_pin.studies.explore.legs import RATIO
+from spear_pin.studies.explore.motion import Motion
 from spear_pin.studies.hop import durations, spring_share
 
 
-def figures(hops: Hops) -> dict[str, float | None]:
+def figures(motion: Motion) -> dict[str, float | None]:
+    """Figures of a motion, SI units; None where there is no such thing. See `hop_figures` and `bound_figures`."""
+    return bound_figures(motion) if motion.knobs.subject.kind == "bound" else hop_figures(motion)
+
+
+def bound_figures(motion: Motion) -> dict[str, float | None]:
+    """Figures of a stride.
+
+    Returns:
+        speed, stride and period; peak_force, vertical, of a pair; friction_used; of one motor each knee_torque and
+        hip_torque, the peak in stance by its amount; knee_rate, the peak; motor_work, net, and impact_loss, a stride;
+        cost_of_transport, mechanical, of power by its amount; hip_torque_solved, β_sp; see `spear_pin.studies.bound`.
+    """
+    assert motion.gait is not None
+    told = summarize(motion.gait, motion.trajectory)
+
+    def most(key: str, part: str) -> float:
+        return max(float(told[key][f"{leg}_{part}"]) for leg in LEGS)
+
+    return {
+        "speed": told["speed"],
+        "stride": told["stride"],
+        "period": told["period"],
+        "peak_force": max(told["peak_force"].values()),
+        "friction_used": told["friction_used"],
+        "knee_torque": most("peak_torque_stance", "knee"),
+        "hip_torque": most("peak_torque_stance", "hip"),
+        "knee_rate": most("peak_speed", "knee"),
+        "impact_loss": told["impact_loss"],
+        "cost_of_transport": told["cost_of_transport"],
+        "posterior_hip_torque": motion.gait.system.law.posterior_hip_torque,
+    }
+
+
+def hop_figures(hops: Motion) -> dict[str, float | None]:
     """Figures of hops, SI units; None where there is no such thing.
 
     Returns:
@@ -33,24 +73,34 @@ def figures(hops: Hops) -> dict[str, float | None]:
         "stance_time": stance,
         "peak_force": float(trajectory.force[:, 0, 1].max()),
         "peak_torque": peak_torque,
-        "rotor_torque": peak_torque / hops.knobs.knee_ratio,
+        "rotor_torque": peak_torque / hops.knobs.values[RATIO] if RATIO in hops.knobs.values else None,
         "peak_power": float(np.abs(torque * trajectory.v[:, knee]).max()),
         "motor_work": costs(hops.knobs.system, trajectory).energy["mechanical_positive"] if whole else None,
         "spring_share": spring_share(trajectory) if whole else None,
     }
 
 
-def script(hops: Hops) -> str:
-    """A short Python program that computes the same hops again with the public interface, prints and plays them."""
-    knobs, (q, v) = hops.knobs, hops.start
+def script(motion: Motion) -> str:
+    """A short Python program that computes the same motion again with the public interface, prints and plays it."""
+    return _bound_script(motion) if motion.knobs.subject.kind == "bound" else _hop_script(motion)
+
+
+def _hop_script(hops: Motion) -> str:
+    (q, v), system = hops.start, hops.knobs.system
     if hops.gait is None:
         imported, compute, report = "", f"hops = simulate(system, (q, v), cycles={_asked(hops)})", UNSOLVED
     else:
         imported, compute, report = "find_gait, ", SOLVE.format(cycles=_asked(hops)), SOLVED
+    loading, needed = _loading(system.robot)
     return PROGRAM.format(
-        **knobs.values,
+        title=hops.knobs.subject.title,
         message=textwrap.fill(hops.message, 110),
-        imported=imported,
+        standard="from dataclasses import replace\n\n" if "replace(" in loading else "",
+        imported=imported + needed,
+        loading=loading,
+        law=_code(system.law),
+        spring=_code(system.spring),
+        contact=f"Contact(friction={system.contact.friction})",
         q=q.tolist(),
         v=v.tolist(),
         compute=compute,
@@ -58,24 +108,78 @@ def script(hops: Hops) -> str:
     )
 
 
-def _asked(hops: Hops) -> int:
+def _bound_script(motion: Motion) -> str:
+    (q, v), system = motion.start, motion.knobs.system
+    assert motion.gait is not None
+    loading, needed = _loading(system.robot)
+    return BOUND_PROGRAM.format(
+        title=motion.knobs.subject.title,
+        message=textwrap.fill(motion.message, 110),
+        imported=needed,
+        loading=loading,
+        law=_code(motion.gait.system.law),
+        spring=_code(system.spring),
+        contact=f"Contact(friction={system.contact.friction})",
+        q=q.tolist(),
+        v=v.tolist(),
+        speed=motion.knobs.values["speed"],
+    )
+
+
+def _code(part: object) -> str:
+    """A law or a spring as Python writes it, what is at its default left out."""
+    kind = type(part)
+    usual = {name: field.default for name, field in kind.__dataclass_fields__.items()}  # type: ignore[attr-defined]
+    told = [f"{name}={value!r}" for name, value in asdict(part).items() if value != usual[name]]  # type: ignore[call-overload]
+    return f"{kind.__name__}({', '.join(told)})"
+
+
+def _loading(robot: Robot) -> tuple[str, str]:
+    """The lines that make a robot, and what they need imported beside `load` and `vary`."""
+    varied = ", ".join(f"{name}={value!r}" for name, value in robot.varied.items())
+    cut = robot.cut
+    if cut is None:
+        options = {"locked": list(robot.locked)} if robot.locked else {}
+        made, needed = _loaded(robot, options), ""
+    elif cut.kind == "monopod":
+        body, locked = cut.body, list(robot.locked)
+        leg = cut.legs[0][0]
+        made = (
+            f"whole = {_loaded(cut.robot)}\n"
+            f"leg = next(leg for leg in whole.legs if leg.name == {leg.name!r})\n"
+            f"robot = monopod(whole, replace(leg, side={leg.side}), {body!r}, {locked!r})"
+        )
+        needed = "monopod, "
+    else:
+        made, needed = f"robot = sagittal({_loaded(cut.robot)})", "sagittal, "
+    lines = made if made.startswith(("whole", "robot")) else f"robot = {made}"
+    return f"{lines}\nrobot = vary(robot, {varied})" if varied else lines, needed
+
+
+def _loaded(robot: Robot, more: Mapping[str, object] | None = None) -> str:
+    said = {**robot.options, **(more or {})}
+    named = "".join(f", {name}={list(x) if isinstance(x, tuple) else x!r}" for name, x in said.items())
+    return f"load({str(robot.source)!r}{named})"
+
+
+def _asked(hops: Motion) -> int:
     """Hops to simulate: those that were whole, and the one that was not."""
     return hops.trajectory.cycles + (not hops.trajectory.complete)
 
 
-PROGRAM = '''"""SPEAR-II hopping in place, with numbers set in `spear explore`.
+PROGRAM = '''"""{title} in place, with numbers set in `spear explore`.
 
 {message}
 """
 
-import numpy as np
+{standard}import numpy as np
 
 from spear_pin import Contact, HoppingLaw, Spring, {imported}hopping, load, simulate, vary
 from spear_pin.viz.player import record
 
-robot = vary(load("spear_ii", locked=["boom_x"]), knee_ratio={knee_ratio})
-law = HoppingLaw(knee_touchdown={knee_touchdown}, stance_torque={stance_torque}, frequency={frequency})
-system = hopping(robot, law, Spring(stiffness={stiffness}, damping={damping}), Contact(friction={friction}))
+{loading}
+law = {law}
+system = hopping(robot, law, {spring}, {contact})
 
 # just after touchdown: boom_z in m, hip and knee in rad, and their rates
 q = np.array({q})
@@ -84,9 +188,33 @@ v = np.array({v})
 
 {report}
 print(f"peak ground force {{hops.force[:, 0, 1].max():.2f}} N, peak knee torque {{abs(hops.u[:, 1]).max():.3f}} N·m")
-record(robot, hops, "hop.html", title="SPEAR-II hopping in place")
+record(robot, hops, "hop.html", title="{title} in place")
 '''
 SOLVE = "gait = find_gait(system, guess=(q, v))\nhops = simulate(gait.system, gait.state, cycles={cycles})"
 SOLVED = """print("multipliers", gait.multipliers, "stable" if gait.stable else "unstable")
 print("flight {flight:.4f} s, stance {stance:.4f} s".format(**gait.durations))"""
 UNSOLVED = 'print(f"{hops.cycles} whole hops; {hops.message}")'
+BOUND_PROGRAM = '''"""{title}, with numbers set in `spear explore`.
+
+{message}
+"""
+
+import numpy as np
+
+from spear_pin import BoundingLaw, Contact, Spring, {imported}bounding, find_gait, load, simulate, vary
+from spear_pin.viz.player import record
+
+{loading}
+law = {law}
+system = bounding(robot, law, {spring}, {contact})
+
+# just after posterior touchdown: m, rad, and their rates
+q = np.array({q})
+v = np.array({v})
+gait = find_gait(system, ["posterior_hip_torque"], {{"mean_speed": {speed}}}, guess=(q, v))
+strides = simulate(gait.system, gait.state, cycles=1)
+
+print("multipliers", gait.multipliers, "stable" if gait.stable else "unstable")
+print(f"period {{gait.period:.4f}} s, posterior hip torque {{gait.parameters['posterior_hip_torque']:.3f}} N·m")
+record(robot, strides, "bound.html", title="{title}")
+'''

@@ -1,23 +1,19 @@
-"""The numbers of the hop that can be turned while one watches: their ranges, and where their defaults come from."""
+"""Numbers of a motion that can be turned while one watches: their ranges, and where their defaults come from."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from types import MappingProxyType
 from typing import Literal
 
 from spear_pin.errors import BadValue, UnknownName, require
-from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import Contact
-from spear_pin.model.loading import load
-from spear_pin.model.spring import Spring
-from spear_pin.model.variants import PARAMETERS, vary
+from spear_pin.hybrid.result import State
 from spear_pin.words import number
 
-Origin = Literal["source", "solved", "assumption"]
+Origin = Literal["source", "solved", "assumption", "scaled", "own"]
 
 
 @dataclass(frozen=True)
@@ -31,7 +27,8 @@ class Knob:
         low: the least value.
         high: the largest value.
         digits: decimals in which it is set.
-        origin: where the default comes from: the source, a condition it was solved for, or an assumption.
+        origin: where the default comes from: the source, a condition it was solved for, an assumption, the source
+            scaled to another robot, or the robot's or the gait's own file.
         note: the same in words.
     """
 
@@ -54,43 +51,55 @@ class Knob:
         return f"a number from {self.low:g} to {self.high:g}" + ("" if self.unit == "1" else f", in {self.unit}")
 
 
-KNOBS: Mapping[str, Knob] = MappingProxyType(
-    {
-        "stiffness": Knob("Spring stiffness", "N·m/rad", Spring().stiffness, 20, 100, 2, "source", "Table 4.2"),
-        "knee_ratio": Knob(
-            "Knee gear ratio", "1", PARAMETERS["knee_ratio"].default, 5, 25, 1, "source", "Tables 2.4 and 5.1"
-        ),
-        "stance_torque": Knob("Stance torque", "N·m", 7.8262, 0, 14, 4, "solved", "for 0.2 s of flight"),
-        "knee_touchdown": Knob(
-            "Knee at touchdown", "rad", HoppingLaw().knee_touchdown, 0.5, 1.4, 3, "assumption", "commanded in flight"
-        ),
-        "friction": Knob("Friction coefficient", "1", Contact().friction, 0.1, 1.5, 2, "assumption", "of the ground"),
-        "frequency": Knob("Stance frequency", "Hz", HoppingLaw().frequency, 1.5, 4, 2, "source", "with (4.10)"),
-        "damping": Knob("Knee damping", "N·m·s/rad", Spring().damping, 0, 3, 2, "source", "Table 4.2"),
-    }
-)
+class Subject(ABC):
+    """A motion whose numbers are turned; it is told from others by itself, not by what is in it.
 
+    Attributes:
+        kind: of the motion, "hop" or "bound".
+        title: of the page.
+        knobs: by name.
+        keeps: what may be kept while numbers are turned, in words; "" where that is nothing.
+        wanted: value of what may be kept, SI units.
+    """
 
-@dataclass(frozen=True)
-class Knobs:
-    """Values of the knobs; ranges, units and where the defaults come from are in `KNOBS`."""
+    kind: str
+    title: str
+    knobs: Mapping[str, Knob]
+    keeps: str = ""
+    wanted: float = 0.0
 
-    stiffness: float = KNOBS["stiffness"].default
-    knee_ratio: float = KNOBS["knee_ratio"].default
-    stance_torque: float = KNOBS["stance_torque"].default
-    knee_touchdown: float = KNOBS["knee_touchdown"].default
-    friction: float = KNOBS["friction"].default
-    frequency: float = KNOBS["frequency"].default
-    damping: float = KNOBS["damping"].default
+    @abstractmethod
+    def system(self, values: Mapping[str, float]) -> HybridSystem:
+        """The system with these numbers."""
 
-    def __post_init__(self) -> None:
-        """Check the ranges."""
-        for name, knob in KNOBS.items():
-            require(name, getattr(self, name), knob.admits, knob.expected)
+    @abstractmethod
+    def lane(self, values: Mapping[str, float]) -> tuple[HybridSystem, dict[str, float]]:
+        """A system that others share, so that it is compiled once, and the numbers that are put into it."""
 
-    @classmethod
-    def read(cls, words: Mapping[str, str]) -> Knobs:
-        """From what was written, knobs that are not named at their defaults.
+    @property
+    @abstractmethod
+    def start(self) -> State:
+        """State (q, v) on the section of the motion with the default numbers: where all else begins."""
+
+    @property
+    @abstractmethod
+    def thorough(self) -> Sequence[Knobs]:
+        """Numbers whose motions between them have every domain, to be compiled first."""
+
+    def at(self, *, kept: bool = False, **values: float) -> Knobs:
+        """Knobs that are not named at their defaults.
+
+        Raises:
+            UnknownName: there is no knob of a name.
+            BadValue: a value is out of its range; the text names the range.
+        """
+        for name in values:
+            if name not in self.knobs:
+                raise UnknownName("knob", name, self.knobs)
+        return Knobs(self, tuple(values.get(name, knob.default) for name, knob in self.knobs.items()), kept)
+
+    def read(self, words: Mapping[str, str], kept: bool = False) -> Knobs:
+        """Knobs from what was written, as of `at`.
 
         Raises:
             UnknownName: there is no knob of a name.
@@ -98,25 +107,44 @@ class Knobs:
         """
         values = {}
         for name, word in words.items():
-            if name not in KNOBS:
-                raise UnknownName("knob", name, KNOBS)
+            if name not in self.knobs:
+                raise UnknownName("knob", name, self.knobs)
             try:
                 values[name] = number(word)
             except ValueError:
-                raise BadValue(name, word, KNOBS[name].expected) from None
-        return cls(**values)
+                raise BadValue(name, word, self.knobs[name].expected) from None
+        return self.at(kept=kept, **values)
+
+
+@dataclass(frozen=True)
+class Knobs:
+    """Values of the knobs of a subject.
+
+    Attributes:
+        subject: what is turned.
+        numbers: of each knob, in their order.
+        kept: whether what the subject keeps is kept.
+    """
+
+    subject: Subject
+    numbers: tuple[float, ...]
+    kept: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the ranges."""
+        for (name, knob), value in zip(self.subject.knobs.items(), self.numbers, strict=True):
+            require(name, value, knob.admits, knob.expected)
 
     @property
     def values(self) -> dict[str, float]:
         """The numbers by name."""
-        return asdict(self)
+        return dict(zip(self.subject.knobs, self.numbers, strict=True))
+
+    def turned(self, **values: float) -> Knobs:
+        """The same with other numbers."""
+        return replace(self, numbers=tuple((self.values | values).values()))
 
     @cached_property
     def system(self) -> HybridSystem:
-        """SPEAR-II, boom_x locked, with these numbers."""
-        return hopping(
-            vary(load("spear_ii", locked=["boom_x"]), knee_ratio=self.knee_ratio),
-            HoppingLaw(knee_touchdown=self.knee_touchdown, stance_torque=self.stance_torque, frequency=self.frequency),
-            Spring(stiffness=self.stiffness, damping=self.damping),
-            Contact(friction=self.friction),
-        )
+        """The system with these numbers."""
+        return self.subject.system(self.values)

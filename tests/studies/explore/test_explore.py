@@ -2,33 +2,33 @@
 
 import re
 import runpy
-from dataclasses import fields
 
 import numpy as np
 import pytest
 
 from spear_pin import find_gait, simulate
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue, NoGait, UnknownName
 from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.model.spring import Spring
 from spear_pin.studies.explore.engines import REFERENCE, TAYLOR, best_engine
 from spear_pin.studies.explore.figures import figures, script
-from spear_pin.studies.explore.hops import NEAR, default_state, settled, transient
-from spear_pin.studies.explore.knobs import KNOBS, Knobs
+from spear_pin.studies.explore.hops import NEAR, settled, transient
+from spear_pin.studies.explore.legs import KNOBS, spear_ii_hop
 
 pytestmark = pytest.mark.extra  # heyoka runs the hops where it is installed
 ENGINES = [
     pytest.param(TAYLOR, marks=pytest.mark.extra("heyoka"), id="taylor"),
     pytest.param(REFERENCE, id="reference"),
 ]
-STIFFER = Knobs(stiffness=54.0, knee_ratio=13.0, friction=0.6)
-RATTLING = Knobs(stiffness=60.0)  # the toe comes back at once after each touchdown
-ALTERNATING = Knobs(stiffness=97.2, stance_torque=6.8, knee_touchdown=1.1, frequency=3.0, damping=0.9)
-FALLING = Knobs(stance_torque=10.5)  # after two hops
-RESTLESS = Knobs(stiffness=45.0, frequency=1.8, damping=2.5, stance_torque=8.0)
-STAYING = Knobs(stance_torque=0.0)  # on the ground
+knobs_of = spear_ii_hop().at
+STIFFER = knobs_of(stiffness=54.0, knee_ratio=13.0, friction=0.6)
+RATTLING = knobs_of(stiffness=60.0)  # the toe comes back at once after each touchdown
+ALTERNATING = knobs_of(stiffness=97.2, stance_torque=6.8, knee_touchdown=1.1, frequency=3.0, damping=0.9)
+FALLING = knobs_of(stance_torque=10.5)  # after two hops
+RESTLESS = knobs_of(stiffness=45.0, frequency=1.8, damping=2.5, stance_torque=8.0)
+STAYING = knobs_of(stance_torque=0.0)  # on the ground
 
 
 def states(trajectory):
@@ -37,9 +37,8 @@ def states(trajectory):
 
 
 class TestKnobs:
-    def test_the_data_are_those_of_the_knobs(self):
-        assert [field.name for field in fields(Knobs)] == list(KNOBS)
-        assert Knobs().values == {name: knob.default for name, knob in KNOBS.items()}
+    def test_at_first_they_are_at_their_defaults(self):
+        assert knobs_of().values == {name: knob.default for name, knob in KNOBS.items()}
 
     def test_the_source_and_assumptions_are_told_apart(self):
         origins = {name: knob.origin for name, knob in KNOBS.items()}
@@ -55,19 +54,27 @@ class TestKnobs:
     def test_what_is_out_of_its_range_is_refused_by_naming_it(self, name, word):
         low, high = KNOBS[name].low, KNOBS[name].high
         with pytest.raises(BadValue, match=f"^{name} is .*; expected a number from {low:g} to {high:g}"):
-            Knobs.read({name: word})
+            spear_ii_hop().read({name: word})
 
     @pytest.mark.parametrize("name", KNOBS)
     def test_the_ends_of_a_range_are_in_it(self, name):
         for end in (KNOBS[name].low, KNOBS[name].high):
-            assert getattr(Knobs.read({name: str(end)}), name) == end
+            assert spear_ii_hop().read({name: str(end)}).values[name] == end
 
     def test_an_unknown_knob_is_refused(self):
         with pytest.raises(UnknownName, match="unknown knob 'mass'; valid: stiffness, knee_ratio"):
-            Knobs.read({"mass": "3"})
+            spear_ii_hop().read({"mass": "3"})
 
     def test_every_knob_arrives_in_the_system(self):
-        knobs = Knobs(50.0, 10.0, 9.0, 1.1, 0.7, 2.7, 1.2)
+        knobs = knobs_of(
+            stiffness=50.0,
+            knee_ratio=10.0,
+            stance_torque=9.0,
+            knee_touchdown=1.1,
+            friction=0.7,
+            frequency=2.7,
+            damping=1.2,
+        )
         system = knobs.system
         assert system.spring == Spring(stiffness=50.0, damping=1.2)
         assert system.contact == Contact(friction=0.7)
@@ -113,7 +120,7 @@ class TestSettled:
 
     def test_a_fall_is_shown_with_the_hops_before_it(self, engine):
         hops = settled(FALLING, engine)
-        whole = simulate(FALLING.system, default_state(), 12)
+        whole = simulate(FALLING.system, spear_ii_hop().start, 12)
         assert hops.verdict == "ended" and whole.reason == "fall"
         assert f"ends {whole.cycles} hops after" in hops.message and hops.trajectory.message in hops.message
         assert hops.trajectory.cycles == 2 and hops.trajectory.reason == "fall"
@@ -122,12 +129,12 @@ class TestSettled:
     def test_a_robot_that_stays_on_the_ground_is_shown_from_the_beginning(self, engine):
         hops = settled(STAYING, engine)
         assert hops.verdict == "ended" and "during the first hop" in hops.message
-        assert hops.trajectory.reason == "no_event" and hops.start is default_state()
+        assert hops.trajectory.reason == "no_event" and hops.start is spear_ii_hop().start
 
 
 def test_the_default_hop_is_the_one_of_the_documents():
     """The table of docs/hopping.md."""
-    hops = settled(Knobs(), REFERENCE)
+    hops = settled(knobs_of(), REFERENCE)
     known = figures(hops)
     assert known["flight_time"] == pytest.approx(0.2, abs=1e-5)
     assert known["stance_time"] == pytest.approx(0.3643, abs=1e-4)
@@ -156,7 +163,7 @@ def test_without_a_whole_hop_some_figures_are_none():
 
 def test_a_transient_begins_at_the_default_hop_and_says_how_it_ends():
     hops = transient(FALLING, best_engine())
-    assert hops.verdict == "transient" and hops.start is default_state()
+    assert hops.verdict == "transient" and hops.start is spear_ii_hop().start
     assert "A transient: 2 hops, " in hops.message and "knee" in hops.message
 
 
@@ -180,3 +187,17 @@ def test_the_saved_program_computes_what_was_shown(knobs, tmp_path, monkeypatch,
     assert (tmp_path / "hop.html").stat().st_size > 500_000
     imported = re.findall(r"^from (\S+) import", script(hops), re.M)
     assert set(imported) == {"spear_pin", "spear_pin.viz.player"}
+
+
+class TestKeepingTheFlightTime:
+    @pytest.mark.parametrize("engine", ENGINES)
+    def test_the_torque_is_solved_for_it(self, engine):
+        hops = settled(knobs_of(kept=True, stiffness=54.0, stance_torque=3.0), engine)
+        found = find_gait(knobs_of(stiffness=54.0).system, ["stance_torque"], {"flight_time": 0.2})
+        assert hops.gait.durations["flight"] == pytest.approx(0.2, abs=1e-8)
+        assert hops.knobs.values["stance_torque"] == pytest.approx(found.parameters["stance_torque"], abs=1e-6)
+        assert hops.knobs.kept and hops.verdict == "periodic"
+
+    def test_where_there_is_none_it_says_so(self):
+        with pytest.raises(NoGait, match="0.2 s of flight"):
+            settled(knobs_of(kept=True, stiffness=20.0, damping=3.0), best_engine())

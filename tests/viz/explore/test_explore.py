@@ -11,10 +11,12 @@ import numpy as np
 import pytest
 import umsgpack
 
+from spear_pin import Gait
+from spear_pin.studies.explore.bounds import bound_to_explore
 from spear_pin.studies.explore.engines import best_engine
 from spear_pin.studies.explore.figures import figures, script
 from spear_pin.studies.explore.hops import settled
-from spear_pin.studies.explore.knobs import KNOBS, Knobs
+from spear_pin.studies.explore.legs import KNOBS, spear_ii_hop
 from spear_pin.viz.chromium import find
 from spear_pin.viz.explore.server import Explorer
 from tests.viz.chromium import Browser
@@ -23,7 +25,7 @@ from tests.viz.explore.exploring import move, serving, visit
 
 @pytest.fixture(scope="module")
 def server():
-    with serving(Explorer(best_engine())) as started:
+    with serving(Explorer(spear_ii_hop(), best_engine())) as started:
         yield started
 
 
@@ -129,6 +131,7 @@ class TestServer:
             ("stiffness=%D9%A5%D9%A0", "stiffness is '٥٠'"),
             ("mass=1", "unknown knob"),
             ("view=all", "valid: settled, transient"),
+            ("keep=maybe", "yes or no"),
         ],
     )
     def test_what_cannot_be_read_is_refused(self, server, query, word):
@@ -151,7 +154,7 @@ class TestServer:
 
 class TestAnswers:
     def test_a_hop_is_what_the_study_computes(self, server):
-        knobs = Knobs(stiffness=52.0, stance_torque=8.2)
+        knobs = spear_ii_hop().at(stiffness=52.0, stance_torque=8.2)
         hops = settled(knobs, best_engine())
         shown = json.loads(ask(server, f"/hop?{urlencode({'stiffness': 52, 'stance_torque': 8.2})}")[2])
         assert shown["knobs"] == knobs.values and shown["view"] == "settled"
@@ -180,7 +183,7 @@ class TestAnswers:
     def test_the_script_is_a_download(self, server):
         _, headers, body = ask(server, "/script?friction=0.5")
         assert headers["Content-Disposition"] == 'attachment; filename="explored_hop.py"'
-        assert body.decode() == script(settled(Knobs(friction=0.5), best_engine()))
+        assert body.decode() == script(settled(spear_ii_hop().at(friction=0.5), best_engine()))
 
 
 class Slow:
@@ -188,21 +191,21 @@ class Slow:
 
     def __init__(self, monkeypatch):
         self.computed, self.begun, self.go_on = [], threading.Event(), threading.Event()
-        monkeypatch.setattr("spear_pin.viz.explore.server.VIEWS", {"settled": self.view})
-        monkeypatch.setattr("spear_pin.viz.explore.server.page", lambda engine: "")
+        monkeypatch.setattr("spear_pin.viz.explore.server.views_of", lambda subject: {"settled": self.view})
+        monkeypatch.setattr("spear_pin.viz.explore.server.page", lambda subject, engine: "")
         monkeypatch.setattr("spear_pin.viz.explore.server.answer", lambda view, hops: hops)
-        monkeypatch.setattr("spear_pin.viz.explore.server.COMPILED", ())
+        monkeypatch.setattr("spear_pin.studies.explore.legs.Leg.thorough", ())
 
     def view(self, knobs, engine):
-        self.computed.append(knobs.friction)
+        self.computed.append(knobs.values["friction"])
         self.begun.set()
         assert self.go_on.wait(30)
-        return knobs.friction
+        return knobs.values["friction"]
 
 
 def test_of_each_client_that_waits_only_the_newest_question_is_computed(monkeypatch):
     slow = Slow(monkeypatch)
-    explorer, answers = Explorer(best_engine()), {}
+    explorer, answers = Explorer(spear_ii_hop(), best_engine()), {}
 
     def ask_for(friction, client):
         answers[friction] = explorer.answer(f"/hop?friction={friction}", client).status
@@ -257,9 +260,9 @@ class TestPage:
             text(browser, "figure_apex_height"),
         )
         shown = move(browser, "stance_torque", 9)
-        assert shown["knobs"] == Knobs(stance_torque=9.0).values
+        assert shown["knobs"] == spear_ii_hop().at(stance_torque=9.0).values
         assert text_of_plots(browser) != plot
-        expected = figures(settled(Knobs(stance_torque=9.0), best_engine()))["apex_height"]
+        expected = figures(settled(spear_ii_hop().at(stance_torque=9.0), best_engine()))["apex_height"]
         assert text(browser, "figure_apex_height") == f"{expected:.4f} m" != apex
         after = browser.screenshot().astype(int)
         assert (np.abs(after - before)[70:630, 350:900].max(axis=2) > 60).sum() > 500
@@ -301,7 +304,7 @@ class TestPage:
             assert browser.run("explorer.state.hop.knobs.stiffness") == stiffness
             assert float(browser.run("document.getElementById('number_stiffness').value")) == stiffness
         visit(browser, server, address)
-        assert browser.run("explorer.state.hop.knobs") == Knobs(stiffness=52.0, friction=0.4).values
+        assert browser.run("explorer.state.hop.knobs") == spear_ii_hop().at(stiffness=52.0, friction=0.4).values
 
     @pytest.mark.slow
     def test_a_shared_address_out_of_range_is_refused_in_words(self, browser, server):
@@ -322,9 +325,135 @@ class TestPage:
         visit(browser, server, "?friction=0.5#t=0.15")
         assert "friction=0.5&" in browser.run("document.getElementById('script').getAttribute('href')")
         browser.run("document.getElementById('reset').click(), explorer.idle()")
-        assert browser.run("explorer.state.hop.knobs") == Knobs().values
+        assert browser.run("explorer.state.hop.knobs") == spear_ii_hop().at().values
+
+    @pytest.mark.slow
+    def test_a_pinned_motion_is_drawn_beside_and_measured_against(self, browser, server):
+        visit(browser, server, "?stiffness=52#t=0.15")
+        browser.run("explorer.pin()")
+        pinned = browser.run("explorer.state.a.figures.peak_force")
+        move(browser, "stiffness", 54)
+        change = browser.run("explorer.state.hop.figures.peak_force") - pinned
+        assert text(browser, "change_peak_force") == f"{change:+.1f}".replace("-", "−")
+        label = browser.run("document.querySelector('.u-over').getAttribute('aria-label')")
+        assert label == "Height of the hip in m over time in s: hip; dashed: A, pinned"
+        browser.run("document.getElementById('back').click(), explorer.idle()")
+        assert browser.run("explorer.state.hop.knobs.stiffness") == 52 and text(browser, "change_peak_force") == "0.0"
+        browser.run("explorer.unpin()")
+        assert browser.run("explorer.state.a.knobs.stiffness") == 48.84
+
+    @pytest.mark.slow
+    def test_the_flight_time_is_kept_where_that_is_asked_for(self, browser, server):
+        visit(browser, server, "#t=0.15")
+        press(browser, "f")
+        shown = move(browser, "stiffness", 54)
+        assert "keep=yes" in browser.run("location.search")
+        assert browser.run("explorer.state.hop.figures.flight_time") == pytest.approx(0.2, abs=1e-6)
+        assert shown["knobs"]["stance_torque"] != 7.8262
+        assert browser.run("document.getElementById('number_stance_torque').disabled") is True
+        before = text(browser, "figure_flight_time")
+        move(browser, "stiffness", 20)
+        assert "0.2 s of flight" in text(browser, "verdict") and text(browser, "figure_flight_time") == before
+        assert browser.run("document.body.classList.contains('stale')") is True
+        press(browser, "0")
+        assert browser.run("document.body.classList.contains('stale')") is False
+
+    @pytest.mark.slow
+    def test_it_is_used_by_the_keyboard_alone(self, browser, server):
+        visit(browser, server, "#t=0.15")
+        press(browser, "j")
+        assert browser.run("document.activeElement.name") == "stiffness"
+        press(browser, "ArrowRight", "ArrowRight")
+        assert browser.run("explorer.state.hop.knobs.stiffness") > 48.84
+        press(browser, "p")
+        assert browser.run("explorer.state.a.name") == "A, pinned"
+        press(browser, "?")
+        rows = browser.run("[...document.querySelectorAll('#keylist tr')].map((row) => row.textContent)")
+        assert browser.run("document.getElementById('help').open") and any("pin the present" in row for row in rows)
+        press(browser, "Escape")
+        browser.run("document.getElementById('number_friction').focus()")
+        press(browser, "0")  # a digit of the number
+        assert browser.run("explorer.state.hop.knobs.stiffness") > 48.84
+
+    @pytest.mark.slow
+    def test_samples_and_picture_are_saved(self, browser, server):
+        visit(browser, server, "?stiffness=52#t=0.15")
+        saved = browser.run("""(async () => {
+            const kept = [];
+            URL.createObjectURL = (blob) => (kept.push(blob), "data:,");
+            for (const id of ["csv", "png"]) document.getElementById(id).click();
+            while (kept.length < 2) await new Promise((done) => setTimeout(done, 20));
+            const [table, picture] = kept;
+            return [await table.text(), picture.type, picture.size];
+        })()""")
+        head, *rows = saved[0].splitlines()
+        assert head.startswith("domain,t [s],cycle,q_boom_z [m],") and len(rows) > 50
+        assert saved[1] == "image/png" and saved[2] > 5000
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("theme", ["light", "dark"])
+    @pytest.mark.parametrize("size", [(640, 480), (375, 667), (844, 390), (1280, 800), (1920, 1080)], ids=str)
+    def test_nothing_is_cut_or_overflows(self, browser, server, size, theme):
+        frame = {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": False}
+        browser.send("Emulation.setDeviceMetricsOverride", page=True, **frame)
+        features = [{"name": "prefers-color-scheme", "value": theme}]
+        browser.send("Emulation.setEmulatedMedia", page=True, features=features)
+        try:
+            visit(browser, server, "?stiffness=52#t=0.15")
+            assert browser.run(OVERFLOWING) == []
+            robot, panel = (browser.run(f"document.getElementById('{id}').getBoundingClientRect().top") for id in PARTS)
+            assert 0 <= robot < 0.5 * size[1] and (size[0] >= 620 or robot < panel)
+        finally:
+            frame |= {"width": 1280, "height": 900}
+            browser.send("Emulation.setDeviceMetricsOverride", page=True, **frame)
+            browser.send("Emulation.setEmulatedMedia", page=True, features=[])
+
+
+PARTS = ("scene", "panel")
+OVERFLOWING = """(() => {
+    const width = document.documentElement.clientWidth;
+    const out = (element) => {
+        const { left, right } = element.getBoundingClientRect();
+        const clips = getComputedStyle(element).overflowX !== "visible";
+        const hidden = clips && element.scrollWidth > element.clientWidth + 1;
+        return right > left && (left < -1 || right > width + 1 || hidden);
+    };
+    return [...document.querySelectorAll("body *")]
+        .filter((element) => !element.closest("dialog, .chart, #pane") && out(element))
+        .map((element) => element.outerHTML);
+})()"""
+KEYS = {"ArrowRight": ("ArrowRight", 39), "Escape": ("Escape", 27)}
+
+
+def press(browser, *keys):
+    """Press keys, one after the other, and wait for what follows."""
+    for key in keys:
+        code, number = KEYS.get(key, ("", 0))
+        said = {"key": key, "code": code, "windowsVirtualKeyCode": number} | ({} if number else {"text": key})
+        browser.send("Input.dispatchKeyEvent", page=True, type="keyDown", **said)
+        browser.send("Input.dispatchKeyEvent", page=True, type="keyUp", key=key, code=code)
+        browser.run("explorer.idle()")
+
+
+@pytest.mark.browser
+@pytest.mark.slow
+@pytest.mark.skipif(find() is None, reason="no Chromium here")
+def test_a_bound_follows_a_slider_and_the_last_stays_where_there_is_none(browser):
+    subject = bound_to_explore(Gait.load("long_stride"), "Q-SPEAR bounding")
+    with serving(Explorer(subject, best_engine())) as server:
+        browser.errors.clear()
+        visit(browser, server, "#t=0.1")
+        assert "unstable: the largest multiplier is 1.067" in text(browser, "verdict")
+        shown = move(browser, "speed", 2.55)
+        assert shown["knobs"]["speed"] == 2.55 and text(browser, "figure_speed") == "2.550 m/s"
+        assert text(browser, "change_speed") == "+0.050"
+        move(browser, "friction", 0.1)
+        assert "none was found beyond" in text(browser, "verdict")
+        assert browser.run("document.body.classList.contains('stale')") is True
+        assert text(browser, "figure_speed") == "2.550 m/s" and browser.errors == []
+        assert refusal(server, "/bound?keep=yes")[0] == 400
 
 
 def text_of_plots(browser):
     """What the plots draw."""
-    return browser.run("document.getElementById('plots').innerHTML")
+    return browser.run("[...document.querySelectorAll('#plots canvas')].map((canvas) => canvas.toDataURL()).join()")

@@ -1,0 +1,174 @@
+"""Hops whose numbers are turned: SPEAR-II's, and those of another robot's leg by its size."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property, lru_cache
+from typing import Any
+
+from spear_pin.errors import BadValue, NoGait
+from spear_pin.gaits.hopping import HoppingLaw, hopping
+from spear_pin.gaits.search import find_gait, gait_beside
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.result import State
+from spear_pin.kinds import typed
+from spear_pin.model.loading import load
+from spear_pin.model.robot import Robot
+from spear_pin.model.scale import scale_of
+from spear_pin.model.spring import Spring
+from spear_pin.model.variants import PARAMETERS, vary
+from spear_pin.studies.explore.knobs import Knob, Knobs, Origin, Subject
+from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
+
+FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
+MATERIAL = ("stiffness", "damping")  # of the spring
+RATIO = "knee_ratio"
+KNOBS: Mapping[str, Knob] = {
+    "stiffness": Knob("Spring stiffness", "N·m/rad", Spring().stiffness, 20, 100, 2, "source", "Table 4.2"),
+    RATIO: Knob("Knee gear ratio", "1", PARAMETERS[RATIO].default, 5, 25, 1, "source", "Tables 2.4 and 5.1"),
+    "stance_torque": Knob("Stance torque", "N·m", 7.8262, 0, 14, 4, "solved", "for 0.2 s of flight"),
+    "knee_touchdown": Knob(
+        "Knee at touchdown", "rad", HoppingLaw().knee_touchdown, 0.5, 1.4, 3, "assumption", "commanded in flight"
+    ),
+    "friction": Knob("Friction coefficient", "1", Contact().friction, 0.1, 1.5, 2, "assumption", "of the ground"),
+    "frequency": Knob("Stance frequency", "Hz", HoppingLaw().frequency, 1.5, 4, 2, "source", "with (4.10)"),
+    "damping": Knob("Knee damping", "N·m·s/rad", Spring().damping, 0, 3, 2, "source", "Table 4.2"),
+}
+"""Those of SPEAR-II; another leg has them all but the gear's, which its file seldom tells."""
+
+
+@dataclass(frozen=True, eq=False)
+class Leg(Subject):
+    """The hop of a leg in place.
+
+    Attributes:
+        robot: with one leg, boom_x locked.
+        law: with the default numbers.
+        spring: with the default numbers.
+        knobs: by name.
+        title: of the page.
+        wanted: flight time that the default stance torque is solved for, and that can be kept, in s.
+        near: a state near the default hop, where that is known.
+    """
+
+    robot: Robot
+    law: HoppingLaw
+    spring: Spring
+    knobs: Mapping[str, Knob]
+    title: str
+    wanted: float
+    near: State | None = None
+    kind = "hop"
+
+    @property
+    def keeps(self) -> str:  # type: ignore[override]
+        """What may be kept."""
+        return f"{self.wanted:.3g} s of flight"
+
+    def system(self, values: Mapping[str, float]) -> HybridSystem:
+        """The hop with these numbers."""
+        of_spring: dict[str, Any] = {name: values[name] for name in MATERIAL}
+        of_law: dict[str, Any] = {name: values[name] for name in ("stance_torque", "knee_touchdown", "frequency")}
+        if self.law.hip_touchdown is not None:  # the toe stays below the hip
+            of_law["hip_touchdown"] = self.robot.legs[0].lean(values["knee_touchdown"])
+        ratio = {RATIO: values[RATIO]} if RATIO in values else {}
+        robot = vary(self.robot, **ratio) if ratio else self.robot
+        contact = Contact(friction=values["friction"])
+        return hopping(robot, replace(self.law, **of_law), replace(self.spring, **of_spring), contact)
+
+    def lane(self, values: Mapping[str, float]) -> tuple[HybridSystem, dict[str, float]]:
+        """A system with the default numbers but for the gear, and the others."""
+        numbers = {name: value for name, value in values.items() if name != RATIO}
+        if self.law.hip_touchdown is not None:
+            numbers["hip_touchdown"] = self.robot.legs[0].lean(values["knee_touchdown"])
+        return self._template(values.get(RATIO)), numbers
+
+    @cached_property
+    def start(self) -> State:
+        """Just after touchdown of the periodic hop with the default numbers."""
+        system = self.at().system
+        if self.near is None:
+            return find_gait(system).state
+        try:
+            return gait_beside(system, self.near, [], {}).state
+        except NoGait:
+            return find_gait(system, guess=self.near).state
+
+    @property
+    def thorough(self) -> Sequence[Knobs]:
+        """Hops with a straight and with a bent knee."""
+        return tuple(self.at(knee_touchdown=angle) for angle in (1.15, 0.5))
+
+    @cached_property
+    def _template(self) -> Callable[[float | None], HybridSystem]:
+        defaults = self.at().values
+
+        @lru_cache(4)
+        def template(ratio: float | None) -> HybridSystem:
+            return self.system(defaults if ratio is None else defaults | {RATIO: ratio})
+
+        return template
+
+
+@cache
+def spear_ii_hop() -> Leg:
+    """SPEAR-II's hop, boom_x locked."""
+    robot = load("spear_ii", locked=["boom_x"])
+    return Leg(robot, HoppingLaw(), Spring(), KNOBS, "SPEAR-II hopping", FLIGHT_TIME)
+
+
+@typed
+def hop_of_leg(robot: Robot, title: str) -> Leg:
+    """The hop of another robot's leg; ranges are SPEAR-II's, scaled to it, with its own numbers within them.
+
+    Args:
+        robot: a leg, as `spear_pin.monopod` cuts it, boom_x locked.
+        title: of the page.
+
+    Raises:
+        NoGait: it has no hop to begin with.
+    """
+    if "boom_x" in robot.coordinates:
+        raise BadValue("robot", robot, 'a leg that hops in place: monopod(..., locked=["boom_x"])')
+    scale = scale_of(robot)
+    usual = scaled_hopping(robot)
+    own = robot.settings is not None and "knee" in robot.settings.springs
+    by_file: tuple[Origin, str] = ("own", "of its file") if own else ("scaled", "from SPEAR-II's")
+    given = {
+        "stiffness": _scaled(KNOBS["stiffness"], usual.spring.stiffness, scale.torque, *by_file),
+        "frequency": _scaled(KNOBS["frequency"], usual.law.frequency, 1.0 / scale.time, "scaled", "from SPEAR-II's"),
+        "damping": _scaled(KNOBS["damping"], usual.spring.damping, scale.torque * scale.time, *by_file),
+    }
+    knee = KNOBS["knee_touchdown"].default
+    law = replace(
+        usual.law,
+        knee_touchdown=knee,
+        hip_touchdown=robot.legs[0].lean(knee),
+        frequency=given["frequency"].default,
+    )
+    spring = replace(usual.spring, stiffness=given["stiffness"].default, damping=given["damping"].default)
+    gait = hop_of(usual.build(robot, law, spring, usual.ground), scale.time * FLIGHT_TIME, within_limits=True)
+    flight, torque = gait.durations["flight"], gait.system.law.stance_torque
+    note = f"for {flight:.3g} s of flight"
+    given["stance_torque"] = _scaled(KNOBS["stance_torque"], torque, scale.torque, "solved", note)
+    knobs = {name: given.get(name, knob) for name, knob in KNOBS.items() if name != RATIO}
+    return Leg(robot, gait.system.law, spring, knobs, title, flight, gait.state)
+
+
+def _scaled(knob: Knob, default: float, factor: float, origin: Origin, note: str) -> Knob:
+    """A knob of another robot: its own default, in a range that is scaled, and wider where the default is out of it."""
+    digits = max(0, knob.digits - round(math.log10(factor)))
+    low, high = min(knob.low * factor, 0.5 * default), max(knob.high * factor, 2.0 * default)
+    coarse = max(0, digits - 1)
+    return replace(
+        knob,
+        default=round(default, digits),
+        low=round(low, coarse),
+        high=round(high, coarse),
+        digits=digits,
+        origin=origin,
+        note=note,
+    )

@@ -1,0 +1,49 @@
+"""What is shown of a motion whose numbers were turned, with the verdict on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.result import State
+from spear_pin.hybrid.simulate import simulate
+from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.studies.explore.knobs import Knobs
+
+Verdict = Literal["periodic", "pattern", "unsettled", "ended", "transient"]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Cycles of a motion, with the verdict on them.
+
+    Attributes:
+        knobs: the numbers it does it with.
+        verdict: "periodic": each cycle repeats the last; "pattern": they repeat in groups; "unsettled": they do not
+            repeat; "ended": the run breaks off; "transient": cycles from the default one on, whatever they lead to.
+        message: the same in a sentence or two.
+        start: the state (q, v) on the section from which they are shown.
+        trajectory: the cycles that are shown.
+        gait: the periodic one, with its multipliers.
+    """
+
+    knobs: Knobs
+    verdict: Verdict
+    message: str
+    start: State
+    trajectory: Trajectory
+    gait: Gait | None = None
+
+
+def shown(knobs: Knobs, verdict: Verdict, message: str, start: State, cycles: int, gait: Gait | None = None) -> Motion:
+    """So many cycles from a state, of a gait with what was solved for."""
+    system = knobs.system if gait is None else gait.system
+    return Motion(knobs, verdict, message, start, simulate(system, start, cycles, progress=False), gait)
+
+
+def periodic(knobs: Knobs, gait: Gait) -> Motion:
+    """A cycle of a gait, with its largest multiplier."""
+    kind = "stable" if gait.stable else "unstable"
+    text = f"Periodic and {kind}: the largest multiplier is {abs(gait.multipliers[0]):.3f}."
+    return shown(knobs, "periodic", text, gait.state, 1, gait)
