@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 ROBOT = {"mjcf": "xml", "srdf": "srdf"}  # formats of a robot, and how their files end
 URDF = (".urdf", ".xml", ".toml")  # how its files mostly end
-TRAJECTORY = {"csv": "csv", "mat": "mat", "png": "png", "mp4": "mp4"}
+TRAJECTORY = {name: name for name in ("csv", "mat", "mcap", "png", "mp4")}
 # what each option goes with
 NEEDS = {
     **dict.fromkeys(("lock", "toes", "base", "motors", "repair"), ROBOT),
-    "robot": ("png", "mp4"),
+    "robot": ("mcap", "png", "mp4"),
     "size": ("png", "mp4"),
     "time": ("png",),
     "fps": ("mp4",),
@@ -33,7 +33,7 @@ NEEDS = {
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    summary = "write a robot for other programs, or a trajectory as a table, a picture or a film"
+    summary = "write a robot for other programs, or a trajectory as a table, a log, a picture or a film"
     parser = add_command(commands, "export", run, summary)
     parser.add_argument("what", help="a robot's name, the path of its file, or a trajectory that was saved (.npz)")
     add_out(parser, "the files")
@@ -44,6 +44,7 @@ def add(commands: Commands) -> None:
     trajectory = parser.add_argument_group("of a trajectory")
     trajectory.add_argument("--csv", action="store_true", help="its samples as a table")
     trajectory.add_argument("--mat", action="store_true", help="samples, events and ledger for MATLAB")
+    trajectory.add_argument("--mcap", action="store_true", help="a log with robot, forces and events, for Foxglove")
     trajectory.add_argument("--png", action="store_true", help="a picture, drawn by Chromium")
     trajectory.add_argument("--mp4", action="store_true", help="a film, drawn by Chromium, encoded by ffmpeg")
     trajectory.add_argument("--time", type=float, metavar="S", help="of the picture (default: the beginning)")
@@ -128,6 +129,10 @@ def _trajectory(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dic
     for form in ("csv", "mat"):
         if form in paths:
             trajectory.export(paths[form])
+    if "mcap" in paths:
+        from spear_pin.viz.mcap_log import write_mcap
+
+        write_mcap(_moving(arguments, trajectory), trajectory, paths["mcap"])
     if "png" in paths:
         time = float(trajectory.t[0]) if arguments.time is None else arguments.time
         video.still(_moving(arguments, trajectory), trajectory, paths["png"], time=time, size=size)

@@ -72,6 +72,13 @@ class TestTrajectories:
         assert [float(row["q_pitch"]) for row in rows] == stride.q[:, 2].tolist()
         np.testing.assert_array_equal(loadmat(tmp_path / "bound.mat")["q"], stride.q)
 
+    @pytest.mark.extra("mcap", "mcap_protobuf", "foxglove_schemas_protobuf")
+    def test_a_log(self, capsys, tmp_path, bound):
+        result = printed(capsys, "export", bound[1], "--mcap", "--out", tmp_path)
+        assert result["files"] == [str(tmp_path / "bound.mcap")]
+        assert (tmp_path / "bound.mcap").read_bytes()[:5] == b"\x89MCAP"
+        assert [path.name for path in tmp_path.iterdir()] == ["bound.mcap"]
+
     @pytest.mark.browser
     @pytest.mark.skipif(chromium.find() is None, reason="no Chromium here")
     def test_a_picture_of_a_robot_that_is_given(self, capsys, tmp_path, bound):
@@ -99,7 +106,7 @@ class TestMistakes:
         ("arguments", "parts"),
         [
             (["spear_ii"], ["spear_ii is a robot", "say what to write: --mjcf, --srdf"]),
-            (["hop.npz"], ["hop.npz is a trajectory", "say what to write: --csv, --mat, --png, --mp4"]),
+            (["hop.npz"], ["hop.npz is a trajectory", "say what to write: --csv, --mat, --mcap, --png, --mp4"]),
             (["hop.html", "--png"], ["hop.html", "neither a robot nor a saved trajectory (.npz)"]),
             (["mine.urdf", "--png"], ["format is '--png'", "of a robot"]),
             (["spear_ii", "--csv"], ["format is '--csv'", "of a robot"]),
@@ -122,7 +129,7 @@ class TestMistakes:
     @pytest.mark.parametrize(
         ("arguments", "parts"),
         [
-            (["--mjcf"], ["format is '--mjcf'", "of a trajectory: --csv, --mat, --png, --mp4"]),
+            (["--mjcf"], ["format is '--mjcf'", "of a trajectory: --csv, --mat, --mcap, --png, --mp4"]),
             (["--csv", "--fps", "10"], ["--fps is 10.0", "--mp4"]),
             (["--png", "--size", "wide"], ["--size", "WIDTHxHEIGHT"]),
             (["--png", "--size", "9x9"], ["size", "64 to 4096"]),
