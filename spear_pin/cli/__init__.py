@@ -10,6 +10,7 @@ from typing import Any
 from spear_pin import __version__
 from spear_pin.cli import (
     bound,
+    completion,
     doctor,
     dynamics,
     explore,
@@ -30,7 +31,7 @@ from spear_pin.errors import RobotWarning, SpearError
 # as the help lists them
 COMMANDS = (
     *(robots.add, dynamics.add, hop.add, explore.add, push_test.add, identify.add),
-    *(bound.add, search.add, payoff.add, sweep.add, report.add, export.add, doctor.add),
+    *(bound.add, search.add, payoff.add, sweep.add, report.add, export.add, doctor.add, completion.add),
 )
 
 
@@ -70,7 +71,7 @@ def _parser() -> Parser:
         prog="spear", description="Switchable parallel elastic legs: dynamics and gaits of SPEAR-II and Q-SPEAR."
     )
     parser.add_argument("--version", action="version", version=f"spear {__version__}")
-    parser.set_defaults(run=None, refuse=parser.error)
+    parser.set_defaults(run=None, refuse=parser.error, every=parser)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
     for add in COMMANDS:
         add(commands)
