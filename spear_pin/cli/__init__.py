@@ -61,7 +61,7 @@ def _run(argv: Sequence[str] | None) -> int:
         print_result(result, arguments.json)
     finally:  # also where nobody reads what is printed
         draw(pictures or {})
-    if opened is not None:
+    if opened is not None and arguments.open:
         open_page(opened)
     return 2 if failed else 0
 

@@ -51,7 +51,7 @@ def add_command(
         name: the word that calls it.
         run: does it, and returns what is printed: the figures by name, and how they read under "text". With a
             true "failed" among them `spear` ends with status 2. What takes long to draw goes under "pictures", files
-            and how each is written, for after that; under "opened" the page that a browser then opens.
+            and how each is written, for after that; under "opened" what --open then shows.
         summary: its line in the help.
 
     Returns:
@@ -93,6 +93,11 @@ def folder(word: str) -> Path:
     return Path(word)
 
 
+def add_open(parser: argparse.ArgumentParser, file: str) -> None:
+    """Declare --open, which shows this file, that under "opened" of what the command returns."""
+    parser.add_argument("--open", action="store_true", help=f"open {file} in the browser")
+
+
 def check_out(arguments: argparse.Namespace) -> None:
     """Refuse a folder that is not there, or in which nothing can be written, before there is something to write."""
     check_folder(arguments.out, str(arguments.out), "an existing folder")
@@ -128,7 +133,7 @@ def add_simulation(parser: argparse.ArgumentParser, cycles: int, called: str, pa
     )
     parser.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance (default: 1e-9)")
     add_out(parser, "the files")
-    parser.add_argument("--open", action="store_true", help=f"open {page} in the browser")
+    add_open(parser, page)
 
 
 def check_simulation(arguments: argparse.Namespace) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_loading, add_out, check_out, loading
+from spear_pin.cli.arguments import Commands, add_command, add_loading, add_open, add_out, check_out, loading
 from spear_pin.cli.gaits import BOUND
 from spear_pin.cli.output import aligned
 from spear_pin.errors import BadFile, BadValue, SpearError
@@ -26,6 +26,7 @@ NEEDS = {
     "robot": ("mcap", "png", "mp4"),
     "size": ("png", "mp4"),
     "time": ("png",),
+    "open": ("png", "mp4"),
     "fps": ("mp4",),
     "speed": ("mp4",),
 }
@@ -37,6 +38,7 @@ def add(commands: Commands) -> None:
     parser = add_command(commands, "export", run, summary)
     parser.add_argument("what", help="a robot's name, the path of its file, or a trajectory that was saved (.npz)")
     add_out(parser, "the files")
+    add_open(parser, "the film or the picture")
     robot = parser.add_argument_group("of a robot")
     robot.add_argument("--mjcf", action="store_true", help="MuJoCo's format, with rotors, motors, toes and ground")
     robot.add_argument("--srdf", action="store_true", help="legs, postures and rotors, to go with the URDF")
@@ -69,7 +71,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if misfit:
         raise BadValue("format", ", ".join(f"--{name}" for name in asked), f"of a {kind}: {valid}")
     for option, formats in NEEDS.items():
-        if getattr(arguments, option) is not None and not set(asked) & set(formats):
+        if getattr(arguments, option) not in (None, False) and not set(asked) & set(formats):
             valid = " or ".join(f"--{name}" for name in formats)
             raise BadValue(f"--{option}", getattr(arguments, option), f"to go with {valid}")
     name = Path(arguments.what).stem if {"/", "\\", "."} & set(arguments.what) else arguments.what
@@ -77,7 +79,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     result = _trajectory(arguments, paths) if moves else _robot(arguments, paths)
     files = [str(path) for path in paths.values()]
     rows = [*result.pop("rows"), ("files", ", ".join(files))]
-    return result | {"files": files, "text": aligned(rows)}
+    return result | {"files": files, "opened": paths.get("mp4", paths.get("png")), "text": aligned(rows)}
 
 
 def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str, Any]:

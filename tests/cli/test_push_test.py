@@ -96,8 +96,17 @@ def test_interrupted_while_pictures_are_drawn(capsys, tmp_path, monkeypatch, opt
 def test_the_page_is_opened_once_it_is_there(capsys, tmp_path, monkeypatch):
     opened, page = [], tmp_path / "push_test.html"
     monkeypatch.setattr("webbrowser.open", lambda address: opened.append((address, page.is_file())))
+    printed(capsys, "push-test", "--out", tmp_path)
+    assert opened == []
     printed(capsys, "push-test", "--open", "--out", tmp_path)
     assert opened == [(page.resolve().as_uri(), True)]
+
+
+def test_the_picture_of_ratios_is_opened(capsys, tmp_path, monkeypatch):
+    opened, picture = [], tmp_path / "gear_ratios.svg"
+    monkeypatch.setattr("webbrowser.open", lambda address: opened.append((address, picture.is_file())))
+    printed(capsys, "push-test", "--ratios", "15", "--open", "--out", tmp_path)
+    assert opened == [(picture.resolve().as_uri(), True)]
 
 
 @pytest.mark.parametrize(
