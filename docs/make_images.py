@@ -63,7 +63,7 @@ def main() -> None:
     """Write the pictures asked for, or every one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", help="some of the parts; all if none is named")
-    known = hop, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep
+    known = hop, bench, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep
     parts = {part.__name__: part for part in known}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
@@ -84,6 +84,16 @@ def hop() -> None:
     print(plots.save_figure(plots.boom_height(recovery), IMAGES / "recovery.svg"))
     late = find_gait(hopping(robot, HoppingLaw(stance_torque=7.5)))
     print(plots.save_figure(plots.knee_torque(simulate(late.system, late.state, cycles=2)), IMAGES / "late.svg"))
+
+
+def bench() -> None:
+    """Bound Q-SPEAR, and show its page with plots, forces and angles at one instant."""
+    gait = Gait.load("long_stride")
+    strides = simulate(gait.system, gait.state, cycles=4)
+    with tempfile.TemporaryDirectory() as folder, Browser(1280, 800) as browser:
+        page = record(gait.system.robot, strides, Path(folder) / "bound.html", title="Q-SPEAR bounding")
+        browser.open(page, "#t=0.3&loop=0.247,0.35&show=forces,angles")
+        print(browser.screenshot(IMAGES / "bench.png").shape)
 
 
 def biped() -> None:

@@ -16,11 +16,12 @@ from spear_pin.errors import BadValue
 from spear_pin.files import atomic
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
+from spear_pin.viz.bench.samples import packed, samples_of, thinned
 from spear_pin.viz.playback import meshcat_commands as c
 from spear_pin.viz.playback.frames import Frames, resample
 from spear_pin.viz.playback.overlays import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
-from spear_pin.viz.playback.scene import Scene, moving, still
-from spear_pin.viz.playback.stage import HORIZON
+from spear_pin.viz.playback.scene import GHOST, ROBOT, Scene, moving, still
+from spear_pin.viz.playback.stage import HORIZON, WORLD
 from spear_pin.viz.playback.trajectory import Part, TrajectoryLike, last, read_times
 from spear_pin.viz.template import css, environment
 
@@ -33,42 +34,50 @@ SPEEDS = (1.0, 0.25, 0.1)
 
 
 @typed
-def record(robot: Robot, trajectory: TrajectoryLike, path: str | Path, *, title: str = "") -> Path:
+def record(
+    robot: Robot,
+    trajectory: TrajectoryLike,
+    path: str | Path,
+    *,
+    title: str = "",
+    ghost: TrajectoryLike | None = None,
+) -> Path:
     """Write one HTML file that plays a trajectory in any browser, without server or network.
 
-    The file is written whole or not at all. Appending `#t=0.12` to its address opens it paused at
-    that time, in s.
+    Beside the robot it plots the trajectory's columns; the page says by `?` which keys it knows. The file is written
+    whole or not at all. Appending `#t=0.12` to its address opens it paused at that time, in s.
 
     Args:
         robot: the robot that moves.
         trajectory: what it does, see `TrajectoryLike`.
         path: the file to write; its folder must exist.
         title: shown above; by default the robot's name.
+        ghost: another trajectory of the robot, drawn translucent; both begin at the same instant.
 
     Returns:
         The path of the file.
 
     Raises:
-        BadValue: the trajectory cannot be played or is too long for a file of 2 MB (see `shortened`), or
-            there is no such folder.
+        BadValue: the trajectory or the ghost cannot be played or is too long for a file of 2 MB (see `shortened`),
+            or there is no such folder.
         BadFile: the file cannot be written.
         UnknownName: a spring's joint is not one of the robot's.
     """
     path = Path(path)
     if path.is_dir() or not path.parent.is_dir():
         raise BadValue("path", str(path), "a file in an existing folder")
-    text = page(robot, trajectory, title=title).encode()
+    text = page(robot, trajectory, title=title, ghost=ghost).encode()
     with atomic(path) as temporary:
         temporary.write_bytes(text)
     return path
 
 
 @typed
-def page(robot: Robot, trajectory: TrajectoryLike, *, title: str = "") -> str:
+def page(robot: Robot, trajectory: TrajectoryLike, *, title: str = "", ghost: TrajectoryLike | None = None) -> str:
     """The text of the page that `record` writes, with as many frames as it may hold."""
     rate = _first_rate(trajectory)
     while rate >= WORST_RATE:
-        text, share = _attempt(robot, trajectory, rate, title or robot.name)
+        text, share = _attempt(robot, trajectory, rate, title or robot.name, ghost)
         if share >= 1.0:
             return text
         if rate == WORST_RATE:
@@ -103,13 +112,20 @@ def shortened(
     return part
 
 
-def _attempt(robot: Robot, trajectory: TrajectoryLike, rate: float, title: str) -> tuple[str, float]:
+def _attempt(
+    robot: Robot, trajectory: TrajectoryLike, rate: float, title: str, ghost: TrajectoryLike | None = None
+) -> tuple[str, float]:
     """A page with so many frames a second, and the room for its animation by what that takes: too little below 1."""
     frames = resample(robot, trajectory, rate)
-    scene = moving(robot, frames)
+    scene = moving(robot, frames, None if ghost is None else resample(robot, ghost, rate, "ghost"))
     animation = _base64(c.set_animation(scene.clips, frames.duration))
     notes = [f"shown: {trajectory.said}"] if isinstance(trajectory, Part) else []
-    text = _page(frames, replace(scene, notes=(*notes, *scene.notes)), animation, title)
+    data = _data(frames, replace(scene, notes=(*notes, *scene.notes)), animation, title) | {
+        "rate": rate,
+        "samples": packed(thinned(samples_of(robot, trajectory))),
+        "ghost": None if ghost is None else {"of": ROBOT, "path": GHOST},
+    }
+    text = environment().get_template("player.html").render(title=title, data=data)
     return text, (MOST_BYTES - (len(text.encode()) - len(animation))) / len(animation)
 
 
@@ -149,11 +165,6 @@ def _first_rate(trajectory: TrajectoryLike) -> float:
     return min(BEST_RATE, MOST_FRAMES / duration)
 
 
-def _page(frames: Frames, scene: Scene, animation: str, title: str) -> str:
-    template = environment().get_template("player.html")
-    return template.render(title=title, data=_data(frames, scene, animation, title))
-
-
 def _data(frames: Frames, scene: Scene, animation: str, title: str) -> dict[str, Any]:
     force = (
         "ground force" + " on each foot" * scene.paired + f", peak {scene.peak_force:.0f} N" * (scene.peak_force > 0)
@@ -174,6 +185,12 @@ def _data(frames: Frames, scene: Scene, animation: str, title: str) -> dict[str,
         "aspect": scene.view.aspect,
         "distance": scene.view.distance,
         "horizon": css(HORIZON),
+        "world": WORLD,
+        "follows": scene.follows,
+        "arrows": scene.arrows,
+        "newtons": scene.newtons,
+        "trails": scene.trails,
+        "joints": [[name, path] for name, path in scene.joints.items()],
         "commands": [*map(_base64, scene.commands), animation],
     }
 

@@ -34,7 +34,7 @@ def environment(**filters: Callable[..., Any]) -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    made.globals |= {"asset": asset, "library": library, "licences": licences}
+    made.globals |= {"asset": asset, "library": library, "licence": licence, "licences": licences}
     made.filters |= {"script_json": script_json, **filters}
     return made
 
@@ -53,7 +53,15 @@ def licences() -> Markup:
     """Those of all that is in it, as they may stand in a comment of HTML."""
     papers = "LICENSE", "dist/main.min.js.LICENSE.txt", "dist/main.min.js.THIRD_PARTY_LICENSES.json"
     paths = (_folder() / paper for paper in papers)
-    text = "\n\n".join(path.read_text(encoding="utf-8") for path in paths if path.is_file())
+    return _comment("\n\n".join(path.read_text(encoding="utf-8") for path in paths if path.is_file()))
+
+
+def licence(name: str) -> Markup:
+    """The licence of a script of others, by the licence's path below `viz`, as it may stand in a comment of HTML."""
+    return _comment(str(asset(name)))
+
+
+def _comment(text: str) -> Markup:
     return Markup(text.replace("--", "- -").replace("<", "&lt;").replace(">", "&gt;"))
 
 

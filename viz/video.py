@@ -25,9 +25,9 @@ SIZE: Size = (1280, 720)
 LEAST_SIDE, MOST_SIDE, MOST_FRAMES = 64, 4096, 100_000
 # nobody can press the buttons of a picture
 STYLE = """
-#play, #speeds { display: none }
-footer { bottom: 2px; background: none; border: 0; box-shadow: none; backdrop-filter: none }
-@media (max-width: 640px) { aside { bottom: 48px } }
+#play, #speeds, #more, #tools, #plots, aside summary { display: none !important }
+#stage { grid-column: 1 / -1 }
+footer { padding: 2px 30px }
 """
 # the scene is drawn at once, and the browser given two frames to show it and the time beside it
 SHOW = """new Promise((done) => {

@@ -1,9 +1,15 @@
 "use strict";
 // meshcat's viewer in a page that drives the time itself
 
+function bytesOf(base64) {
+  const text = atob(base64);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
+  return bytes;
+}
+
 function handle(viewer, commands) {
-  for (const command of commands)
-    viewer.handle_command_bytearray(Uint8Array.from(atob(command), (char) => char.charCodeAt(0)));
+  for (const command of commands) viewer.handle_command_bytearray(bytesOf(command));
   viewer.animator.pause();
 }
 
@@ -24,4 +30,9 @@ function openViewer(pane, commands, { horizon, distance }) {
   viewer.controls.maxPolarAngle = 1.54; // not below the ground
   viewer.controls.maxDistance = 4 * distance;
   return viewer;
+}
+
+// the node of the scene at a path such as "/stage/world"
+function nodeAt(viewer, path) {
+  return viewer.scene_tree.find(path.split("/").filter(Boolean));
 }

@@ -64,24 +64,30 @@ class Frames:
         return float(self.t[-1])
 
 
-def resample(robot: Robot, trajectory: TrajectoryLike, rate: float) -> Frames:
+def resample(robot: Robot, trajectory: TrajectoryLike, rate: float, name: str = "trajectory") -> Frames:
     """Frames at a rate, in 1/s, between the events; never across one.
+
+    Args:
+        robot: the robot that moves.
+        trajectory: what it does.
+        rate: in 1/s.
+        name: of the trajectory in errors.
 
     Raises:
         BadValue: the trajectory has the wrong shape, is not finite, runs backward or lasts no time.
         UnknownName: a spring's joint is not one of the robot's.
     """
-    t = read_times(trajectory)
+    t = read_times(trajectory, name)
     n, toes = len(t), len(robot.toes)
-    q = _table("trajectory.q", trajectory.q, [(n, robot.nq)])
-    force = _table("trajectory.force", trajectory.force, [(n, toes, 2), (n, toes, 3)])
+    q = _table(f"{name}.q", trajectory.q, [(n, robot.nq)])
+    force = _table(f"{name}.force", trajectory.force, [(n, toes, 2), (n, toes, 3)])
     ground = getattr(trajectory, "ground", None) or Ground()
     if force.shape[2] == 2:
         x, z = ground.world(force[:, :, 0], force[:, :, 1])
         force = np.stack((x, np.zeros((n, toes)), z), axis=2)
     domain = np.asarray(trajectory.domain, dtype=str)
     if domain.shape != (n,):
-        raise BadValue("trajectory.domain", trajectory.domain, f"{n} names, one for each time")
+        raise BadValue(f"{name}.domain", trajectory.domain, f"{n} names, one for each time")
     local = t - t[0]
     row, weight, times = _steady(local, rate)
     return Frames(
@@ -90,19 +96,19 @@ def resample(robot: Robot, trajectory: TrajectoryLike, rate: float) -> Frames:
         q=_blend(robot.model, q, row, weight),
         force=force[row] + weight[:, None, None] * (force[np.minimum(row + 1, n - 1)] - force[row]),
         spans=_spans(local, domain),
-        events=tuple((str(event.name), _event_time(event) - float(t[0])) for event in trajectory.events),
-        springs=_springs(robot, trajectory, local),
+        events=tuple((str(event.name), _event_time(event, name) - float(t[0])) for event in trajectory.events),
+        springs=_springs(robot, trajectory, local, name),
         ground=ground,
     )
 
 
-def _event_time(event: EventLike) -> float:
+def _event_time(event: EventLike, name: str) -> float:
     try:
         time = float(event.time)
     except (TypeError, ValueError):
         time = float("nan")
     if not np.isfinite(time):
-        raise BadValue("trajectory.events", event.time, "events with a finite time, in s")
+        raise BadValue(f"{name}.events", event.time, "events with a finite time, in s")
     return time
 
 
@@ -148,7 +154,7 @@ def _spans(t: Array, domain: NDArray[np.str_]) -> tuple[Span, ...]:
     return tuple(span for span in spans if span.end > span.begin)
 
 
-def _springs(robot: Robot, trajectory: TrajectoryLike, t: Array) -> tuple[tuple[str, Switch], ...]:
+def _springs(robot: Robot, trajectory: TrajectoryLike, t: Array, name: str) -> tuple[tuple[str, Switch], ...]:
     joints = tuple(trajectory.spring_joints)
     for joint in joints:
         robot.index(joint)
@@ -158,7 +164,7 @@ def _springs(robot: Robot, trajectory: TrajectoryLike, t: Array) -> tuple[tuple[
     if engaged.shape == (len(t),) and len(joints) == 1:
         engaged = engaged[:, None]
     if engaged.shape != (len(t), len(joints)):
-        raise BadValue("trajectory.engaged", engaged.shape, f"the shape {(len(t), len(joints))}")
+        raise BadValue(f"{name}.engaged", engaged.shape, f"the shape {(len(t), len(joints))}")
     return tuple((joint, _switch(t, engaged[:, column])) for column, joint in enumerate(joints))
 
 

@@ -100,12 +100,17 @@ def arrow_overlay(toe: str, t: Array, position: Array, force: Array, scale: floa
     )
 
 
+def trail_path(toe: str) -> str:
+    """Path of the path of a toe."""
+    return f"{WORLD}/path of {toe.replace('/', ' ')}"
+
+
 def trail_overlay(toe: str, t: Array, position: Array, radius: float, most: int = TRAIL_POINTS) -> Overlay:
     """The path of a toe, (m, 3), in m, as a thin tube, of so many points at most, that grows with time."""
     keep = _spread(position, most)
     if len(keep) < 2:
         return Overlay((), {})
-    path = f"{WORLD}/path of {toe.replace('/', ' ')}"
+    path = trail_path(toe)
     vertices, faces = tube(position[keep] + [0.0, 0.0, radius], radius, TRAIL_SIDES)
     look = c.material((*TRAIL_COLOR, 0.75), "MeshBasicMaterial")
     drawn = np.arange(len(keep)) * TRAIL_SIDES * 6

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pinocchio as pin
@@ -16,16 +16,26 @@ from spear_pin.viz.playback.coil import places_across
 from spear_pin.viz.playback.frames import Frames
 from spear_pin.viz.playback.kinematics import center_of_mass, local_poses, quaternions, world_poses
 from spear_pin.viz.playback.looks import read_looks
-from spear_pin.viz.playback.overlays import TRAIL_POINTS, Overlay, arrow_overlay, spring_overlays, trail_overlay
+from spear_pin.viz.playback.overlays import (
+    TRAIL_POINTS,
+    Overlay,
+    arrow_overlay,
+    arrow_path,
+    spring_overlays,
+    trail_overlay,
+    trail_path,
+)
 from spear_pin.viz.playback.shapes import Shape
 from spear_pin.viz.playback.stage import WORLD, View, fit_view, stage
 
 Array = NDArray[np.float64]
 
 ROBOT = f"{WORLD}/robot"
+GHOST = f"{WORLD}/ghost"
 # a motion that stays within this, in m, is played in place
 IN_PLACE = 0.5
 FOLLOW_WINDOW = 0.5
+REVOLUTE = "JointModelR"  # about an axis of the frame or any other; not those without limits, that have two numbers
 
 
 @dataclass(frozen=True)
@@ -39,6 +49,11 @@ class Scene:
         peak_force: largest ground force on a foot, in N; of a pair of legs, each foot has half.
         paired: whether some legs are pairs.
         notes: one line for each thing that is not drawn.
+        follows: whether the picture goes with the robot.
+        arrows: paths of the arrows of ground forces.
+        newtons: that a metre of an arrow stands for.
+        trails: paths of the paths of toes.
+        joints: path of each joint with one angle, by its name.
     """
 
     commands: tuple[c.Command, ...]
@@ -47,11 +62,16 @@ class Scene:
     peak_force: float = 0.0
     paired: bool = False
     notes: tuple[str, ...] = ()
+    follows: bool = False
+    arrows: tuple[str, ...] = ()
+    newtons: float = 0.0
+    trails: tuple[str, ...] = ()
+    joints: Mapping[str, str] = field(default_factory=dict)
 
 
-def joint_paths(model: pin.Model) -> tuple[str, ...]:
-    """Path of each joint in the viewer, each below its parent's; the world's at index 0."""
-    paths = [ROBOT]
+def joint_paths(model: pin.Model, root: str = ROBOT) -> tuple[str, ...]:
+    """Path of each joint in the viewer, each below its parent's; the world's, `root`, at index 0."""
+    paths = [root]
     for joint in range(1, model.njoints):
         paths.append(f"{paths[model.parents[joint]]}/{joint} {model.names[joint].replace('/', ' ')}")
     return tuple(paths)
@@ -68,8 +88,14 @@ def still(robot: Robot, q: Array) -> Scene:
     return Scene(tuple(commands), {}, view, notes=looks.notes)
 
 
-def moving(robot: Robot, frames: Frames) -> Scene:
-    """A robot in motion, with its springs, ground forces and toe paths."""
+def moving(robot: Robot, frames: Frames, ghost: Frames | None = None) -> Scene:
+    """A robot in motion, with its springs, ground forces and toe paths.
+
+    Args:
+        robot: the robot.
+        frames: what it does.
+        ghost: what it does as a ghost beside itself, from the same instant on: joints below `GHOST`, without shapes.
+    """
     looks, paths = read_looks(robot), joint_paths(robot.model)
     local = local_poses(robot.model, frames.q)
     world = world_poses(robot.model, local)
@@ -79,20 +105,56 @@ def moving(robot: Robot, frames: Frames) -> Scene:
     springs, brackets = spring_overlays(robot, frames, local, paths, looks.shapes)
     feet = _feet(robot, frames, world, looks.shapes)
     peak = max((float(np.linalg.norm(foot.force, axis=1).max(initial=0.0)) for foot in feet), default=0.0)
-    overlays = springs + _foot_overlays(feet, frames.t, max(float(center[:, 2].max()), 0.1), peak)
+    size = max(float(center[:, 2].max()), 0.1)
+    longest = 0.6 * size  # of the arrows, in m
+    trails = [_trail(foot, frames.t, size, len(feet)) for foot in feet]
+    arrows = [_arrow(foot, frames.t, size, longest / peak) for foot in feet] if peak > 0 else []
+    overlays = [*springs, *trails, *arrows]
+    double, ghost_clips, reach = _ghost(robot.model, ghost) if ghost is not None else ([], {}, origin)
     commands = [
         *_place(origin[0]),
         *_body(paths, local[0], (*looks.shapes, *brackets)),
         *(command for overlay in overlays for command in overlay.commands),
-        *stage(view, float(origin.min()), float(origin.max()), frames.ground),
+        *double,
+        *stage(view, float(min(origin.min(), reach.min())), float(max(origin.max(), reach.max())), frames.ground),
     ]
-    clips = _joint_clips(paths, frames.t, local)
+    clips = _joint_clips(paths, frames.t, local) | ghost_clips
     if np.ptp(origin) > 0:
         shift = np.column_stack((-origin, np.zeros((len(origin), 2))))
         clips[WORLD] = (c.Track("position", "vector3", frames.t, shift),)
     for overlay in overlays:
         clips.update(overlay.clips)
-    return Scene(tuple(commands), clips, view, peak, len(feet) > len(robot.toes), looks.notes)
+    return Scene(
+        tuple(commands),
+        clips,
+        view,
+        peak_force=peak,
+        paired=len(feet) > len(robot.toes),
+        notes=looks.notes,
+        follows=WORLD in clips,
+        arrows=tuple(arrow_path(foot.name) for foot in feet) if arrows else (),
+        newtons=peak / longest,
+        trails=tuple(trail_path(foot.name) for foot, trail in zip(feet, trails, strict=True) if trail.commands),
+        joints=_angles(robot.model, paths),
+    )
+
+
+def _angles(model: pin.Model, paths: tuple[str, ...]) -> dict[str, str]:
+    """Path of each joint that turns about one axis, by its name."""
+    turning = [
+        number for number, joint in enumerate(model.joints) if joint.nq == 1 and joint.shortname().startswith(REVOLUTE)
+    ]
+    return {model.names[number]: paths[number] for number in turning}
+
+
+def _ghost(model: pin.Model, frames: Frames) -> tuple[list[c.Command], dict[str, tuple[c.Track, ...]], Array]:
+    """Where the joints of a ghost begin, how they move, and the x that it reaches, in m; it is gone after its end."""
+    paths, local = joint_paths(model, GHOST), local_poses(model, frames.q)
+    end = np.nextafter(np.float32(frames.duration), np.float32(np.inf))
+    there = c.Track("visible", "bool", np.array([0.0, end]), [True, False])
+    center = center_of_mass(model, world_poses(model, local))
+    commands = [c.set_transform(path, pose) for path, pose in zip(paths, local[0], strict=True)]
+    return commands, _joint_clips(paths, frames.t, local) | {GHOST: (there,)}, center[:, 0]
 
 
 @dataclass(frozen=True)
@@ -117,13 +179,12 @@ def _feet(robot: Robot, frames: Frames, world: Array, shapes: tuple[Shape, ...])
     return feet
 
 
-def _foot_overlays(feet: list[_Foot], t: Array, size: float, peak: float) -> list[Overlay]:
-    overlays = []
-    for foot in feet:
-        overlays.append(trail_overlay(foot.name, t, foot.position, 0.005 * size, 2 * TRAIL_POINTS // max(2, len(feet))))
-        if peak > 0:
-            overlays.append(arrow_overlay(foot.name, t, foot.position, foot.force, 0.6 * size / peak, 0.022 * size))
-    return overlays
+def _trail(foot: _Foot, t: Array, size: float, feet: int) -> Overlay:
+    return trail_overlay(foot.name, t, foot.position, 0.005 * size, 2 * TRAIL_POINTS // max(2, feet))
+
+
+def _arrow(foot: _Foot, t: Array, size: float, scale: float) -> Overlay:
+    return arrow_overlay(foot.name, t, foot.position, foot.force, scale, 0.022 * size)
 
 
 def _place(x: float) -> list[c.Command]:

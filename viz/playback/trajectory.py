@@ -13,6 +13,7 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.ground import Ground
 
 Array = NDArray[np.float64]
+Table = tuple[Sequence[str], Array]
 
 
 class EventLike(Protocol):
@@ -63,6 +64,7 @@ class Part:
 
     Attributes:
         whole: when the trajectory begins and ends, in s.
+        table: names and values, (n, ...), of its columns; None of a trajectory that has no such.
     """
 
     t: Array
@@ -74,6 +76,7 @@ class Part:
     engaged: NDArray[np.bool_]
     ground: Ground | None
     whole: tuple[float, float]
+    table: Table | None = None
 
     @property
     def said(self) -> str:
@@ -103,6 +106,7 @@ def between(trajectory: TrajectoryLike, begin: float, end: float) -> Part:
     """
     t = read_times(trajectory)
     rows = slice(*np.searchsorted(t, [begin, np.nextafter(end, np.inf)]))
+    table = table_of(trajectory)
     return Part(
         t=t[rows],
         q=np.asarray(trajectory.q)[rows],
@@ -113,11 +117,24 @@ def between(trajectory: TrajectoryLike, begin: float, end: float) -> Part:
         engaged=np.asarray(trajectory.engaged)[rows],
         ground=getattr(trajectory, "ground", None),
         whole=(float(t[0]), float(t[-1])),
+        table=table and (table[0], table[1][rows]),
     )
 
 
-def read_times(trajectory: TrajectoryLike) -> Array:
+def table_of(trajectory: TrajectoryLike) -> Table | None:
+    """Names and values, (n, ...), of a trajectory's columns, see `Trajectory.columns`; None if it has no such."""
+    if isinstance(trajectory, Part):
+        return trajectory.table
+    columns = getattr(trajectory, "columns", None)
+    return columns() if callable(columns) else None
+
+
+def read_times(trajectory: TrajectoryLike, name: str = "trajectory") -> Array:
     """The times of a trajectory's samples, (n,), in s.
+
+    Args:
+        trajectory: that has them.
+        name: by which errors call it.
 
     Raises:
         BadValue: they are no times, run backward, or are all the same.
@@ -126,7 +143,7 @@ def read_times(trajectory: TrajectoryLike) -> Array:
     try:
         t = np.asarray(trajectory.t, dtype=np.float64)
     except (TypeError, ValueError):
-        raise BadValue("trajectory.t", trajectory.t, expected) from None
+        raise BadValue(f"{name}.t", trajectory.t, expected) from None
     if t.ndim != 1 or len(t) < 2 or not np.isfinite(t).all() or np.diff(t).min() < 0 or t[-1] == t[0]:
-        raise BadValue("trajectory.t", trajectory.t, expected)
+        raise BadValue(f"{name}.t", trajectory.t, expected)
     return t

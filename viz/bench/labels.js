@@ -1,0 +1,68 @@
+// numbers that stand in the scene where they belong: forces at their arrows, angles at their joints
+
+function makeLabels(viewer, pane, layer, data, samples) {
+  const { Vector3 } = MeshCat.THREE;
+  const point = new Vector3();
+  const camera = viewer.camera;
+
+  function make(kind) {
+    const element = document.createElement("span");
+    element.className = kind;
+    layer.append(element);
+    return element;
+  }
+
+  function put(element, text, object, up) {
+    point.set(0, 0, up);
+    object.localToWorld(point).project(camera);
+    const shown = text !== "" && point.z < 1;
+    element.hidden = !shown;
+    if (!shown) return;
+    if (element.textContent !== text) element.textContent = text;
+    const x = ((1 + point.x) / 2) * pane.clientWidth;
+    const y = ((1 - point.y) / 2) * pane.clientHeight;
+    element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+  }
+
+  const arrows = data.arrows.map((path) => {
+    const [whole, shaft, head] = ["", "/shaft", "/head"].map((part) => nodeAt(viewer, path + part).object);
+    const element = make("force");
+    return () => {
+      const length = whole.visible ? shaft.scale.z + head.scale.z : 0;
+      put(element, length ? `${Math.round(length * data.newtons)} N` : "", whole, length);
+    };
+  });
+  const joints = data.joints.filter(([name]) => samples.byName.has(`q_${name}`)).map(([name, path]) => {
+    const { object } = nodeAt(viewer, path);
+    const column = samples.byName.get(`q_${name}`);
+    const element = make("angle");
+    return (value) => put(element, `${name} ${value(column).toFixed(2).replace("-", "−")} rad`, object, 0);
+  });
+
+  const shown = { forces: false, angles: false };
+  const labels = {
+    time: 0,
+    show(kind, on) {
+      shown[kind] = on;
+      for (const element of layer.children)
+        if (element.className === (kind === "forces" ? "force" : "angle")) element.hidden = true;
+      labels.draw();
+    },
+    // places the numbers where the scene, as it was last drawn or is now, has their objects
+    draw() {
+      if (!shown.forces && !shown.angles) return;
+      viewer.scene.updateMatrixWorld();
+      camera.updateMatrixWorld();
+      if (shown.forces) for (const arrow of arrows) arrow();
+      if (!shown.angles) return;
+      const value = samples.at(labels.time);
+      for (const joint of joints) joint(value);
+    },
+  };
+  const render = viewer.render.bind(viewer);
+  viewer.render = () => {
+    render();
+    labels.draw();
+  };
+  return labels;
+}
