@@ -44,7 +44,7 @@ def cost_map(study: Study) -> Figure:
             if kind != NONE:
                 panel.set_xlabel(STIFFNESS)
         panels[0].set_ylabel(SPEED)
-        figure.colorbar(drawn, ax=panels, label="Electrical cost of transport (1)")
+        figure.colorbar(drawn, ax=panels, label="Electrical cost of transport")
         return figure
 
 
