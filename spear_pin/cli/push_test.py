@@ -29,7 +29,7 @@ NONE = "none"  # what --ratios calls the belt taken off
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     parser = add_command(
-        commands, "push-test", run, "release the pushed-down leg: simulate it, write push_test.html and push_test.svg"
+        commands, "push-test", run, "release the pushed-down leg: simulate it, write page, plots, samples"
     )
     parser.add_argument("--depth", type=float, metavar="M", help=f"of the push (default: {DEPTH:.2f})")
     add_leg(parser)
@@ -184,7 +184,7 @@ def _check_mode(arguments: argparse.Namespace) -> None:
 
 
 def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee) -> dict[str, Any]:
-    from spear_pin.studies.push_test import release, swing
+    from spear_pin.studies.push_test import release, simulated, swing
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record
     from spear_pin.viz.plots import save_figure
@@ -193,6 +193,7 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
 
     duration = DURATION if arguments.duration is None else arguments.duration
     result = release(pinned, knee, arguments.depth, duration)
+    samples = simulated(pinned, knee, float(result.angle[0]), duration).save(arguments.out / "push_test.npz")
     small = swing(pinned, knee)
     title = f"{called(pinned.robot)} released from {100 * arguments.depth:.4g} cm" + (
         ", no motor" if arguments.no_motor else ""
@@ -213,7 +214,7 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
         "damping_ratio": small.damping_ratio,
         **_motion(result),
         "shown": read_times(shown)[[0, -1]],
-        "files": [str(page), str(picture)],
+        "files": [str(page), str(samples), str(picture)],
         "pictures": {
             page: lambda path: record(pinned.robot, shown, path, title=title),
             picture: lambda path: save_figure(release_summary({title: result}), path),
@@ -232,7 +233,7 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
         ("simulated", f"{duration:g} s ({result.reason})"),
         *rests_on(pinned.robot),
         *shows(shown),
-        ("files", f"{page}, {picture}"),
+        ("files", f"{page}, {samples}, {picture}"),
     ]
     return figures | {"text": aligned(rows)}
 
