@@ -25,7 +25,8 @@ from spear_pin.cli import (
     sweep,
 )
 from spear_pin.cli.arguments import Parser
-from spear_pin.cli.output import complain, draw, open_page, print_result, tell
+from spear_pin.cli.durations import expected
+from spear_pin.cli.output import complain, draw, foretold, open_page, print_result, tell
 from spear_pin.errors import RobotWarning, SpearError
 
 # as the help lists them
@@ -54,7 +55,8 @@ def _run(argv: Sequence[str] | None) -> int:
         return 2
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RobotWarning)
-        result: dict[str, Any] = arguments.run(arguments)
+        with foretold(arguments.command, expected(arguments)):
+            result: dict[str, Any] = arguments.run(arguments)
     tell(caught)
     failed, pictures, opened = (result.pop(name, None) for name in ("failed", "pictures", "opened"))
     try:

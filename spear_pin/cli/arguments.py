@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
+from spear_pin.cli.durations import LASTING
 from spear_pin.cli.output import complain, emit
 from spear_pin.errors import BadValue, shortened
 from spear_pin.words import number, whole
@@ -57,7 +58,8 @@ def add_command(
     Returns:
         The parser of its arguments; it has --json.
     """
-    parser = commands.add_parser(name, help=summary, description=summary)
+    takes = next((f"; takes {each.takes}" for each in LASTING if (each.command, each.option) == (name, "")), "")
+    parser = commands.add_parser(name, help=summary, description=summary + takes)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.set_defaults(run=run, refuse=parser.error)
     return parser

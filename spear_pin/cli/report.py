@@ -19,7 +19,7 @@ FORMATS = ("svg", "pdf", "png")
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     parser = add_command(
-        commands, "report", run, "check what the source states and draw its figures: write report.html, about a minute"
+        commands, "report", run, "check what the source states and draw its figures: write report.html"
     )
     parser.add_argument(
         "--figures", choices=FORMATS, help=f"write the figures in this format too, into the folder {FIGURES}"
