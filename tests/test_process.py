@@ -126,4 +126,4 @@ class TestEnvironment:
     def test_what_figures_in_files_have_no_use_for(self, tmp_path, changed):
         process = ended([*SPEAR, "push-test", "--json"], tmp_path, **changed)
         assert process.returncode == 0 and process.stderr == b""
-        assert len(json.loads(process.stdout)["files"]) == 2
+        assert len(json.loads(process.stdout)["files"]) == 3

@@ -10,6 +10,7 @@ from typing import Any
 from spear_pin import __version__
 from spear_pin.cli import (
     bound,
+    completion,
     doctor,
     dynamics,
     explore,
@@ -24,13 +25,14 @@ from spear_pin.cli import (
     sweep,
 )
 from spear_pin.cli.arguments import Parser
-from spear_pin.cli.output import complain, draw, open_page, print_result, tell
+from spear_pin.cli.durations import expected
+from spear_pin.cli.output import complain, draw, foretold, open_page, print_result, tell
 from spear_pin.errors import RobotWarning, SpearError
 
 # as the help lists them
 COMMANDS = (
     *(robots.add, dynamics.add, hop.add, explore.add, push_test.add, identify.add),
-    *(bound.add, search.add, payoff.add, sweep.add, report.add, export.add, doctor.add),
+    *(bound.add, search.add, payoff.add, sweep.add, report.add, export.add, doctor.add, completion.add),
 )
 
 
@@ -53,14 +55,15 @@ def _run(argv: Sequence[str] | None) -> int:
         return 2
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RobotWarning)
-        result: dict[str, Any] = arguments.run(arguments)
+        with foretold(arguments.command, expected(arguments)):
+            result: dict[str, Any] = arguments.run(arguments)
     tell(caught)
     failed, pictures, opened = (result.pop(name, None) for name in ("failed", "pictures", "opened"))
     try:
         print_result(result, arguments.json)
     finally:  # also where nobody reads what is printed
         draw(pictures or {})
-    if opened is not None:
+    if opened is not None and arguments.open:
         open_page(opened)
     return 2 if failed else 0
 
@@ -70,7 +73,7 @@ def _parser() -> Parser:
         prog="spear", description="Switchable parallel elastic legs: dynamics and gaits of SPEAR-II and Q-SPEAR."
     )
     parser.add_argument("--version", action="version", version=f"spear {__version__}")
-    parser.set_defaults(run=None, refuse=parser.error)
+    parser.set_defaults(run=None, refuse=parser.error, every=parser)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
     for add in COMMANDS:
         add(commands)

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
+from spear_pin.cli.durations import LASTING
 from spear_pin.cli.output import complain, emit
 from spear_pin.errors import BadValue, shortened
 from spear_pin.words import number, whole
@@ -51,13 +52,14 @@ def add_command(
         name: the word that calls it.
         run: does it, and returns what is printed: the figures by name, and how they read under "text". With a
             true "failed" among them `spear` ends with status 2. What takes long to draw goes under "pictures", files
-            and how each is written, for after that; under "opened" the page that a browser then opens.
+            and how each is written, for after that; under "opened" what --open then shows.
         summary: its line in the help.
 
     Returns:
         The parser of its arguments; it has --json.
     """
-    parser = commands.add_parser(name, help=summary, description=summary)
+    takes = next((f"; takes {each.takes}" for each in LASTING if (each.command, each.option) == (name, "")), "")
+    parser = commands.add_parser(name, help=summary, description=summary + takes)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.set_defaults(run=run, refuse=parser.error)
     return parser
@@ -91,6 +93,11 @@ def folder(word: str) -> Path:
     if not word:
         raise argparse.ArgumentTypeError("'' is no folder; the current one is '.'")
     return Path(word)
+
+
+def add_open(parser: argparse.ArgumentParser, file: str) -> None:
+    """Declare --open, which shows this file, that under "opened" of what the command returns."""
+    parser.add_argument("--open", action="store_true", help=f"open {file} in the browser")
 
 
 def check_out(arguments: argparse.Namespace) -> None:
@@ -128,7 +135,7 @@ def add_simulation(parser: argparse.ArgumentParser, cycles: int, called: str, pa
     )
     parser.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance (default: 1e-9)")
     add_out(parser, "the files")
-    parser.add_argument("--open", action="store_true", help=f"open {page} in the browser")
+    add_open(parser, page)
 
 
 def check_simulation(arguments: argparse.Namespace) -> None:

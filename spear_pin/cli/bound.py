@@ -7,6 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
+from spear_pin.cli.durations import usual
 from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.cli.legs import add_plane, called, doubted, in_the_plane, rests_on, stability
 from spear_pin.cli.output import aligned, iterations, progress, shows
@@ -25,9 +26,10 @@ def add(commands: Commands) -> None:
         type=float,
         metavar="M/S",
         help="continue the gait to this mean speed, 1.5 to 3.5 m/s or little more (at most 1 m/s from a gait's own);"
-        " takes half a minute to minutes. Of another robot any, searched for; default: as fast as Q-SPEAR for its size",
+        f" takes {usual('bound', 'speed')}. Of another robot any, searched for; default: as fast as Q-SPEAR for its"
+        " size",
     )
-    add_plane(parser, "a bound of which is searched for (needs casadi; takes up to a minute)")
+    add_plane(parser, f"a bound of which is searched for (needs casadi; takes {usual('bound', 'robot')})")
     parser.add_argument("--save", action="store_true", help="write bound.json too, the gait for --gait and Gait.load")
     add_simulation(parser, 5, "strides", "bound.html")
     parser.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
@@ -78,7 +80,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
         "pictures": pictures,
-        "opened": page if arguments.open else None,
+        "opened": page,
         "text": _text(summary, [*told, *shows(shown), ("files", ", ".join(map(str, files)))]),
     }
 

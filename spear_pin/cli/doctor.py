@@ -27,7 +27,10 @@ REQUIRED = (
     "jinja2",
     "markupsafe",
 )
-OPTIONAL = ("casadi", "heyoka", "joblib", "xarray", "zarr", "dask", "drake", "mujoco", "example-robot-data")
+OPTIONAL = (
+    *("casadi", "heyoka", "joblib", "xarray", "zarr", "dask", "drake", "mujoco", "example-robot-data"),
+    *("mcap", "mcap-protobuf-support", "foxglove-schemas-protobuf", "shtab"),
+)
 
 
 def add(commands: Commands) -> None:

@@ -8,8 +8,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_loading, add_out, check_out, loading
+from spear_pin.cli.arguments import Commands, add_command, add_loading, add_open, add_out, check_out, loading
 from spear_pin.cli.gaits import BOUND
+from spear_pin.cli.legs import add_cut, cut_out
 from spear_pin.cli.output import aligned
 from spear_pin.errors import BadFile, BadValue, SpearError
 
@@ -19,13 +20,16 @@ if TYPE_CHECKING:
 
 ROBOT = {"mjcf": "xml", "srdf": "srdf"}  # formats of a robot, and how their files end
 URDF = (".urdf", ".xml", ".toml")  # how its files mostly end
-TRAJECTORY = {"csv": "csv", "mat": "mat", "png": "png", "mp4": "mp4"}
+GAIT = ".json"
+LOADED = ("lock", "toes", "base", "motors", "repair", "leg", "plane", "side", "body")  # options of a robot's file
+TRAJECTORY = {name: name for name in ("csv", "mat", "mcap", "png", "mp4")}
 # what each option goes with
 NEEDS = {
-    **dict.fromkeys(("lock", "toes", "base", "motors", "repair"), ROBOT),
-    "robot": ("png", "mp4"),
+    **dict.fromkeys(LOADED, ROBOT),
+    "robot": ("mcap", "png", "mp4"),
     "size": ("png", "mp4"),
     "time": ("png",),
+    "open": ("png", "mp4"),
     "fps": ("mp4",),
     "speed": ("mp4",),
 }
@@ -33,17 +37,22 @@ NEEDS = {
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    summary = "write a robot for other programs, or a trajectory as a table, a picture or a film"
+    summary = "write a robot for other programs, or a trajectory as a table, a log, a picture or a film"
     parser = add_command(commands, "export", run, summary)
-    parser.add_argument("what", help="a robot's name, the path of its file, or a trajectory that was saved (.npz)")
+    parser.add_argument(
+        "what", help="a robot's name, the path of its file, or a gait (.json) or trajectory (.npz) that was saved"
+    )
     add_out(parser, "the files")
+    add_open(parser, "the film or the picture")
     robot = parser.add_argument_group("of a robot")
     robot.add_argument("--mjcf", action="store_true", help="MuJoCo's format, with rotors, motors, toes and ground")
     robot.add_argument("--srdf", action="store_true", help="legs, postures and rotors, to go with the URDF")
     add_loading(robot)
+    add_cut(parser)
     trajectory = parser.add_argument_group("of a trajectory")
     trajectory.add_argument("--csv", action="store_true", help="its samples as a table")
     trajectory.add_argument("--mat", action="store_true", help="samples, events and ledger for MATLAB")
+    trajectory.add_argument("--mcap", action="store_true", help="a log with robot, forces and events, for Foxglove")
     trajectory.add_argument("--png", action="store_true", help="a picture, drawn by Chromium")
     trajectory.add_argument("--mp4", action="store_true", help="a film, drawn by Chromium, encoded by ffmpeg")
     trajectory.add_argument("--time", type=float, metavar="S", help="of the picture (default: the beginning)")
@@ -61,31 +70,31 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     asked = [name for name in (*ROBOT, *TRAJECTORY) if getattr(arguments, name)]
     kind, valid = "trajectory" if moves else "robot", ", ".join(f"--{name}" for name in fitting)
     misfit = not asked or set(asked) & set(other)
-    if misfit and Path(arguments.what).suffix not in ("", ".npz", *URDF):
+    if misfit and Path(arguments.what).suffix not in ("", ".npz", GAIT, *URDF):
         raise BadFile(arguments.what, "is neither a robot nor a saved trajectory (.npz)")
     if not asked:
         raise SpearError(f"{arguments.what} is a {kind}: say what to write: {valid}")
     if misfit:
         raise BadValue("format", ", ".join(f"--{name}" for name in asked), f"of a {kind}: {valid}")
     for option, formats in NEEDS.items():
-        if getattr(arguments, option) is not None and not set(asked) & set(formats):
+        if getattr(arguments, option) not in (None, False) and not set(asked) & set(formats):
             valid = " or ".join(f"--{name}" for name in formats)
             raise BadValue(f"--{option}", getattr(arguments, option), f"to go with {valid}")
     name = Path(arguments.what).stem if {"/", "\\", "."} & set(arguments.what) else arguments.what
-    paths = {form: arguments.out / f"{name}.{fitting[form]}" for form in asked}
+    part = f"_{arguments.leg}" if arguments.leg else "_plane" if arguments.plane else ""
+    paths = {form: arguments.out / f"{name}{part}.{fitting[form]}" for form in asked}
     result = _trajectory(arguments, paths) if moves else _robot(arguments, paths)
     files = [str(path) for path in paths.values()]
     rows = [*result.pop("rows"), ("files", ", ".join(files))]
-    return result | {"files": files, "text": aligned(rows)}
+    return result | {"files": files, "opened": paths.get("mp4", paths.get("png")), "text": aligned(rows)}
 
 
 def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str, Any]:
     from spear_pin.files import atomic
-    from spear_pin.model.loading import load
     from spear_pin.model.mjcf import to_mjcf
     from spear_pin.model.srdf import to_srdf
 
-    robot = load(arguments.what, **loading(arguments))
+    robot = _whose(arguments)
     postures = _postures(robot)
     writers = {"mjcf": to_mjcf, "srdf": to_srdf}
     texts = {path: writers[form](robot, postures) for form, path in paths.items()}
@@ -95,6 +104,18 @@ def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str
     names = ["home", *postures]
     rows = [("robot", f"{robot.name}, {robot.mass:.4g} kg"), ("postures", ", ".join(names))]
     return {"robot": robot.name, "mass": robot.mass, "postures": names, "rows": rows}
+
+
+def _whose(arguments: argparse.Namespace) -> Robot:
+    """The robot of a name, of a file or of a saved gait, or the part of it that is asked for."""
+    if Path(arguments.what).suffix != GAIT:
+        return cut_out(arguments.what, arguments, loading(arguments))
+    from spear_pin.gaits.gait import Gait
+
+    for option in LOADED:
+        if (value := getattr(arguments, option)) is not None:
+            raise BadValue(f"--{option}", value, "to go with a robot: a gait has its own")
+    return Gait.load(arguments.what).system.robot
 
 
 def _postures(robot: Robot) -> dict[str, Any]:
@@ -128,6 +149,10 @@ def _trajectory(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dic
     for form in ("csv", "mat"):
         if form in paths:
             trajectory.export(paths[form])
+    if "mcap" in paths:
+        from spear_pin.viz.mcap_log import write_mcap
+
+        write_mcap(_moving(arguments, trajectory), trajectory, paths["mcap"])
     if "png" in paths:
         time = float(trajectory.t[0]) if arguments.time is None else arguments.time
         video.still(_moving(arguments, trajectory), trajectory, paths["png"], time=time, size=size)

@@ -131,7 +131,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
         "pictures": pictures,
-        "opened": page if arguments.open else None,
+        "opened": page,
         "text": _text(summary, [*told, *shows(shown), ("files", ", ".join(map(str, files)))]),
     }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.output import progress
 from spear_pin.cli.push_test import add_leg, leg
 from spear_pin.errors import BadValue
@@ -56,6 +56,7 @@ def add(commands: Commands) -> None:
     model.add_argument("--loss", default="linear", metavar="NAME", help="linear, soft_l1, huber or cauchy")
     model.add_argument("--together", action="store_true", help="one estimate from all files")
     add_out(parser, "identify.svg")
+    add_open(parser, "identify.svg")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -93,6 +94,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "estimates": [{"file": name, **_figures(estimate)} for name, estimate in estimates.items()],
         "remarks": remarks,
         "files": [str(picture)],
+        "opened": picture,
         "text": "\n".join([*_lines(estimates), *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]),
     }
 

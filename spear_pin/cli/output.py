@@ -110,6 +110,17 @@ def progress() -> Iterator[Callable[[str], None]]:
             print("\r\033[K", end="", file=sys.stderr, flush=True)
 
 
+@contextmanager
+def foretold(command: str, takes: str | None) -> Iterator[None]:
+    """Show how long a command will take, until it shows what is going on; None: it is soon done."""
+    if takes is None:
+        yield
+        return
+    with progress() as show:
+        show(f"{command}: takes {takes}")
+        yield
+
+
 def draw(pictures: Mapping[Path, Callable[[Path], object]]) -> None:
     """Draw pictures into their files, one after the other."""
     with progress() as show:

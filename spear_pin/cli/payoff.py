@@ -11,7 +11,7 @@ from itertools import starmap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.legs import BODY, called, in_the_plane, one_leg, rests_on
 from spear_pin.cli.output import aligned, progress
 from spear_pin.errors import BadValue, SpearError, UnknownName, require
@@ -71,7 +71,7 @@ def add(commands: Commands) -> None:
     motors.add_argument("--bus", type=float, metavar="V", help="of the supply (default: the motors' nominal voltage)")
     parser.add_argument("--workers", type=int, metavar="N", help="processes (default: one for each processor)")
     add_out(parser, "payoff.html, its pictures, the best gaits and payoff.jsonl, from which a study goes on")
-    parser.add_argument("--open", action="store_true", help="open payoff.html in the browser")
+    add_open(parser, "payoff.html")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -133,7 +133,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "robot": name,
         "files": [str(path) for path in listed],
         "pictures": pictures,
-        "opened": files["page"] if arguments.open else None,
+        "opened": files["page"],
         "text": _text(study, found, rests, listed),
     }
 

@@ -8,7 +8,7 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.legs import add_leg as add_another
 from spear_pin.cli.legs import called, one_leg, rests_on
 from spear_pin.cli.output import aligned, shows
@@ -29,7 +29,7 @@ NONE = "none"  # what --ratios calls the belt taken off
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     parser = add_command(
-        commands, "push-test", run, "release the pushed-down leg: simulate it, write push_test.html and push_test.svg"
+        commands, "push-test", run, "release the pushed-down leg: simulate it, write page, plots, samples"
     )
     parser.add_argument("--depth", type=float, metavar="M", help=f"of the push (default: {DEPTH:.2f})")
     add_leg(parser)
@@ -65,7 +65,7 @@ def add(commands: Commands) -> None:
     records.add_argument("--seed", type=int, metavar="N", help="of the noise (default: 0)")
     add_another(parser, "of which one leg is pushed down")
     add_out(parser, "the files")
-    parser.add_argument("--open", action="store_true", help="open push_test.html in the browser")
+    add_open(parser, "push_test.html, or with --ratios gear_ratios.svg,")
 
 
 def add_leg(parser: argparse._ActionsContainer) -> None:
@@ -175,7 +175,7 @@ def _check_mode(arguments: argparse.Namespace) -> None:
         ("--ratio", arguments.ratio is not None, not comparing),
         ("--no-motor", arguments.no_motor, not comparing),
         ("--duration", arguments.duration is not None, not recording),
-        ("--open", arguments.open, not (comparing or recording)),
+        ("--open", arguments.open, not recording),
         *((f"--{name}", getattr(arguments, name.replace("-", "_")) is not None, recording) for name in RECORDING),
     ):
         if given and not works:
@@ -184,7 +184,7 @@ def _check_mode(arguments: argparse.Namespace) -> None:
 
 
 def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee) -> dict[str, Any]:
-    from spear_pin.studies.push_test import release, swing
+    from spear_pin.studies.push_test import release, simulated, swing
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record
     from spear_pin.viz.plots import save_figure
@@ -193,6 +193,7 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
 
     duration = DURATION if arguments.duration is None else arguments.duration
     result = release(pinned, knee, arguments.depth, duration)
+    samples = simulated(pinned, knee, float(result.angle[0]), duration).save(arguments.out / "push_test.npz")
     small = swing(pinned, knee)
     title = f"{called(pinned.robot)} released from {100 * arguments.depth:.4g} cm" + (
         ", no motor" if arguments.no_motor else ""
@@ -213,12 +214,12 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
         "damping_ratio": small.damping_ratio,
         **_motion(result),
         "shown": read_times(shown)[[0, -1]],
-        "files": [str(page), str(picture)],
+        "files": [str(page), str(samples), str(picture)],
         "pictures": {
             page: lambda path: record(pinned.robot, shown, path, title=title),
             picture: lambda path: save_figure(release_summary({title: result}), path),
         },
-        "opened": page if arguments.open else None,
+        "opened": page,
     }
     pulls = "never" if result.lift_off is None else f"from {result.lift_off:.4f} s on: the toe would lift off"
     turn = f"{result.extrema[0]:.4f} rad at {result.turns[0]:.4f} s" if result.turns.size else "none"
@@ -232,7 +233,7 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
         ("simulated", f"{duration:g} s ({result.reason})"),
         *rests_on(pinned.robot),
         *shows(shown),
-        ("files", f"{page}, {picture}"),
+        ("files", f"{page}, {samples}, {picture}"),
     ]
     return figures | {"text": aligned(rows)}
 
@@ -281,6 +282,7 @@ def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
         "ratios": [_row(row) for row in rows],
         "files": [str(picture)],
         "pictures": {picture: lambda path: save_figure(gear_comparison(rows), path)},
+        "opened": picture,
         "text": "\n".join([*lines, str(picture)]),
     }
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
-from spear_pin.cli.output import aligned, open_page
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
+from spear_pin.cli.output import aligned
 from spear_pin.errors import BadFile, SpearError, UnknownName
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ FORMATS = ("svg", "pdf", "png")
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     parser = add_command(
-        commands, "report", run, "check what the source states and draw its figures: write report.html, about a minute"
+        commands, "report", run, "check what the source states and draw its figures: write report.html"
     )
     parser.add_argument(
         "--figures", choices=FORMATS, help=f"write the figures in this format too, into the folder {FIGURES}"
@@ -29,7 +29,7 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--no-cache", action="store_true", help="make everything anew, and keep nothing")
     add_out(parser, "the files")
-    parser.add_argument("--open", action="store_true", help="open report.html in the browser")
+    add_open(parser, PAGE)
     parser.add_argument("--list", action="store_true", help="list the ids, and do nothing else")
 
 
@@ -65,8 +65,6 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     files = [str(page)]
     if arguments.figures:
         files += map(str, write_figures(report, arguments.out / FIGURES, arguments.figures))
-    if arguments.open:
-        open_page(page)
     failed = report.failures | {
         name: finding.reason for name, finding in report.findings.items() if finding.verdict == "failed"
     }
@@ -84,6 +82,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "failures": failed,
         "bytes": len(text),
         "files": files,
+        "opened": page,
         "text": aligned(rows),
     }
 

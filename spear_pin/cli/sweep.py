@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, check_folder
+from spear_pin.cli.arguments import Commands, add_command, add_open, check_folder
 from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.cli.legs import add_leg, one_leg, rests_on
 from spear_pin.cli.output import aligned
@@ -46,6 +46,7 @@ def add(commands: Commands) -> None:
     sampled.add_argument("--latin", type=int, metavar="N", help="N points of a Latin hypercube instead of a grid")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the points (default: 0)")
     parser.add_argument("--out", type=Path, default=Path("sweep.zarr"), metavar="PATH", help="default: sweep.zarr")
+    add_open(parser, "the map, sweep.svg,")
     parser.add_argument("--workers", type=int, default=1, metavar="N", help="processes (default: 1)")
     parser.add_argument("--chunk", type=int, default=512, metavar="N", help="points solved together (default: 512)")
     parser.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance (default: 1e-9)")
@@ -92,14 +93,15 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         )  # fmt: skip
     why = reasons(dataset).tolist()
     counts = {reason: why.count(reason) for reason in sorted(set(why), key=lambda each: -why.count(each))}
-    files, found = [str(arguments.out)], counts.get("converged", 0)
+    opened, files, found = None, [str(arguments.out)], counts.get("converged", 0)
     if found:
-        files.append(str(save_figure(sweep_map(dataset), arguments.out.with_suffix(".svg"))))
+        opened = save_figure(sweep_map(dataset), arguments.out.with_suffix(".svg"))
+        files.append(str(opened))
     summary = {"points": len(why), "converged": found, "stable": int(dataset["stable"].sum()), "reasons": counts}
     if system.robot.cut is not None:
         summary["cut"] = str(system.robot.cut)
     told = [*rests_on(system.robot), ("files", ", ".join(files))]
-    return summary | {"vary": vary, "files": files, "text": _text(summary, vary, told, dataset)}
+    return summary | {"vary": vary, "files": files, "opened": opened, "text": _text(summary, vary, told, dataset)}
 
 
 def _check(arguments: argparse.Namespace) -> None:

@@ -58,8 +58,6 @@ def to_mjcf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> st
             numbers.
         BadFile: its URDF is gone.
     """
-    if robot.cut is not None:
-        raise BadValue("robot", robot.source, f"one of a file; {robot.cut.of}, out of which it is cut, can be written")
     if robot.added is not None:
         raise BadValue("robot", robot, "one without inertia beside its model's: MJCF cannot express that of an arm")
     root = etree.Element("mujoco", model=robot.name)
@@ -158,6 +156,9 @@ def _add_joint(model: pin.Model, joint: int, body: Any) -> None:
 
 def _add_shapes(robot: Robot, elements: list[Any]) -> None:
     """Add the shapes that the URDF shows, read by Pinocchio; files of meshes are not read."""
+    if robot.cut is not None:
+        elements[0].addprevious(etree.Comment(f" shapes are left out: it is cut out of {robot.cut.of} "))
+        return
     urdf = document(robot)
     for visual in list(urdf.iter("visual")):
         if visual.find("geometry/mesh") is not None:

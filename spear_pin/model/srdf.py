@@ -38,7 +38,8 @@ def to_srdf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> st
         BadFile: its URDF is gone.
     """
     if robot.cut is not None:
-        raise BadValue("robot", robot.source, f"one of a file; {robot.cut.of}, out of which it is cut, can be written")
+        expected = f"one of a file: {robot.cut.of}, out of which it is cut, has one; MJCF needs none"
+        raise BadValue("robot", robot.source, expected)
     if robot.locked or robot.varied:
         raise BadValue("robot", robot, "one as its URDF has it, with nothing locked or varied")
     urdf = document(robot)

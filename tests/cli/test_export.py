@@ -14,6 +14,7 @@ from scipy.io import loadmat
 
 from spear_pin import Gait, load, simulate
 from spear_pin.model.loading import ROBOTS
+from spear_pin.model.sagittal import sagittal
 from spear_pin.viz import chromium
 from tests.cli.calls import printed, refused, run, words
 
@@ -60,6 +61,29 @@ class TestRobots:
         assert result["files"] == [str(tmp_path / "mine.xml")] and result["postures"] == ["home"]
         assert [site.get("name") for site in etree.parse(tmp_path / "mine.xml").iter("site")] == ["anterior_toe"]
 
+    def test_a_plane_and_the_gait_of_one(self, capsys, tmp_path):
+        result = printed(capsys, "export", "q_spear_full", "--plane", "--mjcf", "--out", tmp_path)
+        assert result["files"] == [str(tmp_path / "q_spear_full_plane.xml")]
+        plane = sagittal(load("q_spear_full"))
+        q = np.array([0.1, 0.6, 0.2, 0.5, 1.0, -0.4, 0.9])
+        gait = Gait.load("long_stride")
+        gait.save(tmp_path / "mine.json")
+        again = printed(capsys, "export", tmp_path / "mine.json", "--mjcf", "--out", tmp_path)
+        assert again["files"] == [str(tmp_path / "mine.xml")] and again["robot"] == gait.system.robot.name
+        for name, robot in (("q_spear_full_plane", plane), ("mine", gait.system.robot)):
+            model = pin.buildModelFromMJCF(str(tmp_path / f"{name}.xml"))
+            matrix = pin.crba(model, model.createData(), q)
+            np.testing.assert_allclose(matrix, robot.mass_matrix(q), rtol=0, atol=1e-9)
+
+    def test_parts_that_do_not_fit(self, capsys, tmp_path):
+        path = Gait.load("long_stride").save(tmp_path / "mine.json")
+        for options, part in ((["--plane"], "--plane is True"), (["--lock", "boom_x"], "a gait has its own")):
+            assert part in refused(capsys, "export", path, "--mjcf", *options, "--out", tmp_path)
+        text = refused(capsys, "export", "q_spear_full", "--plane", "--mjcf", "--srdf", "--out", tmp_path)
+        assert "out of which it is cut" in text and "MJCF needs none" in text
+        assert "unknown leg" in refused(capsys, "export", "spear_ii", "--leg", "x", "--mjcf", "--out", tmp_path)
+        assert [each.name for each in tmp_path.iterdir()] == ["mine.json"]
+
 
 class TestTrajectories:
     def test_tables(self, capsys, tmp_path, bound):
@@ -71,6 +95,13 @@ class TestTrajectories:
             rows = list(csv.DictReader(file))
         assert [float(row["q_pitch"]) for row in rows] == stride.q[:, 2].tolist()
         np.testing.assert_array_equal(loadmat(tmp_path / "bound.mat")["q"], stride.q)
+
+    @pytest.mark.extra("mcap", "mcap_protobuf", "foxglove_schemas_protobuf")
+    def test_a_log(self, capsys, tmp_path, bound):
+        result = printed(capsys, "export", bound[1], "--mcap", "--out", tmp_path)
+        assert result["files"] == [str(tmp_path / "bound.mcap")]
+        assert (tmp_path / "bound.mcap").read_bytes()[:5] == b"\x89MCAP"
+        assert [path.name for path in tmp_path.iterdir()] == ["bound.mcap"]
 
     @pytest.mark.browser
     @pytest.mark.skipif(chromium.find() is None, reason="no Chromium here")
@@ -99,7 +130,7 @@ class TestMistakes:
         ("arguments", "parts"),
         [
             (["spear_ii"], ["spear_ii is a robot", "say what to write: --mjcf, --srdf"]),
-            (["hop.npz"], ["hop.npz is a trajectory", "say what to write: --csv, --mat, --png, --mp4"]),
+            (["hop.npz"], ["hop.npz is a trajectory", "say what to write: --csv, --mat, --mcap, --png, --mp4"]),
             (["hop.html", "--png"], ["hop.html", "neither a robot nor a saved trajectory (.npz)"]),
             (["mine.urdf", "--png"], ["format is '--png'", "of a robot"]),
             (["spear_ii", "--csv"], ["format is '--csv'", "of a robot"]),
@@ -122,7 +153,7 @@ class TestMistakes:
     @pytest.mark.parametrize(
         ("arguments", "parts"),
         [
-            (["--mjcf"], ["format is '--mjcf'", "of a trajectory: --csv, --mat, --png, --mp4"]),
+            (["--mjcf"], ["format is '--mjcf'", "of a trajectory: --csv, --mat, --mcap, --png, --mp4"]),
             (["--csv", "--fps", "10"], ["--fps is 10.0", "--mp4"]),
             (["--png", "--size", "wide"], ["--size", "WIDTHxHEIGHT"]),
             (["--png", "--size", "9x9"], ["size", "64 to 4096"]),

@@ -2,8 +2,10 @@
 
 import json
 
+import numpy as np
 import pytest
 
+from spear_pin import Trajectory
 from tests.cli.calls import printed, refused, run, words
 
 
@@ -15,7 +17,7 @@ def test_release(capsys, tmp_path):
     assert shown["least_force"] == pytest.approx(-11.2, abs=0.1)
     assert shown["lift_off"] == pytest.approx(0.1749, abs=1e-4)
     assert shown["reason"] == "complete"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["push_test.html", "push_test.svg"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["push_test.html", "push_test.npz", "push_test.svg"]
     assert "pins" not in shown
 
 
@@ -76,8 +78,8 @@ def test_record_names_the_command_that_reads_it(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("options", "picture", "number", "left"),
     [
-        ([], "player.record", "first extremum", []),
-        ([], "plots.save_figure", "first extremum", ["push_test.html"]),
+        ([], "player.record", "first extremum", ["push_test.npz"]),
+        ([], "plots.save_figure", "first extremum", ["push_test.html", "push_test.npz"]),
         (["--ratios", "15"], "plots.save_figure", "15:1", []),
     ],
 )
@@ -90,14 +92,23 @@ def test_interrupted_while_pictures_are_drawn(capsys, tmp_path, monkeypatch, opt
     monkeypatch.setattr(f"spear_pin.viz.{picture}", interrupt)
     status, out, err = run(capsys, "push-test", *options, "--out", tmp_path)
     assert status == 130 and err == "" and number in out
-    assert [path.name for path in tmp_path.iterdir()] == left
+    assert sorted(path.name for path in tmp_path.iterdir()) == left
 
 
 def test_the_page_is_opened_once_it_is_there(capsys, tmp_path, monkeypatch):
     opened, page = [], tmp_path / "push_test.html"
     monkeypatch.setattr("webbrowser.open", lambda address: opened.append((address, page.is_file())))
+    printed(capsys, "push-test", "--out", tmp_path)
+    assert opened == []
     printed(capsys, "push-test", "--open", "--out", tmp_path)
     assert opened == [(page.resolve().as_uri(), True)]
+
+
+def test_the_picture_of_ratios_is_opened(capsys, tmp_path, monkeypatch):
+    opened, picture = [], tmp_path / "gear_ratios.svg"
+    monkeypatch.setattr("webbrowser.open", lambda address: opened.append((address, picture.is_file())))
+    printed(capsys, "push-test", "--ratios", "15", "--open", "--out", tmp_path)
+    assert opened == [(picture.resolve().as_uri(), True)]
 
 
 @pytest.mark.parametrize(
@@ -146,3 +157,20 @@ def test_a_page_shows_the_beginning_of_a_long_release(capsys, tmp_path, monkeypa
     assert begin == -0.5 and 1.0 < end < 20.0
     status, out, _ = run(capsys, "push-test", "--duration", "20", "--out", tmp_path)
     assert status == 0 and f"shows the first {end + 0.5:.1f} s of 20.5 s" in out
+
+
+def test_its_samples_are_a_trajectory(capsys, tmp_path):
+    shown = printed(capsys, "push-test", "--ratio", "30", "--out", tmp_path)
+    motion = Trajectory.load(tmp_path / "push_test.npz")
+    assert (motion.reason, motion.t[0], motion.t[-1]) == ("complete", 0.0, 1.5)
+    assert motion.q[0, 2] == pytest.approx(shown["initial_angle"], abs=1e-12)
+    assert [event.name for event in motion.events][:2] == ["release", "turn"]
+    time, angle = shown["first_extremum"]
+    assert motion.events[1].time == pytest.approx(time, abs=1e-9)
+    assert motion.events[1].q[2] == pytest.approx(angle, abs=1e-9)
+    assert motion.force[:, 0, 1].min() == pytest.approx(shown["least_force"], abs=0.02)
+    robot = motion.load_robot()
+    assert dict(robot.varied) == {"knee_ratio": 30.0}
+    np.testing.assert_allclose([robot.toe_position(q, "toe") for q in motion.q[::100]], 0.0, rtol=0, atol=1e-9)
+    exported = printed(capsys, "export", tmp_path / "push_test.npz", "--csv", "--out", tmp_path)
+    assert exported["files"] == [str(tmp_path / "push_test.csv")]

@@ -5,13 +5,22 @@ import pytest
 
 from spear_pin.model.loading import ROBOTS, load
 from spear_pin.model.mjcf import qpos, qvel, to_mjcf
+from spear_pin.model.monopod import monopod
+from spear_pin.model.sagittal import sagittal
 from spear_pin.model.variants import vary
 from tests.crosscheck.test_engines import assert_close, in_world_axes, joints, random_states
 
 CASES = {name: lambda name=name: load(name) for name in ROBOTS} | {
     "locked": lambda: load("spear_ii", locked=["boom_x"]),
+    "a leg that was cut out": lambda: monopod(load("q_spear_full"), _leg("q_spear_full")),
+    "a plane": lambda: vary(sagittal(load("q_spear_full")), knee_ratio=20.0),
     "varied": lambda: vary(load("q_spear_full"), hip_spacing=0.4, knee_ratio=20.0, torso_mass=30.0),
 }
+
+
+def _leg(name):
+    return load(name).legs[0]
+
 
 pytestmark = pytest.mark.extra("mujoco")
 each_robot = pytest.mark.parametrize("case", CASES)

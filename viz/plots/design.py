@@ -21,7 +21,7 @@ from spear_pin.model.motor import Drive
 from spear_pin.model.variants import PARAMETERS
 from spear_pin.studies.design import STIFFNESSES, Member, Points, against, points, spring_sweep
 from spear_pin.viz.plots.bound import COLORS, SHADES
-from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Picture, style
+from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Picture, style, with_unit
 
 Array = NDArray[np.float64]
 
@@ -185,7 +185,7 @@ def family_plot(members: Sequence[Member], name: str) -> Figure:
             stride.set_ylim(0.9 * min(periods), 1.1 * max(periods))
         largest.plot(values, [abs(gait.multipliers[0]) for gait in gaits], "o-", color="black")
         largest.axhline(1.0, color="0.6", linewidth=0.5)
-        labels = ("Knee, peak in stance (N·m)", "Hip, peak (N·m)", "Stride (ms)", "Largest multiplier (1)")
+        labels = ("Knee, peak in stance (N·m)", "Hip, peak (N·m)", "Stride (ms)", "Largest multiplier")
         lost = [member.value for member in members if member.gait is None]
         for panel, label in zip(axes.flat, labels, strict=True):
             panel.set_ylabel(label)
@@ -194,7 +194,7 @@ def family_plot(members: Sequence[Member], name: str) -> Figure:
                 at_bottom = panel.get_xaxis_transform()
                 panel.plot(lost, np.full(len(lost), 0.05), "x", color="0.4", transform=at_bottom, label="none found")
         for panel in (stride, largest):
-            panel.set_xlabel(f"{name.replace('_', ' ').capitalize()} ({_unit(name)})")
+            panel.set_xlabel(with_unit(name, _unit(name)))
         for panel in (knee, hip):
             _legend(panel)
         return figure

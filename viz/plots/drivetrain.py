@@ -15,7 +15,7 @@ from spear_pin.errors import BadValue
 from spear_pin.studies.drivetrain import KneeDrive
 from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Picture, style
 
-HEATING = "Rms over continuous torque (1)"
+HEATING = "Rms over continuous torque"
 MARGIN = "Margin to the envelope (N·m)"
 COLORS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, "black")
 LINES: tuple[Literal["-", "--", "-.", ":"], ...] = (
@@ -85,7 +85,7 @@ def drivetrain(rows: Sequence[KneeDrive]) -> Figure:
                 _beyond(axes, LIMITS[label], above=label in LOGARITHMIC)
             axes.margins(x=0.05)
         for axes in panels[-1]:
-            axes.set_xlabel("Gear ratio (1)")
+            axes.set_xlabel("Gear ratio")
         panels[0, 0].set_xticks(ratios if len(ratios) < 8 else ratios[:: len(ratios) // 6 + 1])
         handles = [
             Line2D([], [], color=color, linestyle=line, marker=marker, label=motor)

@@ -101,7 +101,7 @@ def cost_of_transport(points: Sequence[CostPoint], computed: Sequence[CostPoint]
             drawn.set_markerfacecolor(face)
         axes.set(xscale="log", yscale="log", xlim=(span[0], span[-1]))
         axes.set_xlabel("Mass (kg)")
-        axes.set_ylabel("Cost of transport (1)")
+        axes.set_ylabel("Cost of transport")
         kinds = dict.fromkeys(point.kind for point in everything)
         handles = [axes.lines[0], *(_marker(MARKERS[kind], "0.3", kind) for kind in kinds)]
         handles.append(_marker("o", "none", "hollow: unverified"))

@@ -102,7 +102,7 @@ def correlations(estimate: Estimate) -> Figure:
         panel.set_aspect("equal")
         panel.invert_yaxis()
         panel.set_title(f"Data: {source}{which}", color=VERMILLION if SYNTHETIC in source else "black")
-        figure.colorbar(mesh, label="Correlation (1)", shrink=0.8)
+        figure.colorbar(mesh, label="Correlation", shrink=0.8)
         return figure
 
 

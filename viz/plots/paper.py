@@ -40,6 +40,12 @@ class Picture(Figure):
         return file.getvalue(), {"width": round(SCREEN * self.get_figwidth())}
 
 
+def with_unit(name: str, unit: str) -> str:
+    """A quantity's name in words, for an axis: its unit in brackets, where it has one ("1" is none)."""
+    words = name.replace("_", " ").capitalize()
+    return words if unit == "1" else f"{words} ({unit})"
+
+
 @typed
 def save_figure(figure: Figure, path: str | Path) -> Path:
     """Write a figure, whole or not at all, in the format of the path's suffix.

@@ -35,5 +35,5 @@ def robustness_figure(found: Robustness) -> Figure:
             axes.margins(x=0.08)
             axes.set_ylim(-0.03, 1.03)
         for row in panels:
-            row[0].set_ylabel("Share that survives (1)")
+            row[0].set_ylabel("Share that survives")
         return figure

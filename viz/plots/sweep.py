@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.model.variants import PARAMETERS
-from spear_pin.viz.plots.paper import BLUE, VERMILLION, Picture, style
+from spear_pin.viz.plots.paper import BLUE, VERMILLION, Picture, style, with_unit
 
 Array = NDArray[np.float64]
 UNITS = {
@@ -51,7 +51,7 @@ def sweep_map(dataset: Any) -> Figure:
     if not np.isfinite(largest).any():
         raise BadValue("dataset", f"{len(largest)} points", "a sweep in which a gait was found")
     solved = dataset[vary[0]].to_numpy() if vary else dataset["duration"].to_numpy().sum(axis=1)
-    panels = {"Largest multiplier (1)": largest, label(vary[0] if vary else "period"): solved}
+    panels = {"Largest multiplier": largest, label(vary[0] if vary else "period"): solved}
     with style():
         figure = Picture(figsize=(7.0, 2.8), layout="constrained")
         for i, (panel, (title, values)) in enumerate(zip(figure.subplots(1, 2), panels.items(), strict=True)):
@@ -127,4 +127,4 @@ def _edges(values: Array) -> Array:
 
 def label(name: str) -> str:
     """A parameter's or measure's name and unit, for an axis."""
-    return f"{name.replace('_', ' ').capitalize()} ({UNITS.get(name, '1')})"
+    return with_unit(name, UNITS.get(name, "1"))

@@ -1,6 +1,7 @@
 """The push test of Section 4.1: the leg is pushed down, held, let go; what its knee does."""
 
 from spear_pin.studies.push_test.gears import RATIOS, GearRow, gear_study
+from spear_pin.studies.push_test.motion import simulated
 from spear_pin.studies.push_test.oscillation import BeltFrequencies, Swing, belt_frequencies, swing
 from spear_pin.studies.push_test.passive_knee import WITH_MOTOR, WITHOUT_MOTOR, PassiveKnee
 from spear_pin.studies.push_test.releases import DEPTHS, RATE, Release, release
@@ -23,6 +24,7 @@ __all__ = [
     "pushed_angle",
     "release",
     "resting_at",
+    "simulated",
     "spear_ii",
     "swing",
 ]

@@ -29,6 +29,8 @@ from spear_pin.hybrid.phases import rate, spring_switches
 from spear_pin.hybrid.result import Moment, Options, Run
 from spear_pin.hybrid.rules.footing import AT_REST
 from spear_pin.hybrid.run import run
+from spear_pin.hybrid.simulate import simulate
+from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.model.robot import Robot
@@ -139,6 +141,31 @@ def released(leg: PinnedLeg, knee: PassiveKnee, duration: float = 1.5, dry: bool
 
 
 @typed
+def simulated(
+    leg: PinnedLeg, knee: PassiveKnee, initial_angle: float, duration: float = 1.5, rate: float = 1000.0
+) -> Trajectory:
+    """Let the leg go at rest, and sample all of its motion, as that of any other system.
+
+    Args:
+        leg: the pinned leg, with its rotor.
+        knee: what acts on its knee.
+        initial_angle: at which it is let go, in rad.
+        duration: of the motion, in s.
+        rate: samples a second, about.
+
+    Raises:
+        BadValue: the angle is beyond the joint's limits, or the duration is not positive.
+    """
+    require("duration", duration, lambda d: 0 < d <= 3600, "a number > 0, in s, at most an hour")
+    _checked(leg, initial_angle, [0.0], (), RTOL)
+    system, samples = released(leg, knee, duration), max(1, round(rate * duration))
+    start = _pushed(leg, initial_angle)
+    motion = simulate(system, start, 1, RTOL, max_evaluations=_work(duration), samples=samples, progress=False)
+    over = ENDS.get(motion.reason) == "complete"  # what is no cycle ends by its time, or at rest
+    return replace(motion, reason="complete", message="the time is over, or the leg at rest") if over else motion
+
+
+@typed
 def move(
     leg: PinnedLeg,
     knee: PassiveKnee,
@@ -164,9 +191,8 @@ def move(
     at = _checked(leg, initial_angle, times, wrt, rtol)
     duration = max(float(at[-1]), SHORTEST)
     system = released(leg, knee, duration, knee.coulomb > 0.0 or "coulomb" in wrt)
-    start = Moment(_placed(leg, initial_angle), np.zeros(leg.robot.nv), "pushed", {})
-    work = WORK + round(WORK_PER_SECOND * duration)
-    result = run(system, start, 1, Options(rtol, max_evaluations=work, keep=True))
+    start = _pushed(leg, initial_angle)
+    result = run(system, start, 1, Options(rtol, max_evaluations=_work(duration), keep=True))
     reason = ENDS.get(result.reason, result.reason)
     row = leg.robot.index(leg.joint)
     steps = list(_steps(result, row, leg.robot.nq))
@@ -206,6 +232,15 @@ def _checked(leg: PinnedLeg, initial_angle: float, times: ArrayLike, wrt: Sequen
         if name not in PARAMETERS:
             raise UnknownName("parameter", name, PARAMETERS)
     return at
+
+
+def _pushed(leg: PinnedLeg, angle: float) -> Moment:
+    return Moment(_placed(leg, angle), np.zeros(leg.robot.nv), "pushed", {})
+
+
+def _work(duration: float) -> int:
+    """Right-hand sides that a release may take."""
+    return WORK + round(WORK_PER_SECOND * duration)
 
 
 def _placed(leg: PinnedLeg, angle: float) -> Array:

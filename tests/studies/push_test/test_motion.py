@@ -12,7 +12,7 @@ from spear_pin import simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.result import Moment
-from spear_pin.studies.push_test import PassiveKnee, spear_ii
+from spear_pin.studies.push_test import WITH_MOTOR, PassiveKnee, simulated, spear_ii
 from spear_pin.studies.push_test.motion import PARAMETERS, move, released
 from tests.lagrangian import monopod
 from tests.push_by_hand import Push
@@ -391,3 +391,26 @@ class TestWork:
     def test_bad_tolerance(self, rtol):
         with pytest.raises(BadValue, match="^rtol is "):
             move(spear_ii(), PassiveKnee(), 1.5, [0.0, 1.0], rtol=rtol)
+
+
+class TestTrajectory:
+    @pytest.mark.parametrize("knee", [WITH_MOTOR, replace(WITH_MOTOR, coulomb=0.5, unilateral=True)], ids=["", "dry"])
+    def test_is_the_motion(self, knee):
+        leg = spear_ii()
+        motion = simulated(leg, knee, 1.7, 1.0)
+        swinging = np.r_[True, np.diff(motion.t) > 0]
+        wanted = move(leg, knee, 1.7, motion.t[swinging])
+        np.testing.assert_allclose(motion.q[swinging, 2], wanted.angle, rtol=0, atol=1e-8)
+        np.testing.assert_allclose(motion.v[swinging, 2], wanted.rate, rtol=0, atol=1e-7)
+        force = leg.ground_force(motion.q[:, 2], motion.v[:, 2], motion.a[:, 2]).T
+        np.testing.assert_allclose(motion.force[:, 0], force, rtol=0, atol=1e-6)
+        assert motion.reason == "complete" and motion.ledger.residual.shape == (0,)
+
+    @pytest.mark.parametrize("duration", [0.0, -1.0, np.nan, 1e9])
+    def test_refuses_durations(self, duration):
+        with pytest.raises(BadValue, match="duration"):
+            simulated(spear_ii(), WITH_MOTOR, 1.7, duration)
+
+    def test_refuses_angles(self):
+        with pytest.raises(BadValue, match="initial_angle"):
+            simulated(spear_ii(), WITH_MOTOR, 9.0)

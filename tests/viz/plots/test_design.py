@@ -16,7 +16,7 @@ from spear_pin.studies.design import Member, against, points, spring_sweep
 from spear_pin.viz.plots import design as design_plots
 from spear_pin.viz.plots import save_figure
 
-LABEL = re.compile(r"\((s|ms|m/s|rad/s|rad|N·m|N·m/rad|m|kg·m²|1)\)")
+LABEL = re.compile(r"\((s|ms|m/s|rad/s|rad|N·m|N·m/rad|m|kg·m²)\)|^Largest multiplier$")
 DRIVES = {
     f"{power} W": Drive(motor(name), Gearbox(15.0, 0.83), 48.0)
     for power, name in ((260, "ec_90_flat_260w"), (600, "assumed_600w"))

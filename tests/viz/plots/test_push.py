@@ -24,7 +24,7 @@ from spear_pin.viz.plots import save_figure, style
 from spear_pin.viz.plots import source as source_plots
 from tests.slow import slow_but
 
-LABEL = re.compile(r"\((s|rad|mrad|m|cm|N|kg·m²|N·m/rad|N·m·s/rad|1)\)$")
+LABEL = re.compile(r"\((s|rad|mrad|m|cm|N|kg·m²|N·m/rad|N·m·s/rad)\)$|^Correlation$")
 NAMES_NOT_NUMBERS = {("gears", 1, "y"), ("correlations", 0, "x"), ("correlations", 0, "y"), ("correlations", 1, "x")}
 FIGURES = ("release", "gears", "correlations", "tables", "fit 1", "fit 2", "fit 3", "fit 4", "fit 6")
 

@@ -13,7 +13,7 @@ def test_a_panel_for_each_number():
     reason = np.where(stiffness < 49.0, "fall", "complete")
     figure = robustness_figure(Robustness({"stiffness": stiffness, "friction": friction}, np.ones(200, int), reason))
     first, second = figure.axes
-    assert (first.get_xlabel(), second.get_xlabel()) == ("Stiffness (N·m/rad)", "Friction (1)")
+    assert (first.get_xlabel(), second.get_xlabel()) == ("Stiffness (N·m/rad)", "Friction")
     shares = [float(line.get_ydata()[0]) for line in first.lines if line.get_marker() == "o"]
     assert len(shares) == BINS and shares[0] == 0.0 and shares[-1] == 1.0
     middles = [float(line.get_xdata()[0]) for line in first.lines if line.get_marker() == "o"]

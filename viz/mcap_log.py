@@ -1,0 +1,206 @@
+"""A trajectory as an MCAP file, a log of timed messages that Foxglove and others read.
+
+Places, joints, shapes, forces and events are messages of Foxglove's schemas, in protobuf; every sample as it is in
+tables is a JSON message beside them. Times are those of the trajectory, as nanoseconds from zero.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from heapq import merge
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from spear_pin import __version__
+from spear_pin.errors import BadValue, SpearError
+from spear_pin.files import atomic
+from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.kinds import typed
+from spear_pin.model.document import describe
+from spear_pin.model.robot import Robot
+from spear_pin.viz import mcap_messages as m
+from spear_pin.viz.playback.looks import read_looks
+
+Array = NDArray[np.float64]
+
+SCHEMA = "spear_pin.Sample"
+ARROW = 0.3  # m, of the largest force
+LEAST = 1e-3  # of the largest force, below which no arrow is drawn
+
+
+@dataclass(frozen=True)
+class Message:
+    """Something that is logged.
+
+    Attributes:
+        time: in ns.
+        topic: name of the channel.
+        content: a message of protobuf, or an object of JSON.
+    """
+
+    time: int
+    topic: str
+    content: Any
+
+
+@typed
+def write_mcap(robot: Robot, trajectory: Trajectory, path: str | Path) -> Path:
+    """Write a trajectory as an MCAP file, whole or not at all.
+
+    Topics are `/tf` (every link and toe in the world), `/joint_states` (effort: `tau`), `/scene/robot` (its shapes,
+    once), `/scene/forces` (arrows), `/events` and `/samples` (all columns, by their names); of a robot that was cut out
+    of another `/whole/joint_states` has the joints of that. The file that the robot was loaded from is attached.
+
+    Args:
+        robot: that moved.
+        trajectory: what it did.
+        path: of the file.
+
+    Raises:
+        MissingExtra: the libraries are not installed.
+        BadValue: the trajectory is not the robot's.
+        BadFile: the file cannot be written.
+    """
+    schemas = m.load()
+    if robot.coordinates != trajectory.coordinates or robot.toes != trajectory.toes:
+        expected = f"one of {', '.join(robot.coordinates)} with the toes {', '.join(robot.toes)}"
+        raise BadValue("trajectory", f"one of {', '.join(trajectory.coordinates)}", expected)
+    begin = min(0.0, float(trajectory.t[0]))
+    times = [round(1e9 * (time - begin)) for time in trajectory.t.tolist()]
+    names, table = trajectory.columns()
+    forces = _in_world(trajectory)
+    peak = float(np.linalg.norm(np.nan_to_num(forces), axis=2).max(initial=0.0))
+    anchors = m.anchors(robot.model)
+    messages = merge(
+        _shapes(schemas, robot, anchors, times[0]),
+        _motion(schemas, robot, trajectory, times, forces, peak),
+        _events(schemas, trajectory, begin),
+        _samples(trajectory, times, names, table),
+        key=lambda message: message.time,
+    )
+    said = {
+        "robot": trajectory.robot,
+        "units": "SI, radians",
+        "time_of_zero": repr(begin),
+        "metres_per_newton_of_arrows": repr(ARROW / peak if peak else 0.0),
+        "cycles": str(trajectory.cycles),
+        "reason": trajectory.reason,
+        "message": trajectory.message,
+        "origin": json.dumps(trajectory.origin),
+    }
+    with atomic(path) as temporary, temporary.open("wb") as file:
+        _write(file, messages, _schema(trajectory, names), said, _attached(robot))
+    return Path(path)
+
+
+def _write(
+    file: Any, messages: Iterable[Message], schema: Mapping[str, Any], said: dict[str, str], attached: dict[str, bytes]
+) -> None:
+    from mcap.writer import Writer
+    from mcap_protobuf.schema import register_schema
+
+    writer: Any = Writer(file)
+    writer.start(profile="", library=f"spear_pin {__version__}")
+    channels: dict[str, int] = {}
+    schemas: dict[str, int] = {}
+    for name, data in attached.items():
+        writer.add_attachment(create_time=0, log_time=0, name=name, media_type="application/xml", data=data)
+    writer.add_metadata("spear_pin", said)
+    for number, message in enumerate(messages):
+        content, plain = message.content, isinstance(message.content, dict)
+        if message.topic not in channels:
+            kind = SCHEMA if plain else content.DESCRIPTOR.full_name
+            if kind not in schemas:
+                own = json.dumps(schema).encode()
+                schemas[kind] = (
+                    writer.register_schema(kind, "jsonschema", own) if plain else register_schema(writer, type(content))
+                )
+            channels[message.topic] = writer.register_channel(
+                topic=message.topic, message_encoding="json" if plain else "protobuf", schema_id=schemas[kind]
+            )
+        data = json.dumps(content, allow_nan=False).encode() if plain else content.SerializeToString()
+        writer.add_message(channels[message.topic], message.time, data, message.time, number)
+    writer.finish()
+
+
+def _shapes(schemas: m.Schemas, robot: Robot, anchors: list[m.Anchor], time: int) -> Iterator[Message]:
+    yield Message(time, "/scene/robot", m.scene(schemas, read_looks(robot).shapes, anchors, time))
+
+
+def _motion(
+    schemas: m.Schemas, robot: Robot, trajectory: Trajectory, times: list[int], forces: Array, peak: float
+) -> Iterator[Message]:
+    frames = m.frames(robot)
+    effort = np.zeros_like(trajectory.v)
+    effort[:, [robot.index(joint) for joint in trajectory.actuated]] = np.nan_to_num(trajectory.tau)
+    data = pin.Data(robot.model)
+    for row, time in enumerate(times):
+        pin.framesForwardKinematics(robot.model, data, trajectory.q[row])
+        yield Message(time, "/tf", m.transforms(schemas, data, frames, time))
+        states = m.joints_of(robot.model, trajectory.q[row], trajectory.v[row], trajectory.a[row], effort[row])
+        yield Message(time, "/joint_states", m.joint_states(schemas, states, time))
+        if robot.cut is not None:
+            yield Message(time, "/whole/joint_states", m.joint_states(schemas, m.uncut(robot.cut, states), time))
+        if peak:
+            places = [data.oMf[robot.toe_id(toe)].translation for toe in robot.toes]
+            arrows = [
+                (toe, place, force * ARROW / peak if np.linalg.norm(force) > LEAST * peak else None)
+                for toe, place, force in zip(robot.toes, places, forces[row], strict=True)
+            ]
+            yield Message(time, "/scene/forces", m.arrows(schemas, arrows, time))
+
+
+def _events(schemas: m.Schemas, trajectory: Trajectory, begin: float) -> Iterator[Message]:
+    for event in sorted(trajectory.events, key=lambda event: event.time):
+        time = round(1e9 * (event.time - begin))
+        yield Message(time, "/events", m.log(schemas, event.name, event.domain, time))
+
+
+def _samples(trajectory: Trajectory, times: list[int], names: list[str], table: Array) -> Iterator[Message]:
+    words = {"domain": trajectory.domain, "phase": trajectory.phase}
+    for row, time in enumerate(times):
+        numbers = [value if np.isfinite(value) else None for value in table[row].tolist()]
+        said: dict[str, Any] = {_key(name): value for name, value in zip(names, numbers, strict=True)}
+        said |= {name: str(values[row]) for name, values in words.items()}
+        said |= {
+            f"engaged_{joint}": bool(on)
+            for joint, on in zip(trajectory.spring_joints, trajectory.engaged[row], strict=True)
+        }
+        yield Message(time, "/samples", said)
+
+
+def _schema(trajectory: Trajectory, names: list[str]) -> dict[str, Any]:
+    """JSON schema of a sample, each number with its unit."""
+    units = trajectory.units()
+    numbers = {_key(name): {"type": ["number", "null"], "description": units[name]} for name in names}
+    words = {name: {"type": "string"} for name in ("domain", "phase")}
+    engaged = {f"engaged_{joint}": {"type": "boolean"} for joint in trajectory.spring_joints}
+    return {"type": "object", "title": SCHEMA, "properties": {**numbers, **words, **engaged}}
+
+
+def _key(name: str) -> str:
+    """A column's name without its unit, which paths to a message's fields do not take."""
+    return name.partition(" [")[0]
+
+
+def _in_world(trajectory: Trajectory) -> Array:
+    """Ground forces in axes of the world, (n, toes, 3), in N."""
+    ground = trajectory.ground or Ground()
+    x, z = ground.world(trajectory.force[:, :, 0], trajectory.force[:, :, 1])
+    return np.stack((x, np.zeros_like(x), z), axis=2)
+
+
+def _attached(robot: Robot) -> dict[str, bytes]:
+    """The file that the robot, or that out of which it was cut, was loaded from, if it is there."""
+    try:
+        path = describe(robot if robot.cut is None else robot.cut.robot).path
+        return {path.name: path.read_bytes()}
+    except (SpearError, OSError):
+        return {}
