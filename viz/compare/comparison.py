@@ -90,8 +90,8 @@ def compare(
             a saved gait (.json), a trajectory (.npz) or a robot, or numbers of a spring, "stiffness=40,damping=1".
         names: labels, one for each; by default what they are called.
         cycles: of each gait that are simulated.
-        of: another gait that springs are put into. Of a hop whose stance torque was solved for that is solved again, for
-            the same time in the air; of others the fixed point alone, with the law as it is.
+        of: another gait that springs are put into. Of a hop whose stance torque was solved for that is solved again,
+            for the same time in the air; of others the fixed point alone, with the law as it is.
 
     Raises:
         SpearError: there are fewer than two or more than six, one cannot be read, or no gait has a spring.

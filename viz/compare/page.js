@@ -109,8 +109,10 @@
     const time = before.timeOf(first, before.clock.time);
     before.clock.setPlaying(false);
     now = next;
-    for (const each of alignments) each.panel.hidden = each !== now;
-    now.plots.draw();
+    for (const each of alignments) {
+      each.panel.hidden = each !== now;
+      each.plots.draw();
+    }
     at("over").textContent = now.title;
     at("scrubber").max = now.duration;
     press("aligned", name);

@@ -57,7 +57,7 @@ def render(comparison: Comparison) -> str:
 
 def _page(comparison: Comparison, rate: float) -> str:
     sides = comparison.sides
-    data = {"sides": [_side(sides, i, rate) for i in range(len(sides))], "speeds": SPEEDS, "rate": rate}
+    data: dict[str, Any] = {"sides": [_side(sides, i, rate) for i in range(len(sides))], "speeds": SPEEDS, "rate": rate}
     data["plotted"] = _plotted(data["sides"])
     reach = max([1.0, *(float(np.abs(s.gait.multipliers).max()) for s in sides if s.gait is not None)])
     view = environment(number=number, percent=percent, change=change, value=value, parameter=parameter)
@@ -123,12 +123,12 @@ def _plotted(sides: list[dict[str, Any]]) -> list[str]:
     return chosen
 
 
-def _marks(side: Side, number: int, reach: float) -> list[Mark]:
+def _marks(side: Side, i: int, reach: float) -> list[Mark]:
     if side.gait is None:
         return []
     values = side.gait.multipliers.tolist()
     return [
-        Mark(_shape(number, z.real, -z.imag, 0.035 * reach), number, f"{side.label}: {_complex(z)}, modulus {abs(z):.4g}")
+        Mark(_shape(i, z.real, -z.imag, 0.035 * reach), i, f"{side.label}: {_complex(z)}, modulus {abs(z):.4g}")
         for z in values
         if math.isfinite(abs(z))
     ]

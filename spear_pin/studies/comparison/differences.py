@@ -16,7 +16,7 @@ TOLD = 1.0  # %: smaller differences make no sentence
 MOST_TOLD = 4  # measures that a sentence names
 KEY = (  # what measures begin with that sentences name
     "mean speed", "period", "flight time", "greatest height", "peak normal force", "peak torque", "peak spring torque",
-    "motors, |power|", "cost of transport", "mass",
+    "motors' work, |power|", "cost of transport", "mass",
 )  # fmt: skip
 ERRORS = ("residual", "unaccounted")  # of which a share says nothing
 NOTHING = 1e-6  # of the first value, in its unit: a share of less says nothing
@@ -93,7 +93,8 @@ def said(sides: Sequence[Side], rows: Sequence[Measure]) -> tuple[str, ...]:
         largest = next(row for row in rows if row.group == GAIT and row.name == "largest multiplier")
         by_label = dict(zip((side.label for side in sides), largest.values, strict=True))
         parts = [
-            f"{side.label} is {'stable' if side.gait.stable else 'unstable'} (largest multiplier {by_label[side.label]:.4g})"
+            f"{side.label} is {'stable' if side.gait.stable else 'unstable'}"
+            f" (largest multiplier {by_label[side.label]:.4g})"
             for side in gaits
             if side.gait is not None
         ]

@@ -70,11 +70,11 @@ def _motion(robot: Robot, run: Trajectory) -> dict[str, Values]:
         torques[f"peak spring torque, {_words(joint)}", "N·m"] = float(np.abs(run.spring[rows, i]).max())
     power = u * rate
     energy: Values = {
-        ("motors, positive work", "J"): float(np.trapezoid(np.maximum(power, 0.0).sum(axis=1), t)) / count,
-        ("motors, |power|", "J"): float(np.trapezoid(np.abs(power).sum(axis=1), t)) / count,
+        ("motors' work, positive", "J"): float(np.trapezoid(np.maximum(power, 0.0).sum(axis=1), t)) / count,
+        ("motors' work, |power|", "J"): float(np.trapezoid(np.abs(power).sum(axis=1), t)) / count,
     }
     if distance is not None and abs(distance) > 1e-3 * abs(seconds):
-        work = energy["motors, |power|", "J"] * count
+        work = energy["motors' work, |power|", "J"] * count
         energy["cost of transport (mechanical, |power|)", ""] = work / (weight(robot) * abs(distance))
     if run.cycles:
         for flow in run.ledger.flows:

@@ -1,6 +1,4 @@
-"""What is compared, by whatever it is given: each a side with a label, a robot, and as far as there are such a gait and a
-motion.
-"""
+"""What is compared, whatever it is given by: each a side with a label, a robot and, where it has one, a motion."""
 
 from __future__ import annotations
 
@@ -125,7 +123,7 @@ def called(item: Item, read_item: Gait | Trajectory | Robot | Spring) -> str:
 
 
 def _spring(words: str, usual: Spring) -> Spring:
-    values: dict[str, float] = {}
+    values: dict[str, Any] = {}
     for part in words.split(","):
         name, _, value = (each.strip() for each in part.partition("="))
         if name not in NUMBERS:
