@@ -17,6 +17,7 @@ from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.parameters import rebuilt
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.kinds import typed
 from spear_pin.model.loading import ROBOTS, load
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
@@ -50,6 +51,7 @@ class Side:
     notes: tuple[str, ...] = ()
 
 
+@typed
 def sides_of(
     items: Sequence[Item], names: Sequence[str] = (), *, cycles: int = CYCLES, of: Gait | None = None
 ) -> tuple[Side, ...]:
@@ -67,7 +69,7 @@ def sides_of(
     """
     if not 2 <= len(items) <= MOST:
         raise BadValue("what to compare", len(items), f"2 to {MOST} gaits, trajectories, robots or springs")
-    if names and len(names) != len(items):
+    if names and (len(names) != len(items) or not all(name.strip() for name in names)):
         raise BadValue("names", list(names), f"{len(items)} of them, one for each that is compared")
     require(
         "cycles", cycles, lambda n: 1 <= n <= MOST_CYCLES and n == int(n), f"a whole number from 1 to {MOST_CYCLES}"
@@ -89,8 +91,10 @@ def read(item: Item, of: Gait | None = None) -> Gait | Trajectory | Robot | Spri
         item: the words, or what they would stand for.
         of: the gait whose spring numbers that are not said are of.
     """
-    if not isinstance(item, (str, Path)):
+    if isinstance(item, (Gait, Trajectory, Robot, Spring)):
         return item
+    if not isinstance(item, (str, Path)):
+        raise BadValue("what to compare", item, "a gait, a trajectory, a robot, a spring, or words that stand for one")
     words = str(item)
     suffix = Path(words).suffix.lower()
     if suffix == ".npz":
