@@ -48,7 +48,7 @@ class Comparison:
         """The text of the page, of less than 5 MB, which asks for nothing."""
         from spear_pin.viz.compare.page import render
 
-        return render(self)
+        return render(self.sides, self.measures, self.differences, self.said)
 
     @typed
     def save(self, path: str | Path) -> Path:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections import Counter
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from spear_pin import __version__
 from spear_pin.errors import BadValue
 from spear_pin.model.robot import Robot
-from spear_pin.studies.comparison import Side
+from spear_pin.studies.comparison import Difference, Measure, Side
 from spear_pin.studies.comparison.sides import standing
 from spear_pin.viz.bench.samples import packed, samples_of, thinned
 from spear_pin.viz.compare.words import change, number, parameter, percent, value
@@ -21,9 +21,6 @@ from spear_pin.viz.playback.frames import resample
 from spear_pin.viz.playback.scene import GHOST, ROBOT, moving
 from spear_pin.viz.player import as_data, encoded
 from spear_pin.viz.template import environment
-
-if TYPE_CHECKING:
-    from spear_pin.viz.compare.comparison import Comparison
 
 MOST_BYTES = 5_000_000
 RATES = (60.0, 30.0, 15.0, 10.0)  # frames a second, the first that fits
@@ -41,46 +38,56 @@ class Mark:
     says: str
 
 
-def render(comparison: Comparison) -> str:
+def render(
+    sides: tuple[Side, ...], measures: tuple[Measure, ...], differences: tuple[Difference, ...], said: tuple[str, ...]
+) -> str:
     """The text of the page, with as many frames a second as it may hold.
+
+    Args:
+        sides: what is compared.
+        measures: of all of them.
+        differences: parameters that are not the same.
+        said: sentences that stand on top.
 
     Raises:
         BadValue: the motions do not fit into it.
     """
+    view = environment(number=number, percent=percent, change=change, parameter=parameter)
+    reach = max([1.0, *(float(np.abs(side.gait.multipliers).max()) for side in sides if side.gait is not None)])
+    given = {
+        "version": __version__,
+        "title": " against ".join(side.label for side in sides[:2]) + (" and others" if len(sides) > 2 else ""),
+        "sides": sides,
+        "measures": measures,
+        "groups": list(dict.fromkeys(row.group for row in measures)),
+        "differences": differences,
+        "said": said,
+        "notes": [note for side in sides for note in side.notes],
+        "moves": any(side.run is not None for side in sides),
+        "marks": [mark for i, side in enumerate(sides) for mark in _marks(side, i, reach)],
+        "reach": 1.12 * reach,
+        "swatches": [_shape(i, 5.0, 5.0, 4.0) for i in range(len(sides))],
+    }
     for rate in RATES:
-        text = _page(comparison, rate)
+        text = view.get_template("compare/page.html").render(**given, data=_data(sides, rate))
         if len(text.encode()) < MOST_BYTES:
             return text
-    seconds = sum(float(np.ptp(side.run.t)) for side in comparison.sides if side.run is not None)
+    seconds = sum(float(np.ptp(side.run.t)) for side in sides if side.run is not None)
     raise BadValue("motions", f"{seconds:.4g} s", f"shorter ones, of fewer cycles, that fit into {MOST_BYTES} bytes")
 
 
-def _page(comparison: Comparison, rate: float) -> str:
-    sides = comparison.sides
-    data: dict[str, Any] = {"sides": [_side(sides, i, rate) for i in range(len(sides))], "speeds": SPEEDS, "rate": rate}
-    data["plotted"] = _plotted(data["sides"])
-    reach = max([1.0, *(float(np.abs(s.gait.multipliers).max()) for s in sides if s.gait is not None)])
-    view = environment(number=number, percent=percent, change=change, value=value, parameter=parameter)
-    return view.get_template("compare/page.html").render(
-        version=__version__,
-        title=" against ".join(side.label for side in sides[:2]) + (" and others" if len(sides) > 2 else ""),
-        one=comparison,
-        notes=[note for side in sides for note in side.notes],
-        moves=any(side.run is not None for side in sides),
-        marks=[mark for i, side in enumerate(sides) for mark in _marks(side, i, reach)],
-        reach=1.12 * reach,
-        swatches=[_shape(i, 5.0, 5.0, 4.0) for i in range(len(sides))],
-        groups=list(dict.fromkeys(row.group for row in comparison.measures)),
-        data=data,
-    )
+def _data(sides: tuple[Side, ...], rate: float) -> dict[str, Any]:
+    """What the page's scripts read, with so many frames a second."""
+    shown = [_side(sides, i, rate) for i in range(len(sides))]
+    return {"sides": shown, "speeds": SPEEDS, "rate": rate, "plotted": _plotted(shown)}
 
 
-def _side(sides: tuple[Side, ...], number: int, rate: float) -> dict[str, Any]:
+def _side(sides: tuple[Side, ...], i: int, rate: float) -> dict[str, Any]:
     """A side as its viewer reads it; the first is the ghost of those that are the same robot."""
-    side, first = sides[number], sides[0]
+    side, first = sides[i], sides[0]
     motion = standing(side.robot) if side.run is None else side.run
     frames = resample(side.robot, motion, rate)
-    haunted = number > 0 and first.run is not None and side.run is not None and _alike(first.robot, side.robot)
+    haunted = i > 0 and first.run is not None and side.run is not None and _alike(first.robot, side.robot)
     ghost = resample(side.robot, first.run, rate, "ghost") if haunted and first.run is not None else None
     scene = moving(side.robot, frames, ghost)
     longest = max(frames.duration, 0.0 if ghost is None else ghost.duration)
