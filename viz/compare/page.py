@@ -89,7 +89,7 @@ def _side(sides: tuple[Side, ...], i: int, rate: float) -> dict[str, Any]:
     frames = resample(side.robot, motion, rate)
     haunted = i > 0 and first.run is not None and side.run is not None and _alike(first.robot, side.robot)
     ghost = resample(side.robot, first.run, rate, "ghost") if haunted and first.run is not None else None
-    scene = moving(side.robot, frames, ghost)
+    scene = moving(side.robot, frames, ghost, _newtons([each for each in sides if _alike(each.robot, side.robot)]))
     longest = max(frames.duration, 0.0 if ghost is None else ghost.duration)
     most = min(MOST_VALUES[0], MOST_VALUES[1] // len(sides))
     samples = thinned(samples_of(side.robot, motion), most)
@@ -99,6 +99,13 @@ def _side(sides: tuple[Side, ...], i: int, rate: float) -> dict[str, Any]:
         "stands": side.run is None,
         "bounds": _bounds(side),
     }
+
+
+def _newtons(sides: list[Side]) -> float | None:
+    """What a metre of an arrow stands for of sides of the same robot, so that their arrows compare; None without."""
+    played = [(side.robot, side.run) for side in sides if side.run is not None]
+    found = [moving(robot, resample(robot, run, RATES[-1])).newtons for robot, run in played]
+    return max(found, default=0.0) or None
 
 
 def _alike(one: Robot, other: Robot) -> bool:

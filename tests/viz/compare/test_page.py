@@ -61,6 +61,11 @@ def test_sides_of_the_same_robot_have_the_first_as_a_ghost(bounds: Comparison) -
     assert len(first["bounds"]) == 3 and first["bounds"][0] == 0.0
 
 
+def test_arrows_of_the_same_robot_are_of_one_scale(bounds: Comparison) -> None:
+    first, second = data(bounds.page)["sides"]
+    assert first["newtons"] == second["newtons"] > 0.0
+
+
 def test_other_robots_have_no_ghost_and_robots_stand() -> None:
     sides = data(compare("spear_ii", "q_spear").page)["sides"]
     assert [side["ghost"] for side in sides] == [None, None]
