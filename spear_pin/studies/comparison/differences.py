@@ -78,11 +78,12 @@ def measures(sides: Sequence[Side]) -> tuple[Measure, ...]:
 
 
 def differences(sides: Sequence[Side]) -> tuple[Difference, ...]:
-    """Parameters of robot, law, spring and ground that differ."""
+    """Parameters of robot, law, spring and ground that differ between sides that say them."""
     found = [parameters(side) for side in sides]
     names = dict.fromkeys(name for each in found for name in each)
-    rows = (Difference(name, tuple(each.get(name) for each in found)) for name in names)
-    return tuple(row for row in rows if _differs(row.values))
+    # a motion does not say its law; what a robot does not say is as usual
+    known = {name: [each.get(name) for each in found if name in each or name.startswith("robot")] for name in names}
+    return tuple(Difference(name, tuple(each.get(name) for each in found)) for name in names if _differs(known[name]))
 
 
 def said(sides: Sequence[Side], rows: Sequence[Measure]) -> tuple[str, ...]:
@@ -101,13 +102,12 @@ def said(sides: Sequence[Side], rows: Sequence[Measure]) -> tuple[str, ...]:
         sentences.append("; ".join(parts) + ".")
     told = [row for row in rows if row.name.startswith(KEY)]
     for i, side in enumerate(sides[1:], start=1):
-        changed = [(row, share) for row in told if (share := row.shares[i]) is not None and abs(share) >= TOLD]
-        if not any(row.values[i] is not None and row.values[0] is not None for row in told):
-            continue
+        both = [row for row in told if row.values[i] is not None and row.values[0] is not None]
+        changed = [(row, share) for row in both if (share := row.shares[i]) is not None and abs(share) >= TOLD]
+        if both and not changed and (side.run is None) == (sides[0].run is None):
+            names = listed([row.name for row in both])
+            sentences.append(f"{side.label} differs from {sides[0].label} by less than {TOLD:g} % in {names}.")
         if not changed:
-            sentences.append(
-                f"{side.label} differs from {sides[0].label} by less than {TOLD:g} % in the main measures."
-            )
             continue
         changed.sort(key=lambda pair: -abs(pair[1]))
         parts = [f"{row.name} {_percent(share)} ({_pair(row, i)})" for row, share in changed[:MOST_TOLD]]

@@ -18,11 +18,13 @@ GROUPS = (GAIT, MOTION, FORCES, TORQUES, ENERGY, BODY)
 
 
 def of_side(side: Side) -> dict[str, Values]:
-    """Measures of a side, by group."""
-    found = {} if side.gait is None else {GAIT: _gait(side)}
+    """Measures of a side, by group; those that are no number are not there."""
+    found = {BODY: _body(side.robot)} | ({} if side.gait is None else {GAIT: _gait(side)})
     if side.run is not None:
         found |= _motion(side.robot, side.run)
-    return found | {BODY: _body(side.robot)}
+    return {
+        group: {key: value for key, value in values.items() if np.isfinite(value)} for group, values in found.items()
+    }
 
 
 def _gait(side: Side) -> Values:

@@ -17,6 +17,7 @@ from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.parameters import rebuilt
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.hybrid.trajectory_parts import gaps
 from spear_pin.kinds import typed
 from spear_pin.model.loading import ROBOTS, load
 from spear_pin.model.robot import Robot
@@ -151,6 +152,8 @@ def _side(label: str, item: Gait | Trajectory | Robot | Spring, cycles: int, of:
 
 
 def _motion(label: str, run: Trajectory) -> Side:
+    if len(gaps(run)):
+        raise BadValue(label, "a trajectory with gaps", "one without, such as `in_cycles` gives")
     try:
         robot = run.load_robot()
     except (SpearError, ValueError) as error:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from spear_pin import Gait, Spring, load
+from spear_pin import Gait, Spring, load, simulate
 from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.hybrid.parameters import rebuilt
 from spear_pin.studies.bound import summarize
 from spear_pin.studies.comparison import Measure, differences, measures, read, said, sides_of
 
@@ -71,7 +74,12 @@ def test_sentences_tell_who_is_stable_and_the_main_differences(sides):
 def test_two_of_the_same_differ_in_nothing(sides):
     same = [sides[0], sides[0]]
     assert all(change in (0.0, None) for each in measures(same) for change in each.changes)
-    assert "by less than 1 %" in said(same, measures(same))[1]
+    assert "by less than 1 % in period, mean speed" in said(same, measures(same))[1]
+
+
+def test_one_that_stands_is_not_said_to_move_alike(sides):
+    standing, moving = sides_of(["q_spear"] * 2)[0], sides[0]
+    assert not any("less than" in sentence for sentence in said([standing, moving], measures([standing, moving])))
 
 
 def test_robots_are_compared_as_they_stand():
@@ -105,6 +113,25 @@ def test_a_saved_trajectory_is_a_side(tmp_path, sides):
     assert [side.kind for side in again] == ["motion", "gait"]
     rows = [each for each in measures(again) if each.group != "gait"]
     assert all(abs(each.changes[1] or 0.0) <= 1e-9 * abs(each.values[0] or 0.0) + 1e-12 for each in rows)
+
+
+def test_what_a_motion_does_not_say_is_no_difference(sides):
+    motion = sides_of([sides[0].run, "spear_ii"])[0]
+    assert differences([motion, sides[0]]) == ()
+
+
+def test_what_a_law_leaves_open_differs_from_what_it_says(sides):
+    switched = sides[0]
+    gait = switched.gait
+    fixed = replace(
+        switched, gait=replace(gait, system=rebuilt(gait.system, spring=replace(gait.system.spring, rest=0.1)))
+    )
+    assert [(each.name, each.values) for each in differences([switched, fixed])] == [("spring: rest", (None, 0.1))]
+
+
+def test_a_trajectory_with_gaps_is_refused(sides):
+    with pytest.raises(BadValue, match="a trajectory with gaps"):
+        sides_of([simulate(sides[0].gait.system, sides[0].gait.state, 2).in_phase("posterior_stance"), "q_spear"])
 
 
 def test_labels_are_never_the_same():
