@@ -1,9 +1,9 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
-Parts are hop, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep. The first three need
-Chromium, another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain take some
-minutes; the latter print the table of docs/motors.md. The picture on top of the README is what the recorded page shows
-at one instant, beside plots of the same hop with that instant marked.
+Parts are hop, bench, compare, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep. The first
+five need Chromium, another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain
+take some minutes; the latter print the table of docs/motors.md. The picture on top of the README is what the recorded
+page shows at one instant, beside plots of the same hop with that instant marked.
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ from spear_pin.studies.published_costs import PUBLISHED
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, gear_study, spear_ii
 from spear_pin.studies.sweep import grid
 from spear_pin.studies.sweep import sweep as swept
+from spear_pin.viz import compare as comparing
 from spear_pin.viz import plots
 from spear_pin.viz.player import record
 from spear_pin.viz.plots import basin as basin_plots
@@ -63,7 +64,7 @@ def main() -> None:
     """Write the pictures asked for, or every one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", help="some of the parts; all if none is named")
-    known = hop, bench, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep
+    known = hop, bench, compare, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep
     parts = {part.__name__: part for part in known}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
@@ -94,6 +95,15 @@ def bench() -> None:
         page = record(gait.system.robot, strides, Path(folder) / "bound.html", title="Q-SPEAR bounding")
         browser.open(page, "#t=0.3&loop=0.247,0.35&show=forces,angles")
         print(browser.screenshot(IMAGES / "bench.png").shape)
+
+
+def compare() -> None:
+    """Compare two springs, and show the page at one instant."""
+    with tempfile.TemporaryDirectory() as folder, Browser(1280, 1000) as browser:
+        both = comparing.compare("stiffness=40", "stiffness=60")
+        browser.open(both.save(Path(folder) / "compare.html"))
+        browser.run("(player.clock.pauseAt(0.3), new Promise((done) => setTimeout(done, 1000)))")
+        print(browser.screenshot(IMAGES / "compare.png").shape)
 
 
 def biped() -> None:

@@ -118,9 +118,9 @@ def _attempt(
     """A page with so many frames a second, and the room for its animation by what that takes: too little below 1."""
     frames = resample(robot, trajectory, rate)
     scene = moving(robot, frames, None if ghost is None else resample(robot, ghost, rate, "ghost"))
-    animation = _base64(c.set_animation(scene.clips, frames.duration))
+    animation = encoded(c.set_animation(scene.clips, frames.duration))
     notes = [f"shown: {trajectory.said}"] if isinstance(trajectory, Part) else []
-    data = _data(frames, replace(scene, notes=(*notes, *scene.notes)), animation, title) | {
+    data = as_data(frames, replace(scene, notes=(*notes, *scene.notes)), animation, title) | {
         "rate": rate,
         "samples": packed(thinned(samples_of(robot, trajectory))),
         "ghost": None if ghost is None else {"of": ROBOT, "path": GHOST},
@@ -165,7 +165,8 @@ def _first_rate(trajectory: TrajectoryLike) -> float:
     return min(BEST_RATE, MOST_FRAMES / duration)
 
 
-def _data(frames: Frames, scene: Scene, animation: str, title: str) -> dict[str, Any]:
+def as_data(frames: Frames, scene: Scene, animation: str, title: str) -> dict[str, Any]:
+    """A scene and its frames as the scripts of pages read them; the animation as of `encoded`."""
     force = (
         "ground force" + " on each foot" * scene.paired + f", peak {scene.peak_force:.0f} N" * (scene.peak_force > 0)
     )
@@ -191,7 +192,7 @@ def _data(frames: Frames, scene: Scene, animation: str, title: str) -> dict[str,
         "newtons": scene.newtons,
         "trails": scene.trails,
         "joints": [[name, path] for name, path in scene.joints.items()],
-        "commands": [*map(_base64, scene.commands), animation],
+        "commands": [*map(encoded, scene.commands), animation],
     }
 
 
@@ -203,7 +204,8 @@ def in_words(name: str) -> str:
     return f"{words}, {legs} slipping".replace("  ", " ") if rest else words
 
 
-def _base64(command: c.Command) -> str:
+def encoded(command: c.Command) -> str:
+    """A command of meshcat as pages hold it."""
     return base64.b64encode(c.pack(command)).decode()
 
 

@@ -10,6 +10,7 @@ from typing import Any
 from spear_pin import __version__
 from spear_pin.cli import (
     bound,
+    compare,
     completion,
     doctor,
     dynamics,
@@ -32,7 +33,8 @@ from spear_pin.errors import RobotWarning, SpearError
 # as the help lists them
 COMMANDS = (
     *(robots.add, dynamics.add, hop.add, explore.add, push_test.add, identify.add),
-    *(bound.add, search.add, payoff.add, sweep.add, report.add, export.add, doctor.add, completion.add),
+    *(bound.add, search.add, payoff.add, sweep.add, compare.add, report.add, export.add),
+    *(doctor.add, completion.add),
 )
 
 

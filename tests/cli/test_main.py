@@ -14,7 +14,7 @@ from tests.cli.calls import refused, run, words
 
 NAMES = (
     *("robots", "dynamics", "hop", "explore", "push-test", "identify", "bound"),
-    *("search", "payoff", "sweep", "report", "export", "doctor", "completion"),
+    *("search", "payoff", "sweep", "compare", "report", "export", "doctor", "completion"),
 )
 
 

@@ -224,6 +224,16 @@ FUNCTIONS: tuple[tuple[str, Callable[[], Mapping[str, Any]], Mapping[str, tuple[
         {"robot": OBJECT, "toes": (*NAMES, ["hoof"], ["torso"]), "sides": ("x", 0, 1.5, {"nope": 1}, [1], True)},
     ),
     (":HoppingLaw.scaled", _monopod, {"robot": OBJECT, "damping_ratio": NOT_NEGATIVE[1:]}),
+    (
+        "studies.comparison:sides_of",
+        lambda: {"items": ["spear_ii", "q_spear"]},
+        {
+            "items": (None, 5, [], ["spear_ii"], ["spear_ii", None], ["spear_ii", 5], ["spear_ii", ""]),
+            "names": (*NAMES, ["one"]),
+            "cycles": (*COUNT, 51),
+            "of": OPTIONAL,
+        },
+    ),
     (":Spring.scaled", _monopod, {"robot": OBJECT}),
     (":Gait.load", dict, {"path": (*PATH, "nope", "none.json")}),
     (":Gait.save", lambda: {"self": gait()}, {"path": (*PATH, "no/such.json")}),

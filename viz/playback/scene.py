@@ -88,13 +88,14 @@ def still(robot: Robot, q: Array) -> Scene:
     return Scene(tuple(commands), {}, view, notes=looks.notes)
 
 
-def moving(robot: Robot, frames: Frames, ghost: Frames | None = None) -> Scene:
+def moving(robot: Robot, frames: Frames, ghost: Frames | None = None, newtons: float | None = None) -> Scene:
     """A robot in motion, with its springs, ground forces and toe paths.
 
     Args:
         robot: the robot.
         frames: what it does.
         ghost: what it does as a ghost beside itself, from the same instant on: joints below `GHOST`, without shapes.
+        newtons: that a metre of an arrow stands for; None: the longest arrow goes with the robot's height.
     """
     looks, paths = read_looks(robot), joint_paths(robot.model)
     local = local_poses(robot.model, frames.q)
@@ -106,9 +107,9 @@ def moving(robot: Robot, frames: Frames, ghost: Frames | None = None) -> Scene:
     feet = _feet(robot, frames, world, looks.shapes)
     peak = max((float(np.linalg.norm(foot.force, axis=1).max(initial=0.0)) for foot in feet), default=0.0)
     size = max(float(center[:, 2].max()), 0.1)
-    longest = 0.6 * size  # of the arrows, in m
+    per_metre = peak / (0.6 * size) if newtons is None else newtons
     trails = [_trail(foot, frames.t, size, len(feet)) for foot in feet]
-    arrows = [_arrow(foot, frames.t, size, longest / peak) for foot in feet] if peak > 0 else []
+    arrows = [_arrow(foot, frames.t, size, 1.0 / per_metre) for foot in feet] if peak > 0 else []
     overlays = [*springs, *trails, *arrows]
     double, ghost_clips, reach = _ghost(robot.model, ghost) if ghost is not None else ([], {}, origin)
     commands = [
@@ -133,7 +134,7 @@ def moving(robot: Robot, frames: Frames, ghost: Frames | None = None) -> Scene:
         notes=looks.notes,
         follows=WORLD in clips,
         arrows=tuple(arrow_path(foot.name) for foot in feet) if arrows else (),
-        newtons=peak / longest,
+        newtons=per_metre,
         trails=tuple(trail_path(foot.name) for foot, trail in zip(feet, trails, strict=True) if trail.commands),
         joints=_angles(robot.model, paths),
     )

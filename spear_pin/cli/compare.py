@@ -1,0 +1,120 @@
+"""`spear compare`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.output import aligned, progress
+
+if TYPE_CHECKING:
+    from spear_pin.viz.compare import Comparison
+
+PAGE = "compare.html"
+CYCLES = 4
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    summary = "hold gaits, motions, springs or robots against the first of them: a table, and the page compare.html"
+    parser = add_command(commands, "compare", run, summary)
+    parser.add_argument(
+        "items",
+        nargs="+",
+        metavar="A B",
+        help="two to six: a gait that ships, a saved one (.json), a trajectory (.npz), a robot's name or file, or"
+        " numbers of a spring, such as stiffness=40 or stiffness=40,damping=1, with which SPEAR-II hops",
+    )
+    parser.add_argument("--names", nargs="+", default=[], metavar="NAME", help="what they are called, one for each")
+    parser.add_argument("--of", metavar="GAIT", help="another gait that springs are put into, by name or path")
+    parser.add_argument(
+        "--cycles", type=int, default=CYCLES, metavar="N", help=f"of each gait to simulate (default: {CYCLES})"
+    )
+    add_out(parser, "the page")
+    parser.add_argument("--open", action="store_true", help=f"open {PAGE} in the browser")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Compare, and write the page."""
+    check_out(arguments)
+    from spear_pin.gaits.gait import Gait
+    from spear_pin.viz.compare import compare
+
+    of = None if arguments.of is None else Gait.load(arguments.of)
+    with progress() as show:
+        show("comparing")
+        found = compare(*arguments.items, names=arguments.names, cycles=arguments.cycles, of=of)
+    page: Path = found.save(arguments.out / PAGE)
+    return {
+        **as_json(found),
+        "files": [str(page)],
+        "opened": page if arguments.open else None,
+        "text": text(found) + "\n\n" + aligned([("files", str(page))]),
+    }
+
+
+def as_json(found: Comparison) -> dict[str, Any]:
+    """A comparison in JSON's terms; what a side does not have is null."""
+    return {
+        "sides": [
+            {
+                "label": side.label,
+                "kind": side.kind,
+                "robot": side.robot.name,
+                "multipliers": None if side.gait is None else side.gait.multipliers,
+                "stable": None if side.gait is None else side.gait.stable,
+            }
+            for side in found.sides
+        ],
+        "said": found.said,
+        "measures": [
+            {
+                "group": row.group,
+                "measure": row.name,
+                "unit": row.unit,
+                "values": row.values,
+                "differences": row.changes,
+                "percent": row.shares,
+            }
+            for row in found.measures
+        ],
+        "parameters": [{"parameter": each.name, "values": each.values} for each in found.differences],
+        "notes": [note for side in found.sides for note in side.notes],
+    }
+
+
+def text(found: Comparison) -> str:
+    """A comparison as a table."""
+    from spear_pin.viz.compare.words import change, number, parameter, percent
+
+    labels = [side.label for side in found.sides]
+    head = ["", labels[0], *(part for label in labels[1:] for part in (label, "difference", "%")), ""]
+    others = range(1, len(labels))
+    rows = [
+        [
+            row.name,
+            number(row.values[0]),
+            *(part for i in others for part in (number(row.values[i]), change(row.changes[i]), percent(row.shares[i]))),
+            row.unit,
+        ]
+        for row in found.measures
+    ]
+    differing = [[each.name, *(parameter(given, each.name) for given in each.values)] for each in found.differences]
+    parts = ["\n".join([*found.said, *(note for side in found.sides for note in side.notes)]), _table([head, *rows])]
+    if differing:
+        parts.append(_table([["parameters that differ", *labels], *differing]))
+    return "\n\n".join(part for part in parts if part)
+
+
+def _table(rows: list[list[str]]) -> str:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = (
+        "  ".join(
+            cell.rjust(width) if i else cell.ljust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
+        for row in rows
+    )
+    return "\n".join(line.rstrip() for line in lines)

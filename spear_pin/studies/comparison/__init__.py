@@ -1,0 +1,6 @@
+"""Gaits, motions, springs and robots beside one another: measures, what differs, and what there is to say of it."""
+
+from spear_pin.studies.comparison.differences import Difference, Measure, differences, measures, said
+from spear_pin.studies.comparison.sides import MOST, Side, read, sides_of
+
+__all__ = ["MOST", "Difference", "Measure", "Side", "differences", "measures", "read", "said", "sides_of"]

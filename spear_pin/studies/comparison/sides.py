@@ -1,0 +1,235 @@
+"""What is compared, whatever it is given by: each a side with a label, a robot and, where it has one, a motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spear_pin.errors import BadFile, BadValue, NoGait, SpearError, UnknownName, require
+from spear_pin.gaits import library
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.hopping import hopping
+from spear_pin.gaits.search import find_gait
+from spear_pin.hybrid.parameters import rebuilt
+from spear_pin.hybrid.simulate import simulate
+from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.hybrid.trajectory_parts import gaps
+from spear_pin.kinds import typed
+from spear_pin.model.loading import ROBOTS, load
+from spear_pin.model.robot import Robot
+from spear_pin.model.spring import Spring
+from spear_pin.words import number
+
+MOST = 6  # sides
+CYCLES, MOST_CYCLES = 4, 50  # of a gait that are simulated; of a motion that is shown
+FLIGHT_TIME = 0.2  # s: of SPEAR-II's hop that a spring is put into
+NUMBERS = ("stiffness", "damping", "hardening", "preload", "rest")  # of a spring, that words say
+Item = Gait | Trajectory | Robot | Spring | str | Path
+
+
+@dataclass(frozen=True)
+class Side:
+    """One of those that are compared.
+
+    Attributes:
+        label: what it is called.
+        kind: "gait", "motion" or "robot".
+        robot: that moves, or stands.
+        run: the motion; None of a robot.
+        gait: of which it is; None of a motion alone, or a robot.
+        notes: what was done with what was given.
+    """
+
+    label: str
+    kind: str
+    robot: Robot
+    run: Trajectory | None = None
+    gait: Gait | None = None
+    notes: tuple[str, ...] = ()
+
+
+@typed
+def sides_of(
+    items: Sequence[Item], names: Sequence[str] = (), *, cycles: int = CYCLES, of: Gait | None = None
+) -> tuple[Side, ...]:
+    """Sides of what is given, in that order; the first is the one that others are held against.
+
+    Args:
+        items: two to `MOST` of them; words as of `read`.
+        names: labels, as many; by default what the items are called.
+        cycles: of each gait that are simulated.
+        of: gait that springs are put into; None: SPEAR-II's hop in place, 0.2 s in the air.
+
+    Raises:
+        BadValue: there are too few or too many, or a number is not valid.
+        SpearError: one cannot be read, or there is no gait with a spring.
+    """
+    if not 2 <= len(items) <= MOST:
+        raise BadValue("what to compare", len(items), f"2 to {MOST} gaits, trajectories, robots or springs")
+    if names and (len(names) != len(items) or not all(name.strip() for name in names)):
+        raise BadValue("names", list(names), f"{len(items)} of them, one for each that is compared")
+    require(
+        "cycles", cycles, lambda n: 1 <= n <= MOST_CYCLES and n == int(n), f"a whole number from 1 to {MOST_CYCLES}"
+    )
+    read_items = [read(item, of) for item in items]
+    labels = _different(
+        [str(name) for name in names] or [called(*pair) for pair in zip(items, read_items, strict=True)]
+    )
+    return tuple(_side(label, item, int(cycles), of) for label, item in zip(labels, read_items, strict=True))
+
+
+def read(item: Item, of: Gait | None = None) -> Gait | Trajectory | Robot | Spring:
+    """What words stand for; anything else as it is.
+
+    A file .json is a gait, .npz a trajectory; a word with = a spring, such as "stiffness=40,damping=1"; other words are
+    names of gaits that ship, or whatever `load` takes.
+
+    Args:
+        item: the words, or what they would stand for.
+        of: the gait whose spring numbers that are not said are of.
+    """
+    if isinstance(item, (Gait, Trajectory, Robot, Spring)):
+        return item
+    if not isinstance(item, (str, Path)):
+        raise BadValue("what to compare", item, "a gait, a trajectory, a robot, a spring, or words that stand for one")
+    words = str(item)
+    suffix = Path(words).suffix.lower()
+    if suffix == ".npz":
+        return Trajectory.load(words)
+    if suffix == ".json" or words in library.names():
+        return Gait.load(words)
+    if "=" in words and not Path(words).exists():
+        return _spring(words, Spring() if of is None else of.system.spring)
+    try:
+        return load(words)
+    except UnknownName as error:
+        valid = [*library.names(), *ROBOTS, "other robots of `spear robots`", "a spring such as stiffness=40"]
+        known = [*valid, "or the path of a gait (.json), a trajectory (.npz) or a robot"]
+        raise UnknownName("gait or robot", words, known) from error
+
+
+def called(item: Item, read_item: Gait | Trajectory | Robot | Spring) -> str:
+    """What is compared, by its name, or by its words."""
+    if isinstance(item, (str, Path)):
+        path = Path(item)
+        return path.stem if path.suffix.lower() in (".json", ".npz", ".urdf", ".xml", ".toml") else str(item)
+    if isinstance(read_item, Spring):
+        usual = Spring()
+        own = [name for name in NUMBERS if getattr(read_item, name) != getattr(usual, name)]
+        parts = [f"{name}={getattr(read_item, name):.4g}" for name in own if getattr(read_item, name) is not None]
+        return ", ".join([*parts, *(["table"] if read_item.table else [])]) or f"stiffness={usual.stiffness:.4g}"
+    if isinstance(read_item, Gait):
+        return f"{read_item.system.kind} of {read_item.system.robot.name}"
+    return read_item.name if isinstance(read_item, Robot) else f"motion of {Path(read_item.robot).stem}"
+
+
+def _spring(words: str, usual: Spring) -> Spring:
+    values: dict[str, Any] = {}
+    for part in words.split(","):
+        name, _, value = (each.strip() for each in part.partition("="))
+        if name not in NUMBERS:
+            raise UnknownName("number of a spring", name, NUMBERS)
+        try:
+            values[name] = number(value)
+        except ValueError:
+            raise BadValue(name, value, "a number, as in stiffness=40") from None
+    return replace(usual, **values)
+
+
+def _side(label: str, item: Gait | Trajectory | Robot | Spring, cycles: int, of: Gait | None) -> Side:
+    if isinstance(item, Robot):
+        return Side(label, "robot", item)
+    if isinstance(item, Trajectory):
+        return _motion(label, item)
+    gait, notes = (item, ()) if isinstance(item, Gait) else _sprung(label, item, of)
+    run = simulate(gait.system, gait.state, cycles, progress=False)
+    ended = () if run.complete else (f"{label}: its motion ended after {run.cycles} cycles: {run.message}",)
+    return Side(label, "gait", gait.system.robot, run, gait, (*notes, *ended))
+
+
+def _motion(label: str, run: Trajectory) -> Side:
+    if len(gaps(run)):
+        raise BadValue(label, "a trajectory with gaps", "one without, such as `in_cycles` gives")
+    try:
+        robot = run.load_robot()
+    except (SpearError, ValueError) as error:
+        raise BadFile(label, f"its robot is not found: {error}") from None
+    if run.cycles <= MOST_CYCLES:
+        return Side(label, "motion", robot, run)
+    note = f"{label}: the last {MOST_CYCLES} of its {run.cycles} cycles"
+    return Side(label, "motion", robot, run.in_cycles(run.cycles - MOST_CYCLES + 1, run.cycles), notes=(note,))
+
+
+def _sprung(label: str, spring: Spring, of: Gait | None) -> tuple[Gait, tuple[str, ...]]:
+    """The gait that a spring makes of another, and what was solved for."""
+    try:
+        if of is None:
+            leg = load("spear_ii", locked=["boom_x"])
+            gait = find_gait(hopping(leg, spring=spring), vary=["stance_torque"], target={"flight_time": FLIGHT_TIME})
+            return gait, (f"{label}: SPEAR-II's hop in place, stance torque solved for {FLIGHT_TIME:g} s in the air",)
+        system = rebuilt(of.system, spring=spring)
+        if of.system.kind == "hopping" and set(of.parameters) == {"stance_torque"}:
+            flight = of.durations["flight"]
+            gait = find_gait(system, vary=["stance_torque"], target={"flight_time": flight}, guess=of.state)
+            return gait, (f"{label}: stance torque solved for {flight:.4g} s in the air",)
+        return find_gait(system, guess=of.state), (f"{label}: the fixed point with the law as it is",)
+    except NoGait as error:
+        raise SpearError(f"{label}: {error}") from None
+
+
+def _different(labels: Sequence[str]) -> list[str]:
+    """Labels of which no two are the same."""
+    made: list[str] = []
+    for label in labels:
+        count = sum(each == label for each in made) + sum(each.startswith(f"{label} (") for each in made)
+        made.append(f"{label} ({count + 1})" if label in made else label)
+    return made
+
+
+def standing(robot: Robot) -> Any:
+    """A robot that stands still for a second, as can be played."""
+    from spear_pin.model.postures import home
+
+    return _Standing(robot, home(robot))
+
+
+class _Standing:
+    """A motion in which nothing moves; attributes as `TrajectoryLike`'s."""
+
+    def __init__(self, robot: Robot, q: Any) -> None:
+        self.t = np.array([0.0, 1.0])
+        self.q = np.array([q, q])
+        self.domain = np.array(["standing", "standing"])
+        self.force = np.zeros((2, len(robot.toes), 2 if robot.planar else 3))
+        self.events: tuple[Any, ...] = ()
+        self.spring_joints: tuple[str, ...] = ()
+        self.engaged = np.zeros((2, 0), dtype=bool)
+
+
+def parameters(side: Side) -> dict[str, Any]:
+    """What a side was made with, by part and name: its robot, law, spring and ground."""
+    robot = side.robot
+    found: dict[str, Any] = {
+        "robot": robot.name,
+        "robot: locked joints": ", ".join(robot.locked) or "none",
+        **{f"robot: {name}": value for name, value in robot.varied.items()},
+    }
+    if robot.settings is not None:
+        for joint, spring in robot.settings.springs.items():
+            found |= {f"robot: {joint} spring: {name}": value for name, value in _fields(spring).items()}
+    if side.gait is None:
+        ground = None if side.run is None else side.run.ground
+        return found | ({} if ground is None else {f"ground: {name}": x for name, x in _fields(ground).items()})
+    system = side.gait.system
+    found["automaton"] = system.kind
+    for part, whole in (("law", system.law), ("spring", system.spring), ("ground", system.ground)):
+        found |= {f"{part}: {name}": value for name, value in _fields(whole).items()}
+    return found
+
+
+def _fields(whole: Any) -> dict[str, Any]:
+    return {field.name: getattr(whole, field.name) for field in fields(whole)}

@@ -1,0 +1,50 @@
+"""`spear compare`: the table, the page, and what is refused."""
+
+import pytest
+
+from tests.cli.calls import printed, refused, run
+
+
+def test_gaits_as_a_table(capsys, tmp_path):
+    status, out, err = run(capsys, "compare", "long_stride", "long_stride_3.00", "--cycles", 1, "--out", tmp_path)
+    assert (status, err) == (0, "")
+    speed = next(line for line in out.splitlines() if line.startswith("mean speed"))
+    assert speed.split() == ["mean", "speed", "2.5", "3", "+0.5", "+20.0", "m/s"]
+    assert "law: anterior_hip_torque" in out
+
+
+@pytest.mark.slow
+def test_two_springs_by_one_command(capsys, tmp_path):
+    status, out, err = run(capsys, "compare", "stiffness=40", "stiffness=60", "--cycles", 1, "--out", tmp_path)
+    assert (status, err) == (0, "")
+    assert "stiffness=40 is stable" in out and "stance torque solved for 0.2 s in the air" in out
+    period = next(line for line in out.splitlines() if line.startswith("period"))
+    assert period.split() == ["period", "0.6025", "0.5223", "−0.0802", "−13.3", "s"]
+    assert (tmp_path / "compare.html").stat().st_size < 5_000_000
+
+
+def test_robots_as_json(capsys, tmp_path):
+    found = printed(capsys, "compare", "spear_ii", "q_spear", "--names", "leg", "dog", "--out", tmp_path)
+    assert [side["label"] for side in found["sides"]] == ["leg", "dog"]
+    mass = next(row for row in found["measures"] if row["measure"] == "mass")
+    assert mass["differences"] == [0.0, pytest.approx(36.96)] and mass["unit"] == "kg"
+    assert found["parameters"] == [{"parameter": "robot", "values": ["spear_ii", "q_spear"]}]
+    assert found["files"] == [str(tmp_path / "compare.html")]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("long_stride",), "2 to 6"),
+        (("spear_ii", "nothing"), "unknown gait or robot 'nothing'"),
+        (("spear_ii", "q_spear", "--names", "one"), "2 of them"),
+        (("spear_ii", "q_spear", "--of", "nothing"), "unknown gait 'nothing'"),
+        (("spear_ii", "q_spear", "--cycles", "0"), "a whole number from 1 to 50"),
+        (("spear_ii", "stiffness=x"), "expected a number"),
+        (("spear_ii", "q_spear", "--out", "none"), "--out"),
+    ],
+)
+def test_what_is_wrong_takes_one_line(capsys, tmp_path, monkeypatch, words, said):
+    monkeypatch.chdir(tmp_path)
+    assert said in refused(capsys, "compare", *words)
+    assert not list(tmp_path.iterdir())

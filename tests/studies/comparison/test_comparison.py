@@ -1,0 +1,168 @@
+"""Measures of several sides, what differs between them, and what words stand for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, Spring, load, simulate
+from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.hybrid.parameters import rebuilt
+from spear_pin.studies.bound import summarize
+from spear_pin.studies.comparison import Measure, differences, measures, read, said, sides_of
+
+
+@pytest.fixture(scope="module")
+def sides():
+    return sides_of(["long_stride", "long_stride_3.00"], cycles=1)
+
+
+def row(rows, name):
+    return next(each for each in rows if each.name == name)
+
+
+def test_measures_are_those_of_the_study_of_bounds(sides):
+    rows = measures(sides)
+    for i, side in enumerate(sides):
+        figures = summarize(side.gait, side.run)
+        assert row(rows, "mean speed").values[i] == pytest.approx(figures["speed"], rel=1e-9)
+        assert row(rows, "period").values[i] == pytest.approx(figures["period"], rel=1e-9)
+        cost = row(rows, "cost of transport (mechanical, |power|)").values[i]
+        assert cost == pytest.approx(figures["cost_of_transport"], rel=1e-9)
+        peak = row(rows, "peak normal force, posterior toe").values[i]
+        assert peak == pytest.approx(figures["peak_force"]["posterior"], rel=1e-9)
+        assert row(rows, "impact").values[i] == pytest.approx(-figures["impact_loss"], rel=1e-9)
+
+
+def test_differences_are_from_the_first(sides):
+    speed = row(measures(sides), "mean speed")
+    assert speed.changes == (0.0, pytest.approx(0.5, abs=1e-6))
+    assert speed.shares == (0.0, pytest.approx(20.0, abs=1e-4))
+
+
+@pytest.mark.parametrize(
+    ("values", "changes", "shares"),
+    [
+        ((2.0, 3.0), (0.0, 1.0), (0.0, 50.0)),
+        ((-2.0, -3.0), (0.0, -1.0), (0.0, -50.0)),
+        ((0.0, 3.0), (0.0, 3.0), (None, None)),
+        ((None, 3.0), (None, None), (None, None)),
+        ((2.0, None), (0.0, None), (0.0, None)),
+        ((1.0, 1.0 + 1e-12), (0.0, 0.0), (0.0, 0.0)),
+    ],
+)
+def test_a_share_is_of_the_magnitude_of_the_first(values, changes, shares):
+    measure = Measure("", "", "", values)
+    assert measure.changes == changes and measure.shares == shares
+
+
+def test_only_parameters_that_differ_are_told(sides):
+    names = [each.name for each in differences(sides)]
+    assert "law: posterior_hip_torque" in names
+    assert not any(name.startswith(("spring", "ground", "robot")) for name in names)
+    assert differences([sides[0], sides[0]]) == ()
+
+
+def test_sentences_tell_who_is_stable_and_the_main_differences(sides):
+    first, second = said(sides, measures(sides))
+    assert "long_stride is unstable (largest multiplier 1.067)" in first
+    assert "long_stride_3.00 against long_stride: mean speed +20 % (3 against 2.5 m/s)" in second
+
+
+def test_two_of_the_same_differ_in_nothing(sides):
+    same = [sides[0], sides[0]]
+    assert all(change in (0.0, None) for each in measures(same) for change in each.changes)
+    assert "by less than 1 % in period, mean speed" in said(same, measures(same))[1]
+
+
+def test_one_that_stands_is_not_said_to_move_alike(sides):
+    standing, moving = sides_of(["q_spear"] * 2)[0], sides[0]
+    assert not any("less than" in sentence for sentence in said([standing, moving], measures([standing, moving])))
+
+
+def test_robots_are_compared_as_they_stand():
+    sides = sides_of([load("spear_ii"), "q_spear"])
+    rows = measures(sides)
+    assert row(rows, "mass").values == (pytest.approx(6.8), pytest.approx(43.76))
+    assert {each.group for each in rows} == {"robot"}
+    assert said(sides, rows)[-1] == "The robots are different: spear_ii, q_spear."
+
+
+def test_springs_are_compared_by_hops_of_the_same_time_in_the_air():
+    sides = sides_of(["stiffness=40", Spring(stiffness=60.0)], cycles=1)
+    assert [side.label for side in sides] == ["stiffness=40", "stiffness=60"]
+    assert row(measures(sides), "flight time").changes[1] == pytest.approx(0.0, abs=1e-9)
+    assert [each.name for each in differences(sides)] == ["law: stance_torque", "spring: stiffness"]
+    assert row(measures(sides), "peak torque, hip").shares[1] > 0.0
+
+
+@pytest.mark.slow
+def test_springs_are_put_into_another_gait():
+    gait = Gait.load("long_stride")
+    stiffer = f"stiffness={1.02 * gait.system.spring.stiffness}"
+    sides = sides_of([gait, stiffer], cycles=1, of=gait)
+    assert [each.name for each in differences(sides)] == ["spring: stiffness"]
+    assert np.abs(sides[1].gait.residual) < 1e-8
+
+
+def test_a_saved_trajectory_is_a_side(tmp_path, sides):
+    path = sides[0].run.save(tmp_path / "strides.npz")
+    again = sides_of([path, "long_stride"], ["saved", "solved"], cycles=1)
+    assert [side.kind for side in again] == ["motion", "gait"]
+    rows = [each for each in measures(again) if each.group != "gait"]
+    assert all(abs(each.changes[1] or 0.0) <= 1e-9 * abs(each.values[0] or 0.0) + 1e-12 for each in rows)
+
+
+def test_what_a_motion_does_not_say_is_no_difference(sides):
+    motion = sides_of([sides[0].run, "spear_ii"])[0]
+    assert differences([motion, sides[0]]) == ()
+
+
+def test_what_a_law_leaves_open_differs_from_what_it_says(sides):
+    switched = sides[0]
+    gait = switched.gait
+    fixed = replace(
+        switched, gait=replace(gait, system=rebuilt(gait.system, spring=replace(gait.system.spring, rest=0.1)))
+    )
+    assert [(each.name, each.values) for each in differences([switched, fixed])] == [("spring: rest", (None, 0.1))]
+
+
+def test_a_trajectory_with_gaps_is_refused(sides):
+    with pytest.raises(BadValue, match="a trajectory with gaps"):
+        sides_of([simulate(sides[0].gait.system, sides[0].gait.state, 2).in_phase("posterior_stance"), "q_spear"])
+
+
+def test_labels_are_never_the_same():
+    assert [side.label for side in sides_of(["spear_ii"] * 3)] == ["spear_ii", "spear_ii (2)", "spear_ii (3)"]
+
+
+def test_words_are_springs_gaits_and_robots():
+    assert read("stiffness=40, damping=1") == Spring(stiffness=40.0, damping=1.0)
+    assert read("long_stride").system.kind == "bounding"
+    assert read("q_spear").name == "q_spear"
+
+
+@pytest.mark.parametrize(
+    ("items", "error", "words"),
+    [
+        (["long_stride"], BadValue, "2 to 6"),
+        (["spear_ii"] * 7, BadValue, "2 to 6"),
+        (["spear_ii", "nothing"], UnknownName, "unknown gait or robot 'nothing'; valid: .*long_stride.*spear_ii"),
+        (["spear_ii", "stifness=3"], UnknownName, "unknown number of a spring 'stifness'; valid: stiffness"),
+        (["spear_ii", "stiffness=x"], BadValue, "stiffness is 'x'; expected a number"),
+        (["spear_ii", "stiffness=-1"], BadValue, "Spring.stiffness is -1.0"),
+        (["spear_ii", "nothing.npz"], BadFile, "nothing.npz: cannot be read"),
+        (["spear_ii", "nothing.json"], BadFile, "nothing.json: cannot be read"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused(items, error, words):
+    with pytest.raises(error, match=words):
+        sides_of(items)
+
+
+@pytest.mark.parametrize("cycles", [0, 51, 1.5])
+def test_cycles_are_some(cycles):
+    with pytest.raises(BadValue, match="a whole number from 1 to 50"):
+        sides_of(["spear_ii", "q_spear"], cycles=cycles)

@@ -1,0 +1,109 @@
+"""A comparison: the API, its table, and the page it saves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.kinds import typed
+from spear_pin.model.robot import Robot
+from spear_pin.model.spring import Spring
+from spear_pin.showing import Player
+from spear_pin.studies.comparison import Difference, Measure, Side, differences, measures, said, sides_of
+from spear_pin.studies.comparison.sides import CYCLES
+
+HEIGHT = 720  # px of the frame of a notebook
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison:
+    """Gaits, motions, springs or robots beside one another; a notebook shows the page.
+
+    Attributes:
+        sides: what is compared, the first what others are held against.
+        measures: of all of them, with differences.
+        differences: parameters that are not the same.
+        said: the main differences in sentences.
+    """
+
+    sides: tuple[Side, ...]
+    measures: tuple[Measure, ...]
+    differences: tuple[Difference, ...]
+    said: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        labels = ", ".join(side.label for side in self.sides)
+        return f"Comparison({labels}: {len(self.measures)} measures, {len(self.differences)} parameters differ)"
+
+    def _repr_html_(self) -> str:
+        return Player(self.page, HEIGHT)._repr_html_()
+
+    @cached_property
+    def page(self) -> str:
+        """The text of the page, of less than 5 MB, which asks for nothing."""
+        from spear_pin.viz.compare.page import render
+
+        return render(self.sides, self.measures, self.differences, self.said)
+
+    @typed
+    def save(self, path: str | Path) -> Path:
+        """Write the page, which any browser shows.
+
+        Raises:
+            BadFile: the file cannot be written.
+            BadValue: the motions do not fit into it.
+        """
+        return Player(self.page, HEIGHT).save(path)
+
+    def to_pandas(self) -> Any:
+        """The measures as a `pandas.DataFrame`: group, unit and values, differences and % of each side."""
+        import pandas
+
+        rows = [
+            {"group": row.group, "measure": row.name, "unit": row.unit}
+            | dict(zip((side.label for side in self.sides), row.values, strict=True))
+            | {f"{side.label}, difference": row.changes[i] for i, side in enumerate(self.sides) if i}
+            | {f"{side.label}, %": row.shares[i] for i, side in enumerate(self.sides) if i}
+            for row in self.measures
+        ]
+        return pandas.DataFrame(rows).set_index(["group", "measure"])
+
+
+@typed
+def compare(
+    *items: Gait | Trajectory | Robot | Spring | str | Path,
+    names: Sequence[str] = (),
+    cycles: int = CYCLES,
+    of: Gait | None = None,
+) -> Comparison:
+    """Two or more gaits, motions, springs or robots beside one another; the others are held against the first.
+
+    Of springs, hops are compared: SPEAR-II's hop in place with each, its stance torque solved for 0.2 s in the air.
+
+    Args:
+        items: gaits, trajectories, robots, springs; or words: the name of a gait that ships or of a robot, the path of
+            a saved gait (.json), a trajectory (.npz) or a robot, or numbers of a spring, "stiffness=40,damping=1".
+        names: labels, one for each; by default what they are called.
+        cycles: of each gait that are simulated.
+        of: another gait that springs are put into. Of a hop whose stance torque was solved for that is solved again,
+            for the same time in the air; of others the fixed point alone, with the law as it is.
+
+    Raises:
+        SpearError: there are fewer than two or more than six, one cannot be read, or no gait has a spring.
+
+    Example:
+        >>> from spear_pin import Spring, compare
+        >>> both = compare(Spring(stiffness=40.0), Spring(stiffness=60.0))
+        >>> both
+        Comparison(stiffness=40, stiffness=60: ... measures, 2 parameters differ)
+        >>> [each.name for each in both.differences]
+        ['law: stance_torque', 'spring: stiffness']
+    """
+    sides = sides_of(items, names, cycles=cycles, of=of)
+    rows = measures(sides)
+    return Comparison(sides, rows, differences(sides), said(sides, rows))

@@ -1,0 +1,167 @@
+"""What the template of a comparison's page is given: motions as their viewers read them, tables, the unit circle."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from spear_pin import __version__
+from spear_pin.errors import BadValue
+from spear_pin.model.robot import Robot
+from spear_pin.studies.comparison import Difference, Measure, Side
+from spear_pin.studies.comparison.sides import standing
+from spear_pin.viz.bench.samples import packed, samples_of, thinned
+from spear_pin.viz.compare.words import change, number, parameter, percent, value
+from spear_pin.viz.playback import meshcat_commands as c
+from spear_pin.viz.playback.frames import resample
+from spear_pin.viz.playback.scene import GHOST, ROBOT, moving
+from spear_pin.viz.player import as_data, encoded
+from spear_pin.viz.template import environment
+
+MOST_BYTES = 5_000_000
+RATES = (60.0, 30.0, 15.0, 10.0)  # frames a second, the first that fits
+MOST_VALUES = 48_000, 120_000  # numbers of samples: of a side, of all
+MOST_PLOTTED = 2  # columns of a kind that are plotted at first
+SPEEDS = (1.0, 0.25, 0.1)
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A multiplier in the plane: its path in units of the plane, whose it is, and its value in words."""
+
+    path: str
+    side: int
+    says: str
+
+
+def render(
+    sides: tuple[Side, ...], measures: tuple[Measure, ...], differences: tuple[Difference, ...], said: tuple[str, ...]
+) -> str:
+    """The text of the page, with as many frames a second as it may hold.
+
+    Args:
+        sides: what is compared.
+        measures: of all of them.
+        differences: parameters that are not the same.
+        said: sentences that stand on top.
+
+    Raises:
+        BadValue: the motions do not fit into it.
+    """
+    view = environment(number=number, percent=percent, change=change, parameter=parameter)
+    reach = max([1.0, *(float(np.abs(side.gait.multipliers).max()) for side in sides if side.gait is not None)])
+    given = {
+        "version": __version__,
+        "title": " against ".join(side.label for side in sides[:2]) + (" and others" if len(sides) > 2 else ""),
+        "sides": sides,
+        "measures": measures,
+        "groups": list(dict.fromkeys(row.group for row in measures)),
+        "differences": differences,
+        "said": said,
+        "notes": [note for side in sides for note in side.notes],
+        "moves": any(side.run is not None for side in sides),
+        "marks": [mark for i, side in enumerate(sides) for mark in _marks(side, i, reach)],
+        "reach": 1.12 * reach,
+        "swatches": [_shape(i, 5.0, 5.0, 4.0) for i in range(len(sides))],
+    }
+    for rate in RATES:
+        text = view.get_template("compare/page.html").render(**given, data=_data(sides, rate))
+        if len(text.encode()) < MOST_BYTES:
+            return text
+    seconds = sum(float(np.ptp(side.run.t)) for side in sides if side.run is not None)
+    raise BadValue("motions", f"{seconds:.4g} s", f"shorter ones, of fewer cycles, that fit into {MOST_BYTES} bytes")
+
+
+def _data(sides: tuple[Side, ...], rate: float) -> dict[str, Any]:
+    """What the page's scripts read, with so many frames a second."""
+    shown = [_side(sides, i, rate) for i in range(len(sides))]
+    return {"sides": shown, "speeds": SPEEDS, "rate": rate, "plotted": _plotted(shown)}
+
+
+def _side(sides: tuple[Side, ...], i: int, rate: float) -> dict[str, Any]:
+    """A side as its viewer reads it; the first is the ghost of those that are the same robot."""
+    side, first = sides[i], sides[0]
+    motion = standing(side.robot) if side.run is None else side.run
+    frames = resample(side.robot, motion, rate)
+    haunted = i > 0 and first.run is not None and side.run is not None and _alike(first.robot, side.robot)
+    ghost = resample(side.robot, first.run, rate, "ghost") if haunted and first.run is not None else None
+    scene = moving(side.robot, frames, ghost, _newtons([each for each in sides if _alike(each.robot, side.robot)]))
+    longest = max(frames.duration, 0.0 if ghost is None else ghost.duration)
+    most = min(MOST_VALUES[0], MOST_VALUES[1] // len(sides))
+    samples = thinned(samples_of(side.robot, motion), most)
+    return as_data(frames, scene, encoded(c.set_animation(scene.clips, longest)), side.label) | {
+        "ghost": None if ghost is None else {"of": ROBOT, "path": GHOST},
+        "samples": packed(samples),
+        "stands": side.run is None,
+        "bounds": _bounds(side),
+    }
+
+
+def _newtons(sides: list[Side]) -> float | None:
+    """What a metre of an arrow stands for of sides of the same robot, so that their arrows compare; None without."""
+    played = [(side.robot, side.run) for side in sides if side.run is not None]
+    found = [moving(robot, resample(robot, run, RATES[-1])).newtons for robot, run in played]
+    return max(found, default=0.0) or None
+
+
+def _alike(one: Robot, other: Robot) -> bool:
+    """Whether a robot's ghost is drawn by the links of the other."""
+    same = one.source == other.source and str(one.cut) == str(other.cut)
+    return same and one.model.nq == other.model.nq and list(one.model.names) == list(other.model.names)
+
+
+def _bounds(side: Side) -> list[float]:
+    """When whole cycles begin, and the last ends, in s from the first sample."""
+    run = side.run
+    if run is None or not run.cycles:
+        return []
+    numbers = [n for n in np.unique(run.cycle).tolist() if n >= 1][: run.cycles]
+    rows = [np.flatnonzero(run.cycle == n)[[0, -1]] for n in numbers]
+    return [*(float(run.t[begin] - run.t[0]) for begin, _ in rows), float(run.t[rows[-1][1]] - run.t[0])]
+
+
+def _plotted(sides: list[dict[str, Any]]) -> list[str]:
+    """Columns that are plotted at first: of each kind the first few that some side would plot."""
+    wanted = list(dict.fromkeys(name for side in sides for name in side["samples"]["plotted"]))
+    kinds = {column["name"]: column["kind"] for side in sides for column in side["samples"]["columns"]}
+    seen: Counter[str] = Counter()
+    chosen = []
+    for name in wanted:
+        seen[kinds[name]] += 1
+        if seen[kinds[name]] <= MOST_PLOTTED:
+            chosen.append(name)
+    return chosen
+
+
+def _marks(side: Side, i: int, reach: float) -> list[Mark]:
+    if side.gait is None:
+        return []
+    values = side.gait.multipliers.tolist()
+    return [
+        Mark(_shape(i, z.real, -z.imag, 0.035 * reach), i, f"{side.label}: {_complex(z)}, modulus {abs(z):.4g}")
+        for z in values
+        if math.isfinite(abs(z))
+    ]
+
+
+def _complex(z: complex) -> str:
+    sign = "−" if z.imag < 0 else "+"
+    return value(z.real) if z.imag == 0 else f"{value(z.real)} {sign} {value(abs(z.imag))}i"
+
+
+def _shape(number: int, x: float, y: float, r: float) -> str:
+    """Outline of a side's mark: circle, square, diamond, triangles, cross."""
+    corners = {
+        1: [(-0.85, -0.85), (0.85, -0.85), (0.85, 0.85), (-0.85, 0.85)],
+        2: [(0, -1.2), (1.2, 0), (0, 1.2), (-1.2, 0)],
+        3: [(0, -1.1), (1.1, 0.9), (-1.1, 0.9)],
+        4: [(0, 1.1), (1.1, -0.9), (-1.1, -0.9)],
+        5: [(-1.2, -0.35), (1.2, -0.35), (1.2, 0.35), (-1.2, 0.35)],
+    }.get(number)
+    if corners is None:
+        return f"M{x - r:.4g} {y:.4g}a{r:.4g} {r:.4g} 0 1 0 {2 * r:.4g} 0a{r:.4g} {r:.4g} 0 1 0 {-2 * r:.4g} 0z"
+    return "M" + "L".join(f"{x + r * a:.4g} {y + r * b:.4g}" for a, b in corners) + "z"

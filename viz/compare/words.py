@@ -1,0 +1,54 @@
+"""Numbers, differences and parameters of a comparison as a reader sees them, on its page and in its text."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from spear_pin.model.spring import UNITS as OF_SPRING
+from spear_pin.viz.plots.sweep import UNITS as OF_SWEEP
+
+UNITS = {**OF_SWEEP, **OF_SPRING, "slope": "rad", "height": "m", "rest": "rad"}
+NONE = "–"
+SHOWN = 3  # numbers of a list
+
+
+def value(number: float) -> str:
+    """Four digits."""
+    return f"{number:.4g}".replace("-", "−")
+
+
+def number(number: float | None) -> str:
+    """Four digits, or a dash."""
+    return NONE if number is None else value(number)
+
+
+def change(number: float | None) -> str:
+    """A difference, with its sign, or a dash."""
+    return NONE if number is None else "0" if number == 0 else f"{number:+.3g}".replace("-", "−")
+
+
+def percent(share: float | None) -> str:
+    """A share in %, with its sign, or a dash."""
+    if share is None:
+        return NONE
+    return "0" if share == 0 else f"{share:+.1f}".replace("-", "−") if abs(share) >= 0.05 else "±0.0"
+
+
+def parameter(given: Any, name: str = "") -> str:
+    """A value of a parameter, with the unit where that is known; of lists the first few numbers."""
+    if given is None:
+        return NONE
+    if isinstance(given, bool):
+        return "yes" if given else "no"
+    if isinstance(given, (int, float)):
+        unit = UNITS.get(name.rpartition(": ")[2], "")
+        return f"{given:.6g}".replace("-", "−") + (f" {unit}" if unit else "")
+    if isinstance(given, (list, tuple)):
+        numbers = _flat(given)
+        more = f", … ({len(numbers)} numbers)" if len(numbers) > SHOWN else ""
+        return ", ".join(map(value, numbers[:SHOWN])) + more or "none"
+    return str(given)
+
+
+def _flat(given: Any) -> list[float]:
+    return [each for part in given for each in _flat(part)] if isinstance(given, (list, tuple)) else [float(given)]
