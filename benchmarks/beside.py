@@ -27,6 +27,7 @@ from spear_pin.hybrid.periodic import chart, eigenvalues, multipliers
 STEPS = (1e-2, 1e-3, 1e-4, 1e-5)  # of differences
 ROUNDS = 5
 LANES = 4096
+OURS = "spear-pin"
 ROWS = (
     "energy after a hop, off by",
     "touchdown, off by",
@@ -59,7 +60,7 @@ def here(task: Task, rtol: float) -> Hop:
 
 def programs(task: Task) -> dict[str, list[Hop]]:
     """Hops by the program that runs them, one for each of its settings."""
-    found = {"here": [here(task, 1e-9)]}
+    found = {OURS: [here(task, 1e-9)]}
     if mujoco_native.mujoco is not None:
         found["MuJoCo"] = [mujoco_native.make(task, *setting) for setting in mujoco_native.SETTINGS]
     if drake_hop.LeafSystem is not None:
@@ -143,7 +144,7 @@ def main() -> None:
             lane = taylor(task, LANES, 1e-9)
             lane.call()
             batch = min(lane.seconds(1) for _ in range(ROUNDS)) / LANES
-    columns = [cells(name, each, batch if name == "here" else None) for name, each in found.items()]
+    columns = [cells(name, each, batch if name == OURS else None) for name, each in found.items()]
     table(("", *found), list(zip(ROWS, *columns, strict=True)))
 
 

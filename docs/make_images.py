@@ -101,7 +101,7 @@ def hop() -> None:
     """Solve the hops and write their pictures."""
     gait = hop_in_place()
     hops = simulate(gait.system, gait.state, cycles=11)
-    address = f"t={INSTANT}&plot=boom_z,q_knee,force_z_toe"
+    address = f"t={INSTANT}&plot=q_boom_z,q_knee,force_z_toe"
     show(gait, hops.in_cycles(1, 3), "SPEAR-II hopping in place", address, "hop.png")
     print(plots.save_figure(plots.hop_summary(hops, gait), IMAGES / "summary.svg"))
     recovery = simulate(gait.system, _dropped(hops, 0.02), cycles=11)
@@ -119,9 +119,9 @@ def bench() -> None:
 
 def biped() -> None:
     """Run the example and show its page at one instant."""
-    with tempfile.TemporaryDirectory() as folder, Browser(WIDTH, 560) as browser:
+    with tempfile.TemporaryDirectory() as folder, Browser(1000, 720) as browser:
         runpy.run_path(str(IMAGES.parents[1] / "examples" / "biped.py"))["main"](Path(folder))
-        browser.open(Path(folder) / "biped.html", "#t=0.62")
+        browser.open(Path(folder) / "biped.html", "#t=0.62&show=-plots")
         browser.screenshot(IMAGES / "biped.png")
 
 
@@ -130,9 +130,9 @@ def another() -> None:
     plane = sagittal(load("solo12", base="free", motors="all"))
     gait = bound_of(plane)
     strides = simulate(gait.system, gait.state, cycles=2)
-    with tempfile.TemporaryDirectory() as folder, Browser(WIDTH, 560) as browser:
+    with tempfile.TemporaryDirectory() as folder, Browser(1000, 720) as browser:
         page = record(plane, strides, Path(folder) / "bound.html", title="solo12 bounding")
-        browser.open(page, f"#t={gait.durations['posterior_stance'] / 2}")
+        browser.open(page, f"#t={gait.durations['posterior_stance'] / 2}&show=-plots")
         print(browser.screenshot(IMAGES / "solo12.png").shape, gait.parameters, gait.durations)
 
 
