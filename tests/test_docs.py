@@ -136,7 +136,7 @@ class TestGallery:
         assert picture.shape == (360, 480, 3) and (np.ptp(picture, axis=2) > 150).any(), "the spring is orange"
 
     def test_pages_that_play_are_recorded(self):
-        played = re.findall(r"^```\{player\} (\S+) (\S+)$", "\n".join(PAGES.values()), re.M)
+        played = re.findall(r"^```\{player\} (\S+) (\S+\.html)", "\n".join(PAGES.values()), re.M)
         assert len(played) >= 2
         for example, name in played:
             assert f'"{name}"' in (ROOT / "examples" / f"{example}.py").read_text(encoding="utf-8")

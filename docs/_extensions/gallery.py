@@ -1,10 +1,12 @@
 """The gallery: every program in `examples/` is run as a reader would, and shown with what it drew and printed.
 
 Not by sphinx-gallery: it runs programs inside its own process, and shows neither the pages nor the files they write.
-The directive `player` shows such a page anywhere: the name of the example, then that of the page.
+The directive `player` shows such a page anywhere: the name of the example, then that of the page, and what its address
+says, for which there is more room.
 """
 
 import ast
+import html
 import os
 import shutil
 import subprocess
@@ -121,16 +123,17 @@ def thumbnail(example: Example) -> str:
 class Player(SphinxDirective):
     """A page that an example recorded, in a frame, and a link to it."""
 
-    required_arguments = 2
+    required_arguments, optional_arguments = 2, 1
 
     def run(self) -> list[nodes.Node]:
         """The frame, at the place where `copy_players` puts its page."""
-        example, name = self.arguments
+        example, name, *shown = self.arguments
         if not (Path(self.env.srcdir) / "gallery" / example / name).is_file():
             raise self.error(f"the example {example} recorded no page {name}")
         address = "../" * self.env.docname.count("/") + f"play/{example}/{name}"
+        kind, fragment = ("player tall", f"#{html.escape(shown[0])}") if shown else ("player", "")
         text = (
-            f'<iframe class="player" src="{address}" title="{name}" loading="lazy"></iframe>\n'
+            f'<iframe class="{kind}" src="{address}{fragment}" title="{name}" loading="lazy"></iframe>\n'
             f'<p><a href="{address}">{name} on a page of its own</a></p>'
         )
         return [nodes.raw("", text, format="html")]
