@@ -141,6 +141,9 @@ class TestGallery:
         for example, name in played:
             assert f'"{name}"' in (ROOT / "examples" / f"{example}.py").read_text(encoding="utf-8")
 
+    def test_begins_where_the_table_of_the_readme_does(self, gallery, tmp_path):
+        assert [example.name for example in gallery.examples(tmp_path)][:2] == ["dynamics_queries", "hop"]
+
     def test_has_every_example(self, gallery, tmp_path):
         assert {example.path for example in gallery.examples(tmp_path)} == set(EXAMPLES)
 
