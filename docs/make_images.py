@@ -1,20 +1,20 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
-Parts are hop, bench, compare, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep. The first
-five need Chromium, another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain
-take some minutes; the latter print the table of docs/motors.md. The picture on top of the README is what the recorded
-page shows at one instant, beside plots of the same hop with that instant marked.
+Parts are moving, hop, bench, compare, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep. The first
+six need Chromium, moving, which films what moves on top of the README, also ffmpeg, another also the extras `robots`
+and `optimize`; those of the design studies and of the drivetrain take some minutes; the latter print the table of
+docs/motors.md.
 """
 
 from __future__ import annotations
 
 import argparse
 import runpy
+import subprocess
 import tempfile
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from spear_pin import Gait, HoppingLaw, Trajectory, find_gait, hopping, load, sagittal, simulate
 from spear_pin.gaits.feedback import regulated
@@ -49,11 +49,15 @@ from spear_pin.viz.plots import push as push_plots
 from spear_pin.viz.plots import robustness as robustness_plots
 from spear_pin.viz.plots import source as source_plots
 from spear_pin.viz.plots import sweep as sweep_plots
+from spear_pin.viz.video import film
 from tests.viz.chromium import Browser
 
 IMAGES = Path(__file__).parent / "images"
 INSTANT = 0.27  # s: the knee extends, spring and motor push
-WIDTH, HEIGHT = 1000, 900  # of the page, in pixels
+WIDTH, HEIGHT = 1280, 800  # of the page, in pixels
+FPS, SLOWER, DRAWN, SHOWN = 16.0, 0.25, (640, 520), 400  # of the films: frames a second, speed, pixels drawn and kept
+# few colours, the same in all frames, and no dither: what does not move takes no room
+PALETTE = "split[a][b];[a]palettegen=max_colors=64:stats_mode=diff[p];[b][p]paletteuse=dither=none"
 SPEEDS = (1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5)  # m/s, of the long strides that ship
 MOTORS = ("spear_ii_knee", "ec_60_flat_100w_24v", "ec_90_flat_90w_24v", "ec_90_flat_260w")
 RATIOS = (6.0, 8.0, 10.0, 12.0, 15.0, 18.0, 22.0, 26.0, 30.0)
@@ -64,7 +68,7 @@ def main() -> None:
     """Write the pictures asked for, or every one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", help="some of the parts; all if none is named")
-    known = hop, bench, compare, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep
+    known = moving, hop, bench, compare, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep
     parts = {part.__name__: part for part in known}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
@@ -74,16 +78,36 @@ def main() -> None:
             part()
 
 
+def moving() -> None:
+    """Film one hop and one stride, which go on without a seam, at a quarter of real time."""
+    gaits = {"hop": hop_in_place(), "bound": Gait.load("long_stride")}
+    for (name, gait), title in zip(gaits.items(), ("SPEAR-II", "Q-SPEAR"), strict=True):
+        cycle = simulate(gait.system, gait.state, cycles=1)
+        with tempfile.TemporaryDirectory() as folder:
+            made, robot = Path(folder) / "film.mp4", gait.system.robot
+            film(robot, cycle, made, fps=FPS, speed=SLOWER, size=DRAWN, title=title)
+            shown = f"scale={SHOWN}:-1:flags=lanczos,{PALETTE}"
+            kept = IMAGES / f"{name}.gif"
+            subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-i", made, "-vf", shown, kept], check=True)
+        print(kept, kept.stat().st_size)
+
+
+def hop_in_place() -> Gait:
+    """SPEAR-II's hop with 0.2 s of flight."""
+    robot = load("spear_ii", locked=["boom_x"])
+    return find_gait(hopping(robot), vary=["stance_torque"], target={"flight_time": 0.2})
+
+
 def hop() -> None:
     """Solve the hops and write their pictures."""
-    robot = load("spear_ii", locked=["boom_x"])
-    gait = find_gait(hopping(robot), vary=["stance_torque"], target={"flight_time": 0.2})
+    gait = hop_in_place()
     hops = simulate(gait.system, gait.state, cycles=11)
-    print(overview(gait, simulate(gait.system, gait.state, cycles=2), IMAGES / "hop.png"))
+    address = f"t={INSTANT}&plot=q_boom_z,q_knee,force_z_toe"
+    show(gait, hops.in_cycles(1, 3), "SPEAR-II hopping in place", address, "hop.png")
     print(plots.save_figure(plots.hop_summary(hops, gait), IMAGES / "summary.svg"))
     recovery = simulate(gait.system, _dropped(hops, 0.02), cycles=11)
     print(plots.save_figure(plots.boom_height(recovery), IMAGES / "recovery.svg"))
-    late = find_gait(hopping(robot, HoppingLaw(stance_torque=7.5)))
+    late = find_gait(hopping(gait.system.robot, HoppingLaw(stance_torque=7.5)))
     print(plots.save_figure(plots.knee_torque(simulate(late.system, late.state, cycles=2)), IMAGES / "late.svg"))
 
 
@@ -91,10 +115,7 @@ def bench() -> None:
     """Bound Q-SPEAR, and show its page with plots, forces and angles at one instant."""
     gait = Gait.load("long_stride")
     strides = simulate(gait.system, gait.state, cycles=4)
-    with tempfile.TemporaryDirectory() as folder, Browser(1280, 800) as browser:
-        page = record(gait.system.robot, strides, Path(folder) / "bound.html", title="Q-SPEAR bounding")
-        browser.open(page, "#t=0.3&loop=0.247,0.35&show=forces,angles")
-        print(browser.screenshot(IMAGES / "bench.png").shape)
+    show(gait, strides, "Q-SPEAR bounding", "t=0.3&loop=0.247,0.35&show=forces,angles", "bench.png")
 
 
 def compare() -> None:
@@ -108,9 +129,9 @@ def compare() -> None:
 
 def biped() -> None:
     """Run the example and show its page at one instant."""
-    with tempfile.TemporaryDirectory() as folder, Browser(WIDTH, 560) as browser:
+    with tempfile.TemporaryDirectory() as folder, Browser(1000, 720) as browser:
         runpy.run_path(str(IMAGES.parents[1] / "examples" / "biped.py"))["main"](Path(folder))
-        browser.open(Path(folder) / "biped.html", "#t=0.62")
+        browser.open(Path(folder) / "biped.html", "#t=0.62&show=-plots")
         browser.screenshot(IMAGES / "biped.png")
 
 
@@ -119,15 +140,15 @@ def another() -> None:
     plane = sagittal(load("solo12", base="free", motors="all"))
     gait = bound_of(plane)
     strides = simulate(gait.system, gait.state, cycles=2)
-    with tempfile.TemporaryDirectory() as folder, Browser(WIDTH, 560) as browser:
+    with tempfile.TemporaryDirectory() as folder, Browser(1000, 720) as browser:
         page = record(plane, strides, Path(folder) / "bound.html", title="solo12 bounding")
-        browser.open(page, f"#t={gait.durations['posterior_stance'] / 2}")
+        browser.open(page, f"#t={gait.durations['posterior_stance'] / 2}&show=-plots")
         print(browser.screenshot(IMAGES / "solo12.png").shape, gait.parameters, gait.durations)
 
 
 def attraction() -> None:
     """Write the map of where the hop is reached from, of a hundred thousand states; it takes half a minute."""
-    gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])), vary=["stance_torque"], target={"flight_time": 0.2})
+    gait = hop_in_place()
     clearances, knees = np.linspace(0.005, 0.6, 317), np.linspace(0.1, 2.4, 317)
     found = attracted(gait, *dropped(gait, clearances, knees))
     labels = "Toe above the ground (m)", "Knee (rad)"
@@ -137,7 +158,7 @@ def attraction() -> None:
 
 def robust() -> None:
     """Write the picture of what the hop survives, of four thousand draws; it takes a minute."""
-    gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])), vary=["stance_torque"], target={"flight_time": 0.2})
+    gait = hop_in_place()
     drawn = dict.fromkeys(("stiffness", "damping", "stance_torque", "friction"), 0.1)
     found = robustness(gait, drawn, draws=4000)
     print(plots.save_figure(robustness_plots.robustness_figure(found), IMAGES / "robustness.svg"))
@@ -235,32 +256,11 @@ def drives() -> dict[str, Drive]:
     return {name: Drive(motor(key), Gearbox(15.0, 0.83), bus=48.0) for name, key in motors.items()}
 
 
-def overview(gait: Gait, hops: Trajectory, path: Path) -> Path:
-    """The page at one instant beside height, force and torque of the same hops."""
-    picture = screenshot(gait, hops)
-    with plots.style():
-        figure = Figure(figsize=(7.0, 3.5), layout="constrained")
-        page, right = figure.subfigures(1, 2, width_ratios=(1.25, 1.0))
-        axes = page.add_axes((0.0, 0.0, 1.0, 1.0))
-        axes.imshow(picture)
-        axes.axis("off")
-        panels = right.subplots(3, 1, sharex=True)
-        draws = (plots.draw_height, plots.draw_force, plots.draw_torque)
-        labels = ("Hip height (m)", "Force (N)", "Torque (N·m)")
-        for panel, draw, label in zip(panels, draws, labels, strict=True):
-            draw(panel, hops)
-            panel.set_ylabel(label)
-            panel.axvline(INSTANT, color="black", linewidth=0.7)
-            panel.label_outer()
-    return plots.save_figure(figure, path)
-
-
-def screenshot(gait: Gait, hops: Trajectory) -> np.ndarray:
-    """What the recorded page shows at the instant."""
+def show(gait: Gait, motion: Trajectory, title: str, address: str, name: str) -> None:
+    """Write a picture of the page of a motion as its address says."""
     with tempfile.TemporaryDirectory() as folder, Browser(WIDTH, HEIGHT) as browser:
-        page = record(gait.system.robot, hops, Path(folder) / "hop.html", title="SPEAR-II hopping in place")
-        browser.open(page, f"#t={INSTANT}")
-        return browser.screenshot()
+        browser.open(record(gait.system.robot, motion, Path(folder) / "page.html", title=title), f"#{address}")
+        print(IMAGES / name, browser.screenshot(IMAGES / name).shape)
 
 
 def _dropped(hops: Trajectory, height: float) -> tuple[np.ndarray, np.ndarray]:

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import others_gaits
-from benchmarks.peers import lean_loop, lean_stride
+from benchmarks import beside, others_gaits
+from benchmarks.peers import lean_loop, lean_stride, mujoco_native
 from benchmarks.peers.task import AGREES, STATES, bound, hop, taylor
 from tests.hybrid.by_hand import Hopper
 
@@ -56,6 +56,21 @@ class TestHop:
     @pytest.mark.filterwarnings("ignore::DeprecationWarning")
     def test_drake(self):
         assert hop(LANES).error(lanes("drake_hop")[-1].call()) < AGREES
+
+
+class TestBeside:
+    def test_here(self):
+        found = beside.measured(hop(LANES), beside.here(hop(LANES), 1e-9), rounds=1)
+        assert found.energy < 1e-7 and found.touchdown < 1e-8 and found.multipliers < 1e-6 and found.seconds > 0.0
+
+    @pytest.mark.extra("mujoco")
+    def test_mujoco_finds_the_landing_near_where_it_is(self):
+        found = beside.measured(hop(LANES), mujoco_native.make(hop(LANES), *mujoco_native.SETTINGS[1]), rounds=1)
+        assert 1e-4 < found.touchdown < 1e-2 and 1e-3 < found.energy < 1.0 and found.multipliers > 0.01
+
+    def test_spans(self):
+        assert beside.span([2e-3, 1.04e-3], " s") == "0.001 to 0.002 s"
+        assert beside.span([1.2e-9], " J") == "1e-09 J"
 
 
 @pytest.mark.slow

@@ -7,9 +7,13 @@ import re
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import spear_pin
+from spear_pin import hopping, load, simulate
+from spear_pin.viz.player import record
+from tests.viz.chromium import pixels
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -112,6 +116,33 @@ class TestGallery:
     def test_wants_a_picture(self, gallery, tmp_path):
         failure, _ = self.run(gallery, tmp_path, "print('nothing to see')\n")
         assert failure == "sketch.py drew no picture"
+
+    def test_shows_robots_of_examples_that_record_them(self, gallery, tmp_path):
+        shown = {example.name: example.path for example in gallery.examples(tmp_path) if example.name in gallery.ROBOTS}
+        assert tuple(shown) == gallery.ROBOTS
+        assert all("record(" in path.read_text(encoding="utf-8") for path in shown.values())
+
+    @pytest.mark.browser
+    def test_a_card_shows_the_robot_on_its_page(self, gallery, tmp_path):
+        robot = load("spear_ii", locked=["boom_x"])
+        hop = simulate(hopping(robot), hopping(robot).guess(), cycles=1)
+        example = gallery.Example(Path("another.py"), tmp_path / "hop")
+        example.folder.mkdir()
+        (example.folder / "hop.svg").write_text("<svg/>", encoding="utf-8")
+        record(robot, hop, example.folder / "hop.html")
+        assert gallery.thumbnail(example) == "another/hop.svg"
+        seen = gallery.thumbnail(gallery.Example(Path("hop.py"), example.folder))
+        picture = pixels((tmp_path / seen).read_bytes())
+        assert picture.shape == (360, 480, 3) and (np.ptp(picture, axis=2) > 150).any(), "the spring is orange"
+
+    def test_pages_that_play_are_recorded(self):
+        played = re.findall(r"^```\{player\} (\S+) (\S+\.html)", "\n".join(PAGES.values()), re.M)
+        assert len(played) >= 2
+        for example, name in played:
+            assert f'"{name}"' in (ROOT / "examples" / f"{example}.py").read_text(encoding="utf-8")
+
+    def test_begins_where_the_table_of_the_readme_does(self, gallery, tmp_path):
+        assert [example.name for example in gallery.examples(tmp_path)][:2] == ["dynamics_queries", "hop"]
 
     def test_has_every_example(self, gallery, tmp_path):
         assert {example.path for example in gallery.examples(tmp_path)} == set(EXAMPLES)

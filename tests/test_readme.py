@@ -6,7 +6,9 @@ import shlex
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
+from benchmarks import beside
 from spear_pin.errors import MissingProgram
 
 ROOT = Path(__file__).parents[1]
@@ -80,6 +82,22 @@ def test_the_readme_gives_the_two_commands():
         "python3 -m venv .venv && .venv/bin/pip install -q '.[test]' && .venv/bin/python -m pytest",
     ]
     assert README.index("-m pytest") == README.index(shell[1]) + shell[1].index("-m pytest"), "the gate takes the first"
+
+
+def test_the_readme_has_the_rows_that_are_measured():
+    assert (
+        tuple(re.findall(r"^\| ([^|]+?) \|", README.partition("## Why not")[2].partition("##")[0], re.M)[1:])
+        == beside.ROWS
+    )
+
+
+def test_what_moves_on_top_is_small_and_repeats():
+    films = re.findall(r"\]\((\S+\.gif)\)", README.partition("```")[0])
+    assert [Path(film).stem for film in films] == ["hop", "bound"]
+    assert sum((ROOT / film).stat().st_size for film in films) < 1_500_000
+    for film in films:
+        with Image.open(ROOT / film) as image:
+            assert image.n_frames > 20 and image.info["loop"] == 0
 
 
 def test_the_modules_that_documents_name_exist():

@@ -24,13 +24,13 @@ ACCURACIES = (1e-6, 1e-8)
 
 
 def simulated(hopper, accuracy: float):
-    """A function that runs the hop from a state by the Simulator."""
+    """A function that runs the hop from a state by the Simulator; when it ends, and where."""
     simulator = Simulator(hopper)
     ResetIntegratorFromFlags(simulator, "runge_kutta5", 0.05).set_target_accuracy(accuracy)
     context = simulator.get_mutable_context()
     context.SetAccuracy(accuracy)
 
-    def run(y: Array) -> Array:
+    def run(y: Array) -> tuple[float, Array]:
         half = 0.5 / hopper.law.frequency
         context.SetTime(0.0)
         context.SetContinuousState(y)
@@ -38,7 +38,7 @@ def simulated(hopper, accuracy: float):
         for hopper.sign, end in ((1.0, half), (-1.0, 5.0)):
             simulator.Initialize()
             simulator.AdvanceTo(end)
-        return hopper.state(context)
+        return context.get_time(), hopper.state(context)
 
     return run
 
@@ -69,8 +69,11 @@ def lanes(task: Task) -> list[Lane]:
     def lane(name: str, settings: str, run) -> Lane:
         return Lane(name, settings, lambda: np.array([run(y) for y in starts]))
 
+    def ends(run):
+        return lambda y: run(y)[1]
+
     found = [
-        lane("Drake, witness functions in Python", f"Runge-Kutta 5, accuracy {a:.0e}", simulated(make(task), a))
+        lane("Drake, witness functions in Python", f"Runge-Kutta 5, accuracy {a:.0e}", ends(simulated(make(task), a)))
         for a in ACCURACIES
     ]
     return [*found, lane("Drake's dynamics, SciPy's events", f"DOP853, rtol {RTOL:.0e}", bare(make(task)))]

@@ -25,7 +25,7 @@ INTEGRATORS = ("euler", "rk4", "implicit", "implicitfast")  # in the order of mj
 
 
 def make(task: Task, steps: int, constant: float | None, impedance: tuple[float, ...], integrator: str, lifted: float):
-    """A function that runs the hop from a state."""
+    """A function that runs the hop from a state; when it ends, and where."""
     system = task.gait.system
     law, spring = system.law, system.spring
     half = 0.5 / law.frequency
@@ -38,7 +38,7 @@ def make(task: Task, steps: int, constant: float | None, impedance: tuple[float,
     data, toe = mujoco.MjData(model), model.body("toe").id
     applied, q, v = data.qfrc_applied, data.qpos, data.qvel
 
-    def run(start: Array) -> Array:
+    def run(start: Array) -> tuple[float, Array]:
         mujoco.mj_resetData(model, data)
         q[:], v[:] = start[:3], start[3:]
         latched, flying, before, seen = start[2], False, None, start
@@ -57,12 +57,13 @@ def make(task: Task, steps: int, constant: float | None, impedance: tuple[float,
                 if before is not None and z <= 0.0:
                     share = before[0] / (before[0] - z)
                     y = before[1] + share * (seen - before[1])
-                    return np.concatenate([y[:3], plastic(model, data, toe, y[:3], y[3:])])
+                    end = np.concatenate([y[:3], plastic(model, data, toe, y[:3], y[3:])])
+                    return (i - 2 + share) * step, end
                 before = (z, seen) if z > 0.0 else None
             seen = np.concatenate([q, v])
             mujoco.mj_step(model, data)
             flying = flying or (i > steps and data.xpos[toe][2] > lifted)
-        return np.full(6, np.nan)
+        return np.nan, np.full(6, np.nan)
 
     return run
 
@@ -75,6 +76,6 @@ def lanes(task: Task) -> list[Lane]:
         run = make(task, steps, constant, impedance, integrator, lifted)
         step = 0.5 / task.gait.system.law.frequency / steps
         settings = f"{integrator}, {1e3 * step:.2g} ms, solref {1e3 * (constant or 2.0 * step):.2g} ms"
-        return Lane("MuJoCo's soft contact", settings, lambda: np.array([run(y) for y in starts]))
+        return Lane("MuJoCo's soft contact", settings, lambda: np.array([run(y)[1] for y in starts]))
 
     return [lane(*settings) for settings in SETTINGS]

@@ -1,26 +1,39 @@
 """The gallery: every program in `examples/` is run as a reader would, and shown with what it drew and printed.
 
 Not by sphinx-gallery: it runs programs inside its own process, and shows neither the pages nor the files they write.
+The directive `player` shows such a page anywhere: the name of the example, then that of the page, and what its address
+says, for which there is more room.
 """
 
 import ast
+import html
 import os
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 from sphinx.util import logging
+from sphinx.util.docutils import SphinxDirective
+
+from spear_pin.viz import chromium
+from spear_pin.viz.video import STYLE
 
 ROOT = Path(__file__).parents[2]
 SOURCES = ("spear_pin", "viz", "urdf")  # what an example depends on, besides itself
 PRINTED = "printed.txt"
+THUMBNAILS = "thumbnails"
+ROBOTS = ("hop", "bound", "biped", "your_own_urdf")  # whose figures look like each other, and whose robots do not
+SEEN = 0.05  # s: when they are seen, all on a foot
+ALONE = f"<style>{STYLE} header, footer, aside {{ display: none !important }}</style></head>"
 
 logger = logging.getLogger(__name__)
 
@@ -64,8 +77,8 @@ class Example:
 
 
 def examples(gallery: Path) -> list[Example]:
-    """All programs, in the order of the README."""
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    """All programs, in the order of the README's table."""
+    _, _, readme = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Examples")
     paths = sorted((ROOT / "examples").glob("*.py"), key=lambda path: readme.find(f"(examples/{path.name})"))
     return [Example(path, gallery / path.stem) for path in paths]
 
@@ -90,15 +103,47 @@ def run(example: Example) -> str | None:
     return None
 
 
+def thumbnail(example: Example) -> str:
+    """Path from the gallery of what its card shows: the first picture or, with a Chromium, the robot on its page."""
+    drawn = f"{example.name}/{example.pictures[0]}"
+    if example.name not in ROBOTS or not example.players or chromium.find() is None:
+        return drawn
+    seen = example.folder.parent / THUMBNAILS / f"{example.name}.png"
+    made = example.folder / example.players[0]
+    if not seen.is_file() or seen.stat().st_mtime < made.stat().st_mtime:
+        seen.parent.mkdir(exist_ok=True)
+        with tempfile.TemporaryDirectory() as folder, chromium.Browser(480, 360) as browser:
+            alone = Path(folder) / "page.html"
+            alone.write_text(made.read_text(encoding="utf-8").replace("</head>", ALONE, 1), encoding="utf-8")
+            browser.open(alone, f"#t={SEEN}")
+            seen.write_bytes(browser.capture())
+    return f"{THUMBNAILS}/{seen.name}"
+
+
+class Player(SphinxDirective):
+    """A page that an example recorded, in a frame, and a link to it."""
+
+    required_arguments, optional_arguments = 2, 1
+
+    def run(self) -> list[nodes.Node]:
+        """The frame, at the place where `copy_players` puts its page."""
+        example, name, *shown = self.arguments
+        if not (Path(self.env.srcdir) / "gallery" / example / name).is_file():
+            raise self.error(f"the example {example} recorded no page {name}")
+        address = "../" * self.env.docname.count("/") + f"play/{example}/{name}"
+        kind, fragment = ("player tall", f"#{html.escape(shown[0])}") if shown else ("player", "")
+        text = (
+            f'<iframe class="{kind}" src="{address}{fragment}" title="{name}" loading="lazy"></iframe>\n'
+            f'<p><a href="{address}">{name} on a page of its own</a></p>'
+        )
+        return [nodes.raw("", text, format="html")]
+
+
 def page(example: Example) -> str:
     """The page of an example, which stands beside its folder."""
     sentence, rest = example.text
     pictures = "\n\n".join(f"![{name}, drawn by the program]({example.name}/{name})" for name in example.pictures)
-    players = "".join(
-        f'\n```{{raw}} html\n<iframe class="player" src="../play/{example.name}/{name}" title="{name}" loading="lazy">'
-        f'</iframe>\n<p><a href="../play/{example.name}/{name}">{name} on a page of its own</a></p>\n```\n'
-        for name in example.players
-    )
+    players = "".join(f"\n```{{player}} {example.name} {name}\n```\n" for name in example.players)
     return f"""# {example.name}
 
 {sentence}
@@ -124,13 +169,14 @@ def index(shown: list[Example]) -> str:
     """The first page: a card for each example."""
     cards = "\n".join(
         f":::{{grid-item-card}} {example.name}\n:link: {example.name}\n:link-type: doc\n"
-        f":img-top: {example.name}/{example.pictures[0]}\n{example.text[0]}\n:::"
+        f":img-top: {thumbnail(example)}\n{example.text[0]}\n:::"
         for example in shown
     )
     names = "\n".join(example.name for example in shown)
     return f"""# Gallery
 
-Every picture here is drawn by the program beside it, run when this page was built.
+Every figure here is drawn by the program it stands for, and every robot seen on the page that it records, when this
+site was built.
 
 ::::{{grid}} 1 2 2 3
 {cards}
@@ -169,6 +215,7 @@ def copy_players(app: Sphinx, exception: Exception | None) -> None:
 
 def setup(app: Sphinx) -> dict[str, Any]:
     """Listen to the build's beginning and end."""
+    app.add_directive("player", Player)
     app.connect("builder-inited", make)
     app.connect("build-finished", copy_players)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
