@@ -1,9 +1,9 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
-Parts are moving, hop, bench, compare, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep. The first
-six need Chromium, moving, which films what moves on top of the README, also ffmpeg, another also the extras `robots`
-and `optimize`; those of the design studies and of the drivetrain take some minutes; the latter print the table of
-docs/motors.md.
+Parts are moving, hop, bench, compare, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep.
+The first six need Chromium, moving, which films what moves on top of the README, also ffmpeg, another also the extras
+`robots` and `optimize`; those of the design studies and of the drivetrain take some minutes; the latter print the table
+of docs/motors.md.
 """
 
 from __future__ import annotations
