@@ -261,10 +261,12 @@ def _text(study: Study, found: Answer, rests: list[tuple[str, str]], files: list
         ("" if i else "saved", f"{words.pace.format(speed)}: {', '.join(starmap(share, saved.items()))}")
         for i, (speed, saved) in enumerate(found.by_speed.items())
     ]
-    mesh = "not all of them were found on a finer mesh" if math.isnan(found.mesh) else f"by {100 * found.mesh:.2g} %"
-    mesh = mesh if math.isnan(found.mesh) else f"{mesh} on a finer mesh"
-    rows.append(("doubt", f"starts of the best points differ by {100 * found.spread:.2g} %, {mesh}"))
-    rows += [("" if i else "beware", edge) for i, edge in enumerate(found.edges)]
+    spread = "the best points had one start each"
+    if not math.isnan(found.spread):
+        spread = f"starts of the best points differ by {100 * found.spread:.2g} %"
+    mesh = "none of them was found" if math.isnan(found.mesh) else f"they change by {100 * found.mesh:.2g} %"
+    rows.append(("doubt", f"{spread}, {mesh} on a finer mesh"))
+    rows += [("" if i else "beware", caution) for i, caution in enumerate(found.cautions)]
     rows += rests[:2]
     failed = sum(1 for tries in study.tries.values() for each in tries if each.reason)
     searches = sum(map(len, study.tries.values()))

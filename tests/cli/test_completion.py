@@ -47,7 +47,7 @@ class TestBash:
             (["report", "--figures", ""], {"svg", "pdf", "png"}),
             (["completion", ""], {"bash", "zsh", "fish"}),
         ],
-        ids=str,
+        ids=lambda value: " ".join(value) if isinstance(value, list) else "",
     )
     @pytest.mark.skipif(shutil.which("bash") is None, reason="no bash here")
     def test_words(self, tmp_path, scripts, words, found):

@@ -15,8 +15,7 @@ from spear_pin import __version__
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.studies.design import joints_of
 from spear_pin.studies.payoff import Answer, SearchEnd, Study
-from spear_pin.studies.payoff.answer import change
-from spear_pin.studies.payoff.grid import NONE, SWITCHED
+from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.studies.payoff.motors import PARTS
 from spear_pin.viz.embedding import drawing, shared
 from spear_pin.viz.player import page, shortened
@@ -56,7 +55,7 @@ def render(
         figures: those of `spear_pin.viz.plots.payoff`.
     """
     best = {kind: finding for kind, finding in study.best.items() if finding.figures is not None}
-    played = [kind for kind in (NONE, SWITCHED) if kind in best]
+    played = [kind for kind in (NONE, FIXED if answer.verdict == "fixed" else SWITCHED) if kind in best]
     viewer, sides = shared(_playback(study, best[kind], f"{name}, {TITLES[kind].lower()}") for kind in played)
     return (
         environment()
@@ -72,7 +71,6 @@ def render(
             most=most,
             energy=lambda figures: study.gaits.energy(study.robot, figures),
             joints=[joint for part in PARTS for joint in joints_of(study.robot, part)],
-            changes={kind: change(finding, study.finer[kind]) for kind, finding in best.items()},
             played=played,
             rows=rows(study),
             assumptions=assumptions,

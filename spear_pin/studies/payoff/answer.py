@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ from spear_pin.studies.payoff.searches import SearchEnd
 from spear_pin.studies.payoff.study import Study
 
 PEAKS = {NONE: "without a spring", FIXED: "with a fixed one", SWITCHED: "with a switchable one"}
+BEYOND = ": beyond it there may be better"
 LEAST = 0.02  # of a cost: a smaller saving pays for no spring, whatever the doubt
 
 
@@ -25,10 +26,11 @@ class Answer:
         saving: of each kind of spring the share of the electrical cost that it saves at the speed; negative: it costs.
         by_speed: the same at each speed of the grid, of the best stiffness there; NaN where one is missing.
         doubt: share of a cost that a saving has to exceed: the largest of the next two.
-        spread: largest relative difference between starts, of the best points.
-        mesh: largest relative change on a finer mesh, of the best points; NaN where the finer search failed.
+        spread: largest relative difference between starts, of the best points that had several; NaN of none.
+        mesh: largest relative change on a finer mesh, of the best points that were found on it; NaN of none.
         spread_of_all: median and largest relative difference between starts, of all points with several gaits.
-        edges: where the best point is at the edge of what was tried, in words.
+        cautions: what speaks against the best points, in words: that they are at the edge of what was tried, were not
+            found on a finer mesh, or ask too much of a motor.
     """
 
     verdict: str
@@ -39,7 +41,7 @@ class Answer:
     spread: float
     mesh: float
     spread_of_all: tuple[float, float]
-    edges: tuple[str, ...]
+    cautions: tuple[str, ...]
 
 
 def answer(study: Study) -> Answer:
@@ -49,10 +51,9 @@ def answer(study: Study) -> Answer:
         speed: {kind: _saving(study.at(Point(NONE, speed)), _least(study, kind, speed)) for kind in (FIXED, SWITCHED)}
         for speed in study.grid.speeds
     }
-    spread = max((_spread(study, each.point) for each in study.best.values()), default=0.0)
-    changes = [change(each, study.finer[kind]) for kind, each in study.best.items()]
-    mesh = float(np.nan) if not changes or np.isnan(changes).any() else float(max(changes))
-    doubt = max(spread, 0.0 if np.isnan(mesh) else mesh)
+    spread = _largest(_spread(study, each.point) for each in study.best.values())
+    mesh = _largest(study.changes.values())
+    doubt = float(np.nan_to_num([spread, mesh], nan=0.0).max())
     everywhere = [each for point in study.tries if (each := _spread(study, point)) > 0.0] or [0.0]
     verdict = _verdict(saving, doubt)
     return Answer(
@@ -64,13 +65,13 @@ def answer(study: Study) -> Answer:
         spread=spread,
         mesh=mesh,
         spread_of_all=(float(np.median(everywhere)), float(max(everywhere))),
-        edges=_edges(study),
+        cautions=(*_edges(study), *_missed(study), *_overheated(study)),
     )
 
 
-def change(coarse: SearchEnd, fine: SearchEnd) -> float:
-    """Relative change of the cost on a finer mesh, by magnitude; NaN where there is no gait on it."""
-    return abs(fine.cost / coarse.cost - 1.0) if np.isfinite(fine.cost) else float(np.nan)
+def _largest(values: Iterable[float]) -> float:
+    """The largest that is known; NaN where none is."""
+    return max((value for value in values if not np.isnan(value)), default=float(np.nan))
 
 
 def _saving(without: SearchEnd | None, with_spring: SearchEnd | None) -> float:
@@ -84,30 +85,32 @@ def _least(study: Study, kind: str, speed: float) -> SearchEnd | None:
 
 
 def _spread(study: Study, point: Point) -> float:
-    """Relative difference between what the starts of a point led to."""
+    """Relative difference between what the starts of a point led to; NaN of a single one."""
     costs = [each.cost for each in study.tries.get(point, ()) if each.figures is not None]
-    return max(costs) / min(costs) - 1.0 if costs else 0.0
+    return max(costs) / min(costs) - 1.0 if len(costs) > 1 else float(np.nan)
 
 
 def _verdict(saving: Mapping[str, float], doubt: float) -> str:
-    least = max(LEAST, doubt)
-    if np.isnan(saving[SWITCHED]) and np.isnan(saving[FIXED]):
-        return "unknown"
+    """The simplest knee that pays: a switch has to save what can be told more than no switch."""
+    least, missing = max(LEAST, doubt), np.isnan(list(saving.values())).any()
     fixed, switched = (float(np.nan_to_num(saving[kind], nan=-np.inf)) for kind in (FIXED, SWITCHED))
     if max(fixed, switched) < least:
-        return "none"
-    return "switchable" if switched - fixed >= least else "fixed"
+        return "unknown" if missing else "none"
+    return "switchable" if fixed < least or switched - fixed >= least else "fixed"
 
 
 def _sentence(study: Study, verdict: str, saving: Mapping[str, float], doubt: float) -> str:
-    if verdict == "unknown":
+    if NONE not in study.best or len(study.best) == 1:
         return "unknown: no gait with a spring, or none without one, was found"
-    least = 100.0 * max(LEAST, doubt)
+    told = f"the {100.0 * max(LEAST, doubt):.2g} % that the search can tell apart"
     opening = {
         "switchable": "yes",
-        "fixed": "a spring pays, the switch does not",
-        "none": f"no, no spring saves more than the {least:.2g} % that the search can tell apart",
+        "fixed": "a spring pays, and switching it adds nothing that the search can tell",
+        "none": f"no, no spring saves more than {told}",
+        "unknown": f"unknown, for what was found saves less than {told}",
     }[verdict]
+    if verdict in ("switchable", "fixed") and np.isnan(list(saving.values())).any():
+        opening = "a spring pays, and whether it has to be switched is not known"
     first, second = (FIXED, SWITCHED) if verdict == "fixed" else (SWITCHED, FIXED)
     bare = study.best[NONE].cost
     costs = f" ({study.best[first].cost:.3g} against {bare:.3g} without)" if first in study.best else ""
@@ -141,11 +144,27 @@ def _edges(study: Study) -> tuple[str, ...]:
     found = []
     if len(speeds) > 1 and study.speed in (speeds[0], speeds[-1]):
         extreme = words.slowest if study.speed == speeds[0] else words.fastest
-        found.append(f"{extreme} that was asked for is the best")
+        found.append(f"{extreme} that was asked for is the best{BEYOND}")
     for kind in (FIXED, SWITCHED):
         best = study.best.get(kind)
         if best is not None and best.point.stiffness == stiffnesses[-1]:
-            found.append(f"of {kind} springs the stiffest is the best")
+            found.append(f"of {kind} springs the stiffest is the best{BEYOND}")
         elif best is not None and best.point.stiffness == stiffnesses[0]:
-            found.append(f"of {kind} springs the softest is the best")
+            found.append(f"of {kind} springs the softest is the best{BEYOND}")
     return tuple(found)
+
+
+def _missed(study: Study) -> list[str]:
+    """Knees of which no gait was found on a finer mesh."""
+    failed = [PEAKS[kind] for kind, share in study.changes.items() if np.isnan(share)]
+    return [f"no gait was found on a finer mesh {' and '.join(failed)}"] * bool(failed)
+
+
+def _overheated(study: Study) -> list[str]:
+    """Motors of the best points that do not bear for ever what they give."""
+    return [
+        f"{PEAKS[kind]}, the motor of the {joint.replace('_', ' ')} is heated {share:.2f} times as it bears for ever"
+        for kind, found in study.best.items()
+        for joint, share in (found.figures.heat if found.figures else {}).items()
+        if share > 1.0
+    ]

@@ -43,7 +43,7 @@ WORDS = Words(
         (
             "what is minimised",
             "the electricity that knees and hips draw over weight and distance, heat of the windings included, by a"
-            " smooth stand-in whose gears lose both ways; the costs shown are those of the simulated motion",
+            " smooth stand-in; the costs shown are those of the simulated motion",
         ),
         (
             "what a law may do",

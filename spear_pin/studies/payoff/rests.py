@@ -12,12 +12,14 @@ ALWAYS = (
     (
         "springs",
         "without mass, and without damping of their own. A switchable one is latched at touchdown and let go at"
-        " lift-off at no cost; a fixed one rests at the knee's angle of touchdown and pulls both ways, in swing too",
+        " lift-off at no cost; a fixed one rests at the knee's angle of touchdown, the only angle tried, and pulls both"
+        " ways, in swing too",
     ),
     (
         "left out",
-        "what electronics draw at rest, friction of gears beyond their efficiency, the mass of other motors and of"
-        " springs, and feedback: the gaits are periodic, not all are stable by themselves",
+        "what motors give back, neither stored nor passed to others, what electronics draw at rest, friction of gears"
+        " beyond their efficiency, the mass of other motors and of springs, and feedback: the gaits are periodic, not"
+        " all are stable by themselves",
     ),
 )
 

@@ -7,6 +7,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import spear_pin
 from spear_pin.errors import Infeasible, NoGait, SpearError
 from spear_pin.gaits.gait import Gait
@@ -15,7 +17,7 @@ from spear_pin.model.motor import Drive
 from spear_pin.model.robot import Robot
 from spear_pin.studies.design import points_of
 from spear_pin.studies.payoff.gaits import Gaits
-from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED, Grid, Point
+from spear_pin.studies.payoff.grid import KINDS, NONE, SWITCHED, Grid, Point
 from spear_pin.studies.payoff.motors import PARTS, Motors, assumed, fitted, known, own_rotors
 from spear_pin.studies.payoff.searcher import Searcher, Tell
 from spear_pin.studies.payoff.searches import Search, SearchEnd, rebuilt
@@ -26,6 +28,7 @@ STEPS = (0.25, 0.5, 1.0, 1.5, 2.0)  # of the stiffness that the optimiser choose
 TRIES = 4  # searches of a point that fails, each from another neighbour
 PASSES = 2  # over all points, from neighbours that are new or have become better
 FOLLOWED = 2  # rounds in which neighbours of what became better are searched again
+STARTS = 2  # of the search for the stiffness at the end
 BETTER = 0.005  # of a cost: what counts as better
 
 
@@ -39,8 +42,10 @@ class Study:
         motors: its motors.
         grid: what was asked.
         tries: every search, by point, in order.
-        best: of each kind the finding at `speed` whose stiffness the optimiser chose, or the best of the grid there.
+        best: of each kind the cheapest finding at `speed`, its stiffness of the grid or chosen by the optimiser, on the
+            usual mesh or the finer one.
         finer: the same on a finer mesh; where that failed with a reason.
+        changes: of each kind by how much of its cost the finer mesh changed it; NaN where there is no gait on it.
         speed: at which the answer is given, as of `Point`.
         chosen: stiffness of a leg's switchable spring that the optimiser chose for the grid, in N·m/rad; None where
             stiffnesses were given, or none was found.
@@ -54,6 +59,7 @@ class Study:
     tries: Mapping[Point, Sequence[SearchEnd]]
     best: Mapping[str, SearchEnd]
     finer: Mapping[str, SearchEnd]
+    changes: Mapping[str, float]
     speed: float
     chosen: float | None = None
     seconds: float = 0.0
@@ -139,9 +145,16 @@ def studied(
     best, speed = work.best(grid)
     again = searcher.find([Search(each.point, each, gaits.finer) for each in best.values()])
     finer = dict(zip(best, again, strict=True))
+    changes = {kind: _change(each, finer[kind]) for kind, each in best.items()}
+    best = {kind: min(each, finer[kind], key=lambda end: end.cost) for kind, each in best.items()}
     everything = [*(each for row in work.tries.values() for each in row), *finer.values()]
     seconds = sum({each.key: each.seconds for each in everything}.values())
-    return Study(gaits, searcher.robot, motors, grid, work.tries, best, finer, speed, chosen, seconds)
+    return Study(gaits, searcher.robot, motors, grid, work.tries, best, finer, changes, speed, chosen, seconds)
+
+
+def _change(coarse: SearchEnd, fine: SearchEnd) -> float:
+    """Relative change of the cost on a finer mesh, by magnitude; NaN where there is no gait on it."""
+    return abs(fine.cost / coarse.cost - 1.0) if np.isfinite(fine.cost) else float(np.nan)
 
 
 @dataclass
@@ -226,12 +239,14 @@ class _Work:
         found = [each for point in grid if point.kind == SWITCHED and (each := self.at(point)) is not None]
         everything = [each for point in grid if (each := self.at(point)) is not None]
         speed = min(found or everything, key=lambda each: each.cost).point.speed
-        best = {}
+        best, freely = {}, []
         for kind in KINDS:
             own = [each for point in grid if (point.kind, point.speed) == (kind, speed) and (each := self.at(point))]
+            own.sort(key=lambda each: each.cost)
             if own:
-                best[kind] = min(own, key=lambda each: each.cost)
-        freely = [self.of(Point(kind, speed, None), best[kind]) for kind in (FIXED, SWITCHED) if kind in best]
+                best[kind] = own[0]
+            if kind != NONE:
+                freely += [self.of(Point(kind, speed, None), each) for each in own[:STARTS]]
         for finding in self.search(freely):
             if finding.cost < best[finding.point.kind].cost:
                 best[finding.point.kind] = finding

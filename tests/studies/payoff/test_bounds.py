@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from spear_pin import load
-from spear_pin.errors import BadValue, SpearError
+from spear_pin.errors import BadValue, NoGait, SpearError
 from spear_pin.studies.payoff import Grid, Point, answer
 from spear_pin.studies.payoff import bounds as front
 from spear_pin.studies.payoff.bounding import BOUNDS, FINER
@@ -142,7 +142,7 @@ class TestAnswer:
 
     def test_the_switch_does_not_pay_where_a_fixed_spring_does_as_well(self, study):
         found = self.verdict(study, 0.71, 0.7)
-        assert found.verdict == "fixed" and "the switch does not" in found.sentence
+        assert found.verdict == "fixed" and "switching it adds nothing" in found.sentence
 
     def test_no_spring_pays(self, study):
         found = self.verdict(study, 1.1, 0.99)
@@ -164,7 +164,37 @@ class TestAnswer:
 
     def test_edges_are_said(self, study):
         found = answer(study(Stub(), speeds=(1.0, 2.0)))
-        assert "the fastest speed that was asked for is the best" in found.edges
+        assert "the fastest speed that was asked for is the best: beyond it there may be better" in found.cautions
+
+    def test_a_fixed_spring_pays_only_where_it_saves_what_can_be_told(self, study):
+        assert self.verdict(study, 0.99, 0.975).verdict == "switchable"
+
+    def test_a_knee_without_a_gait_leaves_the_comparison_open(self, study):
+        found = answer(study(Stub(lambda point, start: point.kind == FIXED)))
+        assert found.verdict == "switchable" and "whether it has to be switched is not known" in found.sentence
+        assert "with a fixed spring no gait was found" in found.sentence
+
+    def test_a_single_start_is_no_agreement(self, study):
+        found = study(Stub(), speeds=(2.0,), stiffnesses=(40.0,))
+        lone = replace(found, tries={point: tries[:1] for point, tries in found.tries.items()})
+        assert math.isnan(answer(lone).spread)
+
+    def test_a_finer_mesh_that_fails_is_said_and_one_that_is_cheaper_counts(self, study):
+        def cheaper(point, start):
+            return {NONE: 1.0, FIXED: 0.9, SWITCHED: 0.8}[point.kind]
+
+        class Finer(Stub):
+            def __call__(self, robot, motors, search):
+                gait, found, solution = super().__call__(robot, motors, search)
+                if search.meshes == FINER and search.point.kind == FIXED:
+                    raise NoGait("it is so", 1.0)
+                return gait, replace(found, cost=found.cost * (0.95 if search.meshes == FINER else 1.0)), solution
+
+        found = study(Finer(costs=cheaper), speeds=(2.0,), stiffnesses=(40.0,))
+        said = answer(found)
+        assert found.best[NONE].cost == pytest.approx(0.95) and found.best[FIXED].cost == 0.9
+        assert said.mesh == pytest.approx(0.05) and math.isnan(found.changes[FIXED])
+        assert "no gait was found on a finer mesh with a fixed one" in said.cautions
 
 
 def test_the_store_names_what_is_studied(study, tmp_path):
