@@ -122,6 +122,7 @@ class TestGallery:
         assert tuple(shown) == gallery.ROBOTS
         assert all("record(" in path.read_text(encoding="utf-8") for path in shown.values())
 
+    @pytest.mark.slow
     @pytest.mark.browser
     def test_a_card_shows_the_robot_on_its_page(self, gallery, tmp_path):
         robot = load("spear_ii", locked=["boom_x"])

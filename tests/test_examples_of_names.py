@@ -10,7 +10,12 @@ FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 EXTRAS = {"simulate_many": "heyoka"}
 
 
+SLOW = {"compare"}
+
+
 def named(name):
+    if name in SLOW:
+        return pytest.param(name, marks=pytest.mark.slow)
     return pytest.param(name, marks=pytest.mark.extra(EXTRAS[name])) if name in EXTRAS else name
 
 

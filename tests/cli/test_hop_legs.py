@@ -44,6 +44,7 @@ def test_a_leg_hops(capsys, dog, tmp_path):
     assert "made, leg HR, hopping in place" in page and "not drawn" not in page and "drawn as bones" not in page
 
 
+@pytest.mark.slow
 def test_a_leg_is_saved(capsys, dog, tmp_path):
     """The gait and the samples know the robot that was cut, and the leg."""
     asked = ("--leg", "HR", "--flight-time", "0.18", "--cycles", "1", "--save", "--out", tmp_path)
@@ -78,6 +79,7 @@ def told(blank):
     return path
 
 
+@pytest.mark.slow
 def test_a_file_says_springs_and_sides(capsys, told, tmp_path):
     asked = ("hop", "--robot", told, "--leg", "HR", "--flight-time", "0.18", "--cycles", "1", "--out", tmp_path)
     result = printed(capsys, *asked, "--save")

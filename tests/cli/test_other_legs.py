@@ -146,6 +146,7 @@ class TestPushTest:
 
 
 class TestSweep:
+    @pytest.mark.slow
     @pytest.mark.extra("heyoka", "joblib", "xarray", "zarr")
     def test_a_leg(self, capsys, dog, leg, tmp_path):
         """What is written names the robot that was cut, and the leg."""

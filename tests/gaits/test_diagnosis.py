@@ -57,6 +57,7 @@ def test_a_joint_that_turns_the_other_way(tmp_path, joint, word):
     assert found.cause.startswith(word) and found.remedy.startswith("monopod(robot, ")
 
 
+@pytest.mark.slow
 def test_a_flight_in_the_gap(leg):
     """Flights that a longer stance would need end where the square wave turns back; longer ones there are."""
     with pytest.raises(NoGait) as caught:

@@ -93,6 +93,7 @@ class TestHop:
         assert scaled.durations["stance"] == pytest.approx(TIME * own.durations["stance"], rel=1e-6)
         np.testing.assert_allclose(np.abs(scaled.multipliers), np.abs(own.multipliers), atol=1e-5)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("longer", [0.3, 3.0])
     def test_of_a_quadrupeds_leg_of_another_size(self, four, longer):
         """Cut out of a robot of the same materials, the hop is the same but for its units."""

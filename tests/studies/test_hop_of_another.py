@@ -28,6 +28,7 @@ def test_as_long_as_asked(whole):
     assert gait.durations["flight"] == pytest.approx(0.18, abs=1e-8) and gait.stable
 
 
+@pytest.mark.slow
 def test_beyond_a_gap(whole):
     gait = hop_of(made(whole), 0.16)
     assert gait.durations["flight"] == pytest.approx(1.15 * 0.16, abs=1e-8)

@@ -17,10 +17,11 @@ SCRIPTS = sorted(path.relative_to(ROOT).as_posix() for suffix in ("js", "css") f
 
 @pytest.mark.parametrize("name", ["player.html", "explore/page.html"])
 def test_odd_words_are_shown_as_they_are(name):
-    tree = etree.HTML(environment().get_template(name).render(title=ODD, data={"title": ODD}))
+    given = {"title": ODD, "kind": "hop"}
+    tree = etree.HTML(environment().get_template(name).render(title=ODD, data=given))
     assert len(tree.xpath("//script")) == 3 and not tree.xpath("//b")
     assert set(tree.xpath("//h1/text()")) <= {ODD, "SPEAR-II hopping"}
-    assert json.loads(tree.xpath("//script[@id='data']/text()")[0]) == {"title": ODD}
+    assert json.loads(tree.xpath("//script[@id='data']/text()")[0]) == given
 
 
 @pytest.mark.parametrize("name", ["player.html", "report/page.html"])

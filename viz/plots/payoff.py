@@ -43,7 +43,7 @@ def cost_map(study: Study) -> Figure:
             if kind != NONE:
                 panel.set_xlabel(STIFFNESS)
         panels[0].set_ylabel(study.gaits.words.axis)
-        figure.colorbar(drawn, ax=panels, label=f"{study.gaits.words.cost}")
+        figure.colorbar(drawn, ax=panels, label=study.gaits.words.cost)
         return figure
 
 

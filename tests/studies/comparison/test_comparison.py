@@ -90,6 +90,7 @@ def test_robots_are_compared_as_they_stand():
     assert said(sides, rows)[-1] == "The robots are different: spear_ii, q_spear."
 
 
+@pytest.mark.slow
 def test_springs_are_compared_by_hops_of_the_same_time_in_the_air():
     sides = sides_of(["stiffness=40", Spring(stiffness=60.0)], cycles=1)
     assert [side.label for side in sides] == ["stiffness=40", "stiffness=60"]

@@ -190,6 +190,7 @@ def test_the_saved_program_computes_what_was_shown(knobs, tmp_path, monkeypatch,
 
 
 class TestKeepingTheFlightTime:
+    @pytest.mark.slow
     @pytest.mark.parametrize("engine", ENGINES)
     def test_the_torque_is_solved_for_it(self, engine):
         hops = settled(knobs_of(kept=True, stiffness=54.0, stance_torque=3.0), engine)
