@@ -66,7 +66,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "implausible": doubt,
     }
     if robot.cut is not None:
-        summary["cut"] = str(robot.cut)
+        summary |= {"cut": str(robot.cut), **_searched(gait, summary["friction_used"])}
     title = f"{called(robot)} bounding at {summary['speed']:.2f} m/s"
     shown = shortened(robot, trajectory)
     page, plots = arguments.out / "bound.html", arguments.out / "bound.svg"
@@ -75,7 +75,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         plots: lambda path: save_figure(bound_summary(trajectory, gait), path),
     }
     files = [page, samples, plots, *saved]
-    told = [*notes, *rests_on(robot), *doubted(doubt)]
+    told = [*notes, *_of_the_search(summary), *rests_on(robot), *doubted(doubt)]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
@@ -105,6 +105,24 @@ def _gait(arguments: argparse.Namespace) -> tuple[str, Gait, list[tuple[str, str
             robot, arguments.speed, on_attempt=lambda speed, why: notes.append((f"at {speed:.2f} m/s", why))
         )
     return called(robot), gait, notes
+
+
+def _searched(gait: Gait, friction: float) -> dict[str, Any]:
+    """What a search for a bound was given, and what of it holds the gait."""
+    from spear_pin.gaits.bounding_law import PAIR
+    from spear_pin.gaits.request import Request
+    from spear_pin.studies.bound import held_by, springs_of
+
+    robot = gait.system.robot
+    asked = Request.scaled(robot, **springs_of(robot))
+    return {"spring_of_a_leg": gait.system.spring.stiffness / PAIR, "held_by": held_by(gait, asked, friction)}
+
+
+def _of_the_search(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    if "held_by" not in summary:
+        return []
+    spring = ("springs", f"{summary['spring_of_a_leg']:.3g} N·m/rad in each knee")
+    return [spring, ("held by", "; ".join(summary["held_by"]) or "no bound of the search")]
 
 
 def _shipped() -> dict[str, Any]:

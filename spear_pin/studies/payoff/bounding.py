@@ -7,14 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.optimize import MESHES, search
 from spear_pin.gaits.request import Request
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
-from spear_pin.studies.bound import summarize, weight
+from spear_pin.studies.bound import held_by, summarize, weight
 from spear_pin.studies.design import motors_of
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
@@ -25,7 +24,6 @@ from spear_pin.studies.payoff.study import Study, studied
 
 SHARES = (0.6, 0.7, 0.8, 0.9)  # of the speed that `Request.scaled` has
 FINER = (20,)  # intervals of each phase
-AT = 0.02  # of a bound of the request's: a gait that near is held by it
 # with a virtual stiffness that is given, a spring that is like it would have the advantage
 FREE: dict[str, Any] = {"virtual_stiffness": None, "minimum_knee_torque": 0.0}
 WORDS = Words(
@@ -85,21 +83,8 @@ def figures_of(gait: Gait, motors: Motors, request: Request) -> Figures:
         work=weight(gait.system.robot) * said["stride"],
         speed=said["speed"],
         friction=said["friction_used"],
-        held=_held(gait, request, said["friction_used"]),
+        held=held_by(gait, request, said["friction_used"]),
     )
-
-
-def _held(gait: Gait, request: Request, friction: float) -> tuple[str, ...]:
-    """Bounds that the request set and that the gait is at."""
-    found = []
-    for leg in LEGS:
-        if gait.durations[f"{leg}_stance"] <= (1.0 + AT) * request.minimum_stance:
-            found.append(f"the {leg} stance is as short as it may be")
-        if getattr(gait.system.law, f"{leg}_knee_torque") <= (1.0 + AT) * request.minimum_knee_torque:
-            found.append(f"the {leg} knee's torque at rest is the least allowed")
-    if friction >= (1.0 - 2 * AT) * request.friction:
-        found.append("friction is used up")
-    return tuple(found)
 
 
 def _search(robot: Robot, motors: Motors, asked: Search) -> Found:

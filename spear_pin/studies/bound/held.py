@@ -1,0 +1,33 @@
+"""Bounds of a request that hold a gait which was searched for."""
+
+from __future__ import annotations
+
+from spear_pin.gaits.bounding_law import LEGS
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.request import SHORTEST_FLIGHT, Request
+from spear_pin.kinds import typed
+from spear_pin.model.scale import scale_of
+
+AT = 0.02  # of a bound: a gait that near is held by it
+
+
+@typed
+def held_by(gait: Gait, request: Request, friction: float) -> tuple[str, ...]:
+    """Bounds of a request at which a gait is, in words: without them there would be a better one.
+
+    Args:
+        gait: that was searched for.
+        request: what was asked.
+        friction: the largest share of the normal force that it takes.
+    """
+    found = []
+    for leg in LEGS:
+        if gait.durations[f"{leg}_stance"] <= (1.0 + AT) * request.minimum_stance:
+            found.append(f"the {leg} stance is as short as it may be")
+        if getattr(gait.system.law, f"{leg}_knee_torque") <= (1.0 + AT) * request.minimum_knee_torque:
+            found.append(f"the {leg} knee's torque at rest is the least allowed")
+    shortest = (1.0 + AT) * SHORTEST_FLIGHT * scale_of(gait.system.robot).time
+    found += [f"flight {i} is as short as it may be" for i in (1, 2) if gait.durations[f"flight_{i}"] <= shortest]
+    if friction >= (1.0 - 2 * AT) * request.friction:
+        found.append("friction is used up")
+    return tuple(found)
