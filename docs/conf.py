@@ -48,7 +48,7 @@ nitpicky = True
 # only references that name something of this package in full can be checked without the network
 nitpick_ignore_regex = [
     ("py:.*", r"(?!spear_pin\.).*|spear_pin\.\w+"),
-    ("py:class", r"spear_pin\..*\.([A-Z]|_\w+)|spear_pin\.studies\.(payoff|workers)\..*"),
+    ("py:class", r"spear_pin\..*\.([A-Z]|_\w+)|spear_pin\.studies\.(comparison|payoff|workers)\..*"),
 ]
 
 html_theme = "furo"

@@ -12,7 +12,7 @@ from spear_pin.errors import MissingExtra
 SHELLS = ("bash", "zsh", "fish")
 # metavars, or names of arguments without any, of what is a folder, a file, a robot's name or path, and a gait's
 FOLDERS, FILES = ("DIR",), ("FILE", "PATH")
-ROBOTS, GAITS = ("ROBOT", "NAME|URDF", "robot", "what"), ("NAME|PATH", "gait")
+ROBOTS, GAITS = ("ROBOT", "NAME|URDF", "robot", "what"), ("NAME|PATH", "gait", "GAIT", "A B")
 
 
 def add(commands: Commands) -> None:

@@ -43,6 +43,8 @@ class TestBash:
             (["bound", "--gait", "long_stride_3.0"], {"long_stride_3.00"}),
             (["bound", "--robot", "spear_"], {"spear_ii", "spear_ii_series"}),
             (["hop", "--robot", "mine"], {"mine.urdf"}),
+            (["compare", "long_stride_3.0"], {"long_stride_3.00"}),
+            (["explore", "bound", "long_stride_3.0"], {"long_stride_3.00"}),
             (["hop", "--out", "fo"], {"folder"}),
             (["report", "--figures", ""], {"svg", "pdf", "png"}),
             (["completion", ""], {"bash", "zsh", "fish"}),

@@ -31,8 +31,8 @@ function makeClock(duration) {
 
   // a pair of times that playing goes round between, or null
   clock.setLoop = function (loop) {
-    const [begin, end] = loop || [0, 0];
-    clock.loop = end > begin ? [Math.max(0, begin), Math.min(duration, end)] : null;
+    const [begin, end] = (loop || [0, 0]).map((time) => Math.max(0, Math.min(duration, time)));
+    clock.loop = end > begin ? [begin, end] : null;
     tell();
   };
 

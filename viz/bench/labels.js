@@ -24,12 +24,15 @@ function makeLabels(viewer, pane, layer, data, samples) {
     element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
   }
 
-  const arrows = data.arrows.map((path) => {
+  // of the samples, which are exact: arrows go straight from frame to frame
+  const arrows = data.arrows.filter(([, toe]) => samples.byName.has(`force_z_${toe}`)).map(([path, toe, share]) => {
     const [whole, shaft, head] = ["", "/shaft", "/head"].map((part) => nodeAt(viewer, path + part).object);
+    const columns = ["force_x_", "force_z_"].map((name) => samples.byName.get(name + toe));
     const element = make("force");
-    return () => {
+    return (value) => {
       const length = whole.visible ? shaft.scale.z + head.scale.z : 0;
-      put(element, length ? `${Math.round(length * data.newtons)} N` : "", whole, length);
+      const newtons = share * Math.hypot(...columns.map(value));
+      put(element, length ? `${Math.round(newtons)} N${share < 1 ? " a foot" : ""}` : "", whole, length);
     };
   });
   const joints = data.joints.filter(([name]) => samples.byName.has(`q_${name}`)).map(([name, path]) => {
@@ -53,10 +56,9 @@ function makeLabels(viewer, pane, layer, data, samples) {
       if (!shown.forces && !shown.angles) return;
       viewer.scene.updateMatrixWorld();
       camera.updateMatrixWorld();
-      if (shown.forces) for (const arrow of arrows) arrow();
-      if (!shown.angles) return;
       const value = samples.at(labels.time);
-      for (const joint of joints) joint(value);
+      if (shown.forces) for (const arrow of arrows) arrow(value);
+      if (shown.angles) for (const joint of joints) joint(value);
     },
   };
   const render = viewer.render.bind(viewer);

@@ -152,7 +152,7 @@ function makePlots(clock, data, samples, panel) {
     for (const plot of plots) plot.columns.forEach((column, i) => (plot.values[i].textContent = shortly(value(column))));
   }
 
-  const shortly = (number) =>
+  const shortly = (number) => !Number.isFinite(number) ? "–" :
     (Math.abs(number) >= 100 ? number.toFixed(0) : Math.abs(number) >= 10 ? number.toFixed(1) : number.toFixed(3))
       .replace(/^-(?=[0.]*$)/, "").replace("-", "−");
 

@@ -60,7 +60,10 @@ function alignedSamples(sides, alignment) {
     });
   }
 
-  const at = (x) => ({ side, own }) => (own ? side.samples.at(Math.min(side.duration, alignment.timeOf(side, x)))(own) : NaN);
+  const at = (x) => ({ side, own }) => {
+    const time = own ? alignment.timeOf(side, x) : NaN;
+    return time <= side.duration + 1e-9 ? side.samples.at(time)(own) : NaN;
+  };
   return { t, columns, byName: new Map(columns.map((column) => [column.name, column])), at };
 }
 

@@ -228,6 +228,7 @@
   align("time");
   place(false);
   setView("side");
-  now.clock.seek(0);
-  now.clock.setPlaying(!matchMedia("(prefers-reduced-motion: reduce)").matches);
+  const asked = Number.parseFloat(new URLSearchParams(location.hash.slice(1)).get("t"));
+  now.clock.seek(Number.isFinite(asked) ? asked : 0);
+  now.clock.setPlaying(!Number.isFinite(asked) && !matchMedia("(prefers-reduced-motion: reduce)").matches);
 })();

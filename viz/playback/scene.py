@@ -50,7 +50,7 @@ class Scene:
         paired: whether some legs are pairs.
         notes: one line for each thing that is not drawn.
         follows: whether the picture goes with the robot.
-        arrows: paths of the arrows of ground forces.
+        arrows: of each arrow of a ground force its path, its toe, and the share of that toe's force that it shows.
         newtons: that a metre of an arrow stands for.
         trails: paths of the paths of toes.
         joints: path of each joint with one angle, by its name.
@@ -63,7 +63,7 @@ class Scene:
     paired: bool = False
     notes: tuple[str, ...] = ()
     follows: bool = False
-    arrows: tuple[str, ...] = ()
+    arrows: tuple[tuple[str, str, float], ...] = ()
     newtons: float = 0.0
     trails: tuple[str, ...] = ()
     joints: Mapping[str, str] = field(default_factory=dict)
@@ -133,7 +133,7 @@ def moving(robot: Robot, frames: Frames, ghost: Frames | None = None, newtons: f
         paired=len(feet) > len(robot.toes),
         notes=looks.notes,
         follows=WORLD in clips,
-        arrows=tuple(arrow_path(foot.name) for foot in feet) if arrows else (),
+        arrows=tuple((arrow_path(foot.name), foot.toe, foot.share) for foot in feet) if arrows else (),
         newtons=per_metre,
         trails=tuple(trail_path(foot.name) for foot, trail in zip(feet, trails, strict=True) if trail.commands),
         joints=_angles(robot.model, paths),
@@ -163,6 +163,8 @@ class _Foot:
     """A toe as it is drawn: twice, with half the force each, where its leg is a pair."""
 
     name: str
+    toe: str
+    share: float
     position: Array
     force: Array
 
@@ -176,7 +178,8 @@ def _feet(robot: Robot, frames: Frames, world: Array, shapes: tuple[Shape, ...])
         named = [(f"{toe} right", places[0]), (f"{toe} left", places[1])] if len(places) == 2 else [(toe, at[1])]
         for name, y in named:
             position = (world[:, joint] @ [at[0], y, at[2], 1.0])[:, :3]
-            feet.append(_Foot(name, position, frames.force[:, number] / len(named)))
+            share = 1.0 / len(named)
+            feet.append(_Foot(name, toe, share, position, share * frames.force[:, number]))
     return feet
 
 

@@ -38,7 +38,7 @@ def _gait(side: Side) -> Values:
 
 
 def _motion(robot: Robot, run: Trajectory) -> dict[str, Values]:
-    """Of whole cycles, where there are some; else of all samples."""
+    """Of whole cycles, where there are some; else of all samples, and nothing that is of a cycle."""
     cycles = [number for number in np.unique(run.cycle).tolist() if number >= 1][: run.cycles]
     rows = np.isin(run.cycle, cycles) if cycles else np.ones(len(run), dtype=bool)
     t, q, v, u, force = (getattr(run, name)[rows] for name in ("t", "q", "v", "u", "force"))
@@ -49,7 +49,8 @@ def _motion(robot: Robot, run: Trajectory) -> dict[str, Values]:
     distance = None if forward is None else float(q[-1, forward] - q[0, forward])
     motion: Values = {("period", "s"): seconds / count} if cycles else {}
     if distance is not None:
-        motion |= {("mean speed", "m/s"): distance / seconds, ("distance a cycle", "m"): distance / count}
+        motion["mean speed", "m/s"] = distance / seconds
+        motion |= {("distance a cycle", "m"): distance / count} if cycles else {}
     if upward is not None:
         motion |= {
             ("greatest height", "m"): float(q[:, upward].max()),
@@ -71,12 +72,12 @@ def _motion(robot: Robot, run: Trajectory) -> dict[str, Values]:
     for i, joint in enumerate(run.spring_joints):
         torques[f"peak spring torque, {_words(joint)}", "N·m"] = float(np.abs(run.spring[rows, i]).max())
     power = u * rate
-    energy: Values = {
-        ("motors' work, positive", "J"): float(np.trapezoid(np.maximum(power, 0.0).sum(axis=1), t)) / count,
-        ("motors' work, |power|", "J"): float(np.trapezoid(np.abs(power).sum(axis=1), t)) / count,
-    }
+    work = float(np.trapezoid(np.abs(power).sum(axis=1), t))
+    energy: Values = {}
+    if cycles:
+        positive = float(np.trapezoid(np.maximum(power, 0.0).sum(axis=1), t))
+        energy = {("motors' work, positive", "J"): positive / count, ("motors' work, |power|", "J"): work / count}
     if distance is not None and abs(distance) > 1e-3 * abs(seconds):
-        work = energy["motors' work, |power|", "J"] * count
         energy["cost of transport (mechanical, |power|)", ""] = work / (weight(robot) * abs(distance))
     if run.cycles:
         for flow in run.ledger.flows:

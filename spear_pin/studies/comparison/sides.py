@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -152,6 +152,8 @@ def _side(label: str, item: Gait | Trajectory | Robot | Spring, cycles: int, of:
 
 
 def _motion(label: str, run: Trajectory) -> Side:
+    if len(run) < 2:
+        raise BadValue(label, f"a trajectory of {len(run)} samples", "at least two")
     if len(gaps(run)):
         raise BadValue(label, "a trajectory with gaps", "one without, such as `in_cycles` gives")
     try:
@@ -159,7 +161,8 @@ def _motion(label: str, run: Trajectory) -> Side:
     except (SpearError, ValueError) as error:
         raise BadFile(label, f"its robot is not found: {error}") from None
     if run.cycles <= MOST_CYCLES:
-        return Side(label, "motion", robot, run)
+        notes = () if run.cycles else (f"{label}: no whole cycle; what is measured is of all its samples",)
+        return Side(label, "motion", robot, run, notes=notes)
     note = f"{label}: the last {MOST_CYCLES} of its {run.cycles} cycles"
     return Side(label, "motion", robot, run.in_cycles(run.cycles - MOST_CYCLES + 1, run.cycles), notes=(note,))
 
@@ -228,6 +231,11 @@ def parameters(side: Side) -> dict[str, Any]:
     found["automaton"] = system.kind
     for part, whole in (("law", system.law), ("spring", system.spring), ("ground", system.ground)):
         found |= {f"{part}: {name}": value for name, value in _fields(whole).items()}
+    for change in system.changes:  # dry friction, hardware
+        if is_dataclass(change):
+            found |= {f"{type(change).__name__}: {name}": value for name, value in _fields(change).items()}
+        else:
+            found[f"changed by {getattr(change, '__name__', change)}"] = True
     return found
 
 

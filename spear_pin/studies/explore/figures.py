@@ -9,6 +9,7 @@ from dataclasses import asdict
 import numpy as np
 
 from spear_pin.gaits.bounding_law import LEGS
+from spear_pin.model.loading import ROBOTS
 from spear_pin.model.robot import Robot
 from spear_pin.studies.bound import summarize
 from spear_pin.studies.energetics import costs
@@ -93,8 +94,9 @@ def _hop_script(hops: Motion) -> str:
         imported, compute, report = "find_gait, ", SOLVE.format(cycles=_asked(hops)), SOLVED
     loading, needed = _loading(system.robot)
     return PROGRAM.format(
-        title=hops.knobs.subject.title,
-        message=textwrap.fill(hops.message, 110),
+        title=_said(hops.knobs.subject.title),
+        shown=repr(f"{hops.knobs.subject.title} in place"),
+        message=textwrap.fill(_said(hops.message), 110),
         standard="from dataclasses import replace\n\n" if "replace(" in loading else "",
         imported=imported + needed,
         loading=loading,
@@ -113,8 +115,9 @@ def _bound_script(motion: Motion) -> str:
     assert motion.gait is not None
     loading, needed = _loading(system.robot)
     return BOUND_PROGRAM.format(
-        title=motion.knobs.subject.title,
-        message=textwrap.fill(motion.message, 110),
+        title=_said(motion.knobs.subject.title),
+        shown=repr(motion.knobs.subject.title),
+        message=textwrap.fill(_said(motion.message), 110),
         imported=needed,
         loading=loading,
         law=_code(motion.gait.system.law),
@@ -124,6 +127,11 @@ def _bound_script(motion: Motion) -> str:
         v=v.tolist(),
         speed=motion.knobs.values["speed"],
     )
+
+
+def _said(words: str) -> str:
+    """Words as a docstring may hold them: a robot's name is of somebody's file."""
+    return " ".join(words.replace("\\", "/").replace('"', "'").split())
 
 
 def _code(part: object) -> str:
@@ -157,7 +165,8 @@ def _loading(robot: Robot) -> tuple[str, str]:
 
 
 def _loaded(robot: Robot, more: Mapping[str, object] | None = None) -> str:
-    said = {**robot.options, **(more or {})}
+    toes = {} if str(robot.source) in ROBOTS else {"toes": robot.toes}
+    said = {**robot.options, **toes, **(more or {})}
     named = "".join(f", {name}={list(x) if isinstance(x, tuple) else x!r}" for name, x in said.items())
     return f"load({str(robot.source)!r}{named})"
 
@@ -188,7 +197,7 @@ v = np.array({v})
 
 {report}
 print(f"peak ground force {{hops.force[:, 0, 1].max():.2f}} N, peak knee torque {{abs(hops.u[:, 1]).max():.3f}} N·m")
-record(robot, hops, "hop.html", title="{title} in place")
+record(robot, hops, "hop.html", title={shown})
 '''
 SOLVE = "gait = find_gait(system, guess=(q, v))\nhops = simulate(gait.system, gait.state, cycles={cycles})"
 SOLVED = """print("multipliers", gait.multipliers, "stable" if gait.stable else "unstable")
@@ -216,5 +225,5 @@ strides = simulate(gait.system, gait.state, cycles=1)
 
 print("multipliers", gait.multipliers, "stable" if gait.stable else "unstable")
 print(f"period {{gait.period:.4f}} s, posterior hip torque {{gait.parameters['posterior_hip_torque']:.3f}} N·m")
-record(robot, strides, "bound.html", title="{title}")
+record(robot, strides, "bound.html", title={shown})
 '''

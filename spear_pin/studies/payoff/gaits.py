@@ -60,7 +60,7 @@ class Gaits:
     """A kind of gait; its functions are of a module, for they go to other processes.
 
     Attributes:
-        kind: among `spear_pin.gaits.gait.KINDS`.
+        kind: among ``KINDS`` of `spear_pin.gaits.gait`.
         words: how it is spoken of.
         meshes: of a search, as of `Search`.
         finer: of the search that tells how much meshes matter.

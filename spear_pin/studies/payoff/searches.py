@@ -83,7 +83,7 @@ def written(gait: Gait) -> dict[str, Any]:
 
 
 def rebuilt(kind: str, robot: Robot, said: Mapping[str, Any]) -> Gait:
-    """The gait of a robot that `written` wrote, of a kind among `spear_pin.gaits.gait.KINDS`."""
+    """The gait of a robot that `written` wrote, of a kind among ``KINDS`` of `spear_pin.gaits.gait`."""
     build, law_of = KINDS[kind]
     law = law_of(**{name: _tuples(value) for name, value in said["law"].items()})
     spring = Spring(**{name: _tuples(value) for name, value in said["spring"].items()})

@@ -9,9 +9,12 @@ import pytest
 
 from spear_pin import Gait, Spring, load, simulate
 from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import rebuilt
+from spear_pin.hybrid.trajectory import SAMPLED
 from spear_pin.studies.bound import summarize
 from spear_pin.studies.comparison import Measure, differences, measures, read, said, sides_of
+from spear_pin.studies.comparison.sides import parameters
 
 
 @pytest.fixture(scope="module")
@@ -167,3 +170,25 @@ def test_what_cannot_be_compared_is_refused(items, error, words):
 def test_cycles_are_some(cycles):
     with pytest.raises(BadValue, match="a whole number from 1 to 50"):
         sides_of(["spear_ii", "q_spear"], cycles=cycles)
+
+
+def test_a_motion_without_a_whole_cycle_has_nothing_of_a_cycle(sides):
+    left, right = sides_of([sides[0].run, replace(sides[0].run, cycles=0)])
+    for name in ("motors' work, |power|", "distance a cycle", "period"):
+        of_cycles, of_all = row(measures((left, right)), name).values
+        assert of_cycles is not None and of_all is None, name
+    assert "no whole cycle" in right.notes[0]
+
+
+def test_a_single_sample_is_refused(sides):
+    run = sides[0].run
+    lone = run.in_cycles(1, 1)
+    lone = replace(lone, **{name: getattr(lone, name)[:1] for name in SAMPLED})
+    with pytest.raises(BadValue, match="at least two"):
+        sides_of([run, lone])
+
+
+def test_dry_friction_is_among_what_differs(sides):
+    gait = sides[0].gait
+    rubbed = replace(sides[0], gait=replace(gait, system=with_dry_friction(gait.system, {"posterior_hip": 1.0})))
+    assert parameters(rubbed)["DryFriction: forces"] == {"posterior_hip": 1.0}

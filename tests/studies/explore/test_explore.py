@@ -1,5 +1,6 @@
 """What becomes of the hop when its numbers are turned, by both engines, and the program that is saved of it."""
 
+import ast
 import re
 import runpy
 
@@ -187,6 +188,21 @@ def test_the_saved_program_computes_what_was_shown(knobs, tmp_path, monkeypatch,
     assert (tmp_path / "hop.html").stat().st_size > 500_000
     imported = re.findall(r"^from (\S+) import", script(hops), re.M)
     assert set(imported) == {"spear_pin", "spear_pin.viz.player"}
+
+
+ODD = 'a"+str(__import__("os").system("false"))+"\\ """\n'
+
+
+def test_a_robots_name_is_no_code(monkeypatch):
+    """It is of somebody's file: in the program it stands as words."""
+    knobs = knobs_of(stance_torque=10.5)
+    hops = transient(knobs, best_engine())
+    monkeypatch.setitem(vars(knobs.subject), "title", ODD)
+    tree = ast.parse(script(hops))
+    called = [node.func.id for node in ast.walk(tree) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)]
+    assert "__import__" not in called and "str" not in called
+    titles = [each.value for node in ast.walk(tree) if isinstance(node, ast.Call) for each in node.keywords]
+    assert any(isinstance(each, ast.Constant) and each.value == f"{ODD} in place" for each in titles)
 
 
 class TestKeepingTheFlightTime:

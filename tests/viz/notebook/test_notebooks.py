@@ -54,7 +54,10 @@ def test_shows_player_plots_and_tables(name, tmp_path):
     with chromium.Browser() as browser:
         browser.send("Page.navigate", page=True, url=page.as_uri())
         deadline = time.monotonic() + 30.0
-        played = "[...document.querySelectorAll('iframe')].map(frame => frame.contentWindow.player?.time ?? 0)"
+        played = (
+            "document.readyState === 'complete'"
+            " ? [...document.querySelectorAll('iframe')].map(frame => frame.contentWindow.player?.time ?? 0) : []"
+        )
         while not all(times := browser.run(played)) or not times:
             assert time.monotonic() < deadline, browser.errors
             time.sleep(0.2)
