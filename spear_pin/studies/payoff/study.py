@@ -27,7 +27,7 @@ from spear_pin.studies.sweep.store import fingerprint
 STEPS = (0.25, 0.5, 1.0, 1.5, 2.0)  # of the stiffness that the optimiser chooses
 TRIES = 4  # searches of a point that fails, each from another neighbour
 PASSES = 2  # over all points, from neighbours that are new or have become better
-FOLLOWED = 2  # rounds in which neighbours of what became better are searched again
+FOLLOWED = 1  # rounds in which neighbours of what became better are searched again
 STARTS = 2  # of the search for the stiffness at the end
 BETTER = 0.005  # of a cost: what counts as better
 
