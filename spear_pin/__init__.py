@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from spear_pin.model.sagittal import sagittal
     from spear_pin.model.spring import Spring
     from spear_pin.model.variants import vary
-    from spear_pin.viz.compare import compare
+    from spear_pin.viz.compare.comparison import compare
 
 __version__ = "0.1.0.dev0"
 __all__ = [
@@ -77,7 +77,7 @@ _HOMES = {
     "HoppingLaw": "gaits.hopping",
     "Gait": "gaits.gait",
     "find_gait": "gaits.search",
-    "compare": "viz.compare",
+    "compare": "viz.compare.comparison",
 }
 
 
