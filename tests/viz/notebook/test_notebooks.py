@@ -47,7 +47,8 @@ def test_shows_player_plots_and_tables(name, tmp_path):
     source.write_text(json.dumps(notebook(NOTEBOOKS / f"{name}.md")), encoding="utf-8")
     command = [sys.executable, "-m", "nbconvert", "--execute", "--to", "html", "--template", "basic", str(source)]
     paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
-    environment = os.environ | {"PYTHONPATH": paths}
+    # the kernel's own backend shows figures, another that is set here would not
+    environment = {name: value for name, value in os.environ.items() if name != "MPLBACKEND"} | {"PYTHONPATH": paths}
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     titles, figures, frames = WANTED[name]
