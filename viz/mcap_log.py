@@ -167,7 +167,7 @@ def _samples(trajectory: Trajectory, times: list[int], names: list[str], table: 
     words = {"domain": trajectory.domain, "phase": trajectory.phase}
     for row, time in enumerate(times):
         numbers = [value if np.isfinite(value) else None for value in table[row].tolist()]
-        said: dict[str, Any] = {_key(name): value for name, value in zip(names, numbers, strict=True)}
+        said: dict[str, Any] = dict(zip(names, numbers, strict=True))
         said |= {name: str(values[row]) for name, values in words.items()}
         said |= {
             f"engaged_{joint}": bool(on)
@@ -179,15 +179,11 @@ def _samples(trajectory: Trajectory, times: list[int], names: list[str], table: 
 def _schema(trajectory: Trajectory, names: list[str]) -> dict[str, Any]:
     """JSON schema of a sample, each number with its unit."""
     units = trajectory.units()
-    numbers = {_key(name): {"type": ["number", "null"], "description": units[name]} for name in names}
+    said = {name: {"description": units[name]} if units[name] else {} for name in names}
+    numbers = {name: {"type": ["number", "null"], **said[name]} for name in names}
     words = {name: {"type": "string"} for name in ("domain", "phase")}
     engaged = {f"engaged_{joint}": {"type": "boolean"} for joint in trajectory.spring_joints}
     return {"type": "object", "title": SCHEMA, "properties": {**numbers, **words, **engaged}}
-
-
-def _key(name: str) -> str:
-    """A column's name without its unit, which paths to a message's fields do not take."""
-    return name.partition(" [")[0]
 
 
 def _in_world(trajectory: Trajectory) -> Array:

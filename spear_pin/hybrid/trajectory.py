@@ -203,6 +203,8 @@ class Trajectory(Shown):
     def export(self, path: str | Path) -> Path:
         """Write the samples as CSV or MATLAB file, by the path's suffix.
 
+        A CSV file has the columns of `to_pandas`, time first, each headed by its name and unit: "q_knee [rad]".
+
         Raises:
             BadValue: the suffix is neither .csv nor .mat.
         """
@@ -211,7 +213,7 @@ class Trajectory(Shown):
         return export(self, path, SAMPLED)
 
     def columns(self) -> tuple[list[str], Array]:
-        """Names with units, and values, of everything numeric, one row a sample."""
+        """Names, and values, of everything numeric, one row a sample; `units` has their units."""
         from spear_pin.hybrid.trajectory_tables import columns
 
         return columns(self)

@@ -76,9 +76,7 @@ def sides_of(
         "cycles", cycles, lambda n: 1 <= n <= MOST_CYCLES and n == int(n), f"a whole number from 1 to {MOST_CYCLES}"
     )
     read_items = [read(item, of) for item in items]
-    labels = _different(
-        [str(name) for name in names] or [called(*pair) for pair in zip(items, read_items, strict=True)]
-    )
+    labels = different([str(name) for name in names] or [called(*pair) for pair in zip(items, read_items, strict=True)])
     return tuple(_side(label, item, int(cycles), of) for label, item in zip(labels, read_items, strict=True))
 
 
@@ -184,8 +182,8 @@ def _sprung(label: str, spring: Spring, of: Gait | None) -> tuple[Gait, tuple[st
         raise SpearError(f"{label}: {error}") from None
 
 
-def _different(labels: Sequence[str]) -> list[str]:
-    """Labels of which no two are the same."""
+def different(labels: Sequence[str]) -> list[str]:
+    """Labels of which no two are the same: the second of a kind is numbered."""
     made: list[str] = []
     for label in labels:
         count = sum(each == label for each in made) + sum(each.startswith(f"{label} (") for each in made)
