@@ -132,6 +132,19 @@ def table_of(trajectory: TrajectoryLike) -> Table | None:
     return columns() if callable(columns) else None
 
 
+def in_world(force: Array, ground: Ground | None) -> Array:
+    """Ground forces in axes of the world, (n, toes, 3), in N.
+
+    Args:
+        force: (n, toes, 3), as they are; or (n, toes, 2), along the ground and normal to it.
+        ground: in whose axes the latter are; None: level.
+    """
+    if force.shape[2] == 3:
+        return force
+    x, z = (ground or Ground()).world(force[:, :, 0], force[:, :, 1])
+    return np.stack((x, np.zeros_like(x), z), axis=2)
+
+
 def read_times(trajectory: TrajectoryLike, name: str = "trajectory") -> Array:
     """The times of a trajectory's samples, (n,), in s.
 
