@@ -60,8 +60,8 @@ def write_mcap(robot: Robot, trajectory: Trajectory, path: str | Path) -> Path:
     """Write a trajectory as an MCAP file, whole or not at all.
 
     Topics are `/tf` (every link and toe in the world), `/joint_states` (effort: `tau`), `/scene/robot` (its shapes,
-    once), `/scene/ground` (once), `/scene/forces` (arrows), `/events` and `/samples` (all columns, by their names); of a
-    robot that was cut out of another `/whole/joint_states` has the joints of that. The file that the robot was loaded
+    once), `/scene/ground` (once), `/scene/forces` (arrows), `/events` and `/samples` (all columns, by their names); of
+    a robot that was cut out of another `/whole/joint_states` has the joints of that. The file that it was loaded
     from is attached.
 
     Args:

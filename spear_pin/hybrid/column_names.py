@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from spear_pin.model.robot import Robot
+from spear_pin.model.sagittal import ENDS
 
 TIME, CYCLE, ENGAGED = "t", "cycle", "engaged"
 FIRST = (TIME, "domain", "phase", CYCLE)
@@ -27,11 +28,27 @@ QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {  # by symbol: what it is,
     "force_z": ("force normal to the ground", ("N",)),
 }
 
+TOGETHER = ("u", "tau", "friction", "spring", "force_x", "force_z")
+PAIRED = frozenset(f"{end}_{part}" for end in ENDS for part in ("hip", "knee", "toe"))
+PAIR = ", a pair"
+
 
 def parted(name: str) -> tuple[str, str]:
     """Symbol and label of a column, for instance `force_x` and `toe`; no symbol where it is not one of `QUANTITIES`."""
     symbol = next((each for each in QUANTITIES if name.startswith(f"{each}_")), "")
     return symbol, name.removeprefix(f"{symbol}_") if symbol else name
+
+
+def of_a_pair(name: str) -> bool:
+    """Whether a column is of both legs of a pair together: forces and torques of a quadruped in its sagittal plane."""
+    symbol, label = parted(name)
+    return label in PAIRED and symbol in TOGETHER
+
+
+def quantity(name: str) -> str:
+    """What is in a column, in words: "motor torque", or "motor torque, a pair"; its name where that says it."""
+    symbol, label = parted(name)
+    return QUANTITIES[symbol][0] + PAIR * of_a_pair(name) if symbol else label
 
 
 def lengths(robot: Robot) -> dict[str, str]:

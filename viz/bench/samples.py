@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.column_names import (
     ENGAGED,
-    QUANTITIES,
     TIME,
     arranged,
     heading,
     lengths,
     parted,
+    quantity,
     read_heading,
     unit,
 )
@@ -119,13 +119,11 @@ def packed(samples: Samples) -> dict[str, Any]:
 
 
 def plotted(samples: Samples) -> list[str]:
-    """Names of the columns that a page shows first: what motors do, what the ground does, and where the joints are."""
-    moving = [column for column in samples.columns if column.moves]
-    driven = {c.label for c in moving if c.kind == "motor torque"}
-    angles = [c.name for c in moving if c.kind == "position" and (not driven or c.label in driven)]
-    torques = [c.name for c in moving if c.kind == "motor torque"]
-    forces = [c.name for c in moving if c.name.startswith("force_z_")]
-    return [*angles, *torques, *forces]
+    """Names of the columns that a page shows first: where the joints are, what motors, springs and ground do."""
+    there = [(*parted(column.name), column.name) for column in samples.columns if column.moves]
+    driven = {label for symbol, label, _ in there if symbol == "u"}
+    angles = [name for symbol, label, name in there if symbol == "q" and (not driven or label in driven)]
+    return [*angles, *(name for first in ("u", "spring", "force_z") for symbol, _, name in there if symbol == first)]
 
 
 def _plain(robot: Robot, trajectory: TrajectoryLike) -> tuple[Sequence[str], Array]:
@@ -138,8 +136,7 @@ def _plain(robot: Robot, trajectory: TrajectoryLike) -> tuple[Sequence[str], Arr
 
 def _column(name: str, values: Array, measured: Mapping[str, str]) -> Column:
     plain, said = read_heading(name)
-    symbol, label = parted(plain)
-    return Column(plain, label, QUANTITIES[symbol][0] if symbol else label, said or unit(plain, measured), values)
+    return Column(plain, parted(plain)[1], quantity(plain), said or unit(plain, measured), values)
 
 
 def _words(trajectory: TrajectoryLike) -> dict[str, NDArray[np.str_]]:

@@ -158,7 +158,7 @@ def test_columns_are_chosen_and_their_values_shown(browser: chromium.Browser, pa
     assert browser.run("player.plots.names()") == ["q_hip", "q_knee"]
     caption = browser.run("document.querySelector('.plot figcaption').textContent")
     knee = float(np.interp(3.11, HOP.t, HOP.q[:, 3]))
-    assert caption.startswith("position [rad]") and f"knee {knee:.3f}" in caption
+    assert caption.startswith("position (rad)") and f"knee {knee:.3f}" in caption
 
 
 @pytest.mark.slow
