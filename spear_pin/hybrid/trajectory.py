@@ -312,8 +312,8 @@ class Trajectory(Shown):
         Args:
             columns: names among those of `columns`, or what all of a kind begin with: "q", "v", "a", "u", "tau",
                 "friction", "spring", "current", "reference", "force_x" or "force_z". By default "q", "spring" where
-                there is one, and "force_z". Of a quadruped in its sagittal plane torques and forces are those of a pair,
-                and labelled so.
+                there is one, and "force_z". Of a quadruped in its sagittal plane torques and forces are of a pair, and
+                labelled so.
             cycles: how many are drawn, from the first; None: all there is.
 
         Raises:
