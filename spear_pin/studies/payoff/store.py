@@ -1,6 +1,7 @@
 """Store of a payoff study: a file with one search a line, so that nothing is searched twice.
 
-Each line is a JSON object, one field of which is a checksum of the others. The first line says what is studied. Lines are appended as searches end; one that was cut off by a kill is dropped.
+Each line is a JSON object, one field of which is a checksum of the others. The first line says what is studied. Lines
+are appended as searches end; one that was cut off by a kill is dropped.
 """
 
 from __future__ import annotations
