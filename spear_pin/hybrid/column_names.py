@@ -25,6 +25,7 @@ QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {  # by symbol: what it is,
     "current": ("current", ("A",)),
     "reference": ("current asked for", ("A",)),
     "force_x": ("force along the ground", ("N",)),
+    "force_y": ("force across", ("N",)),
     "force_z": ("force normal to the ground", ("N",)),
 }
 

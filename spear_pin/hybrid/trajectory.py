@@ -35,7 +35,7 @@ class Event:
         q: configuration, (nq,).
         v_before: velocity before, (nv,).
         v: velocity after, (nv,).
-        impulse: of the ground on each toe, along the ground and normal to it, in N·s, (ntoes, 2).
+        impulse: of the ground on each toe, along the ground and normal to it, in N·s, (ntoes, 2); in space (ntoes, 3).
         work: energy brought into the mechanism at this instant by flow, in J (losses negative).
     """
 
@@ -103,7 +103,8 @@ class Trajectory(Shown):
         u: motor torque, in N·m, (n, nu).
         tau: total joint torque with spring and damping, in N·m, (n, nu).
         friction: other generalised friction, (n, nv).
-        force: ground force on each toe, along the ground (x) and normal to it (z), in N, (n, ntoes, 2).
+        force: ground force on each toe, along the ground (x) and normal to it (z), in N, (n, ntoes, 2); in
+            space along x, y and z, (n, ntoes, 3).
         spring: torque of each spring on its joint, in N·m, (n, nsprings).
         engaged: whether each spring is engaged, (n, nsprings); one that never pulls is none.
         current: of each motor, in A, (n, nu); (n, 0) without hardware.

@@ -52,12 +52,16 @@ def columns(trajectory: Trajectory) -> tuple[list[str], Array]:
         ("spring", one.spring, one.spring_joints),
         ("current", one.current, one.actuated if one.current.size else ()),
         ("reference", one.reference, one.actuated if one.reference.size else ()),
-        ("force_x", one.force[:, :, 0], one.toes),
-        ("force_z", one.force[:, :, 1], one.toes),
+        *((f"force_{axis}", one.force[:, :, i], one.toes) for i, axis in enumerate(directions(one))),
     ):
         names += [f"{symbol}_{label}" for label in labels]
         parts.append(values)
     return names, np.hstack(parts)
+
+
+def directions(trajectory: Trajectory) -> str:
+    """Axes of forces: "xz" in the plane, "xyz" in space."""
+    return "xyz" if trajectory.force.shape[2] == 3 else "xz"
 
 
 def chosen(names: list[str], asked: tuple[str, ...]) -> list[str]:
