@@ -60,6 +60,11 @@ def test_the_page_tells_measures_parameters_and_multipliers(bounds: Comparison) 
     assert len(re.findall(r"<title>slow: [^<]*modulus", text)) == len(gait.multipliers)
 
 
+def test_regions_have_names_of_their_own(bounds: Comparison) -> None:
+    names = re.findall(r'role="region"[^>]*aria-label="([^"]*)"', bounds.page)
+    assert len(names) >= 3 and len(set(names)) == len(names)
+
+
 def test_sides_of_the_same_robot_have_the_first_as_a_ghost(bounds: Comparison) -> None:
     first, second = data(bounds.page)["sides"]
     assert first["ghost"] is None and second["ghost"]["path"].endswith("ghost")

@@ -167,13 +167,8 @@ class TestPage:
         visit(browser, server, "#t=0.15")
         duration = browser.run("explorer.state.hop.duration")
         frame = 1 / 60
-        for key, time in (
-            (".", 0.15 + frame),
-            (",", 0.15),
-            ("ArrowRight", 0.15 + frame),
-            ("End", duration),
-            ("Home", 0),
-        ):
+        later = 0.15 + frame
+        for key, time in ((".", later), (",", 0.15), ("ArrowRight", later), ("End", duration), ("Home", 0)):
             press(browser, key)
             assert browser.run("explorer.clock.time") == pytest.approx(time), key
         press(browser, ".", "[", "-")
@@ -201,6 +196,14 @@ class TestPage:
         browser.send("Input.dispatchMouseEvent", page=True, type="mouseMoved", x=x + 2, y=top + 10)
         assert text(browser, "tip") == f"{name}, {time:.3f} s"
         assert browser.run("document.getElementById('tip').hidden") is False
+
+    @pytest.mark.slow
+    def test_the_name_of_a_button_has_the_words_on_it(self, browser, server):
+        visit(browser, server, "#t=0.15")
+        named = browser.run("""[...document.querySelectorAll("button[aria-label]")]
+            .map((button) => [button.textContent.trim(), button.getAttribute("aria-label")])
+            .filter(([words]) => words.length > 1)""")
+        assert len(named) == len(KNOBS) and all(words in name for words, name in named)
 
     @pytest.mark.slow
     def test_samples_and_picture_are_saved(self, browser, server):
