@@ -93,16 +93,17 @@
   const query = (changes = {}) => "?" + new URLSearchParams({ ...state.knobs, ...changes, view: state.view,
     ...(state.kept ? { keep: "yes" } : {}) });
 
-  function heard(hop, { search, adopt, keep }, latest) {
+  // what is shown `instead` of a motion that there is not leaves what was said of that
+  function heard(hop, { search, adopt, keep, instead }, latest) {
     if (!keep) complain("");
     if (adopt) take({ knobs: { ...hop.knobs }, view: hop.view, kept: hop.kept });
-    tell(hop);
+    if (!instead) tell(hop);
     if (hop.verdict === "none") {
-      if (hop.onward) return { search, keep };
-      return state.hop ? null : { search: "", keep: true }; // the default one, to begin with
+      if (hop.onward) return { search, keep, instead };
+      return state.hop ? null : { search: "", keep: true, instead: true }; // the default one, to begin with
     }
     if (state.kept && hop.kept && latest) take({ knobs: { ...state.knobs, [data.solved]: hop.knobs[data.solved] } });
-    at("script").href = "/script" + query();
+    at("script").href = "/script" + (instead ? search : query());
     show(hop);
     return true;
   }

@@ -146,6 +146,14 @@ class TestPage:
         assert browser.run("document.body.classList.contains('stale')") is False
 
     @pytest.mark.slow
+    def test_an_address_without_a_motion_says_so_beside_the_default(self, browser, server):
+        visit(browser, server, "?keep=yes&stiffness=20#t=0.15")
+        assert "0.2 s of flight" in text(browser, "verdict") and browser.run("explorer.state.knobs.stiffness") == 20
+        assert browser.run("document.body.classList.contains('stale')") is True
+        assert browser.run("explorer.state.hop.knobs") == spear_ii_hop().at().values
+        assert browser.run("document.getElementById('script').getAttribute('href')") == "/script"
+
+    @pytest.mark.slow
     def test_it_is_used_by_the_keyboard_alone(self, browser, server):
         visit(browser, server, "#t=0.15")
         press(browser, "j")
