@@ -9,22 +9,6 @@ from spear_pin import Gait, HoppingLaw, Spring, Trajectory, hopping, load, monop
 from spear_pin.hybrid.periodic import residual
 from spear_pin.model.origin import robot_of
 from tests.cli.calls import printed, refused, run, words
-from tests.model.legged import quadruped
-
-
-@pytest.fixture(scope="module")
-def dog(tmp_path_factory):
-    path = tmp_path_factory.mktemp("robots") / "dog.urdf"
-    path.write_text(quadruped(), encoding="utf-8")
-    return path
-
-
-@pytest.fixture(scope="module")
-def blank(tmp_path_factory):
-    """One whose knees may flex to either side."""
-    path = tmp_path_factory.mktemp("robots") / "blank.urdf"
-    path.write_text(quadruped(knee_limits=(-2.5, 2.5)), encoding="utf-8")
-    return path
 
 
 def test_a_leg_hops(capsys, dog, tmp_path):

@@ -140,6 +140,17 @@ def test_a_click_in_a_plot_seeks_and_a_drag_loops(browser: chromium.Browser, pag
     assert begin <= state(browser, "time") <= end
 
 
+def test_what_does_not_repeat_holds_at_its_end(browser: chromium.Browser, page: Path) -> None:
+    browser.open(page, "#t=3.0")
+    passed = browser.run("""(() => {
+        const clock = makeClock();
+        clock.setMotion({ duration: 1, rate: 2, hold: 0.5 });
+        clock.seek(0.9);
+        return [0.1, 0.15, 0.1].map((seconds) => (clock.pass(seconds), clock.time));
+    })()""")
+    assert passed == pytest.approx([1.0, 1.0, 0.1])
+
+
 @pytest.mark.slow
 def test_an_event_says_its_name_where_the_pointer_is(browser: chromium.Browser, page: Path) -> None:
     browser.open(page, "#t=3.0")
