@@ -260,8 +260,14 @@ MUTATIONS = [
         ["hybrid/test_trajectory", "hybrid/test_trajectory_tables"],
         {
             "degrees in the table": ('("q", one.q, one.coordinates)', '("q", np.degrees(one.q), one.coordinates)'),
-            "velocities in the units of positions": ('"v": "/s"', '"v": ""'),
-            "the torque of a slide in N·m": ('"m": "N",', '"m": "N·m",'),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/column_names",
+        ["hybrid/test_column_names", "hybrid/test_trajectory_tables"],
+        {
+            "velocities in the units of positions": ('("m/s", "rad/s")', '("m", "rad")'),
+            "the friction of a slide in N·m": ('("friction", ("N", "N·m"))', '("friction", ("N·m", "N·m"))'),
         },
     ),
     *mistakes_in(

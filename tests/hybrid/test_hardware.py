@@ -413,5 +413,5 @@ class TestFiles:
             rows = list(csv.reader(file))
         for name, values in (("current", trajectory.current), ("reference", trajectory.reference)):
             for i, joint in enumerate(("hip", "knee")):
-                column = rows[0].index(f"{name}_{joint}")
+                column = rows[0].index(f"{name}_{joint} [A]")
                 np.testing.assert_array_equal([float(row[column]) for row in rows[1:]], values[:, i])

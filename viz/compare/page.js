@@ -17,7 +17,7 @@
     const spans = first.spans.map(([name, begin, end]) => [name, ...[begin, end].map((time) =>
       Math.max(0, Math.min(alignment.duration, alignment.placeOf(first, time))))]);
     const plots = groupedPlots(
-      makePlots(clock, { duration: alignment.duration, spans, start: 0 }, alignedSamples(sides, alignment), panel), sides);
+      makePlots(clock, { ...alignment, spans, start: 0 }, alignedSamples(sides, alignment), panel), sides);
     return { ...alignment, clock, panel, plots };
   });
   let now = alignments[0];

@@ -34,7 +34,7 @@ function makeComparison(data, panel, seek) {
       const [soft, line] = ["--soft", "--line"].map((name) => style.getPropertyValue(name).trim());
       const colors = LINES[at.theme];
       const head = document.createElement("span");
-      head.textContent = `${this.title} [${this.unit}]`;
+      head.textContent = `${this.title} (${this.unit})`;
       this.caption.replaceChildren(head, ...this.names.map((name, i) => {
         const item = document.createElement("span");
         const swatch = document.createElement("i");
@@ -54,7 +54,7 @@ function makeComparison(data, panel, seek) {
         cursor: { show: false },
         scales: { x: { time: false, range: [0, b.duration] } },
         axes: [
-          { ...axis, size: 20, gap: 3, label: "time [s]" },
+          { ...axis, size: 20, gap: 3, label: "time (s)" },
           { ...axis, size: 44, gap: 4, label: this.unit },
         ],
         series: [

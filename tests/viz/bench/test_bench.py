@@ -164,7 +164,7 @@ def test_columns_are_chosen_and_their_values_shown(browser: chromium.Browser, pa
     assert browser.run("player.plots.names()") == ["q_hip", "q_knee"]
     caption = browser.run("document.querySelector('.plot figcaption').textContent")
     knee = float(np.interp(3.11, HOP.t, HOP.q[:, 3]))
-    assert caption.startswith("position [rad]") and f"knee {knee:.3f}" in caption
+    assert caption.startswith("position (rad)") and f"knee {knee:.3f}" in caption
 
 
 @pytest.mark.slow
@@ -189,9 +189,13 @@ def test_downloads(browser: chromium.Browser, page: Path) -> None:
     browser.run("new Promise(r => setTimeout(r, 800))")
     assert browser.run("window.names") == ["A_hop.csv", "A_hop_3.110s.png"]
     head, *rows = browser.run("window.saved[0].text()").strip().split("\n")
-    assert head == "domain,t [s],q_boom_x [m],q_boom_z [m],q_hip [rad],q_knee [rad],force_x_toe [N],force_z_toe [N]"
-    assert len(rows) == len(HOP.t) and [row.split(",")[0] for row in rows] == HOP.domain.tolist()
-    table = np.array([row.split(",")[1:] for row in rows], dtype=float)
+    assert head == (
+        "t [s],domain,q_boom_x [m],q_boom_z [m],q_hip [rad],q_knee [rad],force_x_toe [N],force_z_toe [N],engaged_knee"
+    )
+    cells = np.array([row.split(",") for row in rows])
+    assert cells[:, 1].tolist() == HOP.domain.tolist()
+    assert cells[:, -1].tolist() == [str(on) for on in HOP.engaged[:, 0]]
+    table = np.delete(cells, [1, 8], axis=1).astype(float)
     expected = np.column_stack((HOP.t, HOP.q, HOP.force[:, 0]))
     np.testing.assert_allclose(table, expected, rtol=1e-6, atol=1e-5)
     assert browser.run("[window.saved[1].type, window.saved[1].size > 20000]") == ["image/png", True]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -89,6 +90,16 @@ def test_a_notebook_shows_the_page(bounds: Comparison) -> None:
 def test_the_table_has_differences(bounds: Comparison) -> None:
     table = bounds.to_pandas()
     assert table.loc[("motion", "mean speed"), "fast <b>, difference"] == pytest.approx(0.5, abs=1e-6)
+
+
+def test_a_label_takes_no_column_away(bounds: Comparison) -> None:
+    first, second = bounds.sides
+    odd = replace(bounds, sides=(replace(first, label="unit"), replace(second, label="unit, %")))
+    table = odd.to_pandas()
+    columns = ["unit", "unit (2)", "unit, %", "unit, %, difference", "unit, %, %"]
+    assert list(table) == columns
+    assert table.loc[("motion", "mean speed"), "unit"] == "m/s"
+    assert table.loc[("motion", "mean speed"), "unit (2)"] == pytest.approx(2.5, abs=1e-6)
 
 
 @pytest.mark.slow

@@ -387,7 +387,7 @@ class TestPage:
             return [await table.text(), picture.type, picture.size];
         })()""")
         head, *rows = saved[0].splitlines()
-        assert head.startswith("domain,t [s],cycle,q_boom_z [m],") and len(rows) > 50
+        assert head.startswith("t [s],domain,phase,cycle,q_boom_z [m],") and len(rows) > 50
         assert saved[1] == "image/png" and saved[2] > 5000
 
     @pytest.mark.slow
