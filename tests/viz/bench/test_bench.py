@@ -52,6 +52,12 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return player.record(load("spear_ii"), HOP, path, title="A hop", ghost=samples.hop(hops=1))
 
 
+@pytest.fixture(scope="module")
+def bound(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("bench") / "bound.html"
+    return player.record(load("q_spear"), samples.bound(1), path, title="Q-SPEAR bounding")
+
+
 def press(browser: chromium.Browser, key: str) -> None:
     browser.run(f"document.body.dispatchEvent(new KeyboardEvent('keydown', {{key: {key!r}, bubbles: true}}))")
 
@@ -236,14 +242,13 @@ def test_the_body_may_run_off(browser: chromium.Browser, tmp_path: Path) -> None
 @pytest.mark.parametrize("size", slow_but(SIZES, (375, 667)))
 @pytest.mark.parametrize("theme", slow_but(["light", "dark"], "dark"))
 def test_nothing_hides_the_feet(
-    browser: chromium.Browser, page: Path, size: tuple[int, int], theme: str, tmp_path: Path
+    browser: chromium.Browser, page: Path, bound: Path, size: tuple[int, int], theme: str
 ) -> None:
     width, height = size
     metrics = {"deviceScaleFactor": 1, "mobile": False}
     feature = [{"name": "prefers-color-scheme", "value": theme}]
     browser.send("Emulation.setDeviceMetricsOverride", page=True, width=width, height=height, **metrics)
     browser.send("Emulation.setEmulatedMedia", page=True, features=feature)
-    bound = player.record(load("q_spear"), samples.bound(1), tmp_path / "bound.html", title="Q-SPEAR bounding")
     try:
         for path, name, time in ((page, "spear_ii", 3.1), (bound, "q_spear", 0.06)):
             model = load(name).model
