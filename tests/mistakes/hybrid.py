@@ -4,6 +4,42 @@ from tests.mistakes.mutation import mistakes_in
 
 MUTATIONS = [
     *mistakes_in(
+        "hybrid/engines/sliding",
+        ["hybrid/test_equations_of_motion", "gaits/spatial/test_embedding"],
+        {
+            "friction pushes a slipping toe on": ("- self.friction * along", "+ self.friction * along"),
+            "a toe sets out with the force that holds it": ("tuple(-force / size", "tuple(force / size"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/rules/cone",
+        ["hybrid/rules/test_cone"],
+        {
+            "cross term of the quartic": ("linear[1, 0] + linear[0, 1]", "linear[1, 0] - linear[0, 1]"),
+            "a slide that turns back": ("if rate > least", "if rate > -1e9"),
+            "friction along the motion": ("np.array([-friction * x", "np.array([friction * x"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/rules/spatial_impact",
+        ["hybrid/rules/test_spatial_impact"],
+        {
+            "a sweep too few": ("range(SWEEPS)", "range(2)"),
+            "sticking that pulls": ("z >= 0.0 and np.hypot", "np.hypot"),
+            "what was received counts twice": ("impulse = total - earlier", "impulse = total"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/symmetry",
+        ["gaits/spatial/test_embedding"],
+        {
+            "a mirror without adductions": (
+                "(own.abduction, partner.abduction, -1.0)",
+                "(own.abduction, partner.abduction, 1.0)",
+            )
+        },
+    ),
+    *mistakes_in(
         "hybrid/domain",
         ["hybrid/test_torques", "hybrid/test_ledger", "gaits/test_bounding"],
         {
@@ -33,14 +69,10 @@ MUTATIONS = [
                 "pin.getFrameAcceleration(model, data",
             ),
             "rows x and y in stance": (
-                "rows.append(pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[0:3:2])",
+                "rows.append(pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[self._axes])",
                 "rows.append(pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[0:2])",
             ),
-            "friction pushes a slipping toe on": (
-                "jacobian[1] - friction * SIGN[mode] * jacobian[0]",
-                "jacobian[1] + friction * SIGN[mode] * jacobian[0]",
-            ),
-            "work of slip with the wrong sign": ("slipped += self._forces", "slipped -= self._forces"),
+            "work of slip with the wrong sign": ("slipped += force", "slipped -= force"),
             "joint friction left out": (
                 "applied + self.friction if self._has_friction else applied",
                 "applied",
@@ -108,7 +140,7 @@ MUTATIONS = [
                 "ops: dyn.friction_coefficient * dyn.force(toe)[1] + side",
                 "ops: 0.5 * dyn.friction_coefficient * dyn.force(toe)[1] + side",
             ),
-            "lift-off when the force rises": ("dyn, ops: dyn.force(toe)[1]", "dyn, ops: -dyn.force(toe)[1]"),
+            "lift-off when the force rises": ("dyn, ops: dyn.force(toe)[-1]\n", "dyn, ops: -dyn.force(toe)[-1]\n"),
             "touchdown a tenth of a millimetre early": (
                 "Guard(name, height(toe),",
                 "Guard(name, lambda *at: height(toe)(*at) - 1e-4,",
@@ -129,7 +161,7 @@ MUTATIONS = [
                 " | ((change <= CHANGE) & guard.leaves)",
                 "",
             ),
-            "what is only observed is an event at once": ("-math.inf if guard.observes else guard", "guard"),
+            "what is only observed is an event at once": ("-math.inf if guard.waits else guard", "guard"),
         },
     ),
     *mistakes_in(

@@ -6,8 +6,7 @@ The state is y = (q, v, x, w): x what the hardware remembers, w the work done so
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pinocchio as pin
@@ -15,17 +14,16 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN, SETTING_OUT, SIGN, SLIPS, constrained, solve
+from spear_pin.hybrid.contact import OPEN, SIGN, SLIPS, constrained, solve
 from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Row
+from spear_pin.hybrid.engines.sliding import Grounded, Sliding, Ways
 from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
-from spear_pin.hybrid.rules.cone import slides
-from spear_pin.hybrid.rules.footing import AT_REST, STARTS_TO_SLIDE, Rubbing, along
+from spear_pin.hybrid.rules.footing import Rubbing
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.robot import WORLD_ALIGNED
 
 Array = NDArray[np.float64]
-SWEEPS, SETTLED = 100, 1e-12  # over the directions in which several toes begin to slide
 
 
 def flow_names(system: HybridSystem) -> tuple[str, ...]:
@@ -80,15 +78,15 @@ class Flow:
         self._slips = [(toe, mode) for toe, mode in self._closed if mode in SLIPS]
         self._k = robot.dimension
         self._axes = slice(0, 3, 4 - self._k)  # of the world: x and z, or x, y and z
-        self._ways: Mapping[str, tuple[float, ...]] = {}
-        self._begun: dict[str, tuple[float, ...]] = {}  # the directions in which toes began to slide
+        self._sliding = Sliding(dict(self._slips))
+        self._ways: Ways = {}
         self._at_rest = [toe for toe, _ in self._closed]  # as a controller sees them
         self._forces: dict[str, tuple[float, ...]] = dict.fromkeys(robot.toes, self._k * (0.0,))
         self._pivots: dict[str, float] = {}
         self._accelerate: Callable[[Array], Array] = (
             self._slip if self._slips else self._stick if self._closed or self._stuck else self._open
         )
-        self.q = self.v = self.a = self.friction = self._viscous = self._net = self._zeros
+        self.q = self.v = self.a = self.friction = self._viscous = self._zeros
         self.u: Sequence[float] = ()
         self.driven: Driven | None = None
 
@@ -341,14 +339,15 @@ class Flow:
         return a, self._data.lambda_c.tolist()
 
     def _slip(self, applied: Array) -> Array:
-        friction = self.system.contact.friction
-        self._net = applied - self._data.nle
-        self._ways = ways = self._directions()
-        constraint = self._constraint([toe for toe, _ in self._closed], ways)
-        a, multiplier, schur = constrained(self._data.M, self._net, *constraint)
+        friction, net = self.system.contact.friction, applied - self._data.nle
+        toes = [toe for toe, _ in self._closed]
+        jacobians, drifts = (dict(zip(toes, each, strict=True)) for each in self._rows(toes))
+        grounded = Grounded(self._data.M, net, jacobians, drifts, self._locks, friction)
+        self._ways = ways = self._sliding(grounded, self.toe_velocity)
+        a, multiplier, schur = constrained(self._data.M, net, *grounded.constraint(toes, ways))
         inverse_pivots = np.diag(np.linalg.inv(schur))
         row = 0
-        for toe, _ in self._closed:
+        for toe in toes:
             if toe not in ways:
                 self._forces[toe] = tuple(multiplier[row : row + self._k].tolist())
                 row += self._k
@@ -359,88 +358,6 @@ class Flow:
                 row += 1
         self._holding = multiplier[row:]
         return a
-
-    def _constraint(self, toes: Sequence[str], ways: Mapping[str, Sequence[float]]) -> tuple[Array, Array, Array]:
-        """Rows A, directions G and drift of toes on the ground, as `constrained` takes them, and of joints held.
-
-        Args:
-            toes: on the ground.
-            ways: of those that slide, the unit vectors along which they do.
-        """
-        friction = self.system.contact.friction
-        A, G, drift = [], [], []
-        for toe, jacobian, toe_drift in zip(toes, *self._rows(toes), strict=True):
-            if toe not in ways:
-                A += [*jacobian]
-                G += [*jacobian]
-                drift += toe_drift.tolist()
-            else:
-                A.append(jacobian[-1])
-                G.append(jacobian[-1] - friction * along(ways[toe], jacobian[:-1]))
-                drift.append(toe_drift[-1])
-        lock_drift = [0.0] * len(self._stuck)
-        return np.array([*A, *self._locks]), np.array([*G, *self._locks]).T, np.array(drift + lock_drift)
-
-    def _directions(self) -> dict[str, tuple[float, ...]]:
-        """Unit vectors along which toes slide: those of their velocities, and those that they take as they begin to."""
-        ways, slow = dict[str, tuple[float, ...]](), []
-        for toe, mode in self._slips:
-            if mode in SIGN:
-                ways[toe] = (SIGN[mode],)
-                continue
-            velocity = self.toe_velocity(toe)[:-1]
-            speed = math.hypot(*velocity)
-            if speed <= (SETTING_OUT if toe in self._begun else AT_REST):
-                slow.append(toe)
-            else:
-                self._begun.pop(toe, None)
-                ways[toe] = tuple(each / speed for each in velocity)
-        if slow:
-            self._begun |= self._onset(slow, ways)
-        return ways | {toe: self._begun[toe] for toe in slow}
-
-    def _onset(self, begin: Sequence[str], moving: Mapping[str, tuple[float, ...]]) -> dict[str, tuple[float, ...]]:
-        """The directions in which toes at rest begin to slide, beside those that do already.
-
-        Where they set out it is against the force that would hold them, or nearest to that. Of several, which depend on
-        each other, each is found with the others' until none changes.
-        """
-        toes = [toe for toe, _ in self._closed]
-        jacobians, drifts = (dict(zip(toes, each, strict=True)) for each in self._rows(toes))
-        ways = {**moving, **{toe: self._begun[toe] for toe in begin if toe in self._begun}}
-        if new := [toe for toe in begin if toe not in ways]:
-            ways |= self._against(toes, new, ways)
-        for _ in range(SWEEPS):
-            before = dict(ways)
-            for toe in begin:
-                others = [each for each in toes if each != toe]
-                forces = np.column_stack([self._net, jacobians[toe].T])
-                if others or self._stuck:
-                    a = constrained(self._data.M, forces, *self._constraint(others, ways))[0]
-                else:
-                    a = solve(self._data.M, forces)
-                seen = jacobians[toe] @ a
-                A, b = seen[:, 1:], seen[:, 0] + drifts[toe]
-                found = slides(A, b, self.system.contact.friction, -STARTS_TO_SLIDE)
-                if found:
-                    ways[toe] = min((each.direction for each in found), key=partial(math.dist, ways[toe]))
-            if all(math.dist(ways[toe], before[toe]) < SETTLED for toe in begin):
-                break
-        return {toe: ways[toe] for toe in begin}
-
-    def _against(
-        self, toes: Sequence[str], begin: Sequence[str], moving: Mapping[str, tuple[float, ...]]
-    ) -> dict[str, tuple[float, ...]]:
-        """Directions against the forces that would hold toes at rest."""
-        _, multiplier, _ = constrained(self._data.M, self._net, *self._constraint(toes, moving))
-        against, row = dict[str, tuple[float, ...]](), 0
-        for toe in toes:
-            if toe in begin:
-                held = multiplier[row : row + self._k - 1].tolist()
-                size = math.hypot(*held)
-                against[toe] = tuple(-force / size for force in held) if size > 0.0 else (1.0, 0.0)
-            row += 1 if toe in moving else self._k
-        return against
 
     def _rows(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
         model, data = self._model, self._data

@@ -1,0 +1,140 @@
+"""Toes that slide: the constraint of those on the ground at a state, and the directions of those in space.
+
+A toe in space slides along its velocity. One that begins to has none: it takes the direction in which it would
+accelerate under friction against that direction, and keeps to it, found anew at every state, while it sets out. There
+its velocity would turn to it all but at once, which no explicit integrator follows at a reasonable price.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.contact import SETTING_OUT, SIGN, constrained, solve
+from spear_pin.hybrid.rules.cone import slides
+from spear_pin.hybrid.rules.footing import AT_REST, STARTS_TO_SLIDE, along
+
+Array = NDArray[np.float64]
+Ways = Mapping[str, tuple[float, ...]]
+"""Of toes that slide, the unit vectors along the ground in which they do."""
+SWEEPS, SETTLED = 100, 1e-12  # over the directions in which several toes begin to slide
+
+
+@dataclass(frozen=True)
+class Grounded:
+    """Toes on the ground at a state, and joints that are held.
+
+    Attributes:
+        D: mass matrix, (nv, nv).
+        net: generalised force less bias, (nv,).
+        jacobians: of each toe, along the ground and normal to it, (2, nv) or (3, nv).
+        drifts: J̇ v of each, (2,) or (3,).
+        locks: rows of the constraint v̇ = 0 on joints, (m, nv).
+        friction: coefficient of friction.
+    """
+
+    D: Array
+    net: Array
+    jacobians: Mapping[str, Array]
+    drifts: Mapping[str, Array]
+    locks: Array
+    friction: float
+
+    def constraint(self, toes: Sequence[str], ways: Ways) -> tuple[Array, Array, Array]:
+        """Rows A, directions G and drift of some toes and of the joints, as `constrained` takes them."""
+        A, G, drift = [], [], []
+        for toe in toes:
+            jacobian, toe_drift = self.jacobians[toe], self.drifts[toe]
+            if toe not in ways:
+                A += [*jacobian]
+                G += [*jacobian]
+                drift += toe_drift.tolist()
+            else:
+                A.append(jacobian[-1])
+                G.append(jacobian[-1] - self.friction * along(ways[toe], jacobian[:-1]))
+                drift.append(toe_drift[-1])
+        still = [0.0] * len(self.locks)
+        return np.array([*A, *self.locks]), np.array([*G, *self.locks]).T, np.array(drift + still)
+
+    def alone(self, toe: str, ways: Ways) -> tuple[Array, Array]:
+        """A and b of a toe, as of `rules.cone`, while all others do what they are said to."""
+        others = [each for each in self.jacobians if each != toe]
+        forces = np.column_stack([self.net, self.jacobians[toe].T])
+        if others or len(self.locks):
+            a = constrained(self.D, forces, *self.constraint(others, ways))[0]
+        else:
+            a = solve(self.D, forces)
+        seen = self.jacobians[toe] @ a
+        return seen[:, 1:], seen[:, 0] + self.drifts[toe]
+
+    def against(self, begin: Sequence[str], ways: Ways) -> dict[str, tuple[float, ...]]:
+        """Directions against the forces that would hold some toes at rest."""
+        toes = [*self.jacobians]
+        _, multiplier, _ = constrained(self.D, self.net, *self.constraint(toes, ways))
+        found, row = dict[str, tuple[float, ...]](), 0
+        for toe in toes:
+            k = len(self.drifts[toe])
+            if toe in begin:
+                held = multiplier[row : row + k - 1].tolist()
+                size = math.hypot(*held)
+                found[toe] = tuple(-force / size for force in held) if size > 0.0 else (1.0, 0.0)
+            row += 1 if toe in ways else k
+        return found
+
+
+class Sliding:
+    """Directions in which the toes of one domain slide, with those in which some set out.
+
+    Args:
+        modes: of the toes that do.
+    """
+
+    def __init__(self, modes: Mapping[str, str]) -> None:
+        self._fixed = {toe: (SIGN[mode],) for toe, mode in modes.items() if mode in SIGN}
+        self._free = [toe for toe in modes if toe not in self._fixed]
+        self._begun: dict[str, tuple[float, ...]] = {}
+
+    def __call__(self, grounded: Grounded, velocity: Callable[[str], tuple[float, ...]]) -> Ways:
+        """The directions at a state.
+
+        Args:
+            grounded: the toes there.
+            velocity: of a toe, along the ground and normal to it.
+        """
+        ways: dict[str, tuple[float, ...]] = {**self._fixed}
+        slow = []
+        for toe in self._free:
+            tangential = velocity(toe)[:-1]
+            speed = math.hypot(*tangential)
+            if speed <= (SETTING_OUT if toe in self._begun else AT_REST):
+                slow.append(toe)
+            else:
+                self._begun.pop(toe, None)
+                ways[toe] = tuple(each / speed for each in tangential)
+        if slow:
+            self._begun |= self._onset(grounded, slow, ways)
+        return ways | {toe: self._begun[toe] for toe in slow}
+
+    def _onset(self, grounded: Grounded, slow: Sequence[str], moving: Ways) -> dict[str, tuple[float, ...]]:
+        """The directions of toes that set out, nearest to those before, or against the force that would hold them.
+
+        Of several, which depend on each other, each is found with the others' until none changes.
+        """
+        ways = {**moving, **{toe: self._begun[toe] for toe in slow if toe in self._begun}}
+        if new := [toe for toe in slow if toe not in ways]:
+            ways |= grounded.against(new, ways)
+        for _ in range(SWEEPS):
+            before = dict(ways)
+            for toe in slow:
+                A, b = grounded.alone(toe, ways)
+                found = slides(A, b, grounded.friction, -STARTS_TO_SLIDE)
+                if found:
+                    ways[toe] = min((each.direction for each in found), key=partial(math.dist, ways[toe]))
+            if all(math.dist(ways[toe], before[toe]) < SETTLED for toe in slow):
+                break
+        return {toe: ways[toe] for toe in slow}
