@@ -80,8 +80,8 @@ class Dynamics(Protocol):
     def height(self, frame: str) -> Any:
         """Distance of a frame from the ground, along its normal, in m."""
 
-    def direction(self, toe: str, mode: str) -> tuple[Any, ...]:
-        """Unit vector along the ground in which a toe slides, by its mode."""
+    def direction(self, toe: str) -> tuple[Any, ...]:
+        """Unit vector along the ground in which a toe slides in space; in the plane its mode says it."""
 
     def toe_velocity(self, toe: str) -> tuple[Any, ...]:
         """Velocity of a toe, along the ground and normal to it, in m/s."""

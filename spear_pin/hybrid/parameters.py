@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName
@@ -27,8 +27,10 @@ def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> Hybrid
         return system  # as it is, with what may have been replaced in it
     whole, parts = _parts(system), dict[str, Any]()
     for name, value in values.items():
-        owner = _owner(system, name)
-        parts[owner] = replace(parts.get(owner, whole[owner]), **{name: value})
+        part, inner = _owner(system, name)
+        owner = parts.get(part, whole[part])
+        given = {name: value} if inner is None else {inner: replace(getattr(owner, inner), **{name: value})}
+        parts[part] = replace(owner, **given)
     return rebuilt(system, **parts)
 
 
@@ -89,7 +91,9 @@ def parameter(system: HybridSystem, name: str) -> float:
         UnknownName: no part has a numeric field of that name.
         BadValue: the field has no number in it to begin from.
     """
-    value = getattr(_parts(system)[_owner(system, name)], name)
+    part, inner = _owner(system, name)
+    owner = _parts(system)[part]
+    value = getattr(owner if inner is None else getattr(owner, inner), name)
     if value is None:
         raise BadValue(name, value, "a number to begin from: set it first")
     return float(value)
@@ -100,16 +104,23 @@ def _parts(system: HybridSystem) -> dict[str, Any]:
     return dict(zip(PARTS, (system.law, system.spring, system.ground), strict=True))
 
 
-def _owner(system: HybridSystem, name: str) -> str:
-    owners = {
-        field.name: part
-        for part, whole in _parts(system).items()
-        for field in fields(whole)
-        if not isinstance(getattr(whole, field.name), (bool, str, tuple))
-    }
+def _owner(system: HybridSystem, name: str) -> tuple[str, str | None]:
+    """The part that has a number of a name, and the field of it that does if that is a dataclass of its own."""
+    owners: dict[str, tuple[str, str | None]] = {}
+    for part, whole in _parts(system).items():
+        for field in fields(whole):
+            value = getattr(whole, field.name)
+            if is_dataclass(value):
+                owners |= {inner.name: (part, field.name) for inner in fields(value) if _numeric(value, inner.name)}
+            elif _numeric(whole, field.name):
+                owners[field.name] = part, None
     if name not in owners:
         raise UnknownName("parameter", name, owners)
     return owners[name]
+
+
+def _numeric(owner: Any, name: str) -> bool:
+    return not isinstance(getattr(owner, name), (bool, str, tuple))
 
 
 @typed

@@ -101,6 +101,13 @@ def to_chain(robot: Robot, q: ArrayLike, v: ArrayLike) -> State:
 
     Raises:
         BadValue: the base does not float, the state has the wrong shape, or the pitch is ±90°.
+
+    Example:
+        >>> import pinocchio as pin
+        >>> from spear_pin import load, to_chain
+        >>> free = load("q_spear_full")
+        >>> to_chain(free, pin.neutral(free.model), [0.0] * 18).q.shape
+        (18,)
     """
     _check_floating(robot)
     robot.bias(q, v)  # checks both
@@ -124,6 +131,11 @@ def from_chain(robot: Robot, q: ArrayLike, v: ArrayLike) -> State:
 
     Raises:
         BadValue: the base is no chain, or the state has the wrong shape.
+
+    Example:
+        >>> from spear_pin import from_chain, load
+        >>> from_chain(load("q_spear_full", base="chain"), [0.0] * 18, [0.0] * 18).q[3:7].tolist()  # x, y, z, w
+        [0.0, 0.0, 0.0, 1.0]
     """
     if robot.coordinates[: len(CHAIN)] != CHAIN:
         raise BadValue("robot", robot, 'one on a chain, load(..., base="chain")')

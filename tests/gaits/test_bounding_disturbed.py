@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from spear_pin import bounding, simulate
-from spear_pin.gaits.bounding import SLOWEST
 from spear_pin.gaits.bounding_law import evolution
-from spear_pin.gaits.virtual_constraints import dot, errors
+from spear_pin.gaits.virtual_constraints import SLOWEST, dot, errors
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.reasons import NUMERICAL
 from spear_pin.hybrid.result import Options

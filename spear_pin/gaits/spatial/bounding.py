@@ -13,7 +13,7 @@ import numpy as np
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import BoundingLaw
 from spear_pin.gaits.spatial.latches import bears, landing, lands, swings, trails, waits
-from spear_pin.gaits.spatial.law import SpatialLaw, law_of
+from spear_pin.gaits.spatial.law import ADJUSTED, SpatialLaw, law_of
 from spear_pin.gaits.spatial.legs import Leg, Pair, Z, pairs_of, placed
 from spear_pin.gaits.virtual_constraints import progress
 from spear_pin.hybrid.automaton import HybridSystem
@@ -58,6 +58,12 @@ def bounding_in_space(
     Raises:
         BadValue: the robot is no such quadruped, both contact and ground are given, the ground is not level at height
             zero, the spring is never switched, or the plane's law has event feedback.
+
+    Example:
+        >>> from spear_pin import Gait, SpatialLaw, bounding_in_space, load
+        >>> law = SpatialLaw(Gait.load("long_stride").system.law)
+        >>> bounding_in_space(load("q_spear_full", base="chain"), law).section
+        'posterior_touchdown'
     """
     spring, contact = spring or Spring(PAIR_STIFFNESS / 2.0, damping=0.0), given(contact, ground)
     if spring.rest is not None:
@@ -170,7 +176,8 @@ class _Automaton:
         posterior, anterior = self.pairs
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: SpatialLaw) -> Held:
-            return {name: each for leg in posterior for name, each in waits(leg, anterior, q, p).items()}
+            waiting = {name: each for leg in posterior for name, each in waits(leg, anterior, q, p).items()}
+            return waiting | {ADJUSTED: p.adjustment(q, v)}
 
         reset = Reset(latch=latch, phase=_before(phase))
         return [Guard(SECTION, height(leg.toe), reset, tolerance=ON_GROUND) for leg in posterior]
@@ -189,7 +196,7 @@ class _Automaton:
         swinging = [other for other in others if other not in bearing]
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: SpatialLaw) -> Held:
-            latched = bears(leg, own, q, v, p, anew)
+            latched = bears(leg, own, q, v, held, p, anew)
             for other in swinging:
                 latched |= swings(other, own, q, v, {**held, **latched}, p)
             return latched
@@ -206,12 +213,12 @@ class _Automaton:
         aloft = [other for other in others if other not in left]
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: SpatialLaw) -> Held:
-            latched = swings(leg, others, q, v, held, p) if supported else trails(leg, others, q, v, p)
+            latched = swings(leg, others, q, v, held, p) if supported else trails(leg, others, q, v, held, p)
             for other in own:
                 if other != leg and other not in left and f"{other.name}_alpha" not in held:  # where a run begins
-                    latched |= trails(other, others, q, v, p)
+                    latched |= trails(other, others, q, v, held, p)
             for other in landing(aloft, held) if last else ():
-                latched |= lands(other, own, q, v, p)
+                latched |= lands(other, own, q, v, held, p)
             return latched
 
         phase = self.phase(left) if left else "flight_1" if leg.pair == "posterior" else "flight_2"

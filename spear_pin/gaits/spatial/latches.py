@@ -30,7 +30,7 @@ def mean_angle(pair: Pair, q: Numbers) -> float:
     return float(0.5 * (left + right))
 
 
-def bears(leg: Leg, pair: Pair, q: Numbers, v: Numbers, p: SpatialLaw, anew: bool) -> dict[str, Any]:
+def bears(leg: Leg, pair: Pair, q: Numbers, v: Numbers, held: Held, p: SpatialLaw, anew: bool) -> dict[str, Any]:
     """A leg begins to bear.
 
     Args:
@@ -38,6 +38,7 @@ def bears(leg: Leg, pair: Pair, q: Numbers, v: Numbers, p: SpatialLaw, anew: boo
         pair: its own.
         q: configuration.
         v: velocity.
+        held: what is held.
         p: the law.
         anew: whether it is the first of its pair, and not just back.
     """
@@ -45,24 +46,25 @@ def bears(leg: Leg, pair: Pair, q: Numbers, v: Numbers, p: SpatialLaw, anew: boo
     ahead = math.cos(q[YAW]) * v[0] + math.sin(q[YAW]) * v[1]
     faster = plane.speed_gain[i] * (ahead - plane.speed_nominal[i])
     hip, knee = (float(getattr(plane, f"{leg.pair}_{name}_torque")) for name in ("hip", "knee"))
+    squeeze = float(getattr(p, f"{leg.pair}_squeeze"))
     latched: dict[str, Any] = {
         "rest": q[leg.knee],
         "taut": 1.0,
         "flexed": 0.0,
-        "hip_torque": (hip + faster) / PAIR + p.of(leg, "hip_difference"),
-        "knee_torque": knee / PAIR + p.of(leg, "knee_difference"),
+        "hip_torque": (hip + faster) / PAIR + p.of(leg, "hip_difference", held),
+        "knee_torque": knee / PAIR + p.of(leg, "knee_difference", held),
         "adduction": q[leg.adduction],
-        "adduction_torque": p.of(leg, "adduction_torque") - leg.lateral * float(getattr(p, f"{leg.pair}_squeeze")),
+        "adduction_torque": p.of(leg, "adduction_torque", held) - leg.lateral * squeeze,
     }
     of_pair = {f"{leg.pair}_leg": mean_angle(pair, q)} if anew else {}
     return {f"{leg.name}_{name}": each for name, each in latched.items()} | of_pair
 
 
-def trails(leg: Leg, others: Pair, q: Numbers, v: Numbers, p: SpatialLaw) -> dict[str, Any]:
+def trails(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: SpatialLaw) -> dict[str, Any]:
     """A leg trails, over the travel along the heading that it has now."""
     flight = FLIGHTS[leg.pair]
     shapes, span = getattr(p.plane, f"{flight}_trailing"), getattr(p.plane, f"{flight}_span")
-    return _begins(leg, others, _along(q), shapes, q, v, span, p, 0.0)
+    return _begins(leg, others, _along(q), shapes, q, v, span, held, p, 0.0)
 
 
 def swings(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: SpatialLaw) -> dict[str, Any]:
@@ -72,30 +74,25 @@ def swings(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: Spatia
     left = 1.0 - (mean_angle(others, q) - held[f"{bearing}_leg"]) / whole
     span = whole * np.maximum(left, SHORTEST_SPAN)
     shapes = getattr(p.plane, f"{bearing}_stance_swing")
-    return _begins(leg, others, (0.0, 0.0, 0.5), shapes, q, v, span, p, 1.0)
+    return _begins(leg, others, (0.0, 0.0, 0.5), shapes, q, v, span, held, p, 1.0)
 
 
-def lands(leg: Leg, others: Pair, q: Numbers, v: Numbers, p: SpatialLaw) -> dict[str, Any]:
+def lands(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: SpatialLaw) -> dict[str, Any]:
     """A leg is brought to its touchdown angles after the other pair has lifted off."""
     flight = FLIGHTS[others[0].pair]
-    (angle, knee), (target, flexion) = getattr(p.plane, f"{flight}_landing"), touchdown_angles(leg, p)
-    shapes = (angle, *3 * (target,)), (knee, *3 * (flexion,))
-    return _begins(leg, others, _along(q), shapes, q, v, getattr(p.plane, f"{flight}_span"), p, 1.0)
+    angle, knee = getattr(p.plane, f"{flight}_landing")
+    target = getattr(p.plane, f"{leg.pair}_leg_touchdown") + p.of(leg, "leg_difference", held)
+    shapes = (angle, *3 * (target,)), (knee, *3 * (leg.side * p.plane.knee_touchdown,))
+    return _begins(leg, others, _along(q), shapes, q, v, getattr(p.plane, f"{flight}_span"), held, p, 1.0)
 
 
 def waits(leg: Leg, others: Pair, q: Numbers, p: SpatialLaw) -> dict[str, Any]:
-    """A leg holds its touchdown angles, wherever it is: all that it will do depends on the state alone."""
+    """A leg about to land stays as it is, so that all that it will do depends on the state alone."""
     weights = _along(q)
-    targets = tuple(5 * (target,) for target in touchdown_angles(leg, p))
-    origin = float(value(leg.outputs(others, weights).phase, q))
-    flight = FLIGHTS[others[0].pair]
-    return _named(leg, weights, targets, origin, getattr(p.plane, f"{flight}_span"), p, 1.0)
-
-
-def touchdown_angles(leg: Leg, p: SpatialLaw) -> tuple[float, float]:
-    """γ and the knee's angle with which a leg is to land, in rad."""
-    target = getattr(p.plane, f"{leg.pair}_leg_touchdown") + p.of(leg, "leg_difference")
-    return float(target), leg.side * p.plane.knee_touchdown
+    outputs = leg.outputs(others, weights)
+    stays = tuple(5 * (float(value(row, q)),) for row in outputs.rows)
+    origin, span = float(value(outputs.phase, q)), getattr(p.plane, f"{FLIGHTS[others[0].pair]}_span")
+    return _named(leg, weights, stays, origin, span, 1.0) | {f"{leg.name}_lands_at": q[leg.adduction]}
 
 
 def landing(legs: Iterable[Leg], held: Held) -> list[Leg]:
@@ -115,23 +112,17 @@ def _begins(
     q: Numbers,
     v: Numbers,
     span: float,
+    held: Held,
     p: SpatialLaw,
     forward: float,
 ) -> dict[str, Any]:
     evolution = begun(leg.outputs(others, weights), shapes, q, v, span)
-    return _named(leg, weights, evolution.alpha, evolution.origin, evolution.span, p, forward)
+    named = _named(leg, weights, evolution.alpha, evolution.origin, evolution.span, forward)
+    return named | {f"{leg.name}_lands_at": p.adduction_touchdown(leg, held)}
 
 
 def _named(
-    leg: Leg, weights: tuple[float, float, float], alpha: Any, origin: float, span: float, p: SpatialLaw, forward: float
+    leg: Leg, weights: tuple[float, float, float], alpha: Any, origin: float, span: float, forward: float
 ) -> dict[str, Any]:
-    latched = {
-        "weights": weights,
-        "alpha": alpha,
-        "origin": origin,
-        "span": span,
-        "past": 0.0,
-        "forward": forward,
-        "lands_at": p.adduction_touchdown(leg),
-    }
+    latched = {"weights": weights, "alpha": alpha, "origin": origin, "span": span, "past": 0.0, "forward": forward}
     return {f"{leg.name}_{name}": each for name, each in latched.items()}

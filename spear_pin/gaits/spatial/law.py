@@ -7,18 +7,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
-from spear_pin.errors import require
-from spear_pin.gaits.bounding_law import PAIR, BoundingLaw
-from spear_pin.gaits.spatial.legs import Leg, Pair
+import numpy as np
+
+from spear_pin.errors import BadValue, require
+from spear_pin.gaits.bounding_law import PAIR, BoundingLaw, Shape
+from spear_pin.gaits.spatial.legs import YAW, Leg, Pair
 from spear_pin.gaits.virtual_constraints import demanded
 from spear_pin.hybrid.domain import Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations, Row
+from spear_pin.hybrid.symmetry import headed
 from spear_pin.kinds import typed
 
 ANTISYMMETRIC = ("hip_difference", "knee_difference", "leg_difference", "adduction", "adduction_torque")
 SYMMETRIC = ("spread", "squeeze")
 INPUTS = tuple(f"{pair}_{name}" for pair in ("posterior", "anterior") for name in ANTISYMMETRIC)
 """Parameters that are zero in symmetric motion, and change sign in the mirror: what turns and what balances."""
+ADJUSTED = "adjusted"  # name in what is held
 
 
 @typed
@@ -49,6 +53,16 @@ class SpatialLaw:
         anterior_adduction_torque: in N·m.
         anterior_spread: in rad.
         anterior_squeeze: in N·m.
+        heading: to which feedback of the yaw steers, in rad.
+        nominal: section state (q, v) of the gait, x = y = yaw = 0; what feedback compares with.
+        feedback: event feedback, one row for each of `INPUTS`, one column for each of `nominal`.
+        feedback_limits: largest adjustment of each of `INPUTS`, in N·m and rad.
+
+    Example:
+        >>> from spear_pin import Gait, SpatialLaw
+        >>> law = SpatialLaw(Gait.load("long_stride").system.law, posterior_adduction=0.02)
+        >>> law.adduction_stiffness  # N·m/rad
+        300.0
     """
 
     plane: BoundingLaw
@@ -69,6 +83,10 @@ class SpatialLaw:
     anterior_adduction_torque: float = 0.0
     anterior_spread: float = 0.0
     anterior_squeeze: float = 0.0
+    heading: float = 0.0
+    nominal: tuple[float, ...] = ()
+    feedback: Shape = ()
+    feedback_limits: tuple[float, ...] = 2 * (100.0, 100.0, 0.2, 0.3, 30.0)
 
     def __post_init__(self) -> None:
         """Check the fields."""
@@ -78,17 +96,37 @@ class SpatialLaw:
             "adduction_epsilon": (lambda e: e > 0, "a number > 0, in s"),
         }
         for field in fields(self)[1:]:
+            if isinstance(getattr(self, field.name), tuple):
+                continue
             test, expected = valid.get(field.name, (math.isfinite, "a finite number"))
             require(f"SpatialLaw.{field.name}", getattr(self, field.name), test, expected)
+        if self.feedback and np.shape(self.feedback) != (len(INPUTS), len(self.nominal)):
+            expected = f"{len(INPUTS)} x {len(self.nominal)} numbers, as many columns as `nominal` has, or ()"
+            raise BadValue("SpatialLaw.feedback", self.feedback, expected)
+        if len(self.feedback_limits) != len(INPUTS) or min(self.feedback_limits) < 0:
+            raise BadValue("SpatialLaw.feedback_limits", self.feedback_limits, f"{len(INPUTS)} numbers >= 0")
 
-    def of(self, leg: Leg, name: str) -> float:
-        """What one of `ANTISYMMETRIC` is for a leg: a difference of its own sign, the others of both legs alike."""
-        value = float(getattr(self, f"{leg.pair}_{name}"))
+    def of(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
+        """One of `ANTISYMMETRIC` for a leg, as adjusted: a difference with its sign, the others of both legs alike."""
+        whole = f"{leg.pair}_{name}"
+        value = float(getattr(self, whole))
+        if self.feedback and ADJUSTED in held:
+            value += held[ADJUSTED][INPUTS.index(whole)]
         return leg.lateral * value if name.endswith("difference") else value
 
-    def adduction_touchdown(self, leg: Leg) -> float:
+    def adduction_touchdown(self, leg: Leg, held: Mapping[str, Any]) -> float:
         """Angle of a leg's adduction at touchdown, in rad."""
-        return self.of(leg, "adduction") + leg.lateral * float(getattr(self, f"{leg.pair}_spread"))
+        return self.of(leg, "adduction", held) + leg.lateral * float(getattr(self, f"{leg.pair}_spread"))
+
+    def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]:
+        """Adjustment of `INPUTS` for a stride by event feedback, within its limits, from a state on the section."""
+        if not self.feedback:
+            return ()
+        at, moving = headed(np.array(q, dtype=float), np.array(v, dtype=float))
+        at[YAW] = q[YAW] - self.heading
+        wanted = np.array(self.feedback) @ (np.concatenate([at, moving]) - self.nominal)
+        limits = np.array(self.feedback_limits)
+        return tuple(np.clip(wanted, -limits, limits).tolist())
 
 
 def support(leg: Leg, q: Any, v: Any, held: Mapping[str, Any], p: SpatialLaw, dyn: Dynamics) -> list[tuple[int, Any]]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN, SIGN, SLIPS, constrained, solve
+from spear_pin.hybrid.contact import OPEN, SLIPS, constrained, solve
 from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Row
 from spear_pin.hybrid.engines.sliding import Grounded, Sliding, Ways
@@ -227,9 +227,9 @@ class Flow:
         acceleration = linear.tolist()[self._axes]
         return tuple(acceleration) if self._level else self._ground.seen_in(acceleration)
 
-    def direction(self, toe: str, mode: str) -> tuple[float, ...]:
+    def direction(self, toe: str) -> tuple[float, ...]:
         """Unit vector along the ground in which a toe slides, in the last call."""
-        return (SIGN[mode],) if mode in SIGN else self._ways[toe]
+        return self._ways[toe]
 
     def height(self, frame: str) -> float:
         """Distance of a frame from the ground, along its normal, in m."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from spear_pin.hybrid.contact import OPEN, SLIPS, STICK
+from spear_pin.hybrid.contact import OPEN, SIGN, SLIPS, STICK
 from spear_pin.hybrid.domain import Domain, Rub
 from spear_pin.hybrid.dynamics import Dynamics
 from spear_pin.hybrid.rules.scalars import first, where
@@ -67,7 +67,7 @@ def footing(dynamics: Dynamics, toe: str, mode: str) -> Footing:
     velocity, grip = dynamics.toe_velocity(toe)[:-1], dynamics.friction_coefficient * normal
     if mode == STICK:
         return Footing(size(velocity), size(tangential), normal, grip)
-    way = dynamics.direction(toe, mode)
+    way = (SIGN[mode],) if mode in SIGN else dynamics.direction(toe)
     acceleration, pivot = dynamics.toe_acceleration(toe)[:-1], dynamics.pivot(toe)
     return Footing(along(way, velocity), size(tangential), normal, grip, along(way, acceleration), pivot)
 
