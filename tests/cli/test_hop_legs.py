@@ -32,6 +32,7 @@ def test_a_leg_hops(capsys, dog, tmp_path):
     result = printed(capsys, "hop", "--robot", dog, "--leg", "HR", "--flight-time", "0.18", "--out", tmp_path)
     robot = monopod(load(dog, base="fixed", motors="all"), "HR", locked=["boom_x"])
     assert result["cut"] == str(robot.cut) and result["beyond_limits"] == []
+    assert result["stiffness"] == Spring.scaled(robot).stiffness
     assert result["residual"] < 1e-9 and result["energy_residual"] < 1e-8 * robot.mass * 9.81
     trajectory = Trajectory.load(tmp_path / "hop.npz")
     assert trajectory.cycles == 11
