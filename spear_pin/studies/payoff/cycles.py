@@ -117,8 +117,8 @@ class Cycles:
         gap = np.append(xi, ended.durations["flight"] / task.flight_time - 1.0)
         return Cycle(task.cost(system, trajectory), gap, task.spare(system, trajectory))
 
-    def slopes(self, x: Array, own: Cycle) -> tuple[Array, Array, Array]:
-        """Derivatives of cost, gap and what is spared, by differences to either side; 0 where there is neither."""
+    def jacobian(self, x: Array, own: Cycle) -> Array:
+        """Derivatives of the gap, by differences to either side; 0 where there is neither."""
         columns = []
         for i, (_, most) in enumerate(self.bounds):
             first = STEP if x[i] + STEP <= most else -STEP
@@ -126,11 +126,8 @@ class Cycles:
                 beside = self.at(x + step * (np.arange(len(x)) == i))
                 if beside is not None:
                     break
-            other, step = (own, 1.0) if beside is None else (beside, step)
-            pairs = (other.cost, own.cost), (other.gap, own.gap), (other.spare, own.spare)
-            columns.append([(np.asarray(after) - before) / step for after, before in pairs])
-        cost, gap, spare = (np.array(part).T for part in zip(*columns, strict=True))
-        return cost, gap, spare
+            columns.append(np.zeros(len(own.gap)) if beside is None else (beside.gap - own.gap) / step)
+        return np.array(columns).T
 
     def first(self) -> Array:
         """Unknowns of a hop as is wanted, with as little change to what is given as least squares take.
@@ -161,7 +158,7 @@ class Cycles:
 
     def _correction(self, x: Array, own: Cycle) -> Array:
         """The least step that closes the gap to first order, along the bounds that it would cross."""
-        _, gap, _ = self.slopes(x, own)
+        gap = self.jacobian(x, own)
         free = np.ones(len(x), dtype=bool)
         while True:
             step = np.zeros(len(x))

@@ -46,8 +46,9 @@ Array = NDArray[np.float64]
 USUAL = 0.2  # s: flight of SPEAR-II
 SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
 MESH, FINER = 60, 240  # samples of each phase
-TOLERANCES = {MESH: (1e-5, 1e-9), FINER: (1e-7, 1e-10)}  # of the optimiser and of the integrator
+TOLERANCES = {MESH: (0.05, 1e-8), FINER: (0.02, 1e-9)}  # of the optimiser, in units, and of the integrator
 LOADED = 0.1  # of the weight: with less on the toe the share that friction takes means nothing
+TREAD, TAUT = 0.02, 0.005  # of the weight, rad: how far from a brink
 FREQUENCIES = (1.0, 1.3)  # of SPEAR-II's, scaled, that a first hop is looked for with, in turn
 KNEE, HIP = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
 FREQUENCY, TORQUE, STIFFNESS = (0.3, 2.5), (0.0, 6.0), (0.0, 8.0)  # of SPEAR-II's, scaled
@@ -111,6 +112,25 @@ def within(motors: Motors | None, system: HybridSystem, trajectory: Trajectory) 
             drive = getattr(motors, part)
             left.append(float(np.min(drive.margin(given.torque, given.speed))) / drive.stall_torque)
     return np.array(left)
+
+
+def apart(system: HybridSystem, trajectory: Trajectory) -> Array:
+    """How far a hop is from the brinks beyond which there is none, >= 0 where it is far enough.
+
+    With too little load a toe leaves the ground again while the knee flexes, in shares of the weight; and where the
+    knee is back at its angle of touchdown before the toe leaves, a spring that is let go there leaves it on the ground
+    until the knee is straight, in rad.
+    """
+    stance, knee = trajectory.phase == "stance", system.robot.index("knee")
+    angle, flexing = trajectory.q[stance, knee], trajectory.v[stance, knee] > 0.0
+    load = float(trajectory.force[stance, 0, 1][flexing].min(initial=np.inf)) / weight(system.robot)
+    taut = float(angle[-1] - angle[0]) if system.spring.rest is None else TAUT
+    return np.array([min(load, 1.0) - TREAD, taut - TAUT])
+
+
+def kept(motors: Motors | None, system: HybridSystem, trajectory: Trajectory) -> Array:
+    """What a search keeps >= 0."""
+    return np.concatenate([within(motors, system, trajectory), apart(system, trajectory)])
 
 
 def ranges(robot: Robot, free: bool) -> dict[str, tuple[float, float]]:
@@ -216,7 +236,7 @@ class Hops(Gaits):
     def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
         """As of `Gaits`."""
         point, (mesh,) = asked.point, asked.meshes
-        task = _task(robot, point, partial(electricity, motors), partial(within, motors), mesh)
+        task = _task(robot, point, partial(electricity, motors), partial(kept, motors), mesh)
         if asked.start is None or asked.start.gait is None:
             gait = _from_cold(robot, point, task)
         else:
@@ -227,7 +247,7 @@ class Hops(Gaits):
     def reference(self, robot: Robot, speed: float) -> Gait:
         """As of `Gaits`."""
         point = Point(NONE, speed)
-        return _from_cold(robot, point, _task(robot, point, effort, partial(within, None), MESH))
+        return _from_cold(robot, point, _task(robot, point, effort, partial(kept, None), MESH))
 
     def speeds(self, robot: Robot) -> tuple[float, ...]:
         """As of `Gaits`: flight times."""
