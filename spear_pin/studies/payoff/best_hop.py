@@ -19,7 +19,7 @@ from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.studies.payoff.cycles import OVER, Cycles, Task
 from spear_pin.studies.payoff.hop_family import HopFamily
-from spear_pin.studies.payoff.leading import Place
+from spear_pin.studies.payoff.leading import Place, let_go
 
 Array = NDArray[np.float64]
 TORQUE = "stance_torque"  # what is solved for the flight time
@@ -41,7 +41,8 @@ def best_hop(task: Task, place: Place) -> Gait:
     failures = []
     for hop in hops.cheapest():
         try:
-            gait = gait_beside(*cycles.begun(hop.x), [TORQUE], {"flight_time": task.flight_time})
+            system, state = cycles.begun(hop.x)
+            gait = gait_beside(let_go(system), state, [TORQUE], {"flight_time": task.flight_time})
         except NoGait as error:  # on the brink of hops whose toe does not leave the ground
             failures.append(error)
             continue

@@ -80,7 +80,8 @@ class HopFamily:
             if cycle is None or not (now := float(np.abs(cycle.gap).max())) < size:
                 return None
             step, size = moved - before, now
-            jacobian = jacobian + np.outer(cycle.gap - last - jacobian @ step, step) / max(step @ step, CLOSED**2)
+            length = max(float(step @ step), CLOSED**2)
+            jacobian = jacobian + np.outer(cycle.gap - last - jacobian @ step, step) / length
             if size < CLOSED:
                 return Hop(moved, cycle, jacobian)
             before, last, moved = moved, cycle.gap, moved.copy()

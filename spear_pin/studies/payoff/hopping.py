@@ -124,7 +124,7 @@ def apart(system: HybridSystem, trajectory: Trajectory) -> Array:
     stance, knee = trajectory.phase == "stance", system.robot.index("knee")
     angle, flexing = trajectory.q[stance, knee], trajectory.v[stance, knee] > 0.0
     load = float(trajectory.force[stance, 0, 1][flexing].min(initial=np.inf)) / weight(system.robot)
-    taut = float(angle[-1] - angle[0]) if system.spring.rest is None else TAUT
+    taut = float(angle[-1] - angle[0]) if system.spring.rest is None else 1.0
     return np.array([min(load, 1.0) - TREAD, taut - TAUT])
 
 

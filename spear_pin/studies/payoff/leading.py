@@ -39,7 +39,7 @@ class Place:
     @property
     def whole(self) -> float:
         """Stiffness of the real and the virtual spring together, in N·m/rad."""
-        return self.system.spring.stiffness + self.system.law.virtual_stiffness
+        return float(self.system.spring.stiffness + self.system.law.virtual_stiffness)
 
     def wanted(self, point: Point) -> float:
         """Stiffness to begin with at a point, in N·m/rad: where it is free that of here, or what the motor imitates."""
@@ -49,7 +49,8 @@ class Place:
 def begun(place: Place, point: Point) -> Place:
     """The same at another point: what its spring does not do of the one before, a virtual one does.
 
-    The damper stays, without a spring too: it is the knee's.
+    The damper stays, without a spring too: it is the knee's. The springs pull both ways: where those that are let go
+    would be, no cycle closes, and the way to a hop may lead by there.
     """
     law, spring = place.system.law, place.system.spring
     own = place.wanted(point)
@@ -60,8 +61,13 @@ def begun(place: Place, point: Point) -> Place:
         hold_extension=True,
     )
     rest = law.knee_touchdown if point.kind == FIXED else None
-    real = Spring(stiffness=own, damping=spring.damping, rest=rest, unilateral=rest is None)
+    real = Spring(stiffness=own, damping=spring.damping, rest=rest, unilateral=False)
     return Place(point, rebuilt(place.system, law=law, spring=real), place.state)
+
+
+def let_go(system: HybridSystem) -> HybridSystem:
+    """The system with a spring that is let go where it is slack, but for a fixed one."""
+    return rebuilt(system, spring=replace(system.spring, unilateral=system.spring.rest is None))
 
 
 def led(task: Task, place: Place, point: Point) -> Place:
@@ -103,8 +109,7 @@ def _between(one: Point, other: Point) -> Point:
 
 def _hop(task: Task, place: Place) -> Place:
     """The hop beside."""
-    task = replace(
-        task, flight_time=place.point.speed, ranges={k: v for k, v in task.ranges.items() if k != "stiffness"}
-    )
+    ranges = {name: ends for name, ends in task.ranges.items() if name != "stiffness"}
+    task = replace(task, flight_time=place.point.speed, ranges=ranges)
     cycles = Cycles(task, place.system, place.state, chart(place.system, place.state))
     return Place(place.point, *cycles.begun(cycles.first()))

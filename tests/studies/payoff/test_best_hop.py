@@ -14,7 +14,7 @@ from spear_pin.studies.payoff.cycles import Cycle, Cycles
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.studies.payoff.hop_family import HopFamily
 from spear_pin.studies.payoff.hopping import TAUT, apart
-from spear_pin.studies.payoff.leading import LEAP, STIFFER, Place, led
+from spear_pin.studies.payoff.leading import LEAP, STIFFER, Place, begun, led, let_go
 
 BEST = np.array([2.0, 3.0])
 
@@ -123,8 +123,15 @@ class TestWay:
             way(Point(SWITCHED, 0.2, 70.0), lambda place: place.point.stiffness < 60.0)
 
     def test_a_free_stiffness_begins_with_the_one_there_is(self, way):
-        assert way(Point(SWITCHED, 0.2, None))[1].system.spring.stiffness == 48.84
-        assert way(Point(FIXED, 0.2, None))[1].system.spring.rest is not None
+        spring = way(Point(SWITCHED, 0.2, None))[1].system.spring
+        assert spring.stiffness == 48.84 and not spring.unilateral
+        fixed = way(Point(FIXED, 0.2, None))[1].system
+        assert fixed.spring.rest is not None and let_go(fixed).spring == fixed.spring
+
+    def test_beyond_the_brink_there_are_hops_while_springs_pull(self, hop):
+        """A switchable spring is let go, and then this hop's toe stays on the ground."""
+        place = begun(Place.of(SWITCHED, hop), Point(SWITCHED, 0.2, 48.84))
+        assert let_go(place.system).spring.unilateral
 
 
 class TestBrinks:
