@@ -45,7 +45,7 @@ from spear_pin.studies.payoff.study import Study, studied
 Array = NDArray[np.float64]
 USUAL = 0.2  # s: flight of SPEAR-II
 SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
-MESH, FINER = 60, 240  # samples of each phase
+MESH, FINER = 160, 480  # samples of each phase: where a joint turns back, the losses of its gears jump
 TOLERANCES = {MESH: (0.05, 1e-8), FINER: (0.02, 1e-9)}  # of the optimiser, in units, and of the integrator
 LOADED = 0.1  # of the weight: with less on the toe the share that friction takes means nothing
 TREAD, TAUT = 0.02, 0.005  # of the weight, rad: how far from a brink

@@ -137,7 +137,7 @@ class TestWay:
 class TestBrinks:
     @pytest.fixture
     def cycle(self, hop):
-        return simulate(hop.system, hop.state, samples=60, progress=False)
+        return simulate(hop.system, hop.state, progress=False)
 
     def test_a_hop_is_apart_from_them(self, hop, cycle):
         assert apart(hop.system, cycle).min() > 0.0

@@ -10,7 +10,7 @@ from spear_pin.studies.payoff import Motors, Point, Search
 from spear_pin.studies.payoff.cycles import with_values
 from spear_pin.studies.payoff.gaits import attempt
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
-from spear_pin.studies.payoff.hopping import HOPS, electricity, figures_of, ranges, within, work
+from spear_pin.studies.payoff.hopping import HOPS, MESH, electricity, figures_of, ranges, within, work
 from spear_pin.studies.payoff.leading import Place, begun
 from spear_pin.studies.payoff.motors import known
 from spear_pin.studies.payoff.searches import rebuilt, written
@@ -27,13 +27,13 @@ class TestFigures:
         found, flight = figures_of(hop, motors), hop.durations["flight"]
         rise = 9.81 * flight**2 / 8.0
         assert work(hop.system.robot, flight) == pytest.approx(6.8 * 9.81 * rise)
-        drawn = electricity(motors, hop.system, simulate(hop.system, hop.state, samples=60))
+        drawn = electricity(motors, hop.system, simulate(hop.system, hop.state, samples=MESH))
         assert found.cost == pytest.approx(drawn / (6.8 * 9.81 * rise))
         assert HOPS.energy(hop.system.robot, found) == pytest.approx(drawn)
         assert found.speed == flight and set(found.peak) == {"knee", "hip"} and found.residual <= 1e-9
 
     def test_one_motor_a_joint(self, hop, motors):
-        cycle = simulate(hop.system, hop.state, samples=60)
+        cycle = simulate(hop.system, hop.state, samples=MESH)
         assert figures_of(hop, motors).peak["knee"] == pytest.approx(np.abs(cycle.u[:, 1]).max())
         left = within(None, hop.system, cycle)
         assert left.min() > 0.0 and 1.0 - np.abs(cycle.u[:, 1]).max() / 60.0 in left
