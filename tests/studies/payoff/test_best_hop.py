@@ -54,7 +54,7 @@ class TestSearch:
         explore(hops, 0.02)
         best = hops.cheapest()[0]
         np.testing.assert_allclose(best.x[1:], BEST, atol=0.1)
-        assert best.cycle.cost < 1.01 and best.x[0] == pytest.approx(0.25 * best.x[1] ** 2, abs=1e-6)
+        assert best.cycle.cost < 1.01 and best.x[0] == pytest.approx(0.25 * best.x[1] ** 2, abs=2e-4)
         assert cycles.asked < 5 * len(hops.known)
 
     def test_beside_a_brink_beyond_which_there_is_no_hop(self):
