@@ -23,8 +23,8 @@ from spear_pin.studies.payoff.leading import Place, let_go
 
 Array = NDArray[np.float64]
 TORQUE = "stance_torque"  # what is solved for the flight time
-ROUNDS, GAIN = 3, 3e-3  # of the optimiser, each from the best that is known, until one saves less of the cost
-FARTHEST, AGAIN = 1.0, 0.4  # units: trust regions that rounds begin with
+ROUNDS, GAIN = 2, 3e-3  # of the optimiser, each from the best that is known, until one saves less of the cost
+RADIUS = 1.0  # units: of the trust region that a round begins with
 TRIALS = 120  # of a round
 MISSED = 0.02  # of limits, by which they are taken to be exceeded where there is no hop
 
@@ -64,23 +64,22 @@ def explore(hops: HopFamily, tolerance: float) -> None:
     Raises:
         NoGait: none keeps to its limits.
     """
-    best, radius = hops.nearest(hops.start), FARTHEST
+    best = hops.nearest(hops.start)
     for _ in range(ROUNDS):
         before = best.cycle.cost
-        _minimise(hops, best.x[hops.cycles.solved :], radius, tolerance)
-        best, radius = hops.cheapest()[0], AGAIN
+        _minimise(hops, best.x[hops.cycles.solved :], tolerance)
+        best = hops.cheapest()[0]
         if best.cycle.cost > (1.0 - GAIN) * before:
             return
 
 
-def _minimise(hops: HopFamily, y: Array, radius: float, nearest: float) -> None:
+def _minimise(hops: HopFamily, y: Array, tolerance: float) -> None:
     """Search the family about one of its hops; what is found it knows.
 
     Args:
         hops: the family.
         y: of the hop.
-        radius: of the first trust region, in units.
-        nearest: of the last.
+        tolerance: radius of the last trust region, in units.
     """
     bounds, unit = hops.cycles.bounds[hops.cycles.solved :], hops.nearest(y).cycle.cost or 1.0
 
@@ -97,5 +96,5 @@ def _minimise(hops: HopFamily, y: Array, radius: float, nearest: float) -> None:
         method="COBYQA",
         bounds=scipy.optimize.Bounds(*bounds.T),
         constraints=scipy.optimize.NonlinearConstraint(spare, 0.0, np.inf),
-        options={"initial_tr_radius": radius, "final_tr_radius": nearest, "maxfev": TRIALS},
+        options={"initial_tr_radius": RADIUS, "final_tr_radius": tolerance, "maxfev": TRIALS},
     )

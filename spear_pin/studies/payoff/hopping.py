@@ -75,7 +75,9 @@ WORDS = Words(
             " the ground, and a virtual spring; no torque at the hip. A damper at the knee in stance, SPEAR-II's,"
             " scaled, which no kind of knee is without. In flight both joints are driven to angles. Torque, frequency,"
             " virtual spring and both angles are chosen for each point, the gains of the flight are SPEAR-II's, scaled;"
-            " in flight a fixed spring is borne by the motor",
+            " in flight a fixed spring is borne by the motor. Unless the spring is fixed, the toe leaves the ground"
+            " before the knee is back at its angle of touchdown: there springs are let go, the virtual one too, and it"
+            " would stay",
         ),
         ("the leg", "on a vertical slider without friction; limits of the file and what the motors can do are kept"),
     ),
