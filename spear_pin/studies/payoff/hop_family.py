@@ -19,11 +19,12 @@ DEARER, OTHERS = 2e-3, 8  # of the cost: hops that are tried where there is no f
 
 @dataclass(frozen=True)
 class Hop:
-    """A hop: its unknowns, its cycle, and the Jacobian of the gap by all unknowns, of the first by differences."""
+    """A hop: its unknowns, its cycle, and the Jacobian of the gap by all unknowns, exact by differences."""
 
     x: Array
     cycle: Cycle
     jacobian: Array
+    exact: bool = False
 
 
 @dataclass
@@ -40,7 +41,7 @@ class HopFamily:
         cycle = self.cycles.at(x)
         assert cycle is not None
         self.start = x[self.cycles.solved :]
-        self.known[self.start.tobytes()] = Hop(x, cycle, self.cycles.jacobian(x, cycle))
+        self.known[self.start.tobytes()] = Hop(x, cycle, self.cycles.jacobian(x, cycle), exact=True)
 
     def at(self, y: Array) -> Hop | None:
         """The hop with what is chosen, in units; None where none was found."""
@@ -62,10 +63,19 @@ class HopFamily:
         """From the nearest one, or by way of one between."""
         near = self.nearest(y)
         hop = self._beside(near, y)
+        if hop is None and not near.exact:
+            near = self._known_exactly(near)
+            hop = self._beside(near, y)
         middle = 0.5 * (near.x[self.cycles.solved :] + y)
         if hop is None and halvings and np.abs(middle - y).max() > 0.5 * SHORT:
             return None if self._hop(middle, halvings - 1) is None else self._solved(y, halvings - 1)
         return hop
+
+    def _known_exactly(self, hop: Hop) -> Hop:
+        """A hop with its Jacobian by differences: what Broyden's rule has led astray leads nowhere else."""
+        exact = Hop(hop.x, hop.cycle, self.cycles.jacobian(hop.x, hop.cycle), exact=True)
+        self.known[hop.x[self.cycles.solved :].tobytes()] = exact
+        return exact
 
     def _beside(self, near: Hop, y: Array) -> Hop | None:
         """By Newton's method with the Jacobian of another one and Broyden's rule; None where that leads nowhere."""
