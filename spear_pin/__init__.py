@@ -17,11 +17,15 @@ if TYPE_CHECKING:
     from spear_pin.gaits.gait import Gait
     from spear_pin.gaits.hopping import HoppingLaw, hopping
     from spear_pin.gaits.search import find_gait
+    from spear_pin.gaits.spatial.bounding import bounding_in_space
+    from spear_pin.gaits.spatial.embedding import in_space
+    from spear_pin.gaits.spatial.law import SpatialLaw
     from spear_pin.hybrid.batch import simulate_many
     from spear_pin.hybrid.contact import Contact
     from spear_pin.hybrid.ground import Ground
     from spear_pin.hybrid.simulate import simulate
     from spear_pin.hybrid.trajectory import Trajectory
+    from spear_pin.model.chain import from_chain, to_chain
     from spear_pin.model.legs import Leg
     from spear_pin.model.loading import load
     from spear_pin.model.monopod import monopod
@@ -41,18 +45,23 @@ __all__ = [
     "Leg",
     "Robot",
     "RobotWarning",
+    "SpatialLaw",
     "SpearError",
     "Spring",
     "Trajectory",
     "bounding",
+    "bounding_in_space",
     "compare",
     "find_gait",
+    "from_chain",
     "hopping",
+    "in_space",
     "load",
     "monopod",
     "sagittal",
     "simulate",
     "simulate_many",
+    "to_chain",
     "vary",
 ]
 
@@ -77,6 +86,11 @@ _HOMES = {
     "HoppingLaw": "gaits.hopping",
     "Gait": "gaits.gait",
     "find_gait": "gaits.search",
+    "to_chain": "model.chain",
+    "from_chain": "model.chain",
+    "bounding_in_space": "gaits.spatial.bounding",
+    "SpatialLaw": "gaits.spatial.law",
+    "in_space": "gaits.spatial.embedding",
     "compare": "viz.compare.comparison",
 }
 

@@ -69,7 +69,11 @@ def add_loading(parser: Any) -> None:
     """Declare --lock, --toes, --base, --motors and --repair; `loading` reads them. None is said by default."""
     parser.add_argument("--lock", nargs="+", metavar="JOINT", help="joints held at zero")
     parser.add_argument("--toes", nargs="+", metavar="FRAME", help="toe frames of a file")
-    parser.add_argument("--base", choices=("free", "fixed"), help="let the root of the robot float, or not")
+    parser.add_argument(
+        "--base",
+        choices=("free", "chain", "fixed"),
+        help="let the root of the robot float, on a chain of joints, or not",
+    )
     parser.add_argument(
         "--motors", nargs="+", metavar="JOINT", help="joints with a motor, or all (default: the file's)"
     )

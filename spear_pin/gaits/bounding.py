@@ -28,7 +28,7 @@ from spear_pin.gaits.bounding_law import (
     phases_of,
     stance_law,
 )
-from spear_pin.gaits.virtual_constraints import dot, gradient, progress, resume, value
+from spear_pin.gaits.virtual_constraints import Evolution, begun, progress, value
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Law, Mount, Reset
@@ -45,7 +45,6 @@ Guards = tuple[Guard, ...]
 Engage = Callable[[Leg, Sequence[float], Held], Held]
 SPEED_BY = "posterior_hip_torque"  # the parameter to vary for a "mean_speed"
 LONGEST = 2.0  # s: a phase of Q-SPEAR
-SLOWEST = 1.0  # 1/s: of s; Q-SPEAR's gaits begin their phases faster
 SHORTEST_SPAN = 0.2  # of a stance's span: what is left of it when a stance is resumed late
 OVERLOAD = 1e4  # N·m: a hundred times what Q-SPEAR's gaits take
 BEYOND = 1e-3  # rad: a knee that flexed so far beyond θ̄ has something to come back from
@@ -266,7 +265,7 @@ def _swing(leg: Leg, phase: Phase, q: Sequence[float], v: Sequence[float], held:
     whole = getattr(p, f"{phase.name}_span")
     left = 1.0 - (value(leg.angle, q) - held[f"{leg.name}_leg"]) / whole
     span = whole * np.maximum(left, SHORTEST_SPAN)
-    return _begin(phase, getattr(p, f"{phase.name}_swing"), q, v, span)
+    return _begun(begun(phase.outputs, getattr(p, f"{phase.name}_swing"), q, v, span))
 
 
 def _fly(phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
@@ -280,21 +279,11 @@ def _fly(phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: Bo
         angle, knee = getattr(p, f"{phase.name}_landing")
         target = getattr(p, f"{leg.name}_leg_touchdown") + adjust[4 + i]
         shapes += [(angle, *3 * (target,)), (knee, *3 * (leg.side * p.knee_touchdown,))]
-    return _begin(phase, shapes, q, v, getattr(p, f"{phase.name}_span"))
+    return _begun(begun(phase.outputs, shapes, q, v, getattr(p, f"{phase.name}_span")))
 
 
-def _begin(
-    phase: Phase, shapes: Sequence[Sequence[float]], q: Sequence[float], v: Sequence[float], span: float
-) -> Held:
-    """The evolution that begins with y = ẏ = 0, (5.22).
-
-    Where s hardly moves, no slope within reason does so: it then fades to nothing with the rate of s, so
-    that what begins is continuous in the state.
-    """
-    begun = resume(phase.outputs, shapes, q, v, span)
-    within = np.minimum(abs(dot(gradient(phase.outputs.phase, q), v) / span) / SLOWEST, 1.0) ** 2
-    alpha = tuple((a, a + within * (b - a), *rest) for a, b, *rest in begun.alpha)
-    return {"alpha": alpha, "origin": begun.origin, "span": begun.span, "past": begun.past}
+def _begun(evolution: Evolution) -> Held:
+    return {name: getattr(evolution, name) for name in ("alpha", "origin", "span", "past")}
 
 
 def _guess(robot: Robot, law: BoundingLaw, ground: Ground) -> tuple[Any, Any]:

@@ -9,7 +9,7 @@ knee bends.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 from math import comb
@@ -20,6 +20,8 @@ import numpy as np
 
 from spear_pin.hybrid.dynamics import Dynamics, Row
 from spear_pin.model.legs import lean
+
+SLOWEST = 1.0  # 1/s: of s; Q-SPEAR's gaits begin their phases faster
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,18 @@ class Leaning:
         return lean(self.thigh, self.shank, q[self.knee], ops)
 
 
-Variable: TypeAlias = Row | Leaning
+@dataclass(frozen=True)
+class Sum:
+    """Variables, each times a weight, added up.
+
+    Attributes:
+        terms: weights and variables.
+    """
+
+    terms: tuple[tuple[Any, Variable], ...]
+
+
+Variable: TypeAlias = "Row | Leaning | Sum"
 """A function of the configuration; a row is linear. `ops` of what reckons with it has sin, cos and atan2."""
 
 
@@ -89,6 +102,8 @@ def dot(row: Row, vector: Sequence[Any]) -> Any:
 
 def value(variable: Variable, q: Sequence[Any], ops: Any = np) -> Any:
     """A variable at a configuration."""
+    if isinstance(variable, Sum):
+        return sum(weight * value(term, q, ops) for weight, term in variable.terms)
     if isinstance(variable, Leaning):
         return dot(variable.row, q) - variable.lean(q, ops)[0]
     return dot(variable, q)
@@ -96,6 +111,9 @@ def value(variable: Variable, q: Sequence[Any], ops: Any = np) -> Any:
 
 def gradient(variable: Variable, q: Sequence[Any], ops: Any = np) -> Row:
     """Row that, times v, is the rate of a variable."""
+    if isinstance(variable, Sum):
+        parts = ((weight, gradient(term, q, ops)) for weight, term in variable.terms)
+        return tuple((index, weight * slope) for weight, row in parts for index, slope in row)
     if isinstance(variable, Leaning):
         return (*variable.row, (variable.knee, -variable.lean(q, ops)[1]))
     return variable
@@ -103,6 +121,8 @@ def gradient(variable: Variable, q: Sequence[Any], ops: Any = np) -> Row:
 
 def drift(variable: Variable, q: Sequence[Any], v: Sequence[Any], ops: Any = np) -> Any:
     """Second derivative of a variable in time at v̇ = 0."""
+    if isinstance(variable, Sum):
+        return sum(weight * drift(term, q, v, ops) for weight, term in variable.terms)
     if isinstance(variable, Leaning):
         return -variable.lean(q, ops)[2] * (v[variable.knee] * v[variable.knee])
     return 0.0
@@ -200,6 +220,15 @@ def zeroing(
         dyn: the dynamics at (q, v), which has `imposing`.
         ops: elementary functions of what q and v are.
     """
+    rows, wanted = demanded(outputs, evolution, q, v, epsilon, ops)
+    torques: Sequence[Any] = dyn.imposing(rows, wanted, outputs.motors, others)
+    return torques
+
+
+def demanded(
+    outputs: Outputs, evolution: Evolution, q: Sequence[Any], v: Sequence[Any], epsilon: Any, ops: Any = np
+) -> tuple[list[Row], list[Any]]:
+    """Rows and what they have to be, times v̇, so that ÿ = -y/ε² - 2ẏ/ε; arguments as of `zeroing`."""
     evolutions = desired(outputs, evolution, q, ops)
     ahead = gradient(outputs.phase, q, ops)
     rate = dot(ahead, v) / evolution.span
@@ -212,8 +241,7 @@ def zeroing(
         rows.append((*gradient(outputs.rows[i], q, ops), *((index, -tilt * weight) for index, weight in ahead)))
         own = slope * phase_drift - drift(outputs.rows[i], q, v, ops)
         wanted.append(curvature * (rate * rate) + own - (y[i] / epsilon + 2.0 * dy[i]) / epsilon)
-    torques: Sequence[Any] = dyn.imposing(rows, wanted, outputs.motors, others)
-    return torques
+    return rows, wanted
 
 
 def resume(
@@ -240,3 +268,16 @@ def resume(
         begin = value(variable, q, ops)
         alpha.append((begin, begin + dot(gradient(variable, q, ops), v) / rate / (len(shape) + 1), *shape))
     return Evolution(tuple(alpha), value(outputs.phase, q, ops), span)
+
+
+def begun(
+    outputs: Outputs, shapes: Sequence[Sequence[float]], q: Sequence[float], v: Sequence[float], span: float
+) -> Evolution:
+    """The evolution that begins with y = ẏ = 0 as of `resume`, within reason; arguments as there.
+
+    Where s hardly moves, no slope within reason does so: it then fades to nothing with the rate of s, so
+    that what begins is continuous in the state.
+    """
+    whole = resume(outputs, shapes, q, v, span)
+    within = np.minimum(abs(dot(gradient(outputs.phase, q), v) / span) / SLOWEST, 1.0) ** 2
+    return replace(whole, alpha=tuple((a, a + within * (b - a), *rest) for a, b, *rest in whole.alpha))

@@ -27,7 +27,18 @@ from spear_pin.hybrid.soundness import check
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
-REPLACED = ("kind", "domains", "section", "cyclic", "measures", "guess", "phase_limit", "shortest_flight", "hardware")
+REPLACED = (
+    "kind",
+    "domains",
+    "section",
+    "cyclic",
+    "measures",
+    "guess",
+    "phase_limit",
+    "shortest_flight",
+    "overlap",
+    "hardware",
+)
 SHORTEST_FLIGHT = 0.05  # s: in free fall a rise of 3 mm, a two-hundredth of a leg of 0.6 m
 
 
@@ -52,6 +63,9 @@ class HybridSystem:
         phase_limit: longest a phase may last, in s.
         shortest_flight: in s; a toe that comes down sooner after it left the ground re-touches and closes no cycle, see
             `spear_pin.hybrid.rules.cycles`.
+        overlap: how long an impact in space lasts, in s: those of several toes that overlap are one, see
+            `spear_pin.hybrid.rules.spatial_impact`.
+        section_toes: where the section lies before the impact, of which toes it is the first touchdown.
         hardware: between law and joints, see `spear_pin.hybrid.hardware`; None: ideal motors.
         changes: what was made of the system that `build` makes of other numbers, too; see `parameters.changed`.
         made: fields as they were when it was made, by which those are known that were replaced in it; and by whom,
@@ -71,6 +85,8 @@ class HybridSystem:
     measures: Mapping[str, Callable[[Any], float]] = field(default_factory=dict, repr=False)
     phase_limit: float = 5.0
     shortest_flight: float = SHORTEST_FLIGHT
+    overlap: float = 0.0
+    section_toes: tuple[str, ...] = ()
     hardware: Hardware | None = None
     changes: tuple[Callable[[HybridSystem], HybridSystem], ...] = field(default=(), repr=False)
     made: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)

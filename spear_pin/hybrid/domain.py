@@ -96,12 +96,14 @@ class Reset:
         release: engaged joints whose springs let go; what they still store is lost.
         latch: what is newly held, from (q, v, held, p) after the impact.
         phase: the phase entered; None stays in the present one, its clock running on.
+        stop: toes in space whose sliding has all but ended, and ends.
     """
 
     impact: tuple[str, ...] = ()
     release: tuple[str, ...] = ()
     latch: Latch | None = None
     phase: str | None = None
+    stop: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -116,6 +118,7 @@ class Guard:
         reset: what happens; None with no `ends` only records the event.
         ends: reason for which the run ends here, if it does.
         tolerance: values this close to zero count as on the guard when a domain is entered.
+        patient: whether it counts only once `value` has been positive in the domain.
     """
 
     name: str
@@ -123,6 +126,12 @@ class Guard:
     reset: Reset | None = None
     ends: str | None = None
     tolerance: float = 1e-9
+    patient: bool = False
+
+    @property
+    def waits(self) -> bool:
+        """Whether it is no event before it has been positive."""
+        return self.patient or self.observes
 
     @property
     def observes(self) -> bool:
@@ -157,7 +166,8 @@ class Domain:
     Attributes:
         name: its name.
         phase: the phase it belongs to; phases have clocks and durations, slip being part of stance.
-        contacts: for each toe of the robot, "open", "stick", "slip+", "slip-", or "pinned": at rest whatever it takes.
+        contacts: for each toe of the robot, "open", "stick", "slip+" or "slip-", in space "slip", or "pinned": at rest
+            whatever it takes.
         law: motor torques, one per actuated joint.
         mounts: the springs that are engaged.
         rubs: dry friction of joints, see `spear_pin.hybrid.dry_friction`.

@@ -17,7 +17,7 @@ from itertools import product
 
 from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN, SIGN
+from spear_pin.hybrid.contact import OPEN, SLIPS
 from spear_pin.hybrid.domain import Domain, Rub
 from spear_pin.hybrid.parameters import changed
 from spear_pin.hybrid.rules.guards import rubbing_guards
@@ -63,7 +63,7 @@ class DryFriction:
             if any(rub.joint == joint for domain in system.domains for rub in domain.rubs):
                 raise BadValue("forces", dict(forces), f"joints without dry friction, which {joint} has already")
         rubbing = len(forces) + max((len(domain.rubs) for domain in system.domains), default=0)
-        free = min(system.robot.nv - _constraints(domain) for domain in system.domains)
+        free = min(system.robot.nv - _constraints(domain, system.robot.dimension) for domain in system.domains)
         if rubbing > free:
             expected = f"at most {free} joint{'s' * (free != 1)}: no more move freely with toes on the ground"
             raise BadValue("forces", dict(forces), f"{expected}, and friction could hold more in many ways")
@@ -84,6 +84,6 @@ def _modes(domain: Domain, robot: Robot, forces: Mapping[str, float]) -> list[Do
     return modes
 
 
-def _constraints(domain: Domain) -> int:
-    """How many its contacts are."""
-    return sum(0 if mode == OPEN else 1 if mode in SIGN else 2 for mode in domain.contacts)
+def _constraints(domain: Domain, dimension: int) -> int:
+    """How many its contacts are, in the plane or in space."""
+    return sum(0 if mode == OPEN else 1 if mode in SLIPS else dimension for mode in domain.contacts)

@@ -75,18 +75,21 @@ class Dynamics(Protocol):
         """C v + G, nv."""
 
     def jacobian(self, toe: str) -> Any:
-        """J of a toe, rows along the ground and normal to it, of nv."""
+        """J of a toe, rows along the ground, one in the plane and two in space, and normal to it, of nv."""
 
     def height(self, frame: str) -> Any:
         """Distance of a frame from the ground, along its normal, in m."""
 
-    def toe_velocity(self, toe: str) -> tuple[Any, Any]:
+    def direction(self, toe: str, mode: str) -> tuple[Any, ...]:
+        """Unit vector along the ground in which a toe slides, by its mode."""
+
+    def toe_velocity(self, toe: str) -> tuple[Any, ...]:
         """Velocity of a toe, along the ground and normal to it, in m/s."""
 
-    def toe_acceleration(self, toe: str) -> tuple[Any, Any]:
+    def toe_acceleration(self, toe: str) -> tuple[Any, ...]:
         """Acceleration of a toe, along the ground and normal to it, in m/s²."""
 
-    def force(self, toe: str) -> tuple[Any, Any]:
+    def force(self, toe: str) -> tuple[Any, ...]:
         """Ground force on a toe, along the ground and normal to it, in N."""
 
     def pivot(self, toe: str) -> Any:

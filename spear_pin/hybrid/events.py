@@ -74,7 +74,7 @@ class Watch:
             if self._armed[i]:
                 if min(middle, end) > 0.0 and not _dips(before, middle, end):
                     continue
-            elif end > 0.0 or (self._guards[i].observes and middle <= 0.0):
+            elif end > 0.0 or (self._guards[i].waits and middle <= 0.0):
                 self._armed[i] = end > 0.0
                 continue
             elif self._stays(i, middle, end):

@@ -68,7 +68,7 @@ class Sliding(Flow):
             flow.hold(held_after(self.system, self._kept, y, *resets))
         slopes = [*(flow(0.0, y) for flow, _ in self._turns), super()._derivative(0.0, y)]
         flows = [*(flow for flow, _ in self._turns), self]
-        accelerations = [[flow.toe_acceleration(toe)[1] for toe in self.domain.alternating] for flow in flows]
+        accelerations = [[flow.toe_acceleration(toe)[-1] for toe in self.domain.alternating] for flow in flows]
         if len(self.domain.alternating) == 1:
             share = shares.of_one(*(vertical for (vertical,) in accelerations))
             self.shares, weights = (share,), [share, 1.0 - share]
@@ -85,8 +85,7 @@ class Sliding(Flow):
         if driven:
             self.driven = blended(weights, driven)
         for toe, _ in self._closed:
-            tangential, normal = map(mixed, zip(*(flow.force(toe) for flow in flows), strict=True))
-            self._forces[toe] = tangential, normal
+            self._forces[toe] = tuple(map(mixed, zip(*(flow.force(toe) for flow in flows), strict=True)))
         if self._has_friction:
             self._holding = mixed(flow._holding for flow in flows)
             self.friction = mixed(flow.friction for flow in flows)
@@ -127,7 +126,7 @@ def sliding(system: HybridSystem, flow: Flow, guard: Guard, came: tuple[Domain, 
     between = alternation(system, (flow.domain, came[0]), (guard.reset, came[1]))
     nq, nv = system.robot.nq, system.robot.nv
     q, v = y[:nq], y[nq : nq + nv]
-    if between is None or not still(system.ground.foot(system.robot, q, between.toe)[1][1] @ v):
+    if between is None or not still(system.ground.foot(system.robot, q, between.toe)[1][-1] @ v):
         return None
     follow, left, held = entered(system, flow.held, y, between.touch)
     again = None if left is None else entered(system, held, y, left)[1]

@@ -69,6 +69,12 @@ class Ground(Contact):
             return x, z
         return _turned(x, z, ops.cos(self.slope), ops.sin(self.slope))
 
+    def seen_in(self, vector: Any, ops: Operations = FLOATS) -> tuple[Any, ...]:
+        """A vector (x, z) or (x, y, z), or rows of them, along the ground and normal to it, in that order."""
+        x, *across, z = vector
+        along, normal = self.axes(x, z, ops)
+        return along, *across, normal
+
     def world(self, along: Any, normal: Any) -> tuple[Any, Any]:
         """A vector (x, z) of its components along the ground and normal to it, the inverse of `axes`."""
         return _turned(along, normal, math.cos(self.slope), -math.sin(self.slope))
@@ -96,9 +102,9 @@ class Ground(Contact):
         return Feet(places, turned, {toe: self.axes(*drift, ops) for toe, drift in feet.drifts.items()})
 
     def foot(self, robot: Robot, q: ArrayLike, toe: str) -> tuple[float, Array]:
-        """Distance of a toe from the ground, in m, and its Jacobian along and normal to it, (2, nv)."""
-        (x, z), jacobian = robot.toe_position(q, toe), robot.toe_jacobian(q, toe)
-        return float(self.above(x, z, FLOATS)), np.array(self.axes(*jacobian))
+        """Distance of a toe from the ground, in m, and its Jacobian along and normal to it, (2, nv) or (3, nv)."""
+        (x, *_, z), jacobian = robot.toe_position(q, toe), robot.toe_jacobian(q, toe)
+        return float(self.above(x, z, FLOATS)), np.array(self.seen_in(jacobian))
 
 
 def as_ground(contact: Contact) -> Ground:

@@ -16,6 +16,7 @@ from spear_pin.hybrid.domain import Held
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.result import Moment
 from spear_pin.hybrid.rules.footing import UNFIT, closed_toes, fitness, footing, rate_fits, torn_off
+from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
 
@@ -63,14 +64,15 @@ def torn(before: Flow, after: Flow, t: float, y: Array) -> list[str]:
     """
     before(t, y), after(t, y)
     modes = zip(before.system.robot.toes, before.domain.contacts, after.domain.contacts, strict=True)
-    return [toe for toe, one, other in modes if torn_off(one, before.force(toe)[1], other, after.force(toe)[1])]
+    return [toe for toe, one, other in modes if torn_off(one, before.force(toe)[-1], other, after.force(toe)[-1])]
 
 
 def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
     """The phase in which a state lies, and what is held there as if the phase had just begun.
 
     A toe on the ground that moves neither from nor into it is in the phase that follows the section; else
-    the robot is in the air, in the flight before the section.
+    the robot is in the air, in the flight before the section. In space the section lies before the impact: a toe of it
+    on the ground is there.
 
     Raises:
         BadValue: the state has the wrong shape, is not finite, or has a toe below the ground.
@@ -79,8 +81,11 @@ def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
         raise BadValue("state", state, "a pair (q, v)")
     feet = _feet(system, *state)
     q, v = np.asarray(state[0], dtype=float), np.asarray(state[1], dtype=float)
-    closed = [feet[toe] for toe, _ in closed_toes(system.robot.toes, system.of_phase(system.section_phase)[0])]
-    standing = all(rests(height, float(jacobian[1] @ v), STATE_AT_REST) for height, jacobian in closed)
+    if system.section_toes:
+        standing = any(feet[toe][0] <= ON_GROUND for toe in system.section_toes)
+    else:
+        closed = [feet[toe] for toe, _ in closed_toes(system.robot.toes, system.of_phase(system.section_phase)[0])]
+        standing = all(rests(height, float(jacobian[-1] @ v), STATE_AT_REST) for height, jacobian in closed)
     phase, resets = start(system, standing)
     try:
         return phase, latched({}, resets, q.tolist(), v.tolist(), system.law)

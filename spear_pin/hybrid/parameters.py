@@ -13,7 +13,7 @@ from spear_pin.kinds import typed
 
 PARTS = ("law", "spring", "contact")
 Change = Callable[[HybridSystem], HybridSystem]
-LIMITS = ("phase_limit", "shortest_flight")
+LIMITS = ("phase_limit", "shortest_flight", "overlap")
 
 
 def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:

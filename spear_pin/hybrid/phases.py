@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 
-from spear_pin.hybrid.contact import SIGN, SLIP_BACKWARD, SLIP_FORWARD, STICK
+from spear_pin.hybrid.contact import STICK, WAYS
 from spear_pin.hybrid.domain import Domain, Guard, Reset
 from spear_pin.hybrid.rules.guards import contact_guards, lifted_off
 from spear_pin.hybrid.rules.guards import fall as fall
@@ -21,6 +21,7 @@ def contact_domains(
     toes: Sequence[str],
     lift_off: Reset | Mapping[str, Reset],
     first: tuple[Guard, ...] = (),
+    ways: Sequence[str] = WAYS[2],
 ) -> tuple[Domain, ...]:
     """The domains of a phase in which the toes marked "stick" in `domain` are on the ground.
 
@@ -34,8 +35,9 @@ def contact_domains(
         lift_off: what happens when a toe's normal force falls to zero; by toe if it depends on the
             toe, and then the event of "front_toe" is named "front_lift_off".
         first: guards that win a tie with those of the contacts.
+        ways: modes in which a toe may slide: in the plane either way, in space along a direction of its own.
     """
-    choices = [(STICK, SLIP_FORWARD, SLIP_BACKWARD) if mode == STICK else (mode,) for mode in domain.contacts]
+    choices = [(STICK, *ways) if mode == STICK else (mode,) for mode in domain.contacts]
     closed = [toe for toe, mode in zip(toes, domain.contacts, strict=True) if mode == STICK]
     leave = {toe: _lift_off(toe, lift_off) for toe in closed}
     lifted = [lifted_off(toe, *leave[toe]) for toe in closed if len(closed) > 1]
@@ -43,11 +45,11 @@ def contact_domains(
     for contacts in product(*choices):
         guards: list[Guard] = []
         for toe, mode in zip(toes, contacts, strict=True):
-            guards += contact_guards(toe, mode, *leave[toe]) if toe in closed else []
+            guards += contact_guards(toe, mode, *leave[toe], ways) if toe in closed else []
         slips = [
             mode if len(closed) == 1 else f"{_leg(toe)} {mode}"
             for toe, mode in zip(toes, contacts, strict=True)
-            if mode in SIGN
+            if mode in ways
         ]
         name = " ".join([domain.name, *slips])
         domains.append(replace(domain, name=name, contacts=contacts, guards=(*lifted, *first, *guards, *domain.guards)))

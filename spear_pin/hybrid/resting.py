@@ -36,7 +36,7 @@ def resting(system: HybridSystem, flow: Flow, y: Array, tried: Sequence[Domain] 
     """
     q, v = y[: system.robot.nq], y[system.robot.nq : system.robot.nq + system.robot.nv]
     feet = {toe: system.ground.foot(system.robot, q, toe) for toe in system.robot.toes}
-    toes = [toe for toe, (height, jacobian) in feet.items() if rests(height, jacobian[1] @ v)]
+    toes = [toe for toe, (height, jacobian) in feet.items() if rests(height, jacobian[-1] @ v)]
     choices = product((BEARS, ALTERNATES, LEAVES), repeat=len(toes))
     ordered = sorted(choices, key=lambda kinds: (-kinds.count(BEARS), kinds.count(LEAVES)))
     for far, kinds in product((BEYOND[:1], BEYOND[1:]), ordered):

@@ -29,7 +29,7 @@ from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.stored import in_inductances, in_mechanism, in_springs
-from spear_pin.hybrid.strikes import struck_by
+from spear_pin.hybrid.strikes import Overlap, Strike, stopped, struck_by, struck_in_space
 from spear_pin.hybrid.trajectory import Event
 
 Array = NDArray[np.float64]
@@ -96,6 +96,7 @@ class _Runner:
         self.spent: dict[str, float] = defaultdict(float)
         self.came: tuple[Domain, Reset] | None = None  # from where the present phase was entered
         self.grounded = np.full(len(self.robot.toes), -np.inf)  # when each toe was last on the ground
+        self.overlap = Overlap(system.overlap)
         self.instant_events, self.cycle_events, self.last_event = 0, 0, -math.inf
         self.instant: list[Reset] = []  # into other phases, of the present instant
         self.tried: list[Domain] = []  # motion of toes at rest that began in it
@@ -259,14 +260,16 @@ class _Runner:
         """
         nq, nv, held = self.robot.nq, self.robot.nv, self.flow.held
         q, v = self.y[:nq], self.y[nq : nq + nv]
-        before, impulse = v.copy(), np.zeros((len(self.robot.toes), 2))
+        before, impulse = v.copy(), np.zeros((len(self.robot.toes), self.robot.dimension))
         work: dict[str, float] = {}
         if reset.release:
             work["released"] = -in_springs(self.system, self.flow.domain, held, self.y, reset.release)
-        if struck := struck_toes(self.system, self.flow.domain, reset):
-            strike = struck_by(self.system, struck, reset, q, v)
+        strike = self._strike(reset, q, v)
+        if strike is not None:
             v, impulse, work["impact"] = strike.v, strike.impulse, strike.work
             held = {**held, **strike.rises}
+        if reset.stop:
+            v, work["impact"] = stopped(self.system, self.flow.domain, reset, q, v)
         self.y = np.concatenate([q, v, self.y[nq + nv :]])
         try:
             held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law)
@@ -277,6 +280,12 @@ class _Runner:
         for flow, energy in work.items():
             self.booked[flow] += energy
         return held
+
+    def _strike(self, reset: Reset, q: Array, v: Array) -> Strike | None:
+        if not self.robot.planar and reset.impact:
+            return struck_in_space(self.system, self.flow.domain, reset, q, v, self.overlap, self._now())
+        struck = struck_toes(self.system, self.flow.domain, reset)
+        return struck_by(self.system, struck, reset, q, v) if struck else None
 
     def _choose(self, reset: Reset, phase: str, held: Held) -> None:
         """Go on in the domain that fits after an event, on switching surfaces if it was within a phase on them."""
@@ -378,7 +387,7 @@ class _Runner:
     def _record(self, name: str, time: float, y: Array) -> None:
         nq, nv = self.robot.nq, self.robot.nv
         v = y[nq : nq + nv].copy()
-        none = np.zeros((len(self.robot.toes), 2))
+        none = np.zeros((len(self.robot.toes), self.robot.dimension))
         self.run.events.append(Event(name, self.began + time, self.flow.domain.name, y[:nq].copy(), v, v, none))
 
     def _too_many(self, now: float) -> str:

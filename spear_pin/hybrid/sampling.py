@@ -47,11 +47,11 @@ class Sampler:
             self._sample(last, np.zeros(1), y[None])
         domains, cycles, counts = zip(*self._parts, strict=True)
         n = sum(counts)
-        shapes = {"t": (n,), "force": (n, len(self._system.robot.toes), 2)}
+        shapes = {"t": (n,), "force": (n, len(self._system.robot.toes), self._system.robot.dimension)}
         numbers = {
             name: np.asarray(column).reshape(shapes.get(name, (n, -1))) for name, column in self._columns.items()
         }
-        mounted = [{mount.joint for mount in domain.mounts} for domain in domains]
+        mounted = [{mount.joint for mount in domain.mounts if mount.spring.pulls} for domain in domains]
 
         def spread(values: Sequence[Any], kind: type) -> NDArray[Any]:
             return np.repeat(np.array(values, dtype=kind), counts, axis=0)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.hybrid import spatial_section
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines.structure import OF_GROUND, with_fields
 from spear_pin.hybrid.ground import Ground
@@ -20,6 +21,7 @@ from spear_pin.hybrid.per_lane import applied, null_spaces
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.rules.footing import closed_toes, still
 from spear_pin.hybrid.rules.start import placed
+from spear_pin.hybrid.spatial_section import SpatialCharts
 from spear_pin.hybrid.translation import translations
 from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
@@ -175,7 +177,7 @@ class Chart:
         lane: the charts.
     """
 
-    lane: Charts
+    lane: Charts | SpatialCharts
 
     @property
     def dimension(self) -> int:
@@ -214,6 +216,8 @@ def chart(system: HybridSystem, state: State) -> Chart:
     """
     system.robot.bias(*state)  # checks both
     q, v = (np.array(part, dtype=float)[None] for part in state)
+    if system.section_toes:
+        return Chart(spatial_section.charts(system, q, v))
     whole = section(system)
     return Chart(whole.charts(q, v, whole.sliding(q, v)[0]))
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.newton import Lanes, OnIterates, Roots, Words, ignored, newton
 from spear_pin.hybrid.section import Charts
+from spear_pin.hybrid.spatial_section import SpatialCharts
 
 Array = NDArray[np.float64]
 SHORTEST_CYCLE = 1e-3  # s: a toe that leaves and returns within it makes no gait, though it is nearly periodic
@@ -55,7 +56,7 @@ class Shooting:
         wanted: the targets, (n, k).
     """
 
-    charts: Charts
+    charts: Charts | SpatialCharts
     cycle: Cycle
     vary: tuple[str, ...] = ()
     wanted: Array = field(default_factory=lambda: np.empty((1, 0)))
@@ -64,7 +65,7 @@ class Shooting:
         """The states on the section, (n, nq) and (n, nv); it is on the ground as it varies."""
         return self._on_ground(lanes, unknowns).states(unknowns[:, : self.charts.dimension])
 
-    def _on_ground(self, lanes: Lanes, unknowns: Array) -> Charts:
+    def _on_ground(self, lanes: Lanes, unknowns: Array) -> Charts | SpatialCharts:
         values = unknowns[:, self.charts.dimension :]
         return self.charts.take(lanes).on(dict(zip(self.vary, values.T, strict=True)))
 

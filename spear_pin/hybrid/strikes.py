@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Container, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.domain import Reset
-from spear_pin.hybrid.rules.guards import rise
+from spear_pin.hybrid.contact import OPEN, SLOW, STICK
+from spear_pin.hybrid.domain import Domain, Reset
+from spear_pin.hybrid.rules.guards import ON_GROUND, rise
+from spear_pin.hybrid.rules.guards import struck as told
 from spear_pin.hybrid.rules.impact import Impact, JointImpact, joint_impact, landed, plastic_impact
+from spear_pin.hybrid.rules.spatial_impact import spatial_impact
 
 Array = NDArray[np.float64]
 
@@ -21,9 +26,10 @@ class Strike(NamedTuple):
 
     Attributes:
         v: velocity afterwards, (nv,).
-        impulse: on each toe of the robot, along the ground and normal to it, (ntoes, 2), in N·s.
+        impulse: on each toe of the robot, along the ground and normal to it, (ntoes, 2) or (ntoes, 3), in N·s.
         work: done on the mechanism, in J, never positive.
-        rises: speeds at which toes are lifted off by an impact of several, in m/s, by name in `held`.
+        rises: speeds at which toes are lifted off by an impact of several, in m/s, and in space whether it was one of
+            theirs, too, by name in `held`.
     """
 
     v: Array
@@ -32,8 +38,99 @@ class Strike(NamedTuple):
     rises: Mapping[str, float]
 
 
+@dataclass
+class Overlap:
+    """Impacts that may not be over: each lasts for a while, and those that overlap are one.
+
+    Attributes:
+        window: how long one lasts, in s.
+        recent: of each toe that was struck when it was, in s, and its impulse since, (3,).
+    """
+
+    window: float
+    recent: dict[str, tuple[float, Array]] = field(default_factory=dict)
+
+    def received(self, toes: Sequence[str], now: float) -> Array:
+        """What toes have received in impacts that are not over, (m, 3), in N·s."""
+        for toe, (time, _) in list(self.recent.items()):
+            if now - time > self.window:
+                del self.recent[toe]
+        return np.array([self.recent[toe][1] if toe in self.recent else np.zeros(3) for toe in toes])
+
+    def add(self, toes: Sequence[str], striking: Container[str], impulse: Array, now: float) -> None:
+        """Take down an impact.
+
+        Args:
+            toes: that took part.
+            striking: those of them that were in the air.
+            impulse: of each, (m, 3).
+            now: when, in s.
+        """
+        for toe, own in zip(toes, impulse, strict=True):
+            if toe in self.recent:
+                time, before = self.recent[toe]
+                self.recent[toe] = time, before + own
+            elif toe in striking:
+                self.recent[toe] = now, own
+
+
+def struck_in_space(
+    system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array, overlap: Overlap, now: float
+) -> Strike:
+    """Effect of an impact in space, by `spatial_impact`, in which toes that touch the ground at that instant take part.
+
+    Args:
+        system: the system.
+        domain: the one that it ends.
+        reset: of the event.
+        q: configuration.
+        v: velocity before.
+        overlap: the impacts before it, to which it is added.
+        now: when, in s.
+    """
+    robot = system.robot
+    feet = {toe: system.ground.foot(robot, q, toe) for toe in robot.toes}
+    grounded = {toe for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN}
+    striking = {*reset.impact} - grounded
+    striking |= {
+        toe
+        for toe, (height, jacobian) in feet.items()
+        if toe not in grounded and height <= ON_GROUND and float(jacobian[-1] @ v) < 0.0
+    }
+    toes = [toe for toe in robot.toes if toe in grounded | striking]
+    jacobian = np.concatenate([feet[toe][1] for toe in toes])
+    before = overlap.received(toes, now)
+    impact = spatial_impact(robot.mass_matrix(q), jacobian, v, system.contact.friction, before)
+    overlap.add(toes, striking, impact.impulse, now)
+    impulse = np.zeros((len(robot.toes), 3))
+    impulse[[robot.toes.index(toe) for toe in toes]] = impact.impulse
+    speeds = np.where(impact.leaves, (jacobian @ impact.v)[2::3], 0.0).tolist()
+    noted = dict(zip(map(rise, toes), speeds, strict=True))
+    noted |= {told(toe): float(toe in striking and toe not in reset.impact) for toe in toes}
+    return Strike(impact.v, impulse, -impact.loss, noted)
+
+
+def stopped(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array) -> tuple[Array, float]:
+    """The velocity after toes in space whose sliding has all but ended are at rest, and the work of that, in J.
+
+    Others that slide as slowly are at rest with them, and those that stick go on doing so.
+    """
+    robot, rows = system.robot, []
+    for toe, mode in zip(robot.toes, domain.contacts, strict=True):
+        if mode == OPEN:
+            continue
+        jacobian = system.ground.foot(robot, q, toe)[1]
+        rests = toe in reset.stop or mode == STICK or math.hypot(*(jacobian[:-1] @ v)) <= 2.0 * SLOW
+        rows.append(jacobian if rests else jacobian[-1:])
+    jacobians = np.concatenate(rows)
+    response = np.linalg.solve(robot.mass_matrix(q), jacobians.T)
+    impulse = -np.linalg.lstsq(jacobians @ response, jacobians @ v, rcond=None)[0]
+    after = v + response @ impulse
+    return after, 0.5 * float(impulse @ (jacobians @ (v + after)))
+
+
 def struck_by(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Array, v: Array) -> Strike:
-    """Effect of the impact in which some toes take part, by `plastic_impact` or `joint_impact`.
+    """Effect of the impact in the plane in which some toes take part, by `plastic_impact` or `joint_impact`.
 
     Args:
         system: the system.

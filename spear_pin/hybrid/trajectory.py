@@ -105,7 +105,7 @@ class Trajectory(Shown):
         friction: other generalised friction, (n, nv).
         force: ground force on each toe, along the ground (x) and normal to it (z), in N, (n, ntoes, 2).
         spring: torque of each spring on its joint, in N·m, (n, nsprings).
-        engaged: whether each spring is engaged, (n, nsprings).
+        engaged: whether each spring is engaged, (n, nsprings); one that never pulls is none.
         current: of each motor, in A, (n, nu); (n, 0) without hardware.
         reference: the current that was asked for, in A, as `current`.
         events: what happened.

@@ -7,11 +7,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
+from typing import Literal
 
 import pinocchio as pin
 
 from spear_pin.errors import BadFile, BadValue, RobotWarning, UnknownName
 from spear_pin.kinds import typed
+from spear_pin.model.chain import BASES, ONE_OF, on_chain
 from spear_pin.model.draft import Draft, of_mjcf, of_model, of_urdf
 from spear_pin.model.elements import parse
 from spear_pin.model.equipping import equipped
@@ -97,7 +99,7 @@ def load(
     toes: Iterable[str] | None = None,
     locked: Iterable[str] | None = None,
     *,
-    base: Base | None = None,
+    base: Base | Literal["chain"] | None = None,
     motors: str | Iterable[str] | None = None,
     repair: bool = False,
 ) -> Robot:
@@ -113,8 +115,9 @@ def load(
             suffix or a separator), or of a TOML file that names one of these; or a `pin.Model`, which is copied.
         toes: frame names of the points that may touch the ground; shipped robots know theirs.
         locked: names of joints to hold at zero, for instance `["boom_x"]`.
-        base: "free" puts a floating joint under the root link, unless it has one; "fixed" holds the root. By default
-            it is as the file has it, with a warning where a root link with inertia stays fixed.
+        base: "free" puts a floating joint under the root link, unless it has one; "chain" has six joints in its place,
+            as simulation in space needs it, see `spear_pin.to_chain`; "fixed" holds the root. By default it is as the
+            file has it, with a warning where a root link with inertia stays fixed.
         motors: "all" for one on each joint that turns or slides, or names of joints. By default those of the file's
             `<transmission>`s, `<ros2_control>` or actuators, with a warning where there are none.
         repair: mend inertias that no body can have, and joints that move no inertia, with a warning.
@@ -130,19 +133,20 @@ def load(
         >>> load("spear_ii", locked=["boom_x"])
         Robot('spear_ii', nq=3, nv=3, nu=2, toes=['toe'], locked=['boom_x'])
     """
-    if base not in (None, "free", "fixed"):
-        raise BadValue("base", base, "'free' or 'fixed'")
+    if base not in (None, *BASES):
+        raise BadValue("base", base, ONE_OF)
     said = sidecar_of(source)
     wanted_base = said.base if base is None else base
-    draft = _draft(said.source, wanted_base, repair)
+    draft = _draft(said.source, "free" if wanted_base == "chain" else wanted_base, repair)
     shipped = ROBOTS[str(said.source)].toes if str(said.source) in ROBOTS else ()
     own_toes = shipped if said.own_toes is None else said.own_toes
     settings, driven = equipped(said, draft.model, draft.name, own_toes)
     locked = _names((said.locked or ()) if locked is None else locked)
     model = hold(draft.model, locked)
-    if wanted_base == "free":
+    if wanted_base in ("free", "chain"):
         check_floating(draft.place, model)
     model, mended = with_inertia(draft.place, model, repair)
+    model = on_chain(model) if wanted_base == "chain" else model
     asked = "all" if motors == "all" else None if motors is None else _names(motors)
     wanted = driven if asked is None else asked
     model, actuated = with_motors(model, draft.motors if wanted is None else wanted, locked)

@@ -51,6 +51,7 @@ class Robot(Shown):
         actuated: names of the joints that have a motor, in the order of u.
         locked: names of the joints that are held at zero.
         planar: whether everything moves in the x-z plane; toe queries are then two-dimensional.
+        dimension: of the space in which toes move, 2 or 3.
         source: what the robot was loaded from, a registered name or a path.
         options: how it was loaded, by the names of `load`'s arguments: base, motors, repair; what was not said is not
             there.
@@ -94,6 +95,7 @@ class Robot(Shown):
         self._toe_ids = {toe: frame_id(model, toe) for toe in self.toes}
         self.planar = _is_planar(model, self._data)
         self._rows = np.array([0, 2]) if self.planar else np.array([0, 1, 2])
+        self.dimension = len(self._rows)
 
     def __repr__(self) -> str:
         rest = f", locked={list(self.locked)}" if self.locked else ""

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from spear_pin.errors import BadFile, BadValue, UnknownName, brief
 from spear_pin.files import regular
 from spear_pin.model.catalogue import MOTORS
+from spear_pin.model.chain import BASES, ONE_OF
 from spear_pin.model.elements import MAX_NUMBER
 from spear_pin.model.motor import UNITS as MOTOR_UNITS
 from spear_pin.model.spring import UNITS as SPRING_UNITS
@@ -89,7 +90,7 @@ NAMES = Kind(_are_names, "a list of names")
 TABLES = Kind(lambda value: isinstance(value, dict) and all(isinstance(x, dict) for x in value.values()), "tables")
 KEYS = {
     **dict.fromkeys(NAMING, TEXT),
-    "base": Kind(lambda value: value in ("free", "fixed"), "'free' or 'fixed'"),
+    "base": Kind(lambda value: value in BASES, ONE_OF),
     "toes": NAMES,
     "locked": NAMES,
     "motors": Kind(

@@ -92,6 +92,11 @@ class Spring:
         stiffness, damping = spring.stiffness * scale.torque, spring.damping * scale.torque * scale.time
         return replace(spring, stiffness=stiffness, damping=damping)
 
+    @property
+    def pulls(self) -> bool:
+        """Whether there is a spring at all: no stiffness, and nothing in its place, is none."""
+        return bool(self.stiffness or self.hardening or self.preload or self.table)
+
     # its law, of whatever scalars the fields and the arguments are
 
     def torque(self, deflection: Any, ops: Any = np) -> Any:

@@ -7,8 +7,9 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from spear_pin import simulate
+from spear_pin import Spring, hopping, load, simulate
 from spear_pin.errors import BadValue
+from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.hybrid.result import Options, Piece
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.simulate import sample
@@ -197,3 +198,9 @@ def test_a_kept_run_is_sampled_as_one_that_is_simulated(hop):
     for name in SAMPLED:
         np.testing.assert_array_equal(getattr(again, name), getattr(trajectory, name))
     np.testing.assert_array_equal(again.ledger.work, trajectory.ledger.work)
+
+
+def test_spring_without_stiffness_is_never_engaged_so_that_nobody_draws_it():
+    system = hopping(load("spear_ii", locked=["boom_x"]), HoppingLaw(virtual_stiffness=48.84), Spring(stiffness=0.0))
+    motion = simulate(system, system.guess())
+    assert motion.spring_joints == ("knee",) and not motion.engaged.any()

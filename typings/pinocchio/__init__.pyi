@@ -44,6 +44,7 @@ class JointModel:
 
 class Frame:
     name: str
+    def __init__(self, name: str, joint: int, parent: int, placement: SE3, kind: Any, inertia: Any) -> None: ...
     def __getattr__(self, name: str) -> Any: ...
 
 class _Vector(Generic[_T]):  # a std::vector

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN
+from spear_pin.hybrid.contact import OPEN, SIGN
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.engines.structure import Scalars
 from spear_pin.hybrid.engines.symbolic import Motion
@@ -75,6 +75,10 @@ class Alternating:
     def height(self, frame: str) -> Any:
         """Distance of a frame from the ground, along its normal, in m."""
         return self._flight.height(frame)
+
+    def direction(self, toe: str, mode: str) -> tuple[Any, ...]:
+        """Direction along the ground in which a toe slides, by its mode."""
+        return (SIGN[mode],)
 
     def toe_velocity(self, toe: str) -> tuple[Any, Any]:
         """Velocity of a toe, along the ground and normal to it, in m/s."""

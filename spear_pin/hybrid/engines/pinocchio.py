@@ -6,7 +6,8 @@ The state is y = (q, v, x, w): x what the hardware remembers, w the work done so
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 import pinocchio as pin
@@ -14,15 +15,17 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN, SIGN, constrained, solve
+from spear_pin.hybrid.contact import OPEN, SETTING_OUT, SIGN, SLIPS, constrained, solve
 from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Row
 from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
-from spear_pin.hybrid.rules.footing import Rubbing
+from spear_pin.hybrid.rules.cone import slides
+from spear_pin.hybrid.rules.footing import AT_REST, STARTS_TO_SLIDE, Rubbing, along
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.robot import WORLD_ALIGNED
 
 Array = NDArray[np.float64]
+SWEEPS, SETTLED = 100, 1e-12  # over the directions in which several toes begin to slide
 
 
 def flow_names(system: HybridSystem) -> tuple[str, ...]:
@@ -74,14 +77,18 @@ class Flow:
         self._toe_ids = {toe: robot.toe_id(toe) for toe in robot.toes}
         self._frame_ids: dict[str, int] = {}
         self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
-        self._slips = [(toe, SIGN[mode]) for toe, mode in self._closed if mode in SIGN]
+        self._slips = [(toe, mode) for toe, mode in self._closed if mode in SLIPS]
+        self._k = robot.dimension
+        self._axes = slice(0, 3, 4 - self._k)  # of the world: x and z, or x, y and z
+        self._ways: Mapping[str, tuple[float, ...]] = {}
+        self._begun: dict[str, tuple[float, ...]] = {}  # the directions in which toes began to slide
         self._at_rest = [toe for toe, _ in self._closed]  # as a controller sees them
-        self._forces: dict[str, tuple[float, float]] = dict.fromkeys(robot.toes, (0.0, 0.0))
+        self._forces: dict[str, tuple[float, ...]] = dict.fromkeys(robot.toes, self._k * (0.0,))
         self._pivots: dict[str, float] = {}
         self._accelerate: Callable[[Array], Array] = (
             self._slip if self._slips else self._stick if self._closed or self._stuck else self._open
         )
-        self.q = self.v = self.a = self.friction = self._viscous = self._zeros
+        self.q = self.v = self.a = self.friction = self._viscous = self._net = self._zeros
         self.u: Sequence[float] = ()
         self.driven: Driven | None = None
 
@@ -150,7 +157,8 @@ class Flow:
             a[self._stuck] = 0.0  # to the last digit
         slipped = 0.0
         for toe, _ in self._slips:
-            slipped += self._forces[toe][0] * self.toe_velocity(toe)[0]
+            for force, speed in zip(self._forces[toe][:-1], self.toe_velocity(toe)[:-1], strict=True):
+                slipped += force * speed
         derivative = np.empty(2 * nv + self._nx + self._nw)
         derivative[:nv] = v
         derivative[nv : 2 * nv] = a
@@ -204,21 +212,26 @@ class Flow:
         return np.array(self._data.nle)
 
     def jacobian(self, toe: str) -> Array:
-        """J of a toe, rows along the ground and normal to it, (2, nv)."""
-        jacobian = pin.getFrameJacobian(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED)[0:3:2]
-        return np.array(jacobian if self._level else self._ground.axes(*jacobian))
+        """J of a toe, rows along the ground and normal to it, (2, nv) or (3, nv)."""
+        jacobian = pin.getFrameJacobian(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED)[self._axes]
+        return np.array(jacobian if self._level else self._ground.seen_in(jacobian))
 
-    def toe_velocity(self, toe: str) -> tuple[float, float]:
+    def toe_velocity(self, toe: str) -> tuple[float, ...]:
         """Velocity of a toe, along the ground and normal to it, in m/s."""
-        x, _, z = pin.getFrameVelocity(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED).linear.tolist()
-        return (x, z) if self._level else self._ground.axes(x, z)
+        linear = pin.getFrameVelocity(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED).linear.tolist()
+        velocity = linear[self._axes]
+        return tuple(velocity) if self._level else self._ground.seen_in(velocity)
 
-    def toe_acceleration(self, toe: str) -> tuple[float, float]:
+    def toe_acceleration(self, toe: str) -> tuple[float, ...]:
         """Acceleration of a toe under the last call's `a`, along the ground and normal to it, in m/s²."""
         pin.forwardKinematics(self._model, self._data, self.q, self.v, self.a)
         linear = pin.getFrameClassicalAcceleration(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED).linear
-        x, z = float(linear[0]), float(linear[2])
-        return (x, z) if self._level else self._ground.axes(x, z)
+        acceleration = linear.tolist()[self._axes]
+        return tuple(acceleration) if self._level else self._ground.seen_in(acceleration)
+
+    def direction(self, toe: str, mode: str) -> tuple[float, ...]:
+        """Unit vector along the ground in which a toe slides, in the last call."""
+        return (SIGN[mode],) if mode in SIGN else self._ways[toe]
 
     def height(self, frame: str) -> float:
         """Distance of a frame from the ground, along its normal, in m."""
@@ -229,7 +242,7 @@ class Flow:
         place = pin.updateFramePlacement(self._model, self._data, self._frame_ids[frame]).translation
         return float(place[2] if self._plain else self._ground.above(place[0], place[2], FLOATS))
 
-    def force(self, toe: str) -> tuple[float, float]:
+    def force(self, toe: str) -> tuple[float, ...]:
         """Ground force on a toe in the last call, along the ground and normal to it, in N."""
         return self._forces[toe]
 
@@ -249,7 +262,7 @@ class Flow:
         if self._has_friction:
             applied += self._viscous
         _, multipliers = self._resting(self._at_rest, applied)
-        return multipliers[2 * self._at_rest.index(toe) + 1]
+        return multipliers[self._k * (self._at_rest.index(toe) + 1) - 1]
 
     def response(self) -> tuple[list[float], list[list[float]]]:
         """(a, A) with v̇ = a + A u with the toes on the ground at rest: (nv,) and nv rows of nu."""
@@ -310,9 +323,9 @@ class Flow:
     def _stick(self, applied: Array) -> Array:
         a, multipliers = self._resting([toe for toe, _ in self._closed], applied, self._locks)
         for i, (toe, _) in enumerate(self._closed):
-            self._forces[toe] = multipliers[2 * i], multipliers[2 * i + 1]
+            self._forces[toe] = tuple(multipliers[self._k * i : self._k * (i + 1)])
         if self._stuck:
-            self._holding = np.array(multipliers[2 * len(self._closed) :])
+            self._holding = np.array(multipliers[self._k * len(self._closed) :])
         return a
 
     def _resting(self, toes: Sequence[str], applied: Array, locks: Array | None = None) -> tuple[Array, list[float]]:
@@ -329,36 +342,105 @@ class Flow:
 
     def _slip(self, applied: Array) -> Array:
         friction = self.system.contact.friction
-        a, multiplier, schur = constrained(self._data.M, applied - self._data.nle, *self._constraint())
+        self._net = applied - self._data.nle
+        self._ways = ways = self._directions()
+        constraint = self._constraint([toe for toe, _ in self._closed], ways)
+        a, multiplier, schur = constrained(self._data.M, self._net, *constraint)
         inverse_pivots = np.diag(np.linalg.inv(schur))
         row = 0
-        for toe, mode in self._closed:
-            if mode not in SIGN:
-                self._forces[toe] = float(multiplier[row]), float(multiplier[row + 1])
+        for toe, _ in self._closed:
+            if toe not in ways:
+                self._forces[toe] = tuple(multiplier[row : row + self._k].tolist())
+                row += self._k
             else:
                 normal = float(multiplier[row])
-                self._forces[toe] = -friction * SIGN[mode] * normal, normal
+                self._forces[toe] = *(-friction * way * normal for way in ways[toe]), normal
                 self._pivots[toe] = 1.0 / float(inverse_pivots[row])
-            row += 1 if mode in SIGN else 2
+                row += 1
         self._holding = multiplier[row:]
         return a
 
-    def _constraint(self) -> tuple[Array, Array, Array]:
-        """Rows A, directions G and drift of the closed toes, as `constrained` takes them."""
+    def _constraint(self, toes: Sequence[str], ways: Mapping[str, Sequence[float]]) -> tuple[Array, Array, Array]:
+        """Rows A, directions G and drift of toes on the ground, as `constrained` takes them, and of joints held.
+
+        Args:
+            toes: on the ground.
+            ways: of those that slide, the unit vectors along which they do.
+        """
         friction = self.system.contact.friction
         A, G, drift = [], [], []
-        rows, drifts = self._rows([toe for toe, _ in self._closed])
-        for (_, mode), jacobian, toe_drift in zip(self._closed, rows, drifts, strict=True):
-            if mode not in SIGN:
-                A += [jacobian[0], jacobian[1]]
-                G += [jacobian[0], jacobian[1]]
+        for toe, jacobian, toe_drift in zip(toes, *self._rows(toes), strict=True):
+            if toe not in ways:
+                A += [*jacobian]
+                G += [*jacobian]
                 drift += toe_drift.tolist()
             else:
-                A.append(jacobian[1])
-                G.append(jacobian[1] - friction * SIGN[mode] * jacobian[0])
-                drift.append(toe_drift[1])
+                A.append(jacobian[-1])
+                G.append(jacobian[-1] - friction * along(ways[toe], jacobian[:-1]))
+                drift.append(toe_drift[-1])
         lock_drift = [0.0] * len(self._stuck)
         return np.array([*A, *self._locks]), np.array([*G, *self._locks]).T, np.array(drift + lock_drift)
+
+    def _directions(self) -> dict[str, tuple[float, ...]]:
+        """Unit vectors along which toes slide: those of their velocities, and those that they take as they begin to."""
+        ways, slow = dict[str, tuple[float, ...]](), []
+        for toe, mode in self._slips:
+            if mode in SIGN:
+                ways[toe] = (SIGN[mode],)
+                continue
+            velocity = self.toe_velocity(toe)[:-1]
+            speed = math.hypot(*velocity)
+            if speed <= (SETTING_OUT if toe in self._begun else AT_REST):
+                slow.append(toe)
+            else:
+                self._begun.pop(toe, None)
+                ways[toe] = tuple(each / speed for each in velocity)
+        if slow:
+            self._begun |= self._onset(slow, ways)
+        return ways | {toe: self._begun[toe] for toe in slow}
+
+    def _onset(self, begin: Sequence[str], moving: Mapping[str, tuple[float, ...]]) -> dict[str, tuple[float, ...]]:
+        """The directions in which toes at rest begin to slide, beside those that do already.
+
+        Where they set out it is against the force that would hold them, or nearest to that. Of several, which depend on
+        each other, each is found with the others' until none changes.
+        """
+        toes = [toe for toe, _ in self._closed]
+        jacobians, drifts = (dict(zip(toes, each, strict=True)) for each in self._rows(toes))
+        ways = {**moving, **{toe: self._begun[toe] for toe in begin if toe in self._begun}}
+        if new := [toe for toe in begin if toe not in ways]:
+            ways |= self._against(toes, new, ways)
+        for _ in range(SWEEPS):
+            before = dict(ways)
+            for toe in begin:
+                others = [each for each in toes if each != toe]
+                forces = np.column_stack([self._net, jacobians[toe].T])
+                if others or self._stuck:
+                    a = constrained(self._data.M, forces, *self._constraint(others, ways))[0]
+                else:
+                    a = solve(self._data.M, forces)
+                seen = jacobians[toe] @ a
+                A, b = seen[:, 1:], seen[:, 0] + drifts[toe]
+                found = slides(A, b, self.system.contact.friction, -STARTS_TO_SLIDE)
+                if found:
+                    ways[toe] = min((each.direction for each in found), key=partial(math.dist, ways[toe]))
+            if all(math.dist(ways[toe], before[toe]) < SETTLED for toe in begin):
+                break
+        return {toe: ways[toe] for toe in begin}
+
+    def _against(
+        self, toes: Sequence[str], begin: Sequence[str], moving: Mapping[str, tuple[float, ...]]
+    ) -> dict[str, tuple[float, ...]]:
+        """Directions against the forces that would hold toes at rest."""
+        _, multiplier, _ = constrained(self._data.M, self._net, *self._constraint(toes, moving))
+        against, row = dict[str, tuple[float, ...]](), 0
+        for toe in toes:
+            if toe in begin:
+                held = multiplier[row : row + self._k - 1].tolist()
+                size = math.hypot(*held)
+                against[toe] = tuple(-force / size for force in held) if size > 0.0 else (1.0, 0.0)
+            row += 1 if toe in moving else self._k
+        return against
 
     def _rows(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
         model, data = self._model, self._data
@@ -366,9 +448,9 @@ class Flow:
         rows, drifts = [], []
         for toe in toes:
             index = self._toe_ids[toe]
-            rows.append(pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[0:3:2])
-            drifts.append(pin.getFrameClassicalAcceleration(model, data, index, WORLD_ALIGNED).linear[0:3:2])
+            rows.append(pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[self._axes])
+            drifts.append(pin.getFrameClassicalAcceleration(model, data, index, WORLD_ALIGNED).linear[self._axes])
         if self._level:
             return rows, drifts
-        turn = self._ground.axes
-        return [np.array(turn(*row)) for row in rows], [np.array(turn(*drift)) for drift in drifts]
+        turn = self._ground.seen_in
+        return [np.array(turn(row)) for row in rows], [np.array(turn(drift)) for drift in drifts]

@@ -164,6 +164,10 @@ class Motion:
         """J of a toe, rows along the ground and normal to it."""
         return self._feet.jacobians[toe]
 
+    def direction(self, toe: str, mode: str) -> tuple[Any, ...]:
+        """Direction along the ground in which a toe slides, by its mode."""
+        return (SIGN[mode],)
+
     def toe_velocity(self, toe: str) -> tuple[Any, Any]:
         """Velocity of a toe, along the ground and normal to it, in m/s."""
         x, z = self.jacobian(toe)

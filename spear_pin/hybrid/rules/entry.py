@@ -25,8 +25,8 @@ NONE = -1
 
 
 def thresholds(guards: Sequence[Guard]) -> list[float]:
-    """Values up to which guards count as on zero where the domain is entered; infinite for those only observed."""
-    return [-math.inf if guard.observes else guard.tolerance for guard in guards]
+    """Values up to which guards count as on zero where the domain is entered; infinite for those that have to wait."""
+    return [-math.inf if guard.waits else guard.tolerance for guard in guards]
 
 
 def bent(kink: Any) -> Any:

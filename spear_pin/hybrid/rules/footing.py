@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from spear_pin.hybrid.contact import OPEN, SIGN, STICK
+from spear_pin.hybrid.contact import OPEN, SLIPS, STICK
 from spear_pin.hybrid.domain import Domain, Rub
 from spear_pin.hybrid.dynamics import Dynamics
 from spear_pin.hybrid.rules.scalars import first, where
@@ -26,8 +26,8 @@ class Footing(NamedTuple):
     """Numbers of a toe on the ground by which its mode is told, scalars of any kind.
 
     Attributes:
-        speed: of its sliding, along the mode's direction if it slides and forward if it sticks, in m/s.
-        tangential: force along the ground, in N.
+        speed: of its sliding, along the mode's direction if it slides, in m/s; if it sticks forward, in space its size.
+        tangential: force along the ground, in N; in space its size.
         normal: force out of the ground, in N.
         grip: μ times the normal force, in N.
         acceleration: along the mode's direction, in m/s²; of a sliding toe.
@@ -63,13 +63,24 @@ def closed_toes(toes: Sequence[str], domain: Domain) -> list[tuple[str, str]]:
 
 def footing(dynamics: Dynamics, toe: str, mode: str) -> Footing:
     """A toe's footing in a mode."""
-    tangential, normal = dynamics.force(toe)
-    speed, grip = dynamics.toe_velocity(toe)[0], dynamics.friction_coefficient * normal
+    *tangential, normal = dynamics.force(toe)
+    velocity, grip = dynamics.toe_velocity(toe)[:-1], dynamics.friction_coefficient * normal
     if mode == STICK:
-        return Footing(speed, tangential, normal, grip)
-    sign = SIGN[mode]
-    acceleration, pivot = dynamics.toe_acceleration(toe)[0], dynamics.pivot(toe)
-    return Footing(sign * speed, tangential, normal, grip, sign * acceleration, pivot)
+        return Footing(size(velocity), size(tangential), normal, grip)
+    way = dynamics.direction(toe, mode)
+    acceleration, pivot = dynamics.toe_acceleration(toe)[:-1], dynamics.pivot(toe)
+    return Footing(along(way, velocity), size(tangential), normal, grip, along(way, acceleration), pivot)
+
+
+def size(tangential: Sequence[Any]) -> Any:
+    """Size of what is along the ground: in the plane, where that is one number, with its sign."""
+    return tangential[0] if len(tangential) == 1 else math.hypot(*tangential)
+
+
+def along(way: Iterable[Any], tangential: Iterable[Any]) -> Any:
+    """Part along a unit vector of what is along the ground."""
+    first, *others = (one * other for one, other in zip(way, tangential, strict=True))
+    return sum(others, first)
 
 
 def still(speed: Any) -> Any:
@@ -141,4 +152,4 @@ def torn_off(mode: str, bore: Any, next_mode: str, bears: Any) -> Any:
         next_mode: in the motion that fits best.
         bears: its normal force there, in N.
     """
-    return (mode == STICK and next_mode in SIGN) & (bore > BORE) & (bears <= 0.0)
+    return (mode == STICK and next_mode in SLIPS) & (bore > BORE) & (bears <= 0.0)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from spear_pin.hybrid.contact import SIGN, STICK
+from spear_pin.hybrid.contact import SIGN, SLIP, SLOW, STICK
 from spear_pin.hybrid.domain import Guard, GuardValue, Mount, Reset, Rub
 from spear_pin.hybrid.dynamics import Dynamics, Operations
-from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, UNLOADED
+from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, UNLOADED, size
 
 ON_GROUND = 1e-8  # m: more than integration leaves of the constraint, less than any foot clearance
 ON_REST = 1e-9  # rad: more than what an event's time is off by
@@ -21,7 +21,7 @@ def height(frame: str) -> GuardValue:
 
 def normal_force(toe: str) -> GuardValue:
     """Normal force of a toe, in N."""
-    return lambda t, q, v, held, p, dyn, ops: dyn.force(toe)[1]
+    return lambda t, q, v, held, p, dyn, ops: dyn.force(toe)[-1]
 
 
 def cone_margin(toe: str, side: float) -> GuardValue:
@@ -29,13 +29,23 @@ def cone_margin(toe: str, side: float) -> GuardValue:
     return lambda t, q, v, held, p, dyn, ops: dyn.friction_coefficient * dyn.force(toe)[1] + side * dyn.force(toe)[0]
 
 
+def circular_margin(toe: str) -> GuardValue:
+    """μ F_z - |F_t|, in N: zero where the toe begins to slide in space."""
+    return lambda t, q, v, held, p, dyn, ops: dyn.friction_coefficient * dyn.force(toe)[-1] - size(dyn.force(toe)[:-1])
+
+
 def slip_speed(toe: str, side: float) -> GuardValue:
     """Sliding speed of a toe to one side, in m/s."""
     return lambda t, q, v, held, p, dyn, ops: side * dyn.toe_velocity(toe)[0]
 
 
+def radial_speed(toe: str) -> GuardValue:
+    """By how much the sliding speed of a toe in space is above that at which it is stopped, in m/s."""
+    return lambda t, q, v, held, p, dyn, ops: size(dyn.toe_velocity(toe)[:-1]) - SLOW
+
+
 def pivot(toe: str) -> GuardValue:
-    """J_z D⁻¹ (J_z - μ s J_x)ᵀ of a slipping toe, in 1/kg: not positive means Painlevé's paradox."""
+    """J_z D⁻¹ (J_z - μ J_tᵀ d)ᵀ of a slipping toe, in 1/kg: not positive means Painlevé's paradox."""
     return lambda t, q, v, held, p, dyn, ops: dyn.pivot(toe)
 
 
@@ -52,6 +62,16 @@ def rise(toe: str) -> str:
 def stays(toe: str) -> GuardValue:
     """Positive unless the impact by which the phase was entered lifts the toe off."""
     return lambda t, q, v, held, p, dyn, ops: 10.0 * AT_REST - held.get(rise(toe), 0.0)
+
+
+def struck(toe: str) -> str:
+    """Name in `held` of 1 where an impact of another toe was one of this, too."""
+    return f"{toe}_struck"
+
+
+def strikes_too(toe: str) -> GuardValue:
+    """Positive unless the impact by which the phase was entered was one of this toe, too."""
+    return lambda t, q, v, held, p, dyn, ops: 0.5 - held.get(struck(toe), 0.0)
 
 
 def touchdown(toe: str, reset: Reset, name: str = "touchdown") -> Guard:
@@ -87,7 +107,7 @@ def to_spare(rub: Rub, side: float) -> GuardValue:
     return spare
 
 
-def contact_guards(toe: str, mode: str, name: str, lift_off: Reset) -> list[Guard]:
+def contact_guards(toe: str, mode: str, name: str, lift_off: Reset, ways: Sequence[str]) -> list[Guard]:
     """Events of a toe on the ground: lift-off, slip or stick, and the end of the slip equation's validity.
 
     Args:
@@ -95,13 +115,23 @@ def contact_guards(toe: str, mode: str, name: str, lift_off: Reset) -> list[Guar
         mode: its mode of contact.
         name: of its lift-off.
         lift_off: what happens then.
+        ways: modes in which it may slide.
     """
     leave = Guard(name, normal_force(toe), lift_off, tolerance=UNLOADED)
     if mode == STICK:
-        margins = [cone_margin(toe, side) for side in SIGN.values()]
+        margins = [circular_margin(toe) if way == SLIP else cone_margin(toe, SIGN[way]) for way in ways]
         return [leave, *(Guard("slip", margin, Reset(), tolerance=UNLOADED) for margin in margins)]
     ill_posed = Guard("painleve", pivot(toe), ends="painleve")
-    return [ill_posed, leave, Guard("stick", slip_speed(toe, SIGN[mode]), Reset(), tolerance=AT_REST)]
+    if mode == SLIP:  # in what little is left of its speed it would turn ever faster
+        stop = Guard("stick", radial_speed(toe), Reset(stop=(toe,)), patient=True)
+    else:
+        stop = Guard("stick", slip_speed(toe, SIGN[mode]), Reset(), tolerance=AT_REST)
+    return [ill_posed, leave, stop]
+
+
+def struck_together(toe: str, name: str, reset: Reset) -> Guard:
+    """Touchdown at once of a toe that reached the ground at the same instant as the one that the phase begins with."""
+    return Guard(name, strikes_too(toe), reset)
 
 
 def lifted_off(toe: str, name: str, lift_off: Reset) -> Guard:

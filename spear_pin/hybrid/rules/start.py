@@ -37,12 +37,12 @@ def rests(height: Any, rising: Any, at_rest: float = AT_REST) -> Any:
 def start(system: HybridSystem, standing: bool) -> tuple[str, tuple[Reset, ...]]:
     """The phase in which a run begins, and the resets whose latches say what is held there.
 
-    It is as if the phase had just begun: that which follows the section if all toes that are on the ground in it rest
-    there by `STATE_AT_REST`, else flight before the section.
+    It is as if the phase had just begun: that which follows the section if the state is on it, else flight before it.
 
     Args:
         system: the system.
-        standing: whether they rest there.
+        standing: whether the state is on the section: all toes that are on the ground after it rest there by
+            `STATE_AT_REST`, or where it lies before the impact a toe of it touches the ground.
     """
     flight, lands = system.landing
     into_flight = system.reset_into(flight)

@@ -1,0 +1,137 @@
+"""What events latch, leg by leg: as one begins to bear, to trail, to swing while the other pair bears, and to land.
+
+A leg in the air has an evolution of its own. It trails after its lift-off until the other pair is down, swings while
+that bears, and lands after that has lifted off. Its contact and its evolution are two things.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from spear_pin.gaits.bounding_law import PAIR
+from spear_pin.gaits.spatial.law import SpatialLaw
+from spear_pin.gaits.spatial.legs import YAW, Leg, Pair
+from spear_pin.gaits.virtual_constraints import begun, value
+from spear_pin.hybrid.domain import Held
+
+SHORTEST_SPAN = 0.2  # of a stance's span: what is left of it when a swing begins late
+FLIGHTS = {"posterior": "flight_1", "anterior": "flight_2"}  # after the stance of a pair
+
+Numbers = Sequence[float]
+
+
+def mean_angle(pair: Pair, q: Numbers) -> float:
+    """Mean leg angle γ of a pair, whichever of its legs is on the ground."""
+    left, right = (value(leg.angle, q) for leg in pair)
+    return float(0.5 * (left + right))
+
+
+def bears(leg: Leg, pair: Pair, q: Numbers, v: Numbers, p: SpatialLaw, anew: bool) -> dict[str, Any]:
+    """A leg begins to bear.
+
+    Args:
+        leg: the leg.
+        pair: its own.
+        q: configuration.
+        v: velocity.
+        p: the law.
+        anew: whether it is the first of its pair, and not just back.
+    """
+    plane, i = p.plane, 0 if leg.pair == "posterior" else 1
+    ahead = math.cos(q[YAW]) * v[0] + math.sin(q[YAW]) * v[1]
+    faster = plane.speed_gain[i] * (ahead - plane.speed_nominal[i])
+    hip, knee = (float(getattr(plane, f"{leg.pair}_{name}_torque")) for name in ("hip", "knee"))
+    latched: dict[str, Any] = {
+        "rest": q[leg.knee],
+        "taut": 1.0,
+        "flexed": 0.0,
+        "hip_torque": (hip + faster) / PAIR + p.of(leg, "hip_difference"),
+        "knee_torque": knee / PAIR + p.of(leg, "knee_difference"),
+        "adduction": q[leg.adduction],
+        "adduction_torque": p.of(leg, "adduction_torque") - leg.lateral * float(getattr(p, f"{leg.pair}_squeeze")),
+    }
+    of_pair = {f"{leg.pair}_leg": mean_angle(pair, q)} if anew else {}
+    return {f"{leg.name}_{name}": each for name, each in latched.items()} | of_pair
+
+
+def trails(leg: Leg, others: Pair, q: Numbers, v: Numbers, p: SpatialLaw) -> dict[str, Any]:
+    """A leg trails, over the travel along the heading that it has now."""
+    flight = FLIGHTS[leg.pair]
+    shapes, span = getattr(p.plane, f"{flight}_trailing"), getattr(p.plane, f"{flight}_span")
+    return _begins(leg, others, _along(q), shapes, q, v, span, p, 0.0)
+
+
+def swings(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: SpatialLaw) -> dict[str, Any]:
+    """A leg swings while the other pair bears, over the mean leg angle of that."""
+    bearing = others[0].pair
+    whole = getattr(p.plane, f"{bearing}_stance_span")
+    left = 1.0 - (mean_angle(others, q) - held[f"{bearing}_leg"]) / whole
+    span = whole * np.maximum(left, SHORTEST_SPAN)
+    shapes = getattr(p.plane, f"{bearing}_stance_swing")
+    return _begins(leg, others, (0.0, 0.0, 0.5), shapes, q, v, span, p, 1.0)
+
+
+def lands(leg: Leg, others: Pair, q: Numbers, v: Numbers, p: SpatialLaw) -> dict[str, Any]:
+    """A leg is brought to its touchdown angles after the other pair has lifted off."""
+    flight = FLIGHTS[others[0].pair]
+    (angle, knee), (target, flexion) = getattr(p.plane, f"{flight}_landing"), touchdown_angles(leg, p)
+    shapes = (angle, *3 * (target,)), (knee, *3 * (flexion,))
+    return _begins(leg, others, _along(q), shapes, q, v, getattr(p.plane, f"{flight}_span"), p, 1.0)
+
+
+def waits(leg: Leg, others: Pair, q: Numbers, p: SpatialLaw) -> dict[str, Any]:
+    """A leg holds its touchdown angles, wherever it is: all that it will do depends on the state alone."""
+    weights = _along(q)
+    targets = tuple(5 * (target,) for target in touchdown_angles(leg, p))
+    origin = float(value(leg.outputs(others, weights).phase, q))
+    flight = FLIGHTS[others[0].pair]
+    return _named(leg, weights, targets, origin, getattr(p.plane, f"{flight}_span"), p, 1.0)
+
+
+def touchdown_angles(leg: Leg, p: SpatialLaw) -> tuple[float, float]:
+    """γ and the knee's angle with which a leg is to land, in rad."""
+    target = getattr(p.plane, f"{leg.pair}_leg_touchdown") + p.of(leg, "leg_difference")
+    return float(target), leg.side * p.plane.knee_touchdown
+
+
+def landing(legs: Iterable[Leg], held: Held) -> list[Leg]:
+    """The legs that have not been on the ground since they swung."""
+    return [leg for leg in legs if held.get(f"{leg.name}_forward", 1.0) > 0.5]
+
+
+def _along(q: Numbers) -> tuple[float, float, float]:
+    return math.cos(q[YAW]), math.sin(q[YAW]), 0.0
+
+
+def _begins(
+    leg: Leg,
+    others: Pair,
+    weights: tuple[float, float, float],
+    shapes: Sequence[Sequence[float]],
+    q: Numbers,
+    v: Numbers,
+    span: float,
+    p: SpatialLaw,
+    forward: float,
+) -> dict[str, Any]:
+    evolution = begun(leg.outputs(others, weights), shapes, q, v, span)
+    return _named(leg, weights, evolution.alpha, evolution.origin, evolution.span, p, forward)
+
+
+def _named(
+    leg: Leg, weights: tuple[float, float, float], alpha: Any, origin: float, span: float, p: SpatialLaw, forward: float
+) -> dict[str, Any]:
+    latched = {
+        "weights": weights,
+        "alpha": alpha,
+        "origin": origin,
+        "span": span,
+        "past": 0.0,
+        "forward": forward,
+        "lands_at": p.adduction_touchdown(leg),
+    }
+    return {f"{leg.name}_{name}": each for name, each in latched.items()}

@@ -1,0 +1,126 @@
+"""Coulomb's cone in space: how one toe meets the ground, in forces and accelerations or in impulses and velocities.
+
+With A = J D⁻¹ Jᵀ of the toe, along x, y and z, and b what its acceleration (its velocity) would be without force
+(without impulse), the same law holds of both: 0 ≤ F_z ⊥ (b + A F)_z ≥ 0, and it sticks with |F_t| ≤ μ F_z or slides
+along the unit vector d with F_t = -μ F_z d.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+ON_CIRCLE = 1e-6  # by which the modulus of a root that is a direction may be off 1
+POLISH = 3  # steps of Newton's method, each of which doubles a root's digits
+WITHIN = 1e-12  # of the normal force: by so much more than the cone allows a toe may stick
+
+
+class Slide(NamedTuple):
+    """A way to slide.
+
+    Attributes:
+        direction: unit vector along the ground, (x, y).
+        normal: force or impulse normal to it.
+        rate: of b + A F along the direction, positive.
+    """
+
+    direction: tuple[float, float]
+    normal: float
+    rate: float
+
+
+class Foothold(NamedTuple):
+    """How a toe meets the ground.
+
+    Attributes:
+        force: on it, (3,).
+        mode: "open", "stick" or "slip".
+        direction: in which it begins to slide, if it does.
+    """
+
+    force: Array
+    mode: str
+    direction: tuple[float, float] | None = None
+
+
+def pivot(A: Array, direction: tuple[float, float], friction: float) -> float:
+    """p(d) = A_zz - μ A_zt·d, the effective inverse mass of the normal force of a toe that slides along d, in 1/kg."""
+    return float(A[2, 2] - friction * (A[2, 0] * direction[0] + A[2, 1] * direction[1]))
+
+
+def slides(A: Array, b: Array, friction: float, least: float = 0.0) -> list[Slide]:
+    """The directions in which a toe at rest can begin to slide, the fastest first.
+
+    Those with d x (b + A F)_t = 0 and d·(b + A F)_t > 0 under F = F_z (e_z - μ d), F_z = -b_z / p(d). Cleared of p, the
+    first is a trigonometric polynomial of second degree in the angle of d, a quartic in exp(iθ).
+
+    Args:
+        A: (3, 3).
+        b: (3,).
+        friction: μ.
+        least: rate that counts as one; on the cone's edge rounding makes it negative.
+    """
+    constant = A[2, 2] * b[:2] - b[2] * A[:2, 2]
+    linear = friction * (b[2] * A[:2, :2] - np.outer(b[:2], A[2, :2]))
+    once = complex(constant[1], constant[0])  # of cos θ, and minus that of sin θ, of the cross product
+    twice = 0.5 * complex(linear[1, 0] + linear[0, 1], -(linear[1, 1] - linear[0, 0]))
+    still = 0.5 * (linear[1, 0] - linear[0, 1])
+    quartic = np.array([0.5 * twice, 0.5 * once, still, 0.5 * once.conjugate(), 0.5 * twice.conjugate()])
+    found: list[Slide] = []
+    for root in _roots(quartic):
+        if abs(abs(root) - 1.0) > ON_CIRCLE:
+            continue
+        direction = _polished(quartic, math.atan2(root.imag, root.real))
+        inverse = pivot(A, direction, friction)
+        if inverse <= 0.0 or b[2] >= 0.0:
+            continue
+        normal = float(-b[2] / inverse)
+        after = b[:2] + normal * (A[:2, 2] - friction * A[:2, :2] @ direction)
+        rate = float(after @ direction)
+        if rate > least:
+            found.append(Slide(direction, normal, rate))
+    return sorted(found, key=lambda slide: -slide.rate)
+
+
+def foothold(A: Array, b: Array, friction: float) -> Foothold:
+    """How one toe meets the ground: open, sticking, or sliding along the direction in which it begins to.
+
+    Of several ways to slide, which one in ten thousand random toes has, it takes the fastest. Where nothing holds
+    (Painlevé's paradox) it sticks outside the cone.
+
+    Args:
+        A: (3, 3).
+        b: (3,).
+        friction: μ.
+    """
+    if b[2] >= 0.0:
+        return Foothold(np.zeros(3), "open")
+    force = np.asarray(-np.linalg.solve(A, b), np.float64)
+    if math.hypot(force[0], force[1]) <= friction * force[2] * (1.0 + WITHIN):
+        return Foothold(force, "stick")
+    ways = slides(A, b, friction)
+    if not ways:
+        return Foothold(force, "stick")
+    (x, y), normal, _ = ways[0]
+    return Foothold(np.array([-friction * x * normal, -friction * y * normal, normal]), "slip", (x, y))
+
+
+def _roots(quartic: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    size = float(np.abs(quartic).max())
+    found = np.roots(quartic) if size > 0.0 and math.isfinite(size) else np.empty(0)
+    return np.asarray(found, np.complex128)
+
+
+def _polished(quartic: NDArray[np.complex128], angle: float) -> tuple[float, float]:
+    """The unit vector at an angle, after Newton's method on the trigonometric polynomial."""
+    twice, once, still = 2.0 * quartic[0], 2.0 * quartic[1], quartic[2].real
+    for _ in range(POLISH):
+        z = complex(math.cos(angle), math.sin(angle))
+        value = (once * z + twice * z * z).real + still
+        slope = (1j * once * z + 2j * twice * z * z).real
+        angle -= value / slope if slope else 0.0
+    return math.cos(angle), math.sin(angle)

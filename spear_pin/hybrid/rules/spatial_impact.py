@@ -1,0 +1,117 @@
+"""Plastic impacts in space with Coulomb friction, of any number of toes, by Moreau's law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.rules.cone import Foothold, foothold
+
+Array = NDArray[np.float64]
+SWEEPS = 500
+SETTLED = 1e-15  # of the largest impulse: by so much it changes in the last sweep
+AGREES, ROUNDING = 1e-9, 1e-12  # of the toes' speed, and in m/s: by so much an impact may violate its law
+GAINED = 1e-12  # of the kinetic energy that goes through the toes: rounding
+
+
+@dataclass(frozen=True)
+class SpatialImpact:
+    """A plastic impact that any number of toes takes part in.
+
+    Attributes:
+        v: velocity afterwards, (nv,).
+        impulse: Λ on each toe, along the ground and normal to it, in N·s, (m, 3).
+        loss: kinetic energy lost, in J: -½ Σ Λᵀ (J v⁺ + J v⁻).
+        slides: for each toe, whether it stays on the ground and slides.
+        leaves: for each toe, whether the impact lifts it off.
+    """
+
+    v: Array
+    impulse: Array
+    loss: float
+    slides: tuple[bool, ...]
+    leaves: tuple[bool, ...]
+
+
+class _Answer(NamedTuple):
+    """Impulses, (m, 3), and how each toe meets the ground."""
+
+    impulse: Array
+    modes: tuple[str, ...]
+
+
+def spatial_impact(D: Array, J: Array, v: Array, friction: float, before: Array | None = None) -> SpatialImpact:
+    """Plastic impact on several toes at once, by Moreau's law with zero restitution.
+
+    With u = J v⁺ the toes' velocities afterwards, for each toe 0 ≤ Λ_z ⊥ u_z ≥ 0, and it sticks with |Λ_t| ≤ μ Λ_z or
+    slides along d with Λ_t = -μ Λ_z d. So Λᵀ u ≤ 0, and with A = J D⁻¹ Jᵀ the loss is ½ Λᵀ A Λ - Λᵀ u ≥ 0. If all toes
+    can stick, they do; else Gauss and Seidel's method goes round exact solutions of one toe each.
+
+    Where impacts overlap, `before` is what toes have received so far: the sum obeys the law, so that a toe stays as
+    long as the sum of its normal impulses is positive. If that were to gain energy, each impact obeys it alone.
+
+    Args:
+        D: mass matrix, (nv, nv).
+        J: Jacobians of the toes, rows x, y and z of each, (3 m, nv).
+        v: velocity before, (nv,).
+        friction: coefficient of friction.
+        before: impulses of impacts that have not ended yet, (m, 3), in N·s.
+    """
+    response = np.linalg.solve(D, J.T)
+    A, u = J @ response, J @ v
+    m = len(J) // 3
+    received = np.zeros((m, 3)) if before is None else before
+    for earlier in (received, np.zeros((m, 3))):
+        total, modes = _together(A, u - A @ earlier.ravel(), friction)
+        impulse = total - earlier
+        after = u + A @ impulse.ravel()
+        loss = -0.5 * float(impulse.ravel() @ (u + after))
+        if loss >= -GAINED * float(np.abs(impulse.ravel() * u).sum()):
+            break
+    leaves = tuple(mode == "open" for mode in modes)
+    return SpatialImpact(v + response @ impulse.ravel(), impulse, loss, tuple(mode == "slip" for mode in modes), leaves)
+
+
+def violation(A: Array, u: Array, impulse: Array, friction: float) -> float:
+    """By how much impulses violate Moreau's law, in m/s.
+
+    Args:
+        A: J D⁻¹ Jᵀ, (3 m, 3 m).
+        u: velocities of the toes before, (3 m,).
+        impulse: (m, 3).
+        friction: coefficient of friction.
+    """
+    after = (u + A @ impulse.ravel()).reshape(-1, 3)
+    weight = np.trace(A) / len(A)  # impulses count as the velocities that they cause
+    worst = 0.0
+    for (x, y, z), (px, py, pz) in zip(after.tolist(), impulse.tolist(), strict=True):
+        pressed, pushed, speed = weight * pz, weight * np.hypot(px, py), np.hypot(x, y)
+        aligned = abs(px * y - py * x) / speed * weight if speed > 0.0 else 0.0
+        against = max(0.0, px * x + py * y) / speed * weight if speed > 0.0 else 0.0
+        slack = min(speed, abs(friction * pressed - pushed), max(pressed, 0.0)) if speed > 0.0 else 0.0
+        worst = max(worst, -z, -pressed, min(abs(z), abs(pressed)), pushed - friction * pressed, slack)
+        worst = max(worst, min(aligned, speed), min(against, speed))
+    return float(worst)
+
+
+def _together(A: Array, u: Array, friction: float) -> _Answer:
+    """Impulses by which all toes obey the law together."""
+    m = len(u) // 3
+    sticking = np.asarray(-np.linalg.lstsq(A, u, rcond=None)[0].reshape(-1, 3), np.float64)
+    if all(z >= 0.0 and np.hypot(x, y) <= friction * z for x, y, z in sticking.tolist()):
+        if np.abs(u + A @ sticking.ravel()).max() <= max(AGREES * np.abs(u).max(), ROUNDING):
+            return _Answer(sticking, m * ("stick",))
+    impulse, holds = np.zeros((m, 3)), [Foothold(np.zeros(3), "open")] * m
+    blocks = [slice(3 * i, 3 * i + 3) for i in range(m)]
+    for _ in range(SWEEPS):
+        last = impulse.copy()
+        for i, own in enumerate(blocks):
+            without = u[own] + A[own] @ impulse.ravel() - A[own, own] @ impulse[i]
+            holds[i] = foothold(A[own, own], without, friction)
+            impulse[i] = holds[i].force
+        if np.abs(impulse - last).max() <= SETTLED * np.abs(impulse).max():
+            break
+    return _Answer(impulse, tuple(hold.mode for hold in holds))

@@ -1,0 +1,99 @@
+"""Symmetries of motion in space on level ground: it may be moved and turned, and mirrored left to right."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.hybrid.result import State
+from spear_pin.model.chain import CHAIN
+from spear_pin.model.robot import Robot
+
+Array = NDArray[np.float64]
+X, Y, Z, YAW, PITCH, ROLL = range(len(CHAIN))
+ODD = (Y, YAW, ROLL)
+"""Coordinates of the base that change sign in the mirror."""
+ALIKE = 1e-9  # m
+
+
+def turned(q: Array, v: Array, yaw: float, place: Sequence[float] = (0.0, 0.0)) -> State:
+    """The state turned about z by an angle in rad, and then moved by a vector (x, y) in m."""
+    q, v = np.array(q, dtype=float), np.array(v, dtype=float)
+    c, s = math.cos(yaw), math.sin(yaw)
+    turn = np.array([[c, -s], [s, c]])
+    q[:2], v[:2] = turn @ q[:2] + place, turn @ v[:2]
+    q[YAW] += yaw
+    return q, v
+
+
+def headed(q: Array, v: Array) -> State:
+    """The state moved and turned so that x = y = yaw = 0."""
+    q, v = turned(q, v, -float(q[YAW]))
+    q[:2] = 0.0
+    return q, v
+
+
+@dataclass(frozen=True)
+class Mirror:
+    """Reflection at the x-z plane: what is left becomes right.
+
+    Attributes:
+        of: of each coordinate the one that it becomes, (nv,).
+        signs: and the sign with which it does, (nv,).
+    """
+
+    of: tuple[int, ...]
+    signs: tuple[float, ...]
+
+    def __call__(self, vector: Array) -> Array:
+        """A configuration, a velocity or a force over the coordinates, (..., nv), seen in the mirror."""
+        seen = np.empty_like(vector)
+        seen[..., list(self.of)] = vector * self.signs
+        return seen
+
+    def parts(self, coordinates: Sequence[int]) -> tuple[Array, Array]:
+        """Orthonormal bases, (nv, k) each, of what is symmetric and what is antisymmetric over some coordinates."""
+        nv, parts = len(self.of), ([], [])  # type: tuple[int, tuple[list[Array], list[Array]]]
+        for i in coordinates:
+            unit = np.eye(nv)[i]
+            if self.of[i] == i:
+                parts[self.signs[i] < 0.0].append(unit)
+            elif i < self.of[i]:
+                for part, sign in zip(parts, (1.0, -1.0), strict=True):
+                    part.append((unit + sign * self(unit)) / math.sqrt(2.0))
+        even, odd = (np.array(part).reshape(-1, nv).T for part in parts)
+        return even, odd
+
+
+def mirror_of(robot: Robot) -> Mirror:
+    """The mirror of a robot on a chain.
+
+    Joints of the legs on either side correspond as they stand along a leg: adductions, which turn about the direction
+    ahead, change their sign, hips and knees do not.
+
+    Raises:
+        BadValue: the base is no chain, or a leg has no partner on the other side.
+    """
+    if robot.coordinates[: len(CHAIN)] != CHAIN:
+        raise BadValue("robot", robot, 'one on a chain, load(..., base="chain")')
+    of, signs = list(range(robot.nv)), [-1.0 if i in ODD else 1.0 for i in range(robot.nv)]
+    upright = np.zeros(robot.nq)
+    hips = {leg.name: robot.frame_position(upright, leg.hip) for leg in robot.legs}
+    for leg in robot.legs:
+        place = hips[leg.name] * (1.0, -1.0, 1.0)
+        partner = next((each for each in robot.legs if np.abs(hips[each.name] - place).max() < ALIKE), None)
+        if partner is None:
+            raise BadValue("robot", robot, f"one in which {leg.name!r} has a partner on the other side")
+        for own, other, sign in (
+            (leg.abduction, partner.abduction, -1.0),
+            (leg.hip, partner.hip, 1.0),
+            (leg.knee, partner.knee, 1.0),
+        ):
+            if own is not None and other is not None:
+                of[robot.index(own)], signs[robot.index(own)] = robot.index(other), sign
+    return Mirror(tuple(of), tuple(signs))

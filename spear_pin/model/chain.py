@@ -1,0 +1,161 @@
+"""A floating base as a chain of six joints, in which q̇ = v: along x, y and z, then yaw, pitch and roll.
+
+Simulation reckons with it: a gait of the plane is copied into it as it is, and nothing has to be normalised. It is
+singular where the pitch is ±90°, which for a legged robot is a fall. Yaw turns about z, to the left; pitch about -y,
+nose up, as in the plane; roll about x, to the right side.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.model.robot import Robot
+
+Array = NDArray[np.float64]
+BASES = "free", "chain", "fixed"
+ONE_OF = "'free', 'chain' or 'fixed'"
+CHAIN = ("torso_x", "torso_y", "torso_z", "yaw", "pitch", "roll")
+"""Names of the six coordinates."""
+JOINTS = (
+    pin.JointModelPX(),
+    pin.JointModelPY(),
+    pin.JointModelPZ(),
+    pin.JointModelRZ(),
+    pin.JointModelRevoluteUnaligned(0.0, -1.0, 0.0),
+    pin.JointModelRX(),
+)
+FREE, FREE_Q, FREE_V = "JointModelFreeFlyer", 7, 6
+OF_VELOCITIES = (
+    *("armature", "rotorInertia", "rotorGearRatio", "damping"),
+    *(f"{end}{of}Limit" for of in ("DryFriction", "Effort", "Velocity") for end in ("lower", "upper")),
+)
+"""What a model has for each coordinate."""
+STAY = pin.SE3(np.eye(3), np.zeros(3))
+
+
+class State(NamedTuple):
+    """Configuration and velocity.
+
+    Attributes:
+        q: configuration, (nq,).
+        v: velocity, (nv,).
+    """
+
+    q: Array
+    v: Array
+
+
+def on_chain(model: pin.Model) -> pin.Model:
+    """The model, its floating base in front of all other joints replaced by the chain.
+
+    Raises:
+        BadValue: its first joint is no floating one, it has another, or a joint has a name of the chain's.
+    """
+    flying = [i for i in range(1, model.njoints) if model.joints[i].shortname() == FREE]
+    if flying != [1] or model.parents[1] != 0:
+        raise BadValue("base", "chain", "'fixed' for a robot that has no single floating base, as its first joint")
+    if taken := [name for name in CHAIN if model.existJointName(name)]:
+        raise BadValue("base", "chain", f"'free' for a robot with a joint {taken[0]!r}")
+    made = pin.Model()
+    made.name, made.gravity = model.name, model.gravity
+    made.inertias[0] = model.inertias[0]
+    numbers, place = {0: 0}, model.jointPlacements[1]
+    for name, joint in zip(CHAIN, JOINTS, strict=True):
+        numbers[1] = made.addJoint(numbers[1] if 1 in numbers else 0, joint, place, name)
+        place = STAY
+    for i in range(2, model.njoints):
+        parent = numbers[int(model.parents[i])]
+        numbers[i] = made.addJoint(parent, model.joints[i], model.jointPlacements[i], model.names[i])
+    for i in range(1, model.njoints):
+        made.appendBodyToJoint(numbers[i], model.inertias[i], STAY)
+    for frame in list(model.frames)[1:]:
+        parent = made.getFrameId(model.frames[frame.parentFrame].name) if frame.parentFrame else 0
+        carrier = numbers[frame.parentJoint]
+        made.addFrame(pin.Frame(frame.name, carrier, parent, frame.placement, frame.type, pin.Inertia.Zero()), False)
+    for each in OF_VELOCITIES:
+        getattr(made, each)[len(CHAIN) :] = getattr(model, each)[FREE_V:]
+    for each in ("lowerPositionLimit", "upperPositionLimit"):
+        getattr(made, each)[len(CHAIN) :] = getattr(model, each)[FREE_Q:]
+    for posture in model.referenceConfigurations:
+        q = posture.data()
+        made.referenceConfigurations[posture.key()] = np.concatenate([_angles(q), q[FREE_Q:]])
+    return made
+
+
+def to_chain(robot: Robot, q: ArrayLike, v: ArrayLike) -> State:
+    """The state in the chain's coordinates of one with a quaternion.
+
+    Args:
+        robot: with a floating base in front of all other joints, such as `load("q_spear_full")`.
+        q: place, quaternion (x, y, z, w), and the other joints, (nq,).
+        v: velocity and angular velocity of the base in its own axes, and the other joints', (nv,).
+
+    Returns:
+        those of `load(..., base="chain")`, of which the roll and the yaw are within ±π and the pitch within ±π/2.
+
+    Raises:
+        BadValue: the base does not float, the state has the wrong shape, or the pitch is ±90°.
+    """
+    _check_floating(robot)
+    robot.bias(q, v)  # checks both
+    q, v = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
+    base = _angles(q)
+    turned = _turn(*base[3:])
+    rates = _rates(base[4], base[5])
+    if abs(math.cos(base[4])) < 1e-9:
+        raise BadValue("pitch", float(base[4]), "an angle other than ±90°, where the chain is singular")
+    linear, angular = turned @ v[:3], np.linalg.solve(rates, v[3:FREE_V])
+    return State(np.concatenate([base, q[FREE_Q:]]), np.concatenate([linear, angular, v[FREE_V:]]))
+
+
+def from_chain(robot: Robot, q: ArrayLike, v: ArrayLike) -> State:
+    """The state with a quaternion of one in the chain's coordinates, the inverse of `to_chain`.
+
+    Args:
+        robot: on a chain, `load(..., base="chain")`.
+        q: the six of the chain and the other joints, (nv,).
+        v: their rates, (nv,).
+
+    Raises:
+        BadValue: the base is no chain, or the state has the wrong shape.
+    """
+    if robot.coordinates[: len(CHAIN)] != CHAIN:
+        raise BadValue("robot", robot, 'one on a chain, load(..., base="chain")')
+    robot.bias(q, v)  # checks both
+    q, v = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
+    n = len(CHAIN)
+    turned = _turn(*q[3:n])
+    quaternion = pin.Quaternion(turned).coeffs()
+    linear, angular = turned.T @ v[:3], _rates(q[4], q[5]) @ v[3:n]
+    return State(np.concatenate([q[:3], quaternion, q[n:]]), np.concatenate([linear, angular, v[n:]]))
+
+
+def _check_floating(robot: Robot) -> None:
+    if robot.nq == robot.nv or robot.model.joints[1].shortname() != FREE:
+        raise BadValue("robot", robot, 'one with a floating base in front of all other joints, load(..., base="free")')
+
+
+def _turn(yaw: float, pitch: float, roll: float) -> Array:
+    """The base's axes in the world, (3, 3)."""
+    return np.asarray(pin.utils.rotate("z", yaw) @ pin.utils.rotate("y", -pitch) @ pin.utils.rotate("x", roll))
+
+
+def _rates(pitch: float, roll: float) -> Array:
+    """The base's angular velocity in its own axes by the rates of yaw, pitch and roll, (3, 3)."""
+    nod, lean = pin.utils.rotate("y", -pitch), pin.utils.rotate("x", roll)
+    columns = (lean.T @ nod.T @ (0.0, 0.0, 1.0), lean.T @ (0.0, -1.0, 0.0), np.array((1.0, 0.0, 0.0)))
+    return np.column_stack(columns)
+
+
+def _angles(q: Array) -> Array:
+    """The chain's coordinates of a base with a quaternion, (6,)."""
+    turned = pin.Quaternion(q[3:FREE_Q].reshape(4, 1)).normalized().toRotationMatrix()
+    pitch = math.asin(max(-1.0, min(1.0, turned[2, 0])))
+    yaw, roll = math.atan2(turned[1, 0], turned[0, 0]), math.atan2(turned[2, 1], turned[2, 2])
+    return np.concatenate([q[:3], (yaw, pitch, roll)])

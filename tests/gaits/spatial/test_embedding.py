@@ -1,0 +1,150 @@
+"""The plane's gaits in space: orbits of the same motion, symmetric, and what slips straight slips as in the plane."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, SpatialLaw, in_space
+from spear_pin.errors import BadValue
+from spear_pin.gaits import library
+from spear_pin.gaits.spatial.embedding import embedded
+from spear_pin.gaits.spatial.legs import pairs_of, placed
+from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.periodic import chart, residual, return_map
+from spear_pin.hybrid.symmetry import mirror_of, turned
+
+ACROSS = [1, 3, 5]  # y, yaw, roll
+KNEE = [name for name in library.names() if name != "force_lift_off"]
+each_gait = pytest.mark.parametrize(
+    "name", [name if name == "long_stride" else pytest.param(name, marks=pytest.mark.slow) for name in KNEE]
+)
+
+
+@cache
+def planar(name):
+    return Gait.load(name)
+
+
+@cache
+def spatial(name):
+    gait = planar(name)
+    return embedded(gait, SpatialLaw(gait.system.law))
+
+
+@cache
+def stride(name):
+    return return_map(*spatial(name))
+
+
+@each_gait
+class TestOrbit:
+    def test_residual(self, name):
+        assert residual(*spatial(name)) <= 1e-9
+
+    def test_nothing_happens_across(self, name):
+        for part in stride(name).state:
+            assert abs(part[ACROSS]).max() <= 1e-12
+        assert abs(np.array([event.impulse for event in stride(name).events]).sum(axis=1)[:, 1]).max() <= 1e-12
+
+    def test_ledger(self, name):
+        assert abs(stride(name).change[0] - stride(name).work[0].sum()) <= 1e-9
+
+    def test_durations(self, name):
+        longer = {phase: seconds for phase, seconds in stride(name).durations.items() if seconds > 0.0}
+        assert longer == pytest.approx(dict(planar(name).durations), abs=1e-9)
+
+    def test_left_and_right_share_the_impulse(self, name):
+        there = return_map(planar(name).system, planar(name).state)
+        for pair in ("anterior", "posterior"):
+            wanted = there.event(f"{pair}_touchdown").impulse.sum(axis=0)
+            struck = [event for event in stride(name).events if event.name.startswith(pair)]
+            found = sum(event.impulse for event in struck).sum(axis=0)
+            np.testing.assert_allclose(found[[0, 2]], wanted, rtol=0, atol=1e-8)
+
+
+class TestSymmetry:
+    def perturbed(self, seed, size=1e-3):
+        system, state = spatial("long_stride")
+        local = chart(system, state)
+        return system, local.state(size * np.random.default_rng(seed).normal(size=local.dimension))
+
+    @pytest.mark.parametrize("seed", range(3))
+    def test_mirror(self, seed):
+        system, state = self.perturbed(seed)
+        mirror = mirror_of(system.robot)
+        here, there = (return_map(system, each, 1e-12) for each in (state, tuple(mirror(part) for part in state)))
+        for one, other in zip(here.state, there.state, strict=True):
+            np.testing.assert_allclose(mirror(one), other, rtol=0, atol=1e-11)
+
+    @pytest.mark.parametrize("seed", range(3))
+    def test_turned_and_moved(self, seed):
+        system, state = self.perturbed(seed)
+        here, there = (return_map(system, each, 1e-12) for each in (state, turned(*state, 1.1, (3.0, -2.0))))
+        for one, other in zip(turned(*here.state, 1.1, (3.0, -2.0)), there.state, strict=True):
+            np.testing.assert_allclose(one, other, rtol=0, atol=1e-11)
+
+    @pytest.mark.slow
+    def test_of_a_hundred_states(self):
+        for seed in range(3, 103):
+            self.test_mirror(seed)
+            self.test_turned_and_moved(seed)
+
+    def test_energy_of_a_perturbed_stride(self):
+        run = return_map(*self.perturbed(7))
+        assert abs(run.change[0] - run.work[0].sum()) <= 1e-9
+
+    def test_continuous_across_touchdowns_that_are_nearly_one(self):
+        """Differences over perturbation are bounded, whichever foot is first."""
+        system, (q, v) = spatial("long_stride")
+        whole = stride("long_stride").state[1]
+        ratios = []
+        for roll in (1e-3, 1e-4, 1e-5, 1e-6, 1e-7):
+            local = q.copy()
+            local[5] = roll
+            local[2] -= min(system.ground.foot(system.robot, local, toe)[0] for toe in system.section_toes)
+            run = return_map(system, (local, v), 1e-12)
+            assert run.cycles == 1
+            ratios.append(abs(run.state[1] - whole).max() / roll)
+        assert max(ratios) < 3.0 * min(ratios) and max(ratios) < 100.0
+
+
+class TestSlip:
+    @pytest.mark.parametrize("friction", [0.35, 0.45])
+    def test_straight_slip_is_the_planes(self, friction):
+        gait, (system, state) = planar("long_stride"), spatial("long_stride")
+        there = return_map(with_parameters(gait.system, {"friction": friction}), gait.state, 1e-11)
+        here = return_map(with_parameters(system, {"friction": friction}), state, 1e-11)
+        assert {"slip", "stick"} <= {event.name for event in here.events}
+        touchdown = there.event("posterior_touchdown")
+        pairs = pairs_of(system.robot)
+        for part, wanted in zip(here.state, (touchdown.q, touchdown.v_before), strict=True):
+            np.testing.assert_allclose(part, placed(system.robot, pairs, wanted), rtol=0, atol=1e-8)
+        slipped = here.work[0].sum() - here.change[0]
+        assert abs(slipped) <= 1e-8
+
+    def test_a_foot_that_slips_aside(self):
+        """Sliding obliquely keeps the energy's books, and friction is against the motion."""
+        system, state = spatial("long_stride")
+        slippery = with_parameters(system, {"friction": 0.45})
+        moved = chart(system, state).state(2e-2 * np.random.default_rng(5).normal(size=32))
+        run = return_map(slippery, moved)
+        assert run.cycles == 1 and "slip" in {event.name for event in run.events}
+        assert abs(run.change[0] - run.work[0].sum()) <= 1e-8
+
+
+class TestMultipliers:
+    @pytest.mark.slow
+    def test_the_planes_are_among_them(self):
+        gait = planar("long_stride")
+        found = in_space(gait)
+        assert found.residual <= 1e-9 and not found.stable
+        for multiplier in gait.multipliers[:4]:
+            assert abs(found.multipliers - multiplier).min() <= 1e-5
+        assert found.multipliers[0].real == pytest.approx(1.569, abs=5e-3)  # a fall sideways
+
+
+class TestRefused:
+    def test_other_gaits(self):
+        with pytest.raises(BadValue, match="plane"):
+            embedded(planar("long_stride"), SpatialLaw(planar("least_effort").system.law))
