@@ -65,6 +65,13 @@ class TestSearch:
         along = [Formula(4.0).at(np.array([0.25 * a**2, a, 3.9 - a])).cost for a in np.linspace(0.5, 2.5, 200)]
         assert best.cycle.cost < 1.01 * min(along) and best.cycle.fits
 
+    def test_from_a_hop_whose_jacobian_was_led_astray(self):
+        hops = HopFamily(Formula())
+        ((key, first),) = hops.known.items()
+        hops.known[key] = replace(first, jacobian=-first.jacobian, exact=False)
+        found = hops.at(hops.start + 0.3)
+        assert found is not None and found.x[0] == pytest.approx(0.16, abs=2e-4) and hops.known[key].exact
+
     def test_what_nowhere_keeps_to_its_limits(self):
         cycles = Formula()
         cycles.at = lambda x: replace(Formula().at(x), spare=np.array([-0.5]))
