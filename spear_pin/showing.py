@@ -61,8 +61,8 @@ def playing(robot: Any, trajectory: Any, title: str, height: int) -> Player:
     return Player(page(robot, shortened(robot, trajectory), title=title), height)
 
 
-def plotted(trajectory: Any, columns: tuple[str, ...]) -> Figure:
+def plotted(trajectory: Any, columns: tuple[str, ...], cycles: int | None) -> Figure:
     """Columns of a trajectory, as `viz.plots.columns` draws them."""
     from spear_pin.viz.plots.columns import over_time
 
-    return over_time(trajectory, columns)
+    return over_time(trajectory, columns, cycles)

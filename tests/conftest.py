@@ -1,5 +1,6 @@
 """Gaits and trajectories that many tests look at, solved once a process, and the rule for tests that skip."""
 
+import gc
 import os
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
@@ -13,6 +14,17 @@ from spear_pin import Gait, HoppingLaw, find_gait, hopping, load, simulate
 from spear_pin.model.loading import ROBOTS
 
 SOLVED = Path(__file__).parent / "solved"
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """What collection makes, ten thousand tests, stays to the end, so that nobody need look for garbage among it."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.freeze()
 
 
 def pytest_collection_modifyitems(items):

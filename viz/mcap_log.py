@@ -27,11 +27,16 @@ from spear_pin.model.document import describe
 from spear_pin.model.robot import Robot
 from spear_pin.viz import mcap_messages as m
 from spear_pin.viz.playback.looks import read_looks
+from spear_pin.viz.playback.stage import GROUND
+from spear_pin.viz.playback.surface import outline
+from spear_pin.viz.playback.trajectory import in_world
 
 Array = NDArray[np.float64]
 
 SCHEMA = "spear_pin.Sample"
 ARROW = 0.3  # m, of the largest force
+BEYOND = 1.0  # m that the ground goes on around the toes
+PLACES = 50  # samples that are looked at for where the toes are
 LEAST = 1e-3  # of the largest force, below which no arrow is drawn
 
 
@@ -55,8 +60,9 @@ def write_mcap(robot: Robot, trajectory: Trajectory, path: str | Path) -> Path:
     """Write a trajectory as an MCAP file, whole or not at all.
 
     Topics are `/tf` (every link and toe in the world), `/joint_states` (effort: `tau`), `/scene/robot` (its shapes,
-    once), `/scene/forces` (arrows), `/events` and `/samples` (all columns, by their names); of a robot that was cut out
-    of another `/whole/joint_states` has the joints of that. The file that the robot was loaded from is attached.
+    once), `/scene/ground` (once), `/scene/forces` (arrows), `/events` and `/samples` (all columns, by their names); of
+    a robot that was cut out of another `/whole/joint_states` has the joints of that. The file that it was loaded
+    from is attached.
 
     Args:
         robot: that moved.
@@ -75,11 +81,12 @@ def write_mcap(robot: Robot, trajectory: Trajectory, path: str | Path) -> Path:
     begin = min(0.0, float(trajectory.t[0]))
     times = [round(1e9 * (time - begin)) for time in trajectory.t.tolist()]
     names, table = trajectory.columns()
-    forces = _in_world(trajectory)
+    forces, ground = in_world(trajectory.force, trajectory.ground), trajectory.ground or Ground()
     peak = float(np.linalg.norm(np.nan_to_num(forces), axis=2).max(initial=0.0))
     anchors = m.anchors(robot.model)
     messages = merge(
         _shapes(schemas, robot, anchors, times[0]),
+        _surface(schemas, robot, trajectory, ground, times[0]),
         _motion(schemas, robot, trajectory, times, forces, peak),
         _events(schemas, trajectory, begin),
         _samples(trajectory, times, names, table),
@@ -89,6 +96,7 @@ def write_mcap(robot: Robot, trajectory: Trajectory, path: str | Path) -> Path:
         "robot": trajectory.robot,
         "units": "SI, radians",
         "time_of_zero": repr(begin),
+        "ground": json.dumps(vars(ground)),
         "metres_per_newton_of_arrows": repr(ARROW / peak if peak else 0.0),
         "cycles": str(trajectory.cycles),
         "reason": trajectory.reason,
@@ -134,6 +142,13 @@ def _shapes(schemas: m.Schemas, robot: Robot, anchors: list[m.Anchor], time: int
     yield Message(time, "/scene/robot", m.scene(schemas, read_looks(robot).shapes, anchors, time))
 
 
+def _surface(schemas: m.Schemas, robot: Robot, trajectory: Trajectory, ground: Ground, time: int) -> Iterator[Message]:
+    rows = np.unique(np.linspace(0, len(trajectory.t) - 1, PLACES).astype(int))
+    toes = [robot.toe_position(trajectory.q[row], toe)[0] for row in rows for toe in robot.toes]
+    line = outline(ground, min(toes, default=0.0) - BEYOND, max(toes, default=0.0) + BEYOND)
+    yield Message(time, "/scene/ground", m.strip(schemas, "ground", line, BEYOND, (*GROUND, 1.0), time))
+
+
 def _motion(
     schemas: m.Schemas, robot: Robot, trajectory: Trajectory, times: list[int], forces: Array, peak: float
 ) -> Iterator[Message]:
@@ -167,7 +182,7 @@ def _samples(trajectory: Trajectory, times: list[int], names: list[str], table: 
     words = {"domain": trajectory.domain, "phase": trajectory.phase}
     for row, time in enumerate(times):
         numbers = [value if np.isfinite(value) else None for value in table[row].tolist()]
-        said: dict[str, Any] = {_key(name): value for name, value in zip(names, numbers, strict=True)}
+        said: dict[str, Any] = dict(zip(names, numbers, strict=True))
         said |= {name: str(values[row]) for name, values in words.items()}
         said |= {
             f"engaged_{joint}": bool(on)
@@ -179,22 +194,11 @@ def _samples(trajectory: Trajectory, times: list[int], names: list[str], table: 
 def _schema(trajectory: Trajectory, names: list[str]) -> dict[str, Any]:
     """JSON schema of a sample, each number with its unit."""
     units = trajectory.units()
-    numbers = {_key(name): {"type": ["number", "null"], "description": units[name]} for name in names}
+    said = {name: {"description": units[name]} if units[name] else {} for name in names}
+    numbers = {name: {"type": ["number", "null"], **said[name]} for name in names}
     words = {name: {"type": "string"} for name in ("domain", "phase")}
     engaged = {f"engaged_{joint}": {"type": "boolean"} for joint in trajectory.spring_joints}
     return {"type": "object", "title": SCHEMA, "properties": {**numbers, **words, **engaged}}
-
-
-def _key(name: str) -> str:
-    """A column's name without its unit, which paths to a message's fields do not take."""
-    return name.partition(" [")[0]
-
-
-def _in_world(trajectory: Trajectory) -> Array:
-    """Ground forces in axes of the world, (n, toes, 3), in N."""
-    ground = trajectory.ground or Ground()
-    x, z = ground.world(trajectory.force[:, :, 0], trajectory.force[:, :, 1])
-    return np.stack((x, np.zeros_like(x), z), axis=2)
 
 
 def _attached(robot: Robot) -> dict[str, bytes]:

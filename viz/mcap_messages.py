@@ -187,6 +187,23 @@ def arrows(schemas: Schemas, drawn: Iterable[tuple[str, Array, Array | None]], t
     return update
 
 
+def strip(schemas: Schemas, name: str, line: Array, half: float, color: Sequence[float], time: int) -> Any:
+    """A surface along a line of places (x, z) in the world, (n, 2), so far to either side of it, in m."""
+    update, entity = schemas.SceneUpdate(), _entity(schemas, name, WORLD, time)
+    sides = [schemas.Point3(x=x, y=y, z=z) for x, z in line.tolist() for y in (-half, half)]
+    pieces = [(2 * i + np.array([[0, 2, 3], [0, 3, 1]])).ravel() for i in range(len(line) - 1)]
+    entity.triangles.append(
+        schemas.TriangleListPrimitive(
+            pose=_pose(schemas, np.zeros(3), np.eye(3)),
+            points=sides,
+            indices=np.concatenate(pieces).tolist(),
+            color=_color(schemas, color),
+        )
+    )
+    update.entities.append(entity)
+    return update
+
+
 def stamp(schemas: Schemas, time: int) -> Any:
     """A time, in ns."""
     seconds, nanos = divmod(time, 1_000_000_000)

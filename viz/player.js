@@ -16,7 +16,9 @@
   });
   const labels = makeLabels(viewer, at("pane"), at("labels"), data, samples);
   clock.onTime((time) => (labels.time = time));
-  const timeline = makeTimeline(clock, data, at);
+  const timeline = makeTimeline(clock, at);
+  timeline.show(data);
+  const transport = makeTransport(clock, { speeds: data.speeds, rate: data.rate, said: timeline.said }, at);
   const plots = makePlots(clock, data, samples, at("plots"));
 
   const visible = (paths) => (on) => {
@@ -55,21 +57,6 @@
   makeColumnList(samples, plots, at("columnlist"));
   plots.onChange(() => (chosen = true));
 
-  function step(way) {
-    clock.pauseAt(clock.time + way / data.rate);
-  }
-
-  function nextSpeed(way) {
-    const faster = [...data.speeds].sort((a, b) => a - b);
-    const here = faster.findIndex((speed) => speed >= clock.speed - 1e-9);
-    clock.setSpeed(faster[Math.max(0, Math.min(faster.length - 1, here + way))]);
-  }
-
-  function bound(end) {
-    const loop = clock.loop || [0, data.duration];
-    clock.setLoop(end === "begin" ? [clock.time, loop[1]] : [loop[0], clock.time]);
-  }
-
   function reset() {
     switches.set("follow", true);
     camera.reset();
@@ -77,24 +64,13 @@
 
   buildControls();
   makeKeys([
-    { keys: [" "], label: "play, pause", act: () => clock.setPlaying(!clock.playing) },
-    { keys: [",", "ArrowLeft"], label: "one frame back", act: step },
-    { keys: [".", "ArrowRight"], label: "one frame on", act: step },
-    { keys: ["Shift+ArrowLeft", "Shift+ArrowRight"], label: "to the event before, after",
-      act: (way) => clock.pauseAt(timeline.beside(clock.time, way)) },
-    { keys: ["Home"], label: "to the beginning", act: () => clock.seek(0) },
-    { keys: ["End"], label: "to the end", act: () => clock.pauseAt(data.duration) },
-    { keys: ["-"], label: "slower", act: () => nextSpeed(-1) },
-    { keys: ["+", "="], label: "faster", act: () => nextSpeed(1) },
-    { keys: ["["], label: "a loop begins here", act: () => bound("begin") },
-    { keys: ["]"], label: "a loop ends here", act: () => bound("end") },
-    { keys: ["l"], label: "no loop", act: () => clock.setLoop(null) },
+    ...transport.keys,
+    ...timeline.keys,
     ...camera.views.map((view, i) => ({ keys: [String(i + 1)], label: `view: ${view}`, act: () => camera.setView(view) })),
     { keys: ["r"], label: "the view as at first", act: reset },
     ...switches.all.map(({ name, key, title }) => ({ keys: [key], label: title.toLowerCase() + ", on or off",
       act: () => switches.toggle(name) })),
-    { keys: ["?"], label: "this list", act: () => at("help").showModal() },
-  ], at("help"), at("keylist"));
+  ], at);
 
   const address = makeAddress({
     clock, camera, plots, switches,
@@ -103,35 +79,15 @@
   }, data.start);
 
   function buildControls() {
-    for (const speed of data.speeds) {
-      const button = document.createElement("button");
-      button.type = "button";
-      button.value = speed;
-      button.textContent = speed + "×";
-      button.addEventListener("click", () => clock.setSpeed(speed));
-      at("speeds").append(button);
-    }
     for (const view of camera.views) at("view").append(new Option(view, view));
     at("view").append(new Option("by hand", ""));
     at("view").lastChild.disabled = true;
     at("view").addEventListener("change", () => camera.setView(at("view").value));
     camera.onChange(() => (at("view").value = camera.state.view || ""));
-    clock.onChange(() => {
-      at("play").classList.toggle("playing", clock.playing);
-      at("play").setAttribute("aria-label", clock.playing ? "Pause" : "Play");
-      for (const button of at("speeds").children)
-        button.setAttribute("aria-pressed", Number(button.value) === clock.speed);
-      at("noloop").hidden = !clock.loop;
-    });
     const clicks = {
-      play: () => clock.setPlaying(!clock.playing),
-      back: () => step(-1),
-      on: () => step(1),
-      noloop: () => clock.setLoop(null),
       reset,
       csv: () => saveSamples(samples, data),
       png: () => savePicture(viewer, data, clock.time),
-      keys: () => at("help").showModal(),
       more: () => {
         const open = document.body.classList.toggle("more");
         at("more").setAttribute("aria-expanded", open);

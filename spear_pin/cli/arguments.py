@@ -23,7 +23,13 @@ FREE = math.inf  # what an option says for "free": the search chooses
 
 
 class Parser(argparse.ArgumentParser):
-    """Errors take one line, and what looks like a negative number is one, never an option."""
+    """Errors take one line, and what looks like a negative number is one, never an option.
+
+    Attributes:
+        more: name of the argument that words between and after options go to as well; None: they are refused.
+    """
+
+    more: str | None = None
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
@@ -31,6 +37,14 @@ class Parser(argparse.ArgumentParser):
         self.register("type", int, whole)
         # argparse's own, which some releases have without an exponent, -.5 or -inf
         self._negative_number_matcher = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
+        """The arguments, and those that are not known."""
+        found, unknown = super().parse_known_args(args, namespace)
+        if self.more is None or any(word.startswith("-") for word in unknown):
+            return found, unknown
+        getattr(found, self.more).extend(unknown)
+        return found, []
 
     def error(self, message: str) -> NoReturn:
         """Exit with status 2."""

@@ -10,7 +10,7 @@ from spear_pin.cli.arguments import Commands, add_command, add_simulation, check
 from spear_pin.cli.durations import usual
 from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.cli.legs import add_plane, called, doubted, in_the_plane, rests_on, stability
-from spear_pin.cli.output import aligned, iterations, progress, shows
+from spear_pin.cli.output import aligned, iterations, listed, progress, shows
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "files": [*map(str, files)],
         "pictures": pictures,
         "opened": page,
-        "text": _text(summary, [*told, *shows(shown), ("files", ", ".join(map(str, files)))]),
+        "text": _text(summary, [*told, *shows(shown), *listed(arguments.out, "bound", files)]),
     }
 
 

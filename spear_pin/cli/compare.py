@@ -7,9 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.legs import add_leg, one_leg
 from spear_pin.cli.output import aligned, progress
+from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
+    from spear_pin.gaits.gait import Gait
     from spear_pin.viz.compare import Comparison
 
 PAGE = "compare.html"
@@ -20,18 +23,24 @@ def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     summary = "hold gaits, motions, springs or robots against the first of them: a table, and the page compare.html"
     parser = add_command(commands, "compare", run, summary)
+    parser.more = "items"
     parser.add_argument(
         "items",
-        nargs="+",
+        nargs="*",
         metavar="A B",
         help="two to six: a gait that ships, a saved one (.json), a trajectory (.npz), a robot's name or file, or"
-        " numbers of a spring, such as stiffness=40 or stiffness=40,damping=1, with which SPEAR-II hops",
+        " numbers of a spring, such as stiffness=40 or stiffness=40,damping=1, with which SPEAR-II hops, or the leg of"
+        " --robot",
     )
     parser.add_argument("--names", nargs="+", default=[], metavar="NAME", help="what they are called, one for each")
     parser.add_argument("--of", metavar="GAIT", help="another gait that springs are put into, by name or path")
     parser.add_argument(
+        "--flight-time", type=float, metavar="S", help="of the hops that springs are put into (default: 0.2, scaled)"
+    )
+    parser.add_argument(
         "--cycles", type=int, default=CYCLES, metavar="N", help=f"of each gait to simulate (default: {CYCLES})"
     )
+    add_leg(parser, "into whose leg's hop springs are put")
     add_out(parser, "the page")
     parser.add_argument("--open", action="store_true", help=f"open {PAGE} in the browser")
 
@@ -39,12 +48,13 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Compare, and write the page."""
     check_out(arguments)
-    from spear_pin.gaits.gait import Gait
+    if arguments.names and len(arguments.items) < len(arguments.names):
+        raise BadValue("A B", " ".join(arguments.items), "what is compared before --names, or after it and --")
     from spear_pin.viz.compare import compare
 
-    of = None if arguments.of is None else Gait.load(arguments.of)
     with progress() as show:
         show("comparing")
+        of = _hop_or_gait(arguments)
         found = compare(*arguments.items, names=arguments.names, cycles=arguments.cycles, of=of)
     page: Path = found.save(arguments.out / PAGE)
     return {
@@ -53,6 +63,25 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "opened": page if arguments.open else None,
         "text": text(found) + "\n\n" + aligned([("files", str(page))]),
     }
+
+
+def _hop_or_gait(arguments: argparse.Namespace) -> Gait | None:
+    """What springs are put into, if options say it: a gait, or the hop of a leg for a time in the air."""
+    leg, given = one_leg(arguments, ["boom_x"]), {"--robot": arguments.robot, "--flight-time": arguments.flight_time}
+    for option, value in given.items():
+        if value is not None and arguments.of is not None:
+            raise BadValue(option, value, "none beside --of, which has a robot and a flight")
+        if value is not None and not any("=" in item for item in arguments.items):
+            raise BadValue(option, value, "to go with springs to compare, such as stiffness=40 stiffness=60")
+    if arguments.of is not None:
+        from spear_pin.gaits.gait import Gait
+
+        return Gait.load(arguments.of)
+    if leg is None and arguments.flight_time is None:
+        return None
+    from spear_pin.studies.comparison.sides import usual_hop
+
+    return usual_hop(leg, arguments.flight_time)
 
 
 def as_json(found: Comparison) -> dict[str, Any]:

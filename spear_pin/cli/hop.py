@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
 from spear_pin.cli.legs import add_leg, called, doubted, one_leg, rests_on, stability
-from spear_pin.cli.output import aligned, iterations, progress, shows
+from spear_pin.cli.output import aligned, iterations, listed, progress, shows
 from spear_pin.errors import BadValue, NoGait, SpearError
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "files": [*map(str, files)],
         "pictures": pictures,
         "opened": page,
-        "text": _text(summary, [*told, *shows(shown), ("files", ", ".join(map(str, files)))]),
+        "text": _text(summary, [*told, *shows(shown), *listed(arguments.out, "hop", files)]),
     }
 
 

@@ -6,7 +6,7 @@ import json
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
@@ -16,6 +16,7 @@ from spear_pin.errors import RobotWarning, SpearError
 if TYPE_CHECKING:
     from spear_pin.viz.playback.trajectory import TrajectoryLike
 
+SUFFIXES = (".html", ".npz", ".svg", ".json", ".csv", ".mat", ".mcap", ".png", ".mp4")  # of what is written of a motion
 UNREAD = 128 + 13  # status where nobody reads what is printed: that of the signal SIGPIPE
 
 
@@ -134,6 +135,14 @@ def shows(played: TrajectoryLike) -> list[tuple[str, str]]:
     from spear_pin.viz.playback.trajectory import Part
 
     return [("page", f"shows {played.said}")] if isinstance(played, Part) else []
+
+
+def listed(folder: Path, stem: str, files: Sequence[Path]) -> list[tuple[str, str]]:
+    """Rows of a command's text with its files, and those called as they are that an earlier call has left there."""
+    beside = (folder / f"{stem}{suffix}" for suffix in SUFFIXES)
+    older = [str(path) for path in beside if path not in files and path.exists()]
+    rows = [("files", ", ".join(map(str, files)))]
+    return rows + [("of an earlier call", ", ".join(older))] * bool(older)
 
 
 @contextmanager

@@ -35,7 +35,7 @@ class Event:
         q: configuration, (nq,).
         v_before: velocity before, (nv,).
         v: velocity after, (nv,).
-        impulse: of the ground on each toe, along the ground and normal to it, in N·s, (ntoes, 2).
+        impulse: of the ground on each toe, along the ground and normal to it, in N·s, (ntoes, 2); in space (ntoes, 3).
         work: energy brought into the mechanism at this instant by flow, in J (losses negative).
     """
 
@@ -103,7 +103,8 @@ class Trajectory(Shown):
         u: motor torque, in N·m, (n, nu).
         tau: total joint torque with spring and damping, in N·m, (n, nu).
         friction: other generalised friction, (n, nv).
-        force: ground force on each toe, along the ground (x) and normal to it (z), in N, (n, ntoes, 2).
+        force: ground force on each toe, along the ground (x) and normal to it (z), in N, (n, ntoes, 2); in
+            space along x, y and z, (n, ntoes, 3).
         spring: torque of each spring on its joint, in N·m, (n, nsprings).
         engaged: whether each spring is engaged, (n, nsprings); one that never pulls is none.
         current: of each motor, in A, (n, nu); (n, 0) without hardware.
@@ -203,6 +204,8 @@ class Trajectory(Shown):
     def export(self, path: str | Path) -> Path:
         """Write the samples as CSV or MATLAB file, by the path's suffix.
 
+        A CSV file has the columns of `to_pandas`, time first, each headed by its name and unit: "q_knee [rad]".
+
         Raises:
             BadValue: the suffix is neither .csv nor .mat.
         """
@@ -211,7 +214,7 @@ class Trajectory(Shown):
         return export(self, path, SAMPLED)
 
     def columns(self) -> tuple[list[str], Array]:
-        """Names with units, and values, of everything numeric, one row a sample."""
+        """Names, and values, of everything numeric, one row a sample; `units` has their units."""
         from spear_pin.hybrid.trajectory_tables import columns
 
         return columns(self)
@@ -304,17 +307,21 @@ class Trajectory(Shown):
         return playing(robot, self, title, int(height))
 
     @typed
-    def plot(self, *columns: str) -> Figure:
+    def plot(self, *columns: str, cycles: int | None = 3) -> Figure:
         """Columns over time, those of the same unit in one panel, stance shaded; a notebook shows the figure.
 
         Args:
             columns: names among those of `columns`, or what all of a kind begin with: "q", "v", "a", "u", "tau",
-                "friction", "spring", "current", "reference", "force_x" or "force_z". By default "q" and "force_z".
+                "friction", "spring", "current", "reference", "force_x" or "force_z". By default "q", "spring" where
+                there is one, and "force_z". Of a quadruped in its sagittal plane torques and forces are of a pair, and
+                labelled so.
+            cycles: how many are drawn, from the first; None: all there is.
 
         Raises:
             UnknownName: there is no such column.
+            BadValue: the number of cycles is not positive.
         """
-        return plotted(self, columns)
+        return plotted(self, columns, cycles)
 
 
 _REST = ("robot", "coordinates", "actuated", "toes", "spring_joints", "cycles", "reason", "message", "evaluations")

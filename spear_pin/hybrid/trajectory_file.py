@@ -38,7 +38,7 @@ ARRAYS = {  # the kind of each, and what its axes are counted by
     "u": ("f", "samples", "actuated"),
     "tau": ("f", "samples", "actuated"),
     "friction": ("f", "samples", "coordinates"),
-    "force": ("f", "samples", "toes", "x and z"),
+    "force": ("f", "samples", "toes", "directions"),
     "spring": ("f", "samples", "spring_joints"),
     "engaged": ("b", "samples", "spring_joints"),
     "current": ("f", "samples", "driven"),
@@ -47,7 +47,7 @@ ARRAYS = {  # the kind of each, and what its axes are counted by
     "event_q": ("f", "events", "coordinates"),
     "event_v_before": ("f", "events", "coordinates"),
     "event_v": ("f", "events", "coordinates"),
-    "event_impulse": ("f", "events", "toes", "x and z"),
+    "event_impulse": ("f", "events", "toes", "directions"),
     "ledger_work": ("f", "cycles", "flows"),
     "ledger_change": ("f", "cycles"),
 }
@@ -120,12 +120,14 @@ def _trajectory(archive: ZipFile) -> Trajectory:
         raise ValueError("meta is no text")
     meta = parse_json(str(_array(archive, members.pop("meta"))))
     _check_meta(meta)
-    sizes = {name: len(meta[name]) for name in (*NAMES, "flows", "events")} | {"cycles": meta["cycles"], "x and z": 2}
+    sizes = {name: len(meta[name]) for name in (*NAMES, "flows", "events")} | {"cycles": meta["cycles"]}
     drives = tuple(meta.get("drives", ()))
     sizes |= {"drives": len(drives), "driven": len(meta["actuated"]) if drives else 0}
     older = () if drives else [name for name in CURRENTS if name not in members]
     wanted = {name: rule for name, rule in (ARRAYS | (ELECTRICAL if drives else {})).items() if name not in older}
     check_keys("array", members, wanted)
+    forces, _ = _header(archive, members["force"])
+    sizes["directions"] = 3 if forces[-1:] == (3,) else 2  # of space or of the plane
     for name, rule in wanted.items():  # before anything is read
         _check_header(name, rule, *_header(archive, members[name]), sizes)
     arrays = {name: _array(archive, members[name]) for name in wanted}

@@ -11,37 +11,37 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, MissingExtra, RobotWarning, SpearError, UnknownName
 from spear_pin.files import atomic
+from spear_pin.hybrid.column_names import (
+    CYCLE,
+    ENGAGED,
+    QUANTITIES,
+    TIME,
+    UNSAID,
+    arranged,
+    heading,
+    lengths,
+    unit,
+    unit_of,
+)
 
 if TYPE_CHECKING:
     from spear_pin.hybrid.trajectory import Trajectory
 
 Array = NDArray[np.float64]
-TIME = "t [s]"
-UNSAID = "m or rad"  # of a coordinate whose robot is not found
-RATES = {"q": "", "v": "/s", "a": "/s²"}
-EFFORTS = {"m": "N", "rad": "N·m", UNSAID: "N or N·m"}
-OTHERS = {"current": "A", "reference": "A", "force_x": "N", "force_z": "N"}
-EFFORT = EFFORTS[UNSAID]
-VARIABLES = {  # arrays over samples: their axes besides time, and the unit
-    "q": (("coordinate",), "m or rad"),
-    "v": (("coordinate",), "m/s or rad/s"),
-    "a": (("coordinate",), "m/s² or rad/s²"),
-    "u": (("motor",), EFFORT),
-    "tau": (("motor",), EFFORT),
-    "friction": (("coordinate",), EFFORT),
-    "force": (("toe", "axis"), "N"),
-    "spring": (("spring_joint",), EFFORT),
-    "engaged": (("spring_joint",), ""),
-    "domain": ((), ""),
-    "phase": ((), ""),
-    "cycle": ((), ""),
+AXES = {  # of arrays over samples, besides time
+    **dict.fromkeys(("q", "v", "a", "friction"), ("coordinate",)),
+    **dict.fromkeys(("u", "tau", "current", "reference"), ("motor",)),
+    "force": ("toe", "axis"),
+    **dict.fromkeys(("spring", ENGAGED), ("spring_joint",)),
+    **dict.fromkeys(("domain", "phase", CYCLE), ()),
 }
+DRIVEN = ("current", "reference")  # of hardware alone
 
 
 def columns(trajectory: Trajectory) -> tuple[list[str], Array]:
     """Names, and values, of everything numeric, one row a sample."""
     one = trajectory
-    names, parts = [TIME, "cycle"], [one.t[:, None], one.cycle[:, None].astype(float)]
+    names, parts = [TIME, CYCLE], [one.t[:, None], one.cycle[:, None].astype(float)]
     for symbol, values, labels in (
         ("q", one.q, one.coordinates),
         ("v", one.v, one.coordinates),
@@ -52,12 +52,16 @@ def columns(trajectory: Trajectory) -> tuple[list[str], Array]:
         ("spring", one.spring, one.spring_joints),
         ("current", one.current, one.actuated if one.current.size else ()),
         ("reference", one.reference, one.actuated if one.reference.size else ()),
-        ("force_x", one.force[:, :, 0], one.toes),
-        ("force_z", one.force[:, :, 1], one.toes),
+        *((f"force_{axis}", one.force[:, :, i], one.toes) for i, axis in enumerate(directions(one))),
     ):
         names += [f"{symbol}_{label}" for label in labels]
         parts.append(values)
     return names, np.hstack(parts)
+
+
+def directions(trajectory: Trajectory) -> str:
+    """Axes of forces: "xz" in the plane, "xyz" in space."""
+    return "xyz" if trajectory.force.shape[2] == 3 else "xz"
 
 
 def chosen(names: list[str], asked: tuple[str, ...]) -> list[str]:
@@ -66,40 +70,29 @@ def chosen(names: list[str], asked: tuple[str, ...]) -> list[str]:
     Raises:
         UnknownName: there is none.
     """
-    groups = [*RATES, "u", "tau", "friction", "spring", *OTHERS]
     found = []
     for name in asked:
-        those = [name] if name in names else [each for each in names if name in groups and each.startswith(f"{name}_")]
+        those = (
+            [name] if name in names else [each for each in names if name in QUANTITIES and each.startswith(f"{name}_")]
+        )
         if not those:
-            there = [group for group in groups if any(each.startswith(f"{group}_") for each in names)]
-            raise UnknownName("column", name, [*there, *(each for each in names if each not in (TIME, "cycle"))])
+            there = [group for group in QUANTITIES if any(each.startswith(f"{group}_") for each in names)]
+            raise UnknownName("column", name, [*there, *(each for each in names if each not in (TIME, CYCLE))])
         found += those
     return list(dict.fromkeys(found))
 
 
 def units(trajectory: Trajectory) -> dict[str, str]:
     """Unit of each column by its name; "m or rad" and the like where the robot, which tells, is not found."""
-    lengths, found = _lengths(trajectory), {TIME: "s", "cycle": "1"}
-    for name in columns(trajectory)[0][2:]:
-        others = [unit for symbol, unit in OTHERS.items() if name.startswith(f"{symbol}_")]
-        symbol, _, coordinate = name.partition("_")
-        found[name] = others[0] if others else _unit(symbol, lengths[coordinate])
-    return found
+    measured = _measured(trajectory)
+    return {name: unit(name, measured) for name in columns(trajectory)[0]}
 
 
 def frame(trajectory: Trajectory) -> Any:
     """The samples as a `pandas.DataFrame`, see `Trajectory.to_pandas`."""
-    import pandas
-
-    names, table = columns(trajectory)
-    made = pandas.DataFrame(table[:, 1:], columns=names[1:], index=pandas.Index(trajectory.t, name="t"))
-    made["cycle"] = trajectory.cycle
-    made.insert(0, "domain", trajectory.domain)
-    made.insert(1, "phase", trajectory.phase)
-    for column, joint in enumerate(trajectory.spring_joints):
-        made[f"engaged_{joint}"] = trajectory.engaged[:, column]
     said = units(trajectory)
-    made.attrs = {"units": {"t": said.pop(TIME), **said}, "robot": trajectory.robot}
+    made = _table(trajectory).set_index(TIME)
+    made.attrs = {"units": said, "robot": trajectory.robot}
     return made
 
 
@@ -109,16 +102,14 @@ def dataset(trajectory: Trajectory) -> Any:
         import xarray
     except ImportError:
         raise MissingExtra("xarray", "sweep", "a trajectory as a Dataset") from None
-    lengths = [_lengths(trajectory)[name] for name in trajectory.coordinates]
-    shown = dict(VARIABLES)
-    if trajectory.current.size:
-        shown |= dict.fromkeys(("current", "reference"), (("motor",), "A"))
-    variables = {
-        name: (("t", *axes), getattr(trajectory, name), {"units": unit} if unit else {})
-        for name, (axes, unit) in shown.items()
-    }
+    measured = _measured(trajectory)
+    lengths = [measured.get(name, UNSAID) for name in trajectory.coordinates]
+    there = {name: axes for name, axes in AXES.items() if trajectory.current.size or name not in DRIVEN}
+    symbols = {"force": "force_x"} | {name: name for name in QUANTITIES}
+    units = {name: {"units": unit_of(symbols[name])} if name in symbols else {} for name in there}
+    variables = {name: ((TIME, *axes), getattr(trajectory, name), units[name]) for name, axes in there.items()}
     coordinates = {
-        "t": ("t", trajectory.t, {"units": "s"}),
+        TIME: (TIME, trajectory.t, {"units": unit(TIME, measured)}),
         "coordinate": list(trajectory.coordinates),
         "unit": ("coordinate", lengths, {"long_name": "unit of each coordinate"}),
         "motor": list(trajectory.actuated),
@@ -140,11 +131,10 @@ def export(trajectory: Trajectory, path: str | Path, sampled: tuple[str, ...]) -
     """
     suffix = Path(path).suffix
     if suffix == ".csv":
-        names, table = columns(trajectory)
-        with atomic(path) as temporary, temporary.open("w", encoding="utf-8") as file:
-            file.write(",".join(["domain", *names]) + "\n")
-            for name, row in zip(trajectory.domain, table, strict=True):
-                file.write(name + "," + ",".join(map(repr, row.tolist())) + "\n")
+        table, measured = _table(trajectory), _measured(trajectory)
+        head = [heading(name, unit(name, measured)) for name in table.columns]
+        with atomic(path) as temporary, temporary.open("wb") as file:
+            table.to_csv(file, header=head, index=False, encoding="utf-8")
     elif suffix == ".mat":
         from scipy.io import savemat
 
@@ -162,19 +152,23 @@ def export(trajectory: Trajectory, path: str | Path, sampled: tuple[str, ...]) -
     return Path(path)
 
 
-def _unit(symbol: str, length: str) -> str:
-    if symbol not in RATES:
-        return EFFORTS[length]
-    return " or ".join(f"{part}{RATES[symbol]}" for part in length.split(" or "))
+def _table(trajectory: Trajectory) -> Any:
+    """All columns as a `pandas.DataFrame`, in the order of a table."""
+    import pandas
+
+    names, numbers = columns(trajectory)
+    words = pandas.DataFrame({"domain": trajectory.domain, "phase": trajectory.phase})
+    engaged = pandas.DataFrame(trajectory.engaged, columns=[f"{ENGAGED}_{joint}" for joint in trajectory.spring_joints])
+    made = pandas.concat([pandas.DataFrame(numbers, columns=names), words, engaged], axis=1)
+    made[CYCLE] = trajectory.cycle
+    return made[arranged(made.columns)]
 
 
-def _lengths(trajectory: Trajectory) -> dict[str, str]:
-    """Unit of each coordinate, "m" or "rad"."""
+def _measured(trajectory: Trajectory) -> dict[str, str]:
+    """What each coordinate is measured in, "m" or "rad"; nothing where the robot is not found."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RobotWarning)
-            robot = trajectory.load_robot()
+            return lengths(trajectory.load_robot())
     except (SpearError, ValueError):
-        return dict.fromkeys(trajectory.coordinates, UNSAID)
-    known = dict(zip(robot.coordinates, robot.units, strict=True))
-    return {name: known.get(name, UNSAID) for name in trajectory.coordinates}
+        return {}

@@ -1,6 +1,7 @@
 """`spear bound`: its figures and files, and one line for every mistake."""
 
 import json
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -13,6 +14,7 @@ from spear_pin.errors import NoGait
 from spear_pin.gaits import library
 from spear_pin.studies.bound import mean_speed
 from tests.cli.calls import loads, printed, refused, run, words
+from tests.slow import slow_but
 
 
 @pytest.fixture(scope="module")
@@ -43,6 +45,22 @@ class TestOfACut:
         asked = ("sweep", "bound", "--gait", cut_gait, "--over", "colour=1,2", "--out", tmp_path / "s.zarr")
         said = refused(capsys, *asked)
         assert all(name in said for name in ("unknown parameter 'colour'", "hip_distance", "torso_mass", "knee_rotor"))
+
+
+@pytest.mark.parametrize("command", slow_but(["bound", "hop"], "bound"))
+def test_files_of_an_earlier_call_are_named(capsys, tmp_path, command):
+    """Those that this call does not write, and that a reader would take for its own; they stay."""
+    for name in (f"{command}.json", f"{command}.csv", f"{command}.html", f"{command}.txt", "other.json"):
+        (tmp_path / name).write_text("older")
+    status, out, _ = run(capsys, command, "--cycles", 1, "--rtol", 1e-8, "--out", tmp_path)
+    rows = dict(
+        re.split(r" {2,}", line, maxsplit=1) for line in out.splitlines() if line.startswith(("files", "of an"))
+    )
+    assert status == 0 and f"{command}.html" in rows["files"]
+    assert rows["of an earlier call"] == f"{tmp_path / command}.json, {tmp_path / command}.csv"
+    assert (tmp_path / f"{command}.json").read_text() == "older"
+    _, out, _ = run(capsys, command, "--cycles", 1, "--rtol", 1e-8, "--save", "--out", tmp_path)
+    assert f"of an earlier call   {tmp_path / command}.csv\n" in out
 
 
 class TestBound:

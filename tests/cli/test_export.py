@@ -93,7 +93,7 @@ class TestTrajectories:
         assert (result["robot"], result["samples"]) == ("q_spear", len(stride.t))
         with (tmp_path / "bound.csv").open() as file:
             rows = list(csv.DictReader(file))
-        assert [float(row["q_pitch"]) for row in rows] == stride.q[:, 2].tolist()
+        assert [float(row["q_pitch [rad]"]) for row in rows] == stride.q[:, 2].tolist()
         np.testing.assert_array_equal(loadmat(tmp_path / "bound.mat")["q"], stride.q)
 
     @pytest.mark.extra("mcap", "mcap_protobuf", "foxglove_schemas_protobuf")

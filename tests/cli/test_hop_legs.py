@@ -1,65 +1,61 @@
 """`spear hop --robot`: one leg of somebody else's robot, and one line for every mistake."""
 
+import io
+import json
+from contextlib import redirect_stdout
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from spear_pin import Gait, HoppingLaw, Spring, Trajectory, hopping, load, monopod, simulate
+from spear_pin.cli import main
 from spear_pin.hybrid.periodic import residual
 from spear_pin.model.origin import robot_of
 from tests.cli.calls import printed, refused, run, words
-from tests.model.legged import quadruped
 
 
 @pytest.fixture(scope="module")
-def dog(tmp_path_factory):
-    path = tmp_path_factory.mktemp("robots") / "dog.urdf"
-    path.write_text(quadruped(), encoding="utf-8")
-    return path
+def hopped(dog, tmp_path_factory):
+    """What the command prints of a leg's hop that it saves, and the folder of its files."""
+    folder = tmp_path_factory.mktemp("hopped")
+    asked = ("--leg", "HR", "--flight-time", "0.18", "--save", "--out", str(folder), "--json")
+    with redirect_stdout(io.StringIO()) as out:
+        assert main(["hop", "--robot", str(dog), *asked]) == 0
+    return json.loads(out.getvalue()), folder
 
 
 @pytest.fixture(scope="module")
-def blank(tmp_path_factory):
-    """One whose knees may flex to either side."""
-    path = tmp_path_factory.mktemp("robots") / "blank.urdf"
-    path.write_text(quadruped(knee_limits=(-2.5, 2.5)), encoding="utf-8")
-    return path
+def cut(dog):
+    """The monopod of that leg by the Python API."""
+    return monopod(load(dog, base="fixed", motors="all"), "HR", locked=["boom_x"])
 
 
-def test_a_leg_hops(capsys, dog, tmp_path):
+def test_a_leg_hops(hopped, cut):
     """As the monopod that is cut out does by the Python API; page, plots and samples are its own."""
-    result = printed(capsys, "hop", "--robot", dog, "--leg", "HR", "--flight-time", "0.18", "--out", tmp_path)
-    robot = monopod(load(dog, base="fixed", motors="all"), "HR", locked=["boom_x"])
-    assert result["cut"] == str(robot.cut) and result["beyond_limits"] == []
-    assert result["stiffness"] == Spring.scaled(robot).stiffness
-    assert result["residual"] < 1e-9 and result["energy_residual"] < 1e-8 * robot.mass * 9.81
-    trajectory = Trajectory.load(tmp_path / "hop.npz")
+    result, folder = hopped
+    assert result["cut"] == str(cut.cut) and result["beyond_limits"] == []
+    assert result["stiffness"] == Spring.scaled(cut).stiffness
+    assert result["residual"] < 1e-9 and result["energy_residual"] < 1e-8 * cut.mass * 9.81
+    trajectory = Trajectory.load(folder / "hop.npz")
     assert trajectory.cycles == 11
-    gait = hopping(
-        robot, replace(HoppingLaw.scaled(robot), stance_torque=result["stance_torque"]), Spring.scaled(robot)
-    )
+    gait = hopping(cut, replace(HoppingLaw.scaled(cut), stance_torque=result["stance_torque"]), Spring.scaled(cut))
     hop = simulate(gait, (trajectory.q[0], trajectory.v[0]), 1)
     np.testing.assert_allclose(hop.q[-1], trajectory.q[trajectory.cycle == 1][-1], rtol=0, atol=1e-8)
-    page = (tmp_path / "hop.html").read_text(encoding="utf-8")
+    page = (folder / "hop.html").read_text(encoding="utf-8")
     assert "made, leg HR, hopping in place" in page and "not drawn" not in page and "drawn as bones" not in page
 
 
-@pytest.mark.slow
-def test_a_leg_is_saved(capsys, dog, tmp_path):
+def test_a_leg_is_saved(hopped, cut):
     """The gait and the samples know the robot that was cut, and the leg."""
-    asked = ("--leg", "HR", "--flight-time", "0.18", "--cycles", "1", "--save", "--out", tmp_path)
-    result = printed(capsys, "hop", "--robot", dog, *asked)
-    assert str(tmp_path / "hop.json") in result["files"]
-    gait, robot = (
-        Gait.load(tmp_path / "hop.json"),
-        monopod(load(dog, base="fixed", motors="all"), "HR", locked=["boom_x"]),
-    )
-    assert gait.system.robot.model == robot.model and str(gait.system.robot.cut) == result["cut"]
+    result, folder = hopped
+    assert str(folder / "hop.json") in result["files"]
+    gait = Gait.load(folder / "hop.json")
+    assert gait.system.robot.model == cut.model and str(gait.system.robot.cut) == result["cut"]
     assert gait.residual == result["residual"] and residual(gait.system, gait.state) < 1e-9
-    trajectory = Trajectory.load(tmp_path / "hop.npz")
+    trajectory = Trajectory.load(folder / "hop.npz")
     moved = robot_of(trajectory.origin)
-    assert moved.model == robot.model and moved.coordinates == trajectory.coordinates
+    assert moved.model == cut.model and moved.coordinates == trajectory.coordinates
 
 
 @pytest.fixture(scope="module")

@@ -21,13 +21,6 @@ from tests.model.legged import quadruped
 
 
 @pytest.fixture(scope="module")
-def dog(tmp_path_factory):
-    path = tmp_path_factory.mktemp("robots") / "dog.urdf"
-    path.write_text(quadruped(), encoding="utf-8")
-    return path
-
-
-@pytest.fixture(scope="module")
 def leg(dog):
     return monopod(load(dog, base="fixed", motors="all"), "HR", locked=["boom_x"])
 

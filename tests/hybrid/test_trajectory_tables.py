@@ -4,15 +4,17 @@ import sys
 from dataclasses import replace
 
 import numpy as np
+import pandas
 import pytest
 
 from spear_pin import Gait, Trajectory, load, simulate
 from spear_pin.errors import BadValue, MissingExtra, SpearError, UnknownName
+from spear_pin.hybrid.column_names import heading
 from spear_pin.hybrid.trajectory_tables import chosen
 
 UNITS = {
-    "t [s]": "s",
-    "cycle": "1",
+    "t": "s",
+    "cycle": "",
     "q_boom_z": "m",
     "q_knee": "rad",
     "v_boom_z": "m/s",
@@ -52,6 +54,7 @@ class TestPandas:
         names, table = hops.columns()
         np.testing.assert_array_equal(frame.index, hops.t)
         np.testing.assert_array_equal(frame[names[1:]].to_numpy(), table[:, 1:])
+        assert frame.columns.is_unique and list(frame.columns)[:3] == ["domain", "phase", "cycle"]
         assert frame["cycle"].dtype == np.int64 and frame["engaged_knee"].dtype == bool
         assert frame["phase"].tolist() == hops.phase.tolist() and frame["domain"].tolist() == hops.domain.tolist()
 
@@ -60,6 +63,14 @@ class TestPandas:
         units = frame.attrs["units"]
         assert units["t"] == "s" and units["q_knee"] == "rad"
         assert set(units) == {"t", *frame.columns} - {"domain", "phase", "engaged_knee"}
+
+    def test_is_what_is_in_a_csv_file(self, hops, tmp_path):
+        """Of the same columns in the same order, each headed by its unit."""
+        frame = hops.in_cycles(1).to_pandas().reset_index()
+        read = pandas.read_csv(hops.in_cycles(1).export(tmp_path / "hop.csv"))
+        assert list(read)[:5] == ["t [s]", "domain", "phase", "cycle", "q_boom_z [m]"]
+        assert list(read) == [heading(name, frame.attrs["units"].get(name, "")) for name in frame]
+        pandas.testing.assert_frame_equal(read.set_axis(list(frame), axis=1), frame, check_exact=True)
 
 
 @pytest.mark.extra("xarray")
@@ -70,6 +81,8 @@ def test_xarray_has_the_arrays_with_names_and_units(hops):
     np.testing.assert_array_equal(data["engaged"].sel(spring_joint="knee"), hops.engaged[:, 0])
     assert data["t"].attrs["units"] == "s" and data["force"].attrs["units"] == "N"
     assert data["unit"].to_numpy().tolist() == ["m", "rad", "rad"]
+    assert data["v"].attrs["units"] == "m/s or rad/s" and "units" not in data["engaged"].attrs
+    assert "current" not in data
 
 
 def test_without_xarray(hops, monkeypatch):

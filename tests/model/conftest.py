@@ -1,4 +1,4 @@
-"""URDFs written to disk, and the arm in three dimensions."""
+"""URDFs and MJCF files written to disk, and the arm in three dimensions."""
 
 import pytest
 
@@ -22,3 +22,16 @@ def write(tmp_path):
 def arm(write):
     """The arm that yaws and pitches, its foot a toe."""
     return load(write(ARM), toes=["foot"])
+
+
+@pytest.fixture
+def write_xml(tmp_path):
+    """A function that writes a file beside others, and returns its path."""
+
+    def write(text, name="dog.xml"):
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write

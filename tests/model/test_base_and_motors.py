@@ -94,7 +94,7 @@ class TestFixed:
 
     @pytest.mark.parametrize("base", ["floating", "", 3, True])
     def test_another_base(self, base):
-        assert "'free' or 'fixed'" in str(refusal(BadValue, lambda: load("spear_ii", base=base)))
+        assert "'free', 'chain' or 'fixed'" in str(refusal(BadValue, lambda: load("spear_ii", base=base)))
 
 
 class TestMotors:

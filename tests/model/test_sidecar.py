@@ -242,7 +242,7 @@ class TestKept:
 
 WRONG = {
     "nothing = 1": "unknown key 'nothing', 1; valid: urdf, mjcf, robot, base, toes",
-    "base = 'loose'": "base is 'loose'; expected 'free' or 'fixed'",
+    "base = 'loose'": "base is 'loose'; expected 'free', 'chain' or 'fixed'",
     "base = true": "base is True",
     "toes = 'FL_foot'": "toes is 'FL_foot'; expected a list of names",
     "toes = ['FL_hoof']": "toes: unknown frame 'FL_hoof'; valid: ",

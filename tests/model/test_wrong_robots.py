@@ -171,7 +171,7 @@ CALLS = {
     "a motor of no joint": (lambda r: load(r.file(), motors=["FL_knee"]), ("joint 'FL_knee'", "valid", "FL_bend")),
     "a motor of the base": (lambda r: load(r.file(), motors=["base"]), ("motors", "'base'", "one degree of freedom")),
     "a lock of no joint": (lambda r: load(r.file(), locked=["FL_knee"]), ("joint 'FL_knee'", "valid", "FL_bend")),
-    "a base that is no word": (lambda r: load(r.file(), base="floating"), ("base", "'floating'", "'free' or 'fixed'")),
+    "a base that is no word": (lambda r: load(r.file(), base="floating"), ("base", "'floating'", "'free', 'chain'")),
     "a base that rails carry": (lambda r: load("spear_ii", base="free"), ("root 'world'", "leave base out")),
     "a negative rotor": (
         lambda r: load(r.file(after=("FL_bend_drive", 'inertia value="0.0001"', 'inertia value="-1e-4"'))),

@@ -14,8 +14,8 @@ ROUGH = Rig(hip_efficiency=1.0, knee_efficiency=1.0, sensing=Sensing(0.005, 0.2,
 
 
 @pytest.fixture(scope="module")
-def gait():
-    return find_gait(hopping(load("spear_ii", locked=["boom_x"])), ["stance_torque"], {"flight_time": 0.2})
+def gait(hop):
+    return hop
 
 
 def test_rig_is_the_sources():

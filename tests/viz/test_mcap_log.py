@@ -14,6 +14,7 @@ from spear_pin.model.loading import ROBOTS
 from spear_pin.model.recut import recut
 from spear_pin.viz.mcap_log import ARROW, write_mcap
 from spear_pin.viz.playback.looks import read_looks
+from tests.hybrid.test_ground import Step
 
 needs_mcap = pytest.mark.extra("mcap", "mcap_protobuf", "foxglove_schemas_protobuf")
 
@@ -48,6 +49,13 @@ def read(path):
     return topics, kinds, metadata, attached
 
 
+def surface(entity):
+    """Points of an entity's triangles, and the corners of each."""
+    (triangles,) = entity.triangles
+    points = np.array([(point.x, point.y, point.z) for point in triangles.points])
+    return points, points[np.reshape(triangles.indices, (-1, 3))]
+
+
 def pose(message):
     """A frame's place in its parent."""
     at, turn = message.translation, message.rotation
@@ -61,6 +69,7 @@ class TestHop:
             "/tf": "foxglove.FrameTransforms",
             "/joint_states": "foxglove.JointStates",
             "/scene/robot": "foxglove.SceneUpdate",
+            "/scene/ground": "foxglove.SceneUpdate",
             "/scene/forces": "foxglove.SceneUpdate",
             "/events": "foxglove.Log",
             "/samples": "spear_pin.Sample",
@@ -95,8 +104,7 @@ class TestHop:
 
     def test_samples_are_the_columns(self, hop, logged):
         names, table = hop[1].columns()
-        keys = [name.removesuffix(" [s]") for name in names]
-        np.testing.assert_array_equal([[each[key] for key in keys] for _, each in logged[0]["/samples"]], table)
+        np.testing.assert_array_equal([[each[name] for name in names] for _, each in logged[0]["/samples"]], table)
         assert [each["phase"] for _, each in logged[0]["/samples"]] == hop[1].phase.tolist()
         assert [each["engaged_knee"] for _, each in logged[0]["/samples"]] == hop[1].engaged[:, 0].tolist()
 
@@ -116,6 +124,20 @@ class TestHop:
         np.testing.assert_allclose([at.x, at.z], robot.toe_position(trajectory.q[row], "toe"), rtol=0, atol=1e-9)
         flight = int(np.flatnonzero(trajectory.phase == "flight")[5])
         assert not logged[0]["/scene/forces"][flight][1].entities[0].arrows
+
+    def test_the_ground_is_the_slope_under_the_toes(self, hop, logged):
+        robot, trajectory = hop
+        ((time, update),) = logged[0]["/scene/ground"]
+        (entity,) = update.entities
+        assert time == 0 and entity.frame_id == "world" and entity.id == "ground"
+        points, corners = surface(entity)
+        np.testing.assert_allclose(points[:, 2], points[:, 0] * np.tan(0.05), rtol=0, atol=1e-12)
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert (normals[:, 2] > 0).all(), "it is seen from above"
+        toes = [robot.toe_position(q, "toe")[0] for q in trajectory.q]
+        assert points[:, 0].min() < min(toes) and max(toes) < points[:, 0].max()
+        said = json.loads(logged[2]["spear_pin"]["ground"])
+        assert (said["slope"], said["height"], said["friction"]) == (0.05, 0.0, 0.8)
 
     def test_events(self, hop, logged):
         found = [(each.message, each.name) for _, each in logged[0]["/events"]]
@@ -173,6 +195,14 @@ class TestOthers:
         topics, *_ = read(write_mcap(robot, failed, tmp_path / "failed.mcap"))
         assert topics["/samples"][-1][1]["force_z_toe"] is None
         assert not topics["/scene/forces"][-1][1].entities[0].arrows
+
+    def test_a_step_is_drawn(self, hop, tmp_path):
+        robot, trajectory = hop
+        topics, *_ = read(write_mcap(robot, replace(trajectory, ground=Step(at=0.3)), tmp_path / "step.mcap"))
+        points, _ = surface(topics["/scene/ground"][0][1].entities[0])
+        for x, _, z in points:
+            assert z == pytest.approx(0.02 if x > 0.3 else 0.0, abs=1e-9)
+        assert {0.0, 0.02} == set(np.round(points[:, 2], 9))
 
     def test_what_begins_before_zero_is_shifted(self, hop, tmp_path):
         robot, trajectory = hop

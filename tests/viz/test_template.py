@@ -24,6 +24,22 @@ def test_odd_words_are_shown_as_they_are(name):
     assert json.loads(tree.xpath("//script[@id='data']/text()")[0]) == given
 
 
+def test_what_every_page_has_is_written_once():
+    sources = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in ROOT.rglob("*.html")}
+    for part, owner in {"<!doctype": "page.html", 'id="data"': "page.html", "<dialog": "viewer.html"}.items():
+        assert [name for name, text in sources.items() if part in text.lower()] == [owner], part
+
+
+@pytest.mark.parametrize("name", ["player.html", "explore/page.html"])
+def test_a_page_begins_with_its_type(name):
+    assert (
+        environment()
+        .get_template(name)
+        .render(title="A hop", data={"kind": "hop"})
+        .startswith("<!DOCTYPE html>\n<html")
+    )
+
+
 @pytest.mark.parametrize("name", ["player.html", "report/page.html"])
 def test_what_is_not_given_is_not_left_out(name):
     ignored = dict.fromkeys(("blocks", "command", "drawing", "number", "numbers", "prose", "symbols"), str)

@@ -34,16 +34,15 @@ function makeAddress(parts, start) {
   function read() {
     const fields = new URLSearchParams(location.hash.slice(1));
     const number = (name) => (fields.get(name) ? Number(fields.get(name)) : NaN);
-    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
-    const named = Number.isFinite(number("t"));
+    const { time, playing } = begins();
     switches.write((fields.get("show") || "").split(","));
     if (fields.has("camera")) camera.write(fields.get("camera"));
     if (fields.has("plot")) parts.chooseColumns(fields.get("plot").split(","));
     if (number("speed") > 0) clock.setSpeed(number("speed"));
     const loop = (fields.get("loop") || "").split(",").map(Number);
     clock.setLoop(loop.length === 2 && loop.every(Number.isFinite) ? loop.map((time) => time - start) : null);
-    clock.setPlaying(fields.get("play") === "1" || (!named && !calm));
-    clock.seek(named ? number("t") - start : 0);
+    clock.setPlaying(fields.get("play") === "1" || playing);
+    clock.seek(time === null ? 0 : time - start);
     if (Number.isFinite(number("held"))) camera.hold(number("held"));
     clearTimeout(waiting); // what was read need not be written
   }

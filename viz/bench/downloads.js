@@ -12,8 +12,8 @@ function fileName(title) {
   return title.replace(/[^\p{L}\p{N}]+/gu, "_").replace(/^_|_$/g, "") || "motion";
 }
 
-function saveSamples(samples, { title, start, spans }) {
-  save(new Blob([samples.asCsv(start, spans)], { type: "text/csv" }), fileName(title) + ".csv");
+function saveSamples(samples, { title, start }) {
+  save(new Blob([samples.asCsv(start)], { type: "text/csv" }), fileName(title) + ".csv");
 }
 
 function savePicture(viewer, { title, start }, time) {

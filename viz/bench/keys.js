@@ -1,6 +1,10 @@
-// what each key does, and the list of them
+// what each key does, and the list of them, that a key and a button open
 
-function makeKeys(entries, help, list) {
+function makeKeys(own, at) {
+  const help = at("help");
+  const open = () => help.showModal();
+  at("keys").addEventListener("click", open);
+  const entries = [...own, { keys: ["?"], label: "this list", act: open }];
   for (const { keys, label } of entries) {
     const row = document.createElement("tr");
     const head = document.createElement("th");
@@ -14,13 +18,14 @@ function makeKeys(entries, help, list) {
     const what = document.createElement("td");
     what.textContent = label;
     row.append(head, what);
-    list.append(row);
+    at("keylist").append(row);
   }
   const actions = new Map(entries.flatMap(({ keys, act }) => keys.map((key) => [key, act])));
 
-  // what has the focus may want the key for itself
-  function wanted(key, { tagName, type }) {
+  // what has the focus may want the key for itself; the time's own slider goes as the keys do
+  function wanted(key, { tagName, type, id }) {
     if (key === " " || key === "Enter") return ["BUTTON", "SUMMARY", "SELECT", "A"].includes(tagName) || type === "checkbox";
+    if (["range", "radio"].includes(type) && id !== "scrubber") return /^(Arrow|Home|End)/.test(key);
     return tagName === "SELECT";
   }
 

@@ -4,7 +4,7 @@ const DRAG = 4; // pixels from which on a click is a drag
 const VALUE_EVERY = 80; // ms between values beside a plot while it plays
 
 function makePlots(clock, data, samples, panel) {
-  const { duration, spans, start } = data;
+  const { duration, spans, start, across = "time (s)" } = data; // what is across, in a word
   let plots = [];
   let chosen = [];
   let theme = "light";
@@ -14,7 +14,7 @@ function makePlots(clock, data, samples, panel) {
     const groups = new Map();
     for (const name of chosen) {
       const column = samples.byName.get(name);
-      const key = `${column.kind} [${column.unit}]`;
+      const key = `${column.kind} (${column.unit})`;
       if (!groups.has(key)) groups.set(key, []);
       groups.get(key).push(column);
     }
@@ -23,7 +23,7 @@ function makePlots(clock, data, samples, panel) {
 
   function draw() {
     for (const plot of plots) plot.destroy();
-    plots = panel.hidden ? [] : grouped().map((columns) => new Plot(columns));
+    plots = panel.hidden ? [] : grouped().map((columns, i, all) => new Plot(columns, i + 1 === all.length));
     panel.classList.toggle("empty", !chosen.length);
     fit();
     point(clock.time, true);
@@ -34,7 +34,7 @@ function makePlots(clock, data, samples, panel) {
   }
 
   class Plot {
-    constructor(columns) {
+    constructor(columns, last) {
       this.columns = columns;
       const style = getComputedStyle(document.documentElement);
       const [soft, line] = ["--soft", "--line"].map((name) => style.getPropertyValue(name).trim());
@@ -43,7 +43,7 @@ function makePlots(clock, data, samples, panel) {
       this.figure.className = "plot";
       const caption = document.createElement("figcaption");
       const head = document.createElement("span");
-      head.textContent = columns[0].kind + (columns[0].unit ? ` [${columns[0].unit}]` : "");
+      head.textContent = columns[0].kind + (columns[0].unit ? ` (${columns[0].unit})` : "");
       caption.append(head);
       this.values = columns.map((column, i) => {
         const item = document.createElement("span");
@@ -61,7 +61,7 @@ function makePlots(clock, data, samples, panel) {
       this.figure.append(caption, this.chart);
       panel.append(this.figure);
       const font = "11px system-ui, DejaVu Sans, sans-serif";
-      const axis = { stroke: soft, font, grid: { stroke: line, width: 1 }, ticks: { show: false } };
+      const axis = { stroke: soft, font, labelFont: font, labelSize: 15, labelGap: 0, grid: { stroke: line, width: 1 }, ticks: { show: false } };
       this.plot = new uPlot({
         width: 100,
         height: 60,
@@ -70,7 +70,8 @@ function makePlots(clock, data, samples, panel) {
         cursor: { show: false },
         scales: { x: { time: false, range: [0, duration] } },
         axes: [
-          { ...axis, size: 20, gap: 3, values: (_, ticks) => ticks.map((tick) => Number((start + tick).toFixed(4))) },
+          { ...axis, size: 20, gap: 3, values: (_, ticks) => ticks.map((tick) => Number((start + tick).toFixed(4))),
+            ...(last ? { label: across } : {}) },
           { ...axis, size: 46, gap: 4 },
         ],
         series: [{}, ...columns.map((_, i) => ({ stroke: colors[i], width: 1.5, points: { show: false } }))],

@@ -4,9 +4,9 @@ function readSamples(packed) {
   const t = new Float64Array(bytesOf(packed.times).buffer);
   const values = new Float32Array(bytesOf(packed.values).buffer);
   let used = 0;
-  const columns = packed.columns.map(({ name, label, kind, unit, still }) => {
+  const columns = packed.columns.map(({ name, label, kind, unit, heading, still }) => {
     const own = still === undefined ? values.subarray(used, (used += t.length)) : new Float32Array(t.length).fill(still);
-    return { name, kind, unit, label, values: own, title: unit ? `${name} [${unit}]` : name };
+    return { name, kind, unit, label, values: own, title: heading };
   });
 
   // the last sample that is not after a time
@@ -28,17 +28,26 @@ function readSamples(packed) {
     return (column) => column.values[row] + weight * (column.values[next] - column.values[row]);
   }
 
-  function asCsv(start, spans) {
+  // a function that gives the word at a row, of where each begins
+  function wordAt(runs) {
+    const words = new Array(t.length);
+    runs.forEach(([row, word], i) => words.fill(word, row, i + 1 < runs.length ? runs[i + 1][0] : t.length));
+    return (row) => words[row];
+  }
+
+  // with the headings and in the order of the tables that Python writes
+  function asCsv(start) {
     const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text);
-    const lines = [["domain", "t [s]", ...columns.map((column) => column.title)].map(quoted).join(",")];
-    let span = 0;
-    for (let row = 0; row < t.length; row++) {
-      // of two samples of one instant the first ends what was before
-      const ended = (end) => t[row] > end || (t[row] === end && row > 0 && t[row - 1] === end);
-      while (span + 1 < spans.length && ended(spans[span][2])) span++;
-      const numbers = columns.map((column) => Number(column.values[row].toPrecision(7)));
-      lines.push([quoted(spans[span][0]), start + t[row], ...numbers].join(","));
+    const cells = new Map([["t", [packed.time, (row) => start + t[row]]]]);
+    for (const { name, title, values } of columns)
+      cells.set(name, [title, (row) => Number(values[row].toPrecision(7))]);
+    for (const [name, runs] of Object.entries(packed.words)) {
+      const word = wordAt(runs);
+      cells.set(name, [name, (row) => quoted(word(row))]);
     }
+    const shown = packed.order.map((name) => cells.get(name));
+    const lines = [shown.map(([title]) => quoted(title)).join(",")];
+    for (let row = 0; row < t.length; row++) lines.push(shown.map(([, cell]) => cell(row)).join(","));
     return lines.join("\n") + "\n";
   }
 

@@ -3,35 +3,30 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.hybrid.column_names import (
+    ENGAGED,
+    TIME,
+    arranged,
+    heading,
+    lengths,
+    parted,
+    quantity,
+    read_heading,
+    unit,
+)
 from spear_pin.model.robot import Robot
 from spear_pin.viz.playback.trajectory import TrajectoryLike, read_times, table_of
 
 Array = NDArray[np.float64]
 
 MOST_VALUES = 48_000  # that a page holds, four bytes each
-LENGTH, ANGLE = ("m", "m/s", "m/s²", "N"), ("rad", "rad/s", "rad/s²", "N·m")
-KINDS: dict[
-    str, tuple[str, int | str]
-] = {  # of columns by their symbol: what they are, and which of the units of their coordinate, or which unit
-    "q": ("position", 0),
-    "v": ("velocity", 1),
-    "a": ("acceleration", 2),
-    "u": ("motor torque", 3),
-    "tau": ("joint torque", 3),
-    "friction": ("friction", 3),
-    "spring": ("spring torque", 3),
-    "current": ("current", "A"),
-    "reference": ("current asked for", "A"),
-    "force_x": ("force along the ground", "N"),
-    "force_z": ("force normal to the ground", "N"),
-}
 
 
 @dataclass(frozen=True)
@@ -66,11 +61,13 @@ class Samples:
         t: (n,) times, in s from the first; an event has two samples.
         columns: everything else.
         every: of so many samples of the trajectory one is here.
+        words: (n,) each, by the name of the column: domain, phase if there is such, and whether springs are engaged.
     """
 
     t: Array
     columns: tuple[Column, ...]
     every: float = 1.0
+    words: Mapping[str, NDArray[np.str_]] = field(default_factory=dict)
 
 
 def samples_of(robot: Robot, trajectory: TrajectoryLike) -> Samples:
@@ -79,11 +76,12 @@ def samples_of(robot: Robot, trajectory: TrajectoryLike) -> Samples:
     found = table_of(trajectory)
     # a floating base has more numbers than names there
     names, table = found if found and len(found[0]) == found[1].shape[1] else _plain(robot, trajectory)
-    units = _units(robot)
+    measured = lengths(robot)
     columns = (
-        _column(name, np.asarray(values, dtype=np.float64), units) for name, values in zip(names, table.T, strict=True)
+        _column(name, np.asarray(values, dtype=np.float64), measured)
+        for name, values in zip(names, table.T, strict=True)
     )
-    return Samples(t - t[0], tuple(column for column in columns if column.name != "t"))
+    return Samples(t - t[0], tuple(each for each in columns if each.name != TIME), words=_words(trajectory))
 
 
 def thinned(samples: Samples, most: int = MOST_VALUES) -> Samples:
@@ -96,7 +94,8 @@ def thinned(samples: Samples, most: int = MOST_VALUES) -> Samples:
     sides = np.r_[instants, instants + 1] if 4 * len(instants) < room else instants[:0]
     rows = np.unique(np.r_[sides, np.linspace(0, n - 1, room - len(sides)).astype(int)])
     columns = (replace(column, values=column.values[rows]) for column in samples.columns)
-    return Samples(samples.t[rows], tuple(columns), n / len(rows))
+    words = {name: values[rows] for name, values in samples.words.items()}
+    return Samples(samples.t[rows], tuple(columns), n / len(rows), words)
 
 
 def packed(samples: Samples) -> dict[str, Any]:
@@ -107,22 +106,24 @@ def packed(samples: Samples) -> dict[str, Any]:
         "values": _base64(np.array(moving), "<f4"),
         "columns": [
             {"name": column.name, "label": column.label, "kind": column.kind, "unit": column.unit}
+            | {"heading": heading(column.name, column.unit)}
             | ({} if column.moves else {"still": float(column.values[0])})
             for column in samples.columns
         ],
+        "words": {name: _runs(values) for name, values in samples.words.items()},
+        "order": arranged([TIME, *samples.words, *(column.name for column in samples.columns)]),
+        "time": heading(TIME, unit(TIME, {})),
         "every": round(samples.every, 2),
         "plotted": plotted(samples),
     }
 
 
 def plotted(samples: Samples) -> list[str]:
-    """Names of the columns that a page shows first: what motors do, what the ground does, and where the joints are."""
-    moving = [column for column in samples.columns if column.moves]
-    driven = {c.label for c in moving if c.kind == "motor torque"}
-    angles = [c.name for c in moving if c.kind == "position" and (not driven or c.label in driven)]
-    torques = [c.name for c in moving if c.kind == "motor torque"]
-    forces = [c.name for c in moving if c.name.startswith("force_z_")]
-    return [*angles, *torques, *forces]
+    """Names of the columns that a page shows first: where the joints are, what motors, springs and ground do."""
+    there = [(*parted(column.name), column.name) for column in samples.columns if column.moves]
+    driven = {label for symbol, label, _ in there if symbol == "u"}
+    angles = [name for symbol, label, name in there if symbol == "q" and (not driven or label in driven)]
+    return [*angles, *(name for first in ("u", "spring", "force_z") for symbol, _, name in there if symbol == first)]
 
 
 def _plain(robot: Robot, trajectory: TrajectoryLike) -> tuple[Sequence[str], Array]:
@@ -133,20 +134,24 @@ def _plain(robot: Robot, trajectory: TrajectoryLike) -> tuple[Sequence[str], Arr
     return names, np.hstack([np.asarray(trajectory.q, dtype=np.float64), force.swapaxes(1, 2).reshape(n, axes * toes)])
 
 
-def _column(name: str, values: Array, units: dict[str, tuple[str, ...]]) -> Column:
-    head, _, unit = name.partition(" [")
-    symbol = next((each for each in sorted(KINDS, key=len, reverse=True) if head.startswith(f"{each}_")), None)
-    if symbol is None:
-        return Column(head, head, head, unit.rstrip("]"), values)
-    kind, which = KINDS[symbol]
-    label = head.removeprefix(f"{symbol}_")
-    own = units.get(label, ("",) * 4)
-    return Column(head, label, kind, which if isinstance(which, str) else own[which], values)
+def _column(name: str, values: Array, measured: Mapping[str, str]) -> Column:
+    plain, said = read_heading(name)
+    return Column(plain, parted(plain)[1], quantity(plain), said or unit(plain, measured), values)
 
 
-def _units(robot: Robot) -> dict[str, tuple[str, ...]]:
-    """Units of position, velocity, acceleration and force along each coordinate, by its name."""
-    return {name: LENGTH if unit == "m" else ANGLE for name, unit in zip(robot.coordinates, robot.units, strict=True)}
+def _words(trajectory: TrajectoryLike) -> dict[str, NDArray[np.str_]]:
+    domain = np.asarray(trajectory.domain, dtype=str)
+    phase = getattr(trajectory, "phase", None)
+    springs = tuple(trajectory.spring_joints)
+    engaged = np.asarray(trajectory.engaged, dtype=bool).reshape(len(domain), len(springs))
+    latches = {f"{ENGAGED}_{joint}": on.astype(str) for joint, on in zip(springs, engaged.T, strict=True)}
+    return {"domain": domain} | ({} if phase is None else {"phase": np.asarray(phase, dtype=str)}) | latches
+
+
+def _runs(values: NDArray[np.str_]) -> list[tuple[int, str]]:
+    """Where each value begins that is another than the one before."""
+    rows = np.r_[0, np.flatnonzero(values[1:] != values[:-1]) + 1]
+    return [(int(row), str(values[row])) for row in rows]
 
 
 def _base64(values: Array, kind: str) -> str:

@@ -1,28 +1,34 @@
 // the time bar: domains in their colours, events, the loop, and what they are called where the pointer is
 
-function makeTimeline(clock, data, at) {
-  const { duration, spans, events, start } = data;
-  const percent = (time) => (100 * time) / duration + "%";
-  const stops = spans.map(([name, begin, end]) => `${colorOf(name)} ${percent(begin)} ${percent(end)}`);
-  at("spans").style.background = `linear-gradient(to right, ${stops.join(", ")})`;
-  for (const [name, time] of events) {
-    const tick = document.createElement("i");
-    tick.style.left = percent(time);
-    tick.title = name;
-    at("spans").append(tick);
-  }
-  const loop = document.createElement("b");
-  at("spans").append(loop);
-
+function makeTimeline(clock, at) {
+  let { spans, events, start } = { spans: [["", 0, 0]], events: [], start: 0 };
+  let named = "";
+  const percent = (time) => (100 * time) / clock.duration + "%";
   const seconds = (time) => (start + time).toFixed(3) + " s";
   const spanAt = (time) => spans.filter((span) => span[1] <= time).pop() || spans[0];
-  const scrubber = at("scrubber");
-  scrubber.max = duration;
-  scrubber.addEventListener("input", () => clock.pauseAt(Number(scrubber.value)));
+  const loop = document.createElement("b");
+  loop.hidden = true;
+
+  // the motion of the clock
+  function show(motion) {
+    ({ spans, events, start } = motion);
+    named = "";
+    const stops = spans.map(([name, begin, end]) => `${colorOf(name)} ${percent(begin)} ${percent(end)}`);
+    at("spans").style.background = `linear-gradient(to right, ${stops.join(", ")})`;
+    const ticks = events.map(([name, time]) => {
+      const tick = document.createElement("i");
+      tick.style.left = percent(time);
+      tick.title = name;
+      return tick;
+    });
+    at("spans").replaceChildren(...ticks, loop);
+    at("total").textContent = "of " + seconds(clock.duration);
+  }
 
   const NEAR = 7; // pixels between the pointer and an event
   const tip = at("tip");
   function point(event) {
+    const { duration } = clock;
     const { left, width } = at("spans").getBoundingClientRect();
     const time = ((event.clientX - left) / width) * duration;
     const near = events
@@ -41,7 +47,6 @@ function makeTimeline(clock, data, at) {
   at("bar").addEventListener("pointerdown", point);
   for (const end of ["pointerleave", "pointercancel"]) at("bar").addEventListener(end, () => (tip.hidden = true));
 
-  let named = "";
   clock.onTime((time) => {
     const [name] = spanAt(time);
     if (name !== named) {
@@ -49,8 +54,6 @@ function makeTimeline(clock, data, at) {
       Object.assign(at("domain").style, { background: colorOf(name), color: inkOn(colorOf(name)) });
     }
     at("time").textContent = seconds(time);
-    scrubber.value = time;
-    if (!clock.playing) scrubber.setAttribute("aria-valuetext", `${seconds(time)}, ${name}`);
   });
   clock.onChange(() => {
     loop.hidden = !clock.loop;
@@ -58,12 +61,18 @@ function makeTimeline(clock, data, at) {
     loop.style.left = percent(clock.loop[0]);
     loop.style.width = percent(clock.loop[1] - clock.loop[0]);
   });
-  at("total").textContent = "of " + seconds(duration);
 
-  const instants = [0, ...events.map((event) => event[1]), duration];
+  // the next event in a direction, or the end
+  function beside(time, way) {
+    const instants = [0, ...events.map((event) => event[1]), clock.duration];
+    return (way > 0 ? instants.find((when) => when > time + 1e-6)
+      : instants.filter((when) => when < time - 1e-6).pop()) ?? time;
+  }
+
   return {
-    // the next event in a direction, or the end
-    beside: (time, way) => (way > 0 ? instants.find((when) => when > time + 1e-6)
-      : instants.filter((when) => when < time - 1e-6).pop()) ?? time,
+    show,
+    said: (time) => `${seconds(time)}, ${spanAt(time)[0]}`,
+    keys: [{ keys: ["Shift+ArrowLeft", "Shift+ArrowRight"], label: "to the event before, after",
+      act: (way) => clock.pauseAt(beside(clock.time, way)) }],
   };
 }

@@ -12,6 +12,7 @@ function byTime(sides) {
     placeOf: (side, time) => time,
     said: (x) => `${x.toFixed(3)} s`,
     title: "over time, in s",
+    across: "time (s)",
   };
 }
 
@@ -36,6 +37,7 @@ function byShare(sides) {
     },
     said: (x) => `cycle ${Math.min(cycles, Math.floor(x) + 1)}, ${Math.round(100 * (x - Math.min(cycles - 1, Math.floor(x))))} %`,
     title: "over cycles: at the same share of each",
+    across: "cycles",
   };
 }
 
@@ -45,10 +47,10 @@ function alignedSamples(sides, alignment) {
   const columns = [];
   for (const name of new Set(sides.flatMap((side) => side.samples.columns.map((column) => column.name)))) {
     const having = sides.filter((side) => side.samples.byName.has(name));
-    const { unit } = having[0].samples.byName.get(name);
+    const { unit, kind } = having[0].samples.byName.get(name);
     for (const side of sides) {
       const own = side.samples.byName.get(name);
-      columns.push({ name: `${name} ${side.number}`, of: name, kind: name, unit, label: side.title, own, side,
+      columns.push({ name: `${name} ${side.number}`, of: name, kind: `${name}, ${kind}`, unit, label: side.title, own, side,
         title: `${side.title}: ${name}`, values: own ? line(side, own) : new Array(POINTS + 1).fill(null) });
     }
   }

@@ -15,7 +15,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 from spear_pin.showing import Player
 from spear_pin.studies.comparison import Difference, Measure, Side, differences, measures, said, sides_of
-from spear_pin.studies.comparison.sides import CYCLES
+from spear_pin.studies.comparison.sides import CYCLES, different
 
 HEIGHT = 720  # px of the frame of a notebook
 
@@ -61,17 +61,19 @@ class Comparison:
         return Player(self.page, HEIGHT).save(path)
 
     def to_pandas(self) -> Any:
-        """The measures as a `pandas.DataFrame`: group, unit and values, differences and % of each side."""
+        """The measures as a `pandas.DataFrame`: group, unit and values, differences and % of each side.
+
+        A side whose label another column has is numbered there, as "unit (2)".
+        """
         import pandas
 
+        labels = [side.label for side in self.sides]
+        others = [f"{label}{part}" for part in (", difference", ", %") for label in labels[1:]]
         rows = [
-            {"group": row.group, "measure": row.name, "unit": row.unit}
-            | dict(zip((side.label for side in self.sides), row.values, strict=True))
-            | {f"{side.label}, difference": row.changes[i] for i, side in enumerate(self.sides) if i}
-            | {f"{side.label}, %": row.shares[i] for i, side in enumerate(self.sides) if i}
-            for row in self.measures
+            [row.group, row.name, row.unit, *row.values, *row.changes[1:], *row.shares[1:]] for row in self.measures
         ]
-        return pandas.DataFrame(rows).set_index(["group", "measure"])
+        table = pandas.DataFrame(rows, columns=different(["group", "measure", "unit", *labels, *others]))
+        return table.set_index(["group", "measure"])
 
 
 @typed

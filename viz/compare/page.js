@@ -10,26 +10,22 @@
   shareCamera();
   if (!at("controls")) return; // nothing moves
 
+  const first = sides.find((side) => !side.stands);
+  const clock = makeClock();
   const alignments = [byTime(sides), byShare(sides)].filter(Boolean).map((alignment) => {
-    const clock = makeClock(alignment.duration);
+    const { duration, placeOf } = alignment;
+    const spans = first.spans.map(([name, ...ends]) =>
+      [name, ...ends.map((time) => Math.max(0, Math.min(duration, placeOf(first, time))))]);
     const panel = at(`plots-${alignment.name}`);
-    const first = sides.find((side) => !side.stands);
-    const spans = first.spans.map(([name, begin, end]) => [name, ...[begin, end].map((time) =>
-      Math.max(0, Math.min(alignment.duration, alignment.placeOf(first, time))))]);
-    const plots = groupedPlots(
-      makePlots(clock, { duration: alignment.duration, spans, start: 0 }, alignedSamples(sides, alignment), panel), sides);
-    return { ...alignment, clock, panel, plots };
+    const plots = makePlots(clock, { ...alignment, spans, start: 0 }, alignedSamples(sides, alignment), panel);
+    return { ...alignment, panel, plots: groupedPlots(plots, sides) };
   });
   let now = alignments[0];
-  let factor = 1; // of real time
   let over = false;
 
-  for (const alignment of alignments) {
-    const { clock, plots } = alignment;
-    clock.onTime((x) => alignment === now && show(x));
-    clock.onChange(() => alignment === now && told());
-    plots.choose(data.plotted);
-  }
+  const transport = makeTransport(clock, { speeds: data.speeds, rate: data.rate, said: (x) => now.said(x) }, at);
+  clock.onTime(show);
+  for (const { plots } of alignments) plots.choose(data.plotted);
   const listed = [...new Map(sides.flatMap((side) => side.samples.columns).map((column) => [column.name, column])).values()];
   makeColumnList({ columns: listed }, {
     names: () => now.plots.names(),
@@ -84,8 +80,6 @@
     for (const side of sides) figures[side.number].querySelector(".where").textContent = where(side, x);
     at("now").textContent = now.said(x);
     at("cursor").style.left = `${(100 * x) / now.duration}%`;
-    at("scrubber").value = x;
-    if (!now.clock.playing) at("scrubber").setAttribute("aria-valuetext", now.said(x));
   }
 
   function where(side, x) {
@@ -96,30 +90,22 @@
     return `${(side.start + time).toFixed(3)} s, ${name}`;
   }
 
-  function told() {
-    at("play").classList.toggle("playing", now.clock.playing);
-    at("play").setAttribute("aria-label", now.clock.playing ? "Pause" : "Play");
-  }
-
   function align(name) {
     const [before, next] = [now, alignments.find((each) => each.name === name)];
     if (!next) return;
-    const playing = before.clock.playing;
-    const first = sides.find((side) => !side.stands);
-    const time = before.timeOf(first, before.clock.time);
-    before.clock.setPlaying(false);
+    const here = (x) => (before === next ? x : next.placeOf(first, before.timeOf(first, x)));
+    const [x, loop] = [here(clock.time), clock.loop && clock.loop.map(here)];
     now = next;
+    clock.setMotion(now);
+    clock.setLoop(loop);
     for (const each of alignments) {
       each.panel.hidden = each !== now;
       each.plots.draw();
     }
     at("over").textContent = now.title;
-    at("scrubber").max = now.duration;
     press("aligned", name);
     drawPhases();
-    setSpeed(factor);
-    now.clock.seek(before === now ? now.clock.time : now.placeOf(first, time));
-    now.clock.setPlaying(playing);
+    clock.seek(x);
   }
 
   function drawPhases() {
@@ -138,13 +124,7 @@
     for (const side of shown) haunt(side, over);
     at("motions").classList.toggle("over", over);
     press("placed", over ? "over" : "beside");
-    show(now.clock.time);
-  }
-
-  function setSpeed(speed) {
-    factor = speed;
-    now.clock.setSpeed(speed * now.rate);
-    press("speeds", String(speed));
+    show(clock.time);
   }
 
   function press(group, value) {
@@ -175,52 +155,23 @@
     at("view").value = name;
   }
 
-  const step = (way) => now.clock.pauseAt(now.clock.time + (way * now.rate) / data.rate);
-  const nextSpeed = (way) => {
-    const faster = [...data.speeds].sort((a, b) => a - b);
-    setSpeed(faster[Math.max(0, Math.min(faster.length - 1, faster.indexOf(factor) + way))]);
-  };
-  const bound = (end) => {
-    const loop = now.clock.loop || [0, now.duration];
-    now.clock.setLoop(end === "begin" ? [now.clock.time, loop[1]] : [loop[0], now.clock.time]);
-  };
-
-  for (const speed of data.speeds) {
-    const button = document.createElement("button");
-    Object.assign(button, { type: "button", value: speed, textContent: `${speed}×` });
-    button.addEventListener("click", () => setSpeed(speed));
-    at("speeds").append(button);
-  }
   const views = shown.length ? shown[0].camera.views : [];
   for (const view of views) at("view").append(new Option(view, view));
   at("view").addEventListener("change", () => setView(at("view").value));
-  at("play").addEventListener("click", () => now.clock.setPlaying(!now.clock.playing));
-  at("scrubber").addEventListener("input", () => now.clock.pauseAt(Number(at("scrubber").value)));
   at("aligned").addEventListener("click", ({ target }) => target.value && align(target.value));
   at("placed").addEventListener("click", ({ target }) => target.value && place(target.value === "over"));
-  at("keys").addEventListener("click", () => at("help").showModal());
   if (alignments.length < 2) Object.assign(at("aligned").lastElementChild, { disabled: true, title: "some motion has no whole cycle" });
   if (!shown.some((side) => side.ghost)) Object.assign(at("placed").lastElementChild, { disabled: true, title: "the robots are different" });
   makeKeys([
-    { keys: [" "], label: "play, pause", act: () => now.clock.setPlaying(!now.clock.playing) },
-    { keys: [",", "ArrowLeft"], label: "one frame back", act: step },
-    { keys: [".", "ArrowRight"], label: "one frame on", act: step },
-    { keys: ["Home"], label: "to the beginning", act: () => now.clock.seek(0) },
-    { keys: ["End"], label: "to the end", act: () => now.clock.pauseAt(now.duration) },
-    { keys: ["-"], label: "slower", act: () => nextSpeed(-1) },
-    { keys: ["+", "="], label: "faster", act: () => nextSpeed(1) },
-    { keys: ["["], label: "a loop begins here", act: () => bound("begin") },
-    { keys: ["]"], label: "a loop ends here", act: () => bound("end") },
-    { keys: ["l"], label: "no loop", act: () => now.clock.setLoop(null) },
+    ...transport.keys,
     { keys: ["s"], label: "by time, by share of the cycle", act: () => align(now.name === "time" ? "share" : "time") },
     { keys: ["g"], label: "side by side, ghosts", act: () => place(!over) },
     ...views.map((view, i) => ({ keys: [String(i + 1)], label: `view: ${view}`, act: () => setView(view) })),
-    { keys: ["?"], label: "this list", act: () => at("help").showModal() },
-  ], at("help"), at("keylist"));
+  ], at);
 
   Object.defineProperties(window.player, Object.getOwnPropertyDescriptors({
-    align, place, setSpeed, setView,
-    get clock() { return now.clock; },
+    align, clock, place, setView,
+    setSpeed: clock.setSpeed,
     get alignment() { return now.name; },
     get over() { return over; },
     get plots() { return now.plots; },
@@ -228,7 +179,7 @@
   align("time");
   place(false);
   setView("side");
-  const asked = Number.parseFloat(new URLSearchParams(location.hash.slice(1)).get("t"));
-  now.clock.seek(Number.isFinite(asked) ? asked : 0);
-  now.clock.setPlaying(!Number.isFinite(asked) && !matchMedia("(prefers-reduced-motion: reduce)").matches);
+  const { time, playing } = begins();
+  clock.seek(time ?? 0);
+  clock.setPlaying(playing);
 })();

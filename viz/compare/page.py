@@ -19,14 +19,13 @@ from spear_pin.viz.compare.words import change, number, parameter, percent, valu
 from spear_pin.viz.playback import meshcat_commands as c
 from spear_pin.viz.playback.frames import resample
 from spear_pin.viz.playback.scene import GHOST, ROBOT, moving
-from spear_pin.viz.player import as_data, encoded
+from spear_pin.viz.player import SPEEDS, as_data, encoded
 from spear_pin.viz.template import environment
 
 MOST_BYTES = 5_000_000
 RATES = (60.0, 30.0, 15.0, 10.0)  # frames a second, the first that fits
 MOST_VALUES = 48_000, 120_000  # numbers of samples: of a side, of all
 MOST_PLOTTED = 2  # columns of a kind that are plotted at first
-SPEEDS = (1.0, 0.25, 0.1)
 
 
 @dataclass(frozen=True)
@@ -68,31 +67,30 @@ def render(
         "reach": 1.12 * reach,
         "swatches": [_shape(i, 5.0, 5.0, 4.0) for i in range(len(sides))],
     }
+    arrows = _arrows(sides)
     for rate in RATES:
-        text = view.get_template("compare/page.html").render(**given, data=_data(sides, rate))
+        text = view.get_template("compare/page.html").render(**given, data=_data(sides, rate, arrows))
         if len(text.encode()) < MOST_BYTES:
             return text
     seconds = sum(float(np.ptp(side.run.t)) for side in sides if side.run is not None)
     raise BadValue("motions", f"{seconds:.4g} s", f"shorter ones, of fewer cycles, that fit into {MOST_BYTES} bytes")
 
 
-def _data(sides: tuple[Side, ...], rate: float) -> dict[str, Any]:
-    """What the page's scripts read, with so many frames a second."""
-    shown = [_side(sides, i, rate) for i in range(len(sides))]
+def _data(sides: tuple[Side, ...], rate: float, arrows: list[float | None]) -> dict[str, Any]:
+    """What the page's scripts read, with so many frames a second, and arrows of each side as of `_arrows`."""
+    shown = [_side(side, sides[0] if i else None, rate, arrows[i], len(sides)) for i, side in enumerate(sides)]
     return {"sides": shown, "speeds": SPEEDS, "rate": rate, "plotted": _plotted(shown)}
 
 
-def _side(sides: tuple[Side, ...], i: int, rate: float) -> dict[str, Any]:
-    """A side as its viewer reads it; the first is the ghost of those that are the same robot."""
-    side, first = sides[i], sides[0]
+def _side(side: Side, first: Side | None, rate: float, newtons: float | None, count: int) -> dict[str, Any]:
+    """A side, one of so many, as its viewer reads it; the first is the ghost of those that are the same robot."""
     motion = standing(side.robot) if side.run is None else side.run
     frames = resample(side.robot, motion, rate)
-    haunted = i > 0 and first.run is not None and side.run is not None and _alike(first.robot, side.robot)
-    ghost = resample(side.robot, first.run, rate, "ghost") if haunted and first.run is not None else None
-    scene = moving(side.robot, frames, ghost, _newtons([each for each in sides if _alike(each.robot, side.robot)]))
+    haunting = first.run if first is not None and side.run is not None and _alike(first.robot, side.robot) else None
+    ghost = None if haunting is None else resample(side.robot, haunting, rate, "ghost")
+    scene = moving(side.robot, frames, ghost, newtons)
     longest = max(frames.duration, 0.0 if ghost is None else ghost.duration)
-    most = min(MOST_VALUES[0], MOST_VALUES[1] // len(sides))
-    samples = thinned(samples_of(side.robot, motion), most)
+    samples = thinned(samples_of(side.robot, motion), min(MOST_VALUES[0], MOST_VALUES[1] // count))
     return as_data(frames, scene, encoded(c.set_animation(scene.clips, longest)), side.label) | {
         "ghost": None if ghost is None else {"of": ROBOT, "path": GHOST},
         "samples": packed(samples),
@@ -101,11 +99,16 @@ def _side(sides: tuple[Side, ...], i: int, rate: float) -> dict[str, Any]:
     }
 
 
-def _newtons(sides: list[Side]) -> float | None:
-    """What a metre of an arrow stands for of sides of the same robot, so that their arrows compare; None without."""
-    played = [(side.robot, side.run) for side in sides if side.run is not None]
-    found = [moving(robot, resample(robot, run, RATES[-1])).newtons for robot, run in played]
-    return max(found, default=0.0) or None
+def _arrows(sides: tuple[Side, ...]) -> list[float | None]:
+    """The newtons of a metre of an arrow, for each side the same as of all of its robot; None of those without any."""
+    own = [
+        0.0 if side.run is None else moving(side.robot, resample(side.robot, side.run, RATES[-1])).newtons
+        for side in sides
+    ]
+    return [
+        max(most for most, other in zip(own, sides, strict=True) if _alike(other.robot, side.robot)) or None
+        for side in sides
+    ]
 
 
 def _alike(one: Robot, other: Robot) -> bool:

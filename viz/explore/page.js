@@ -10,94 +10,41 @@
   const names = Object.keys(data.knobs);
   const defaults = Object.fromEntries(names.map((name) => [name, data.knobs[name].default]));
   const original = { ...data.default, name: "A, the default" };
-
-  const state = { view: data.views[0], knobs: { ...defaults }, kept: false, hop: null, a: original, time: 0, speed: 1,
-    playing: true };
-  const timings = []; // of what was shown, in ms
-
-  const decimal = (value, digits) => value.toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
+  const state = { view: data.views[0], knobs: { ...defaults }, kept: false, hop: null, a: original };
 
   const viewer = openViewer(at("pane"), data.scene, data);
   paintScene(viewer, data);
   const camera = makeCamera(viewer, at("pane"), data);
-  const plots = makeComparison(data, at("plots"), pauseAt);
+  const questions = makeAsking(data, { heard, refused, lost: () => complain("No answer: has `spear explore` ended?") });
+  const { ask } = questions;
+  // frames of the old motion would hold up the new one
+  const clock = makeClock(0, () => state.hop && !questions.idle());
+  clock.onTime((time) => {
+    viewer.animator.seek(time);
+    camera.onTime();
+  });
+  const timeline = makeTimeline(clock, at);
+  const transport = makeTransport(clock, { speeds: data.speeds, rate: data.rate, said: timeline.said }, at);
+  const plots = makeComparison(data, at("plots"), clock);
+  const readouts = makeReadouts(data.readouts, at("readouts"));
   const sliders = makeSliders(data.knobs, at("knobs"), {
     turn,
     enter,
     refuse: (name, text) => ask(query({ [name]: text })), // the answer says what is valid
   });
 
-  // the time
-
-  function seek(time) {
-    const { hop } = state;
-    state.time = time;
-    if (!hop) return;
-    const shown = Math.max(0, Math.min(hop.duration, time));
-    viewer.animator.seek(shown);
-    camera.onTime();
-    const [name] = hop.spans.filter((span) => span[1] <= shown).pop() || hop.spans[0];
-    at("domain").textContent = name;
-    Object.assign(at("domain").style, { background: colorOf(name), color: inkOn(colorOf(name)) });
-    at("time").textContent = shown.toFixed(3) + " s";
-    at("scrubber").value = shown;
-    if (!state.playing) at("scrubber").setAttribute("aria-valuetext", `${shown.toFixed(3)} s, ${name}`);
-    plots.point(shown);
-  }
-
-  function pauseAt(time) {
-    setPlaying(false);
-    seek(time);
-  }
-
-  function step(way) {
-    if (state.hop) pauseAt(Math.max(0, Math.min(state.hop.duration, state.time + way / 60)));
-  }
-
-  function setPlaying(playing) {
-    state.playing = playing;
-    at("play").classList.toggle("playing", playing);
-    at("play").setAttribute("aria-label", playing ? "Pause" : "Play");
-  }
-
-  function setSpeed(speed) {
-    state.speed = speed;
-    for (const button of at("speeds").children) button.setAttribute("aria-pressed", Number(button.value) === speed);
-  }
-
-  function nextSpeed(way) {
-    const faster = [...data.speeds].sort((a, b) => a - b);
-    setSpeed(faster[Math.max(0, Math.min(faster.length - 1, faster.indexOf(state.speed) + way))]);
-  }
-
-  let last = performance.now();
-  function tick(now) {
-    const passed = Math.min(0.1, Math.max(0, (now - last) / 1000)) * state.speed;
-    last = now;
-    if (state.playing && state.hop && !asking) { // frames of the old motion would hold up the new one
-      const hold = REPEATS.includes(state.hop.verdict) ? 0 : HOLD;
-      seek((state.time + passed) % (state.hop.duration + hold));
-    }
-    requestAnimationFrame(tick);
-  }
-
   // what is shown
 
+  let { time: named, playing } = begins();
   function show(hop) {
-    state.hop = hop;
+    const time = named ?? clock.time;
+    [named, state.hop] = [null, hop];
     for (const path of data.overlays) viewer.handle_command({ type: "delete", path });
     handle(viewer, hop.commands);
-    const stops = hop.spans.map(([name, begin, end]) =>
-      `${colorOf(name)} ${(100 * begin) / hop.duration}% ${(100 * end) / hop.duration}%`);
-    at("spans").style.background = `linear-gradient(to right, ${stops.join(", ")})`;
-    at("spans").replaceChildren(...hop.events.map(([name, time]) =>
-      make("i", { style: `left:${(100 * time) / hop.duration}%`, title: name })));
-    at("scrubber").max = hop.duration;
-    const pairs = hop.multipliers.filter(([real, imaginary]) => imaginary >= 0 && Math.hypot(real, imaginary) >= 5e-4);
-    const texts = pairs.map(([real, imaginary]) => decimal(real, 3) + (imaginary ? ` ± ${decimal(imaginary, 3)}i` : ""));
-    at("multipliers").textContent = texts.join(", ") || "–";
+    clock.setMotion({ duration: hop.duration, hold: REPEATS.includes(hop.verdict) ? 0 : HOLD });
+    timeline.show({ ...hop, start: 0 });
     compare();
-    seek(state.time % hop.duration);
+    clock.seek(time % hop.duration);
   }
 
   function tell({ message, verdict, onward }) {
@@ -108,24 +55,13 @@
 
   const sameNumbers = (a, b) => names.every((name) => a[name] === b[name]);
 
-  // the figures of B, and by how much they differ from those of A
+  // B, what is shown, with A where that is another motion
   function compare() {
     const { a, hop } = state;
-    const other = a.name !== original.name || !sameNumbers(a.knobs, hop.knobs);
-    plots.show(other ? a : null, hop);
-    for (const [name, [, unit, digits]] of Object.entries(data.readouts)) {
-      const scale = unit === "%" ? 100 : 1;
-      const [value, was] = [hop.figures[name], a.figures[name]];
-      const parts = value === null ? ["–"] : [decimal(scale * value, digits) + " ", make("small", {}, unit)];
-      at("figure_" + name).replaceChildren(...parts);
-      const both = other && value !== null && was !== null;
-      const change = both ? decimal(scale * (value - was), digits) : "";
-      const from = both ? `${decimal(scale * was, digits)} in A` : "";
-      at("change_" + name).textContent = both ? (Number(change) > 0 ? "+" : "") + change : "";
-      at("change_" + name).title = from;
-    }
-    at("unpin").disabled = a.name === original.name;
-    at("readouts").title = other ? `small: the difference from ${a.name}` : "";
+    const other = a !== original || !sameNumbers(a.knobs, hop.knobs) ? a : null;
+    plots.show(other, hop);
+    readouts(other, hop);
+    at("unpin").disabled = a === original;
   }
 
   function pin() {
@@ -140,13 +76,6 @@
     if (state.hop) compare();
   }
 
-  function takeA() {
-    state.knobs = { ...state.a.knobs };
-    place();
-    ask(query());
-    enter();
-  }
-
   function complain(text) {
     at("problem").textContent = text;
     at("problem").hidden = !text;
@@ -159,64 +88,35 @@
     if (data.solved) sliders.enable(data.solved, !state.kept);
   }
 
-  // asking; while an answer is awaited only the latest wish is kept
+  // what is asked for, and what comes of it
 
   const query = (changes = {}) => "?" + new URLSearchParams({ ...state.knobs, ...changes, view: state.view,
     ...(state.kept ? { keep: "yes" } : {}) });
-  const client = crypto.randomUUID();
-  let wish = null;
-  let asking = null;
 
-  function ask(search, adopt = false) {
-    wish = { search, adopt, begun: performance.now() };
-    asking = asking || answerWishes().finally(() => (asking = null));
-    return asking;
+  // what is shown `instead` of a motion that there is not leaves what was said of that
+  function heard(hop, { search, adopt, keep, instead }, latest) {
+    if (!keep) complain("");
+    if (adopt) take({ knobs: { ...hop.knobs }, view: hop.view, kept: hop.kept });
+    if (!instead) tell(hop);
+    if (hop.verdict === "none") {
+      if (hop.onward) return { search, keep, instead };
+      return state.hop ? null : { search: "", keep: true, instead: true }; // the default one, to begin with
+    }
+    if (state.kept && hop.kept && latest) take({ knobs: { ...state.knobs, [data.solved]: hop.knobs[data.solved] } });
+    at("script").href = "/script" + (instead ? search : query());
+    show(hop);
+    return true;
   }
 
-  async function answerWishes() {
-    document.body.classList.add("busy");
-    while (wish) {
-      const { search, adopt, keep, begun } = wish;
-      wish = null;
-      try {
-        const sent = performance.now();
-        const response = await fetch("/" + data.kind + search, { headers: { [data.client]: client } });
-        const hop = await response.json();
-        const received = performance.now();
-        if (response.status === 409) continue; // it has something newer to compute for this page
-        if (!response.ok) {
-          complain(hop.error);
-          if (!state.hop) wish = wish || { search: query(), keep: true, begun }; // something to begin with
-          continue;
-        }
-        if (!keep) complain("");
-        if (adopt) {
-          Object.assign(state, { knobs: { ...hop.knobs }, view: hop.view, kept: hop.kept });
-          place();
-          history.replaceState(null, "", query() + location.hash);
-        }
-        tell(hop);
-        if (hop.verdict === "none") {
-          if (hop.onward) wish = wish || { search, keep, begun };
-          else if (!state.hop) wish = wish || { search: "", keep: true, begun }; // the default one, to begin with
-          continue;
-        }
-        if (state.kept && hop.kept && !wish) {
-          state.knobs[data.solved] = hop.knobs[data.solved];
-          place();
-          history.replaceState(null, "", query() + location.hash);
-        }
-        at("script").href = "/script" + query();
-        show(hop);
-        await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-        const server = (response.headers.get("Server-Timing") || "").matchAll(/(\w+);dur=([\d.]+)/g);
-        timings.push({ search, waited: sent - begun, answered: received - sent, rendered: performance.now() - received,
-          total: performance.now() - begun, ...Object.fromEntries([...server].map(([, name, ms]) => [name, Number(ms)])) });
-      } catch (problem) {
-        complain("No answer: has `spear explore` ended?");
-      }
-    }
-    document.body.classList.remove("busy");
+  function take(numbers) {
+    Object.assign(state, numbers);
+    place();
+    history.replaceState(null, "", query() + location.hash);
+  }
+
+  function refused(error) {
+    complain(error);
+    return state.hop ? null : { search: query(), keep: true }; // something to begin with
   }
 
   let entered = -Infinity;
@@ -226,32 +126,39 @@
     entered = now;
   }
 
+  // what the reader wants
+  function want(changes) {
+    Object.assign(state, changes);
+    place();
+    ask(query());
+  }
+
   function turn(name, value) {
-    state.knobs[name] = value;
-    place();
-    ask(query());
+    want({ knobs: { ...state.knobs, [name]: value } });
   }
 
-  function setKept(kept) {
-    state.kept = kept;
-    place();
-    ask(query());
+  function choose(changes) {
+    want(changes);
     enter();
   }
 
-  function reset() {
-    Object.assign(state, { view: data.views[0], knobs: { ...defaults }, kept: false });
-    place();
-    ask(query());
-    enter();
-  }
+  const setKept = (kept) => choose({ kept });
+  const takeA = () => choose({ knobs: { ...state.a.knobs } });
+  const reset = () => choose({ view: data.views[0], knobs: { ...defaults }, kept: false });
+
+  // saved by the browser
 
   const titled = () => ({ title: data.title, start: 0, spans: state.hop.spans });
+  const saveCsv = () => state.hop && saveSamples(readSamples(state.hop.samples), titled());
+  const savePng = () => state.hop && savePicture(viewer, titled(), clock.time);
 
   function build() {
     for (const view of data.views) {
       const input = make("input", { type: "radio", name: "view", value: view });
-      input.addEventListener("change", () => (Object.assign(state, { view, time: 0 }), ask(query()), enter()));
+      input.addEventListener("change", () => {
+        named = 0;
+        choose({ view });
+      });
       at("views").append(make("label", {}, input, make("span", {}, VIEWS[view])));
     }
     at("views").addEventListener("keydown", (event) => event.key === " " && event.stopPropagation());
@@ -259,10 +166,6 @@
     at("keeping").hidden = !data.keeps;
     at("keeping").querySelector("span").textContent = `Keep ${data.keeps}: the torque is solved for`;
     at("keep").addEventListener("change", () => setKept(at("keep").checked));
-    for (const [name, [label]] of [...Object.entries(data.readouts)])
-      at("readouts").append(make("div", {}, make("dt", { title: label }, label),
-        make("dd", {}, make("span", { id: "figure_" + name }), " ", make("span", { id: "change_" + name, class: "change" }))));
-    at("readouts").append(make("div", { class: "wide" }, make("dt", {}, "Multipliers"), make("dd", { id: "multipliers" })));
     for (const [text, color] of data.legend)
       at("legend").append(make("li", {}, make("i", { style: `background:${color}` }), text));
     const origins = new Set(names.map((name) => data.knobs[name].origin));
@@ -272,34 +175,16 @@
     if (!data.engine.extra)
       at("engine").textContent = "Without the extra fast (pip install '.[fast]' in the package's folder) every change takes "
         + (data.kind === "hop" ? "a second or so." : "five to ten seconds.");
-    for (const speed of data.speeds) {
-      const button = make("button", { type: "button", value: speed }, speed + "×");
-      button.addEventListener("click", () => setSpeed(speed));
-      at("speeds").append(button);
-    }
-    at("scrubber").addEventListener("input", () => pauseAt(Number(at("scrubber").value)));
     at("panel").addEventListener("submit", (event) => event.preventDefault());
-    const clicks = { play: () => setPlaying(!state.playing), reset, pin, unpin, back: takeA, csv: saveCsv, png: savePng,
-      keys: () => at("help").showModal() };
+    const clicks = { reset, pin, unpin, back: takeA, csv: saveCsv, png: savePng };
     for (const [id, act] of Object.entries(clicks)) at(id).addEventListener("click", act);
-    addEventListener("popstate", () => ask(location.search, true));
-  }
-
-  function saveCsv() {
-    if (state.hop) saveSamples(readSamples(state.hop.samples), titled());
-  }
-
-  function savePng() {
-    if (state.hop) savePicture(viewer, titled(), state.time);
+    addEventListener("popstate", () => ask(location.search, { adopt: true }));
   }
 
   build();
   makeKeys([
-    { keys: [" "], label: "play, pause", act: () => setPlaying(!state.playing) },
-    { keys: [","], label: "one frame back", act: () => step(-1) },
-    { keys: ["."], label: "one frame on", act: () => step(1) },
-    { keys: ["-"], label: "slower", act: () => nextSpeed(-1) },
-    { keys: ["+", "="], label: "faster", act: () => nextSpeed(1) },
+    ...transport.keys,
+    ...timeline.keys,
     { keys: ["j"], label: "to the next slider", act: () => sliders.step(1) },
     { keys: ["k"], label: "to the slider before", act: () => sliders.step(-1) },
     { keys: ["p"], label: "pin the present motion as A", act: pin },
@@ -310,14 +195,9 @@
     { keys: ["c"], label: "save the samples as CSV", act: saveCsv },
     { keys: ["i"], label: "save the picture as PNG", act: savePng },
     ...camera.views.map((view, i) => ({ keys: [String(i + 1)], label: `view: ${view}`, act: () => camera.setView(view) })),
-    { keys: ["?"], label: "this list", act: () => at("help").showModal() },
-  ], at("help"), at("keylist"));
+  ], at);
   place();
-  setSpeed(data.speeds[0]);
-  const wanted = /[#&]t=([\d.]+)/.exec(location.hash);
-  if (wanted) state.time = Number(wanted[1]);
-  setPlaying(!wanted && !matchMedia("(prefers-reduced-motion: reduce)").matches);
-  requestAnimationFrame(tick);
-  window.explorer = { state, timings, viewer, camera, seek, pin, unpin, setKept, idle: () => asking,
-    opened: ask(location.search, true) };
+  clock.setPlaying(playing);
+  window.explorer = { state, viewer, camera, clock, pin, unpin, setKept, seek: clock.seek, timings: questions.timings,
+    idle: questions.idle, opened: ask(location.search, { adopt: true }) };
 })();

@@ -6,7 +6,6 @@ sliders, plots and an address that holds the state would still have to be writte
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
@@ -27,7 +26,7 @@ from spear_pin.viz.playback.frames import Frames, resample
 from spear_pin.viz.playback.overlays import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
 from spear_pin.viz.playback.scene import Scene, moving
 from spear_pin.viz.playback.stage import HORIZON, WORLD
-from spear_pin.viz.player import SPEEDS, in_words
+from spear_pin.viz.player import SPEEDS, encoded, in_words
 from spear_pin.viz.template import css, environment
 
 Columns = dict[str, tuple[NDArray[np.float64], int]]
@@ -100,8 +99,8 @@ def answer(view: str, hops: Motion) -> dict[str, Any]:
         "events": [[in_words(name), time] for name, time in frames.events],
         "series": series(hops),
         "samples": packed(thinned(samples_of(hops.knobs.system.robot, hops.trajectory))),
-        "commands": [_packed(command) for command in _changes(scene)]
-        + [_packed(c.set_animation(scene.clips, frames.duration))],
+        "commands": [encoded(command) for command in _changes(scene)]
+        + [encoded(c.set_animation(scene.clips, frames.duration))],
     }
 
 
@@ -160,13 +159,14 @@ def _opening(subject: Subject, engine: Engine) -> dict[str, Any]:
             ["toe path", css(TRAIL_COLOR)],
         ],
         "speeds": SPEEDS,
+        "rate": RATE,
         "client": CLIENT,
         "world": WORLD,
         "follows": scene.follows,
         "aspect": scene.view.aspect,
         "distance": scene.view.distance,
         "horizon": css(HORIZON),
-        "scene": [_packed(command) for command in scene.commands],
+        "scene": [encoded(command) for command in scene.commands],
         "overlays": [command["path"] for command in scene.commands if _is_overlay(command)],
     }
 
@@ -188,7 +188,3 @@ def _is_overlay(command: c.Command) -> bool:
     path = command["path"]
     drawn = command["type"] == "set_object" and path.startswith(WORLD)
     return drawn and "/shape " not in path and not path.startswith(f"{WORLD}/ground")
-
-
-def _packed(command: c.Command) -> str:
-    return base64.b64encode(c.pack(command)).decode()

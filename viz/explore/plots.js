@@ -1,7 +1,7 @@
 // plots over time: B, what is shown, in full lines, and A, what it is compared with, dashed
 
-function makeComparison(data, panel, seek) {
-  const at = { a: null, b: null, time: 0, theme: "light" };
+function makeComparison(data, panel, clock) {
+  const at = { a: null, b: null, theme: "light" };
   let plots = [];
 
   // values of A at the times of B, none where A has ended
@@ -34,7 +34,7 @@ function makeComparison(data, panel, seek) {
       const [soft, line] = ["--soft", "--line"].map((name) => style.getPropertyValue(name).trim());
       const colors = LINES[at.theme];
       const head = document.createElement("span");
-      head.textContent = `${this.title} [${this.unit}]`;
+      head.textContent = `${this.title} (${this.unit})`;
       this.caption.replaceChildren(head, ...this.names.map((name, i) => {
         const item = document.createElement("span");
         const swatch = document.createElement("i");
@@ -54,7 +54,7 @@ function makeComparison(data, panel, seek) {
         cursor: { show: false },
         scales: { x: { time: false, range: [0, b.duration] } },
         axes: [
-          { ...axis, size: 20, gap: 3, label: "time [s]" },
+          { ...axis, size: 20, gap: 3, label: "time (s)" },
           { ...axis, size: 44, gap: 4, label: this.unit },
         ],
         series: [
@@ -73,7 +73,7 @@ function makeComparison(data, panel, seek) {
       const follow = (event) => {
         if (!event.buttons) return;
         const { left, width } = over.getBoundingClientRect();
-        seek(Math.max(0, Math.min(b.duration, ((event.clientX - left) / width) * b.duration)));
+        clock.pauseAt(((event.clientX - left) / width) * b.duration);
       };
       over.addEventListener("pointerdown", follow);
       over.addEventListener("pointermove", follow);
@@ -103,22 +103,22 @@ function makeComparison(data, panel, seek) {
     ctx.restore();
   }
 
-  const comparison = {
-    point(time) {
-      at.time = time;
-      for (const plot of plots) plot.point(time);
-    },
-    show(a, b) {
-      Object.assign(at, { a, b });
-      for (const plot of plots) plot.draw();
-      comparison.point(at.time);
-    },
-  };
+  function point(time) {
+    for (const plot of plots) plot.point(time);
+  }
+
+  function show(a, b) {
+    Object.assign(at, { a, b });
+    for (const plot of plots) plot.draw();
+    point(clock.time);
+  }
+
   plots = data.plots.map((plot) => new Plot(plot));
+  clock.onTime(point);
   new ResizeObserver(() => plots.forEach((plot) => plot.fit())).observe(panel);
   watchTheme((theme) => {
     at.theme = theme;
-    if (at.b) comparison.show(at.a, at.b);
+    if (at.b) show(at.a, at.b);
   });
-  return comparison;
+  return { show };
 }

@@ -23,15 +23,13 @@ from spear_pin.studies.explore.figures import script
 from spear_pin.studies.explore.knobs import Knobs, Subject
 from spear_pin.studies.explore.motion import Motion
 from spear_pin.studies.explore.views import views_of
+from spear_pin.viz import template
 from spear_pin.viz.explore.page import CLIENT, answer, page
 
 HOST = "127.0.0.1"
 PATIENCE = 10.0  # s that a client may take to say what it wants
 KEPT = 64  # answers that are kept, for going back and forward
-POLICY = (
-    "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; style-src 'unsafe-inline'; img-src data: blob:; "
-    "connect-src 'self'; frame-ancestors 'none'"
-)
+POLICY = f"{template.POLICY}; connect-src 'self'; frame-ancestors 'none'"
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,9 @@ function makeSliders(knobs, panel, { turn, enter, refuse }) {
     const first = Number(knob.default.toFixed(knob.digits));
     const part = (knob.default - knob.low) / (knob.high - knob.low);
     const mark = make("i", { class: knob.origin, style: `left:calc(8px + (100% - 16px) * ${part})` });
+    const said = `${ORIGINS[knob.origin]} ${first}, ${knob.note}`;
     const origin = make("button", { type: "button", class: `origin ${knob.origin}`, title: `Back to ${first}`,
-      "aria-label": `${knob.label} back to ${first}` }, `${ORIGINS[knob.origin]} ${first}, ${knob.note}`);
+      "aria-label": `${said}: ${knob.label} back to it` }, said);
     slider.addEventListener("input", () => turn(name, Number(Number(slider.value).toFixed(knob.digits))));
     slider.addEventListener("change", enter);
     number.addEventListener("keydown", (event) => event.stopPropagation()); // digits are no keys of the page here

@@ -14,6 +14,7 @@ from spear_pin.errors import listed
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.many import GaitTable
 from spear_pin.hybrid.batch import Batch
+from spear_pin.hybrid.column_names import PAIR, of_a_pair
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.model.robot import Robot
 from spear_pin.viz.notebook import sketches
@@ -105,7 +106,12 @@ def _(run: Trajectory) -> Card:
             for i, name in list(enumerate(run.coordinates))[:MOST_ROWS]
         ),
         *(
-            Row(f"force_z_{toe}", _range(run.force[:, i, 1]), "N", _line(run, run.force[:, i, 1], toe))
+            Row(
+                f"force_z_{toe}{PAIR * of_a_pair(f'force_z_{toe}')}",
+                _range(run.force[:, i, 1]),
+                "N",
+                _line(run, run.force[:, i, 1], toe),
+            )
             for i, toe in list(enumerate(run.toes))[:MOST_ROWS]
         ),
         *([Row("energy unaccounted for", f"{residual:.1e}", "J a cycle")] if run.cycles else []),

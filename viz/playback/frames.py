@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.ground import Ground
 from spear_pin.model.robot import Robot
-from spear_pin.viz.playback.trajectory import EventLike, TrajectoryLike, read_times
+from spear_pin.viz.playback.trajectory import EventLike, TrajectoryLike, in_world, read_times
 
 Array = NDArray[np.float64]
 
@@ -82,9 +82,7 @@ def resample(robot: Robot, trajectory: TrajectoryLike, rate: float, name: str = 
     q = _table(f"{name}.q", trajectory.q, [(n, robot.nq)])
     force = _table(f"{name}.force", trajectory.force, [(n, toes, 2), (n, toes, 3)])
     ground = getattr(trajectory, "ground", None) or Ground()
-    if force.shape[2] == 2:
-        x, z = ground.world(force[:, :, 0], force[:, :, 1])
-        force = np.stack((x, np.zeros((n, toes)), z), axis=2)
+    force = in_world(force, ground)
     domain = np.asarray(trajectory.domain, dtype=str)
     if domain.shape != (n,):
         raise BadValue(f"{name}.domain", trajectory.domain, f"{n} names, one for each time")

@@ -65,6 +65,7 @@ class Part:
     Attributes:
         whole: when the trajectory begins and ends, in s.
         table: names and values, (n, ...), of its columns; None of a trajectory that has no such.
+        phase: (n,) names of the phases; None of a trajectory that has none.
     """
 
     t: Array
@@ -77,6 +78,7 @@ class Part:
     ground: Ground | None
     whole: tuple[float, float]
     table: Table | None = None
+    phase: NDArray[np.str_] | None = None
 
     @property
     def said(self) -> str:
@@ -106,7 +108,7 @@ def between(trajectory: TrajectoryLike, begin: float, end: float) -> Part:
     """
     t = read_times(trajectory)
     rows = slice(*np.searchsorted(t, [begin, np.nextafter(end, np.inf)]))
-    table = table_of(trajectory)
+    table, phase = table_of(trajectory), getattr(trajectory, "phase", None)
     return Part(
         t=t[rows],
         q=np.asarray(trajectory.q)[rows],
@@ -118,6 +120,7 @@ def between(trajectory: TrajectoryLike, begin: float, end: float) -> Part:
         ground=getattr(trajectory, "ground", None),
         whole=(float(t[0]), float(t[-1])),
         table=table and (table[0], table[1][rows]),
+        phase=None if phase is None else np.asarray(phase)[rows],
     )
 
 
@@ -127,6 +130,19 @@ def table_of(trajectory: TrajectoryLike) -> Table | None:
         return trajectory.table
     columns = getattr(trajectory, "columns", None)
     return columns() if callable(columns) else None
+
+
+def in_world(force: Array, ground: Ground | None) -> Array:
+    """Ground forces in axes of the world, (n, toes, 3), in N.
+
+    Args:
+        force: (n, toes, 3), as they are; or (n, toes, 2), along the ground and normal to it.
+        ground: in whose axes the latter are; None: level.
+    """
+    if force.shape[2] == 3:
+        return force
+    x, z = (ground or Ground()).world(force[:, :, 0], force[:, :, 1])
+    return np.stack((x, np.zeros_like(x), z), axis=2)
 
 
 def read_times(trajectory: TrajectoryLike, name: str = "trajectory") -> Array:

@@ -103,7 +103,7 @@ def draw_forces(axes: Axes, trajectory: Trajectory) -> None:
 
 def draw_hips(axes: Axes, trajectory: Trajectory) -> None:
     """Torque of one hip motor of each pair over time."""
-    _over_time(axes, trajectory, "Hip motor (N·m)")
+    _over_time(axes, trajectory, "One hip motor (N·m)")
     axes.axhline(0.0, color="0.6", linewidth=0.5)
     for leg in LEGS:
         torque = trajectory.u[:, trajectory.actuated.index(f"{leg}_hip")] / PAIR
@@ -115,7 +115,7 @@ def draw_knee(axes: Axes, trajectory: Trajectory, leg: str) -> None:
     """Torque on one knee of a pair over time, and its motor's and spring's parts of it."""
     motor = trajectory.u[:, trajectory.actuated.index(f"{leg}_knee")] / PAIR
     spring = trajectory.spring[:, trajectory.spring_joints.index(f"{leg}_knee")] / PAIR
-    _over_time(axes, trajectory, f"{leg.capitalize()} knee (N·m)")
+    _over_time(axes, trajectory, f"One {leg} knee (N·m)")
     axes.axhline(0.0, color="0.6", linewidth=0.5)
     _plot_pieces(axes, trajectory, motor + spring, "black", ":", "together")
     _plot_pieces(axes, trajectory, spring, GREEN, "-", "spring")

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from spear_pin.errors import require
+from spear_pin.hybrid.column_names import PAIR, of_a_pair, parted
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.hybrid.trajectory_parts import gaps
 from spear_pin.hybrid.trajectory_tables import chosen
@@ -14,7 +16,7 @@ from spear_pin.kinds import typed
 from spear_pin.viz.plots.panels import label_columns, over
 from spear_pin.viz.plots.paper import Picture, style
 
-DEFAULT = ("q", "force_z")
+DEFAULT = ("q", "spring", "force_z")
 QUANTITIES = {
     "m": "Position",
     "rad": "Angle",
@@ -30,19 +32,24 @@ WIDTH, MARGIN, PANEL = 5.2, 0.4, 1.35  # in
 
 
 @typed
-def over_time(trajectory: Trajectory, columns: Sequence[str] = ()) -> Figure:
+def over_time(trajectory: Trajectory, columns: Sequence[str] = (), cycles: int | None = None) -> Figure:
     """Columns over time, stance shaded.
 
     Args:
         trajectory: whose they are.
         columns: as of `Trajectory.plot`.
+        cycles: how many are drawn, from the first; None: all there is.
 
     Raises:
         UnknownName: there is no such column.
-        BadValue: there are less than two samples.
+        BadValue: there are less than two samples, or the number of cycles is not positive.
     """
+    if cycles is not None:
+        require("cycles", cycles, lambda number: number >= 1, "a whole number >= 1, or None for all")
+    trajectory, left_out = _beginning(trajectory, cycles)
     names, table = trajectory.columns()
-    units, wanted = trajectory.units(), chosen(names, tuple(columns) or DEFAULT)
+    usual = [group for group in DEFAULT if any(parted(name)[0] == group for name in names)]
+    units, wanted = trajectory.units(), chosen(names, tuple(columns or usual))
     panels = list(dict.fromkeys(units[name] for name in wanted))
     breaks = gaps(trajectory) + 1  # a line is not drawn across what is left out
     t = np.insert(trajectory.t, breaks, np.nan)
@@ -50,11 +57,26 @@ def over_time(trajectory: Trajectory, columns: Sequence[str] = ()) -> Figure:
         size = (WIDTH, MARGIN + PANEL * len(panels))
         figure = Picture(figsize=size, layout="constrained")
         for axes, unit in zip(figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0], panels, strict=True):
-            over(axes, trajectory, f"{QUANTITIES.get(unit, 'Value')} ({unit})")
+            drawn = [name for name in wanted if units[name] == unit]
+            pairs = [of_a_pair(name) for name in drawn]
+            over(axes, trajectory, f"{QUANTITIES.get(unit, 'Value')}{PAIR * all(pairs)} ({unit})")
             axes.set_xlabel("")
-            for name in (each for each in wanted if units[each] == unit):
-                axes.plot(t, np.insert(table[:, names.index(name)], breaks, np.nan), label=name)
+            for name, paired in zip(drawn, pairs, strict=True):
+                label = name + PAIR * (paired and not all(pairs))
+                axes.plot(t, np.insert(table[:, names.index(name)], breaks, np.nan), label=label)
             label_columns(axes)
         axes.set_xlabel("Time (s)")
+        if left_out:
+            figure.suptitle(left_out, x=0.99, horizontalalignment="right", fontsize="x-small", color="0.4")
         figure.align_ylabels()
         return figure
+
+
+def _beginning(trajectory: Trajectory, cycles: int | None) -> tuple[Trajectory, str]:
+    """As many cycles of a trajectory from the first whole one, and how to see the rest; all of it if it has no more."""
+    there = np.unique(trajectory.cycle[trajectory.cycle > 0])
+    if cycles is None or len(there) <= cycles:
+        return trajectory, ""
+    first, last = int(there[0]), int(there[cycles - 1])
+    said = f"cycle {first}" if first == last else f"cycles {first} to {last}"
+    return trajectory.in_cycles(first, last), f"{said} of {len(there)}; plot(…, cycles=None) shows all"

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.column_names import PAIR, of_a_pair
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.hybrid.trajectory_parts import gaps
@@ -48,7 +49,8 @@ def draw_angle(axes: Axes, trajectory: Trajectory, joint: str, gait: Gait | None
 
 def draw_force(axes: Axes, trajectory: Trajectory) -> None:
     """Ground force over time."""
-    over(axes, trajectory, "Ground force (N)")
+    pairs = all(of_a_pair(f"force_z_{toe}") for toe in trajectory.toes)
+    over(axes, trajectory, f"Ground force{PAIR * pairs} (N)")
     for index, toe in enumerate(trajectory.toes):
         of_toe = f" of {toe.replace('_', ' ')}" if len(trajectory.toes) > 1 else ""
         for column, color, label in ((1, BLUE, "normal"), (0, VERMILLION, "tangential")):
@@ -62,7 +64,7 @@ def draw_torque(axes: Axes, trajectory: Trajectory, joint: str = "knee") -> None
     motor = trajectory.u[:, trajectory.actuated.index(joint)]
     spring = trajectory.spring[:, trajectory.spring_joints.index(joint)]
     total = trajectory.tau[:, trajectory.actuated.index(joint)]
-    over(axes, trajectory, f"{_words(joint)} torque (N·m)")
+    over(axes, trajectory, f"{_words(joint)} torque{PAIR * of_a_pair(f'u_{joint}')} (N·m)")
     axes.axhline(0.0, color="0.6", linewidth=0.5)
     axes.plot(trajectory.t, motor, color=BLUE, label="motor")
     axes.plot(trajectory.t, spring, color=GREEN, label="spring")

@@ -80,7 +80,7 @@ def knee_torques(study: Study) -> Figure:
             panel.axhline(0.0, color="0.6", linewidth=0.5)
             panel.set_title(joint.replace("_", " ").capitalize())
             panel.set_xlabel(study.gaits.words.since)
-        panels[0].set_ylabel("Motor torque (N·m)")
+        panels[0].set_ylabel("Torque of one motor (N·m)")
         panels[-1].legend(fontsize="x-small")
         return figure
 

@@ -56,12 +56,14 @@ def bounding_in_space(
         ground: the ground, in place of `contact`.
 
     Raises:
-        BadValue: the robot is no such quadruped, both contact and ground are given, the spring is never switched,
-            or the plane's law has event feedback.
+        BadValue: the robot is no such quadruped, both contact and ground are given, the ground is not level at height
+            zero, the spring is never switched, or the plane's law has event feedback.
     """
     spring, contact = spring or Spring(PAIR_STIFFNESS / 2.0, damping=0.0), given(contact, ground)
     if spring.rest is not None:
         raise BadValue("Spring.rest", spring.rest, "None: in space springs are switched")
+    if not as_ground(contact).plain:
+        raise BadValue("ground", contact, "level at height zero: in space there is no other yet")
     if law.plane.feedback:
         raise BadValue("SpatialLaw.plane.feedback", "event feedback", "none of the plane's in space")
     pairs = pairs_of(robot)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.hybrid.column_names import PAIR, of_a_pair, parted
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.model.robot import Robot
 from spear_pin.studies.bound import weight
@@ -60,17 +61,18 @@ def _motion(robot: Robot, run: Trajectory) -> dict[str, Values]:
         motion[f"time on the ground, {_words(name)}", "%"] = 100 * _share(t, force[:, toe, 1] > 0.0)
     rate = v[:, [run.coordinates.index(joint) for joint in run.actuated]]
     forces = {
-        (f"peak normal force, {_words(name)}", "N"): float(force[:, i, 1].max()) for i, name in enumerate(run.toes)
+        (f"peak normal force, {_effort(f'force_z_{name}')}", "N"): float(force[:, i, 1].max())
+        for i, name in enumerate(run.toes)
     }
     total = force[:, :, 1].sum(axis=1)
     forces["peak normal force, in weights", ""] = float(total.max()) / weight(robot)
     torques: Values = {}
     for i, joint in enumerate(run.actuated):
-        torques[f"peak torque, {_words(joint)}", "N·m"] = float(np.abs(u[:, i]).max())
-        torques[f"rms torque, {_words(joint)}", "N·m"] = float(np.sqrt(np.trapezoid(u[:, i] ** 2, t) / seconds))
+        torques[f"peak torque, {_effort(f'u_{joint}')}", "N·m"] = float(np.abs(u[:, i]).max())
+        torques[f"rms torque, {_effort(f'u_{joint}')}", "N·m"] = float(np.sqrt(np.trapezoid(u[:, i] ** 2, t) / seconds))
         torques[f"peak rate, {_words(joint)}", "rad/s"] = float(np.abs(rate[:, i]).max())
     for i, joint in enumerate(run.spring_joints):
-        torques[f"peak spring torque, {_words(joint)}", "N·m"] = float(np.abs(run.spring[rows, i]).max())
+        torques[f"peak spring torque, {_effort(f'spring_{joint}')}", "N·m"] = float(np.abs(run.spring[rows, i]).max())
     power = u * rate
     work = float(np.trapezoid(np.abs(power).sum(axis=1), t))
     energy: Values = {}
@@ -102,6 +104,11 @@ def _body(robot: Robot) -> Values:
 def _share(t: Array, on: NDArray[np.bool_]) -> float:
     """Share of the time at which something is on, between 0 and 1."""
     return float((np.diff(t) * (on[:-1] & on[1:])).sum() / (t[-1] - t[0]))
+
+
+def _effort(column: str) -> str:
+    """What has the force or torque of a column, in words."""
+    return _words(parted(column)[1]) + PAIR * of_a_pair(column)
 
 
 def _words(name: str) -> str:

@@ -14,14 +14,18 @@ from spear_pin.gaits import library
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import hopping
 from spear_pin.gaits.search import find_gait
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import rebuilt
+from spear_pin.hybrid.result import State
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.hybrid.trajectory_parts import gaps
 from spear_pin.kinds import typed
 from spear_pin.model.loading import ROBOTS, load
 from spear_pin.model.robot import Robot
+from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
+from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
 from spear_pin.words import number
 
 MOST = 6  # sides
@@ -76,9 +80,7 @@ def sides_of(
         "cycles", cycles, lambda n: 1 <= n <= MOST_CYCLES and n == int(n), f"a whole number from 1 to {MOST_CYCLES}"
     )
     read_items = [read(item, of) for item in items]
-    labels = _different(
-        [str(name) for name in names] or [called(*pair) for pair in zip(items, read_items, strict=True)]
-    )
+    labels = different([str(name) for name in names] or [called(*pair) for pair in zip(items, read_items, strict=True)])
     return tuple(_side(label, item, int(cycles), of) for label, item in zip(labels, read_items, strict=True))
 
 
@@ -167,25 +169,55 @@ def _motion(label: str, run: Trajectory) -> Side:
     return Side(label, "motion", robot, run.in_cycles(run.cycles - MOST_CYCLES + 1, run.cycles), notes=(note,))
 
 
+def usual_hop(leg: Robot | None = None, flight_time: float | None = None) -> Gait:
+    """The hop in place that springs are put into, its stance torque solved for a time in the air.
+
+    Args:
+        leg: a leg, as `spear_pin.monopod` cuts it, boom_x locked, with its own spring; None: SPEAR-II.
+        flight_time: in s; None: `FLIGHT_TIME`, of another leg scaled, and less where only that is within its limits.
+
+    Raises:
+        NoGait: there is none.
+        BadValue: no hop has such a flight.
+    """
+    if leg is None:
+        return _solved(
+            hopping(load("spear_ii", locked=["boom_x"])), FLIGHT_TIME if flight_time is None else flight_time
+        )
+    system = scaled_hopping(leg)
+    if flight_time is not None:
+        return hop_of(system, flight_time)
+    return hop_of(system, scale_of(leg).time * FLIGHT_TIME, within_limits=True)
+
+
+def _solved(system: HybridSystem, flight: float, guess: State | None = None) -> Gait:
+    return find_gait(system, vary=["stance_torque"], target={"flight_time": flight}, guess=guess)
+
+
 def _sprung(label: str, spring: Spring, of: Gait | None) -> tuple[Gait, tuple[str, ...]]:
     """The gait that a spring makes of another, and what was solved for."""
     try:
         if of is None:
-            leg = load("spear_ii", locked=["boom_x"])
-            gait = find_gait(hopping(leg, spring=spring), vary=["stance_torque"], target={"flight_time": FLIGHT_TIME})
+            gait = _solved(hopping(load("spear_ii", locked=["boom_x"]), spring=spring), FLIGHT_TIME)
             return gait, (f"{label}: SPEAR-II's hop in place, stance torque solved for {FLIGHT_TIME:g} s in the air",)
         system = rebuilt(of.system, spring=spring)
         if of.system.kind == "hopping" and set(of.parameters) == {"stance_torque"}:
             flight = of.durations["flight"]
-            gait = find_gait(system, vary=["stance_torque"], target={"flight_time": flight}, guess=of.state)
-            return gait, (f"{label}: stance torque solved for {flight:.4g} s in the air",)
+            try:
+                gait = _solved(system, flight, of.state)
+            except NoGait:
+                if system.robot.cut is None:
+                    raise
+                gait = hop_of(system, flight)
+            whose = f"hop in place of {of.system.robot.name}"
+            return gait, (f"{label}: {whose}, stance torque solved for {gait.durations['flight']:.4g} s in the air",)
         return find_gait(system, guess=of.state), (f"{label}: the fixed point with the law as it is",)
     except NoGait as error:
         raise SpearError(f"{label}: {error}") from None
 
 
-def _different(labels: Sequence[str]) -> list[str]:
-    """Labels of which no two are the same."""
+def different(labels: Sequence[str]) -> list[str]:
+    """Labels of which no two are the same: the second of a kind is numbered."""
     made: list[str] = []
     for label in labels:
         count = sum(each == label for each in made) + sum(each.startswith(f"{label} (") for each in made)

@@ -1,6 +1,7 @@
-"""Store of a payoff study: a file with one search a line, each with a checksum, so that nothing is searched twice.
+"""Store of a payoff study: a file with one search a line, so that nothing is searched twice.
 
-The first line says what is studied. Lines are appended as searches end; one that was cut off by a kill is dropped.
+Each line is a JSON object, one field of which is a checksum of the others. The first line says what is studied. Lines
+are appended as searches end; one that was cut off by a kill is dropped.
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ from typing import Any
 from spear_pin.errors import BadFile
 from spear_pin.files import atomic, parse_json, regular
 
-FORMAT = "spear_pin payoff 1"
-DIGITS = 16  # of a checksum, at the beginning of each line
+FORMAT = "spear_pin payoff 2"
+BEFORE = '{"format":"spear_pin payoff 1"'  # of stores whose lines began with the checksum
+CHECKSUM = "checksum"
+DIGITS = 16  # of it
 
 
 class Store:
@@ -76,8 +79,8 @@ def digest(value: Any) -> str:
 
 
 def _line(value: Mapping[str, Any]) -> str:
-    text = json.dumps(value, allow_nan=False, separators=(",", ":"))
-    return f"{hashlib.sha256(text.encode()).hexdigest()[:DIGITS]} {text}\n"
+    plain = json.loads(json.dumps(value, allow_nan=False))
+    return json.dumps({**plain, CHECKSUM: digest(plain)}, separators=(",", ":")) + "\n"
 
 
 def _read(path: Path) -> list[dict[str, Any]]:
@@ -87,15 +90,18 @@ def _read(path: Path) -> list[dict[str, Any]]:
     except OSError as error:
         raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
     *whole, rest = text.split("\n")
+    if whole and whole[0][DIGITS + 1 :].startswith(BEFORE):
+        raise BadFile(path, "is of an earlier version; give another --out, or remove it")
     found = []
     for number, line in enumerate(whole, 1):
-        mark, _, said = line.partition(" ")
-        if hashlib.sha256(said.encode()).hexdigest()[:DIGITS] != mark:
-            raise BadFile(path, "is damaged, or not the store of a payoff study", number)
         try:
-            found.append(parse_json(said))
-        except ValueError as error:
-            raise BadFile(path, str(error), number) from None
+            said = parse_json(line)
+        except ValueError:
+            said = None
+        mark = said.pop(CHECKSUM, None) if isinstance(said, dict) else None
+        if mark is None or mark != digest(said):
+            raise BadFile(path, "is damaged, or not the store of a payoff study", number)
+        found.append(said)
     if rest:
         with atomic(path) as temporary:
             temporary.write_text("".join(f"{line}\n" for line in whole), encoding="utf-8")

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spear_pin import Gait, find_gait, hopping, load, simulate, simulate_many
+from spear_pin import Gait, simulate, simulate_many
 from spear_pin.hybrid.automaton import SHORTEST_FLIGHT
 from spear_pin.hybrid.domain import Reset, Switch
 from spear_pin.hybrid.hardware import Sensing
@@ -39,8 +39,8 @@ HOPS = 4
 
 
 @pytest.fixture(scope="module")
-def gait():
-    return find_gait(hopping(load("spear_ii", locked=["boom_x"])), ["stance_torque"], {"flight_time": 0.2})
+def gait(hop):
+    return hop
 
 
 @pytest.fixture(scope="module")

@@ -42,14 +42,19 @@ def test_event_feedback_is_left_out():
     assert not subject.gait.system.law.feedback and not any(subject.gait.system.law.speed_gain)
 
 
+@pytest.fixture(scope="module")
+def found(subject):
+    """What `find_gait` finds at another speed."""
+    return find_gait(subject.gait.system, ["posterior_hip_torque"], {"mean_speed": 2.54}, guess=subject.start)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "engine",
     [pytest.param(TAYLOR, marks=pytest.mark.extra("heyoka"), id="taylor"), pytest.param(REFERENCE, id="reference")],
 )
-def test_a_gait_at_another_speed_is_the_one_that_find_gait_finds(subject, engine):
+def test_a_gait_at_another_speed_is_the_one_that_find_gait_finds(subject, found, engine):
     motion = stride(subject.at(speed=2.54), engine)
-    found = find_gait(subject.gait.system, ["posterior_hip_torque"], {"mean_speed": 2.54}, guess=subject.start)
     assert figures(motion)["speed"] == pytest.approx(2.54, abs=1e-6)
     assert motion.gait.parameters == pytest.approx(found.parameters, abs=1e-5)
     assert abs(motion.gait.multipliers[0]) == pytest.approx(abs(found.multipliers[0]), abs=1e-3)

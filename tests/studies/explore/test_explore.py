@@ -205,12 +205,17 @@ def test_a_robots_name_is_no_code(monkeypatch):
     assert any(isinstance(each, ast.Constant) and each.value == f"{ODD} in place" for each in titles)
 
 
+@pytest.fixture(scope="module")
+def found():
+    """The hop of a stiffer spring with the flight time that is kept."""
+    return find_gait(knobs_of(stiffness=54.0).system, ["stance_torque"], {"flight_time": 0.2})
+
+
 class TestKeepingTheFlightTime:
     @pytest.mark.slow
     @pytest.mark.parametrize("engine", ENGINES)
-    def test_the_torque_is_solved_for_it(self, engine):
+    def test_the_torque_is_solved_for_it(self, found, engine):
         hops = settled(knobs_of(kept=True, stiffness=54.0, stance_torque=3.0), engine)
-        found = find_gait(knobs_of(stiffness=54.0).system, ["stance_torque"], {"flight_time": 0.2})
         assert hops.gait.durations["flight"] == pytest.approx(0.2, abs=1e-8)
         assert hops.knobs.values["stance_torque"] == pytest.approx(found.parameters["stance_torque"], abs=1e-6)
         assert hops.knobs.kept and hops.verdict == "periodic"

@@ -123,7 +123,7 @@ class TestBounds:
 
 def lines(path):
     """What a store holds."""
-    return [json.loads(line.partition(" ")[2]) for line in path.read_text(encoding="utf-8").splitlines()[1:]]
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()[1:]]
 
 
 class TestAnswer:
@@ -199,5 +199,5 @@ class TestAnswer:
 
 def test_the_store_names_what_is_studied(study, tmp_path):
     study(Stub(), speeds=(2.0,), stiffnesses=(40.0,))
-    head = json.loads((tmp_path / "store.jsonl").read_text(encoding="utf-8").splitlines()[0].partition(" ")[2])
+    head = json.loads((tmp_path / "store.jsonl").read_text(encoding="utf-8").splitlines()[0])
     assert head["speeds"] == [2.0] and "virtual_stiffness=None" in head["request"]

@@ -1,5 +1,6 @@
 """The store of a payoff study: lines that are whole, and the file of just this study."""
 
+import pandas
 import pytest
 
 from spear_pin.errors import BadFile
@@ -20,6 +21,22 @@ class TestStore:
     def test_lines_are_read_again_to_the_bit(self, path):
         again = Store(path, ASKED)
         assert len(again) == 2 and again.get("two") == {"key": "two", "cost": 0.1 + 0.2} and again.get("three") is None
+
+    def test_each_line_is_plain_json(self, path):
+        read = pandas.read_json(path, lines=True)
+        assert read["key"].tolist()[1:] == ["one", "two"] and read["cost"][2] == pytest.approx(0.3)
+        assert read["checksum"].str.fullmatch("[0-9a-f]{16}").all()
+
+    def test_a_line_without_its_checksum_is_refused(self, path):
+        path.write_text(path.read_text(encoding="utf-8") + '{"key":"three"}\n', encoding="utf-8")
+        with pytest.raises(BadFile, match=r"store.jsonl:4: is damaged"):
+            Store(path, ASKED)
+
+    def test_a_file_of_the_version_before_is_refused_by_its_name(self, tmp_path):
+        path = tmp_path / "old.jsonl"
+        path.write_text('0123456789abcdef {"format":"spear_pin payoff 1","robot":"a"}\n', encoding="utf-8")
+        with pytest.raises(BadFile, match="earlier version; give another --out, or remove it"):
+            Store(path, ASKED)
 
     @pytest.mark.parametrize("left", [1, 20, 41])
     def test_a_line_that_was_cut_off_is_dropped_and_written_again(self, path, left):

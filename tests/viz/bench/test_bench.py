@@ -52,6 +52,12 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return player.record(load("spear_ii"), HOP, path, title="A hop", ghost=samples.hop(hops=1))
 
 
+@pytest.fixture(scope="module")
+def bound(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("bench") / "bound.html"
+    return player.record(load("q_spear"), samples.bound(1), path, title="Q-SPEAR bounding")
+
+
 def press(browser: chromium.Browser, key: str) -> None:
     browser.run(f"document.body.dispatchEvent(new KeyboardEvent('keydown', {{key: {key!r}, bubbles: true}}))")
 
@@ -140,6 +146,17 @@ def test_a_click_in_a_plot_seeks_and_a_drag_loops(browser: chromium.Browser, pag
     assert begin <= state(browser, "time") <= end
 
 
+def test_what_does_not_repeat_holds_at_its_end(browser: chromium.Browser, page: Path) -> None:
+    browser.open(page, "#t=3.0")
+    passed = browser.run("""(() => {
+        const clock = makeClock();
+        clock.setMotion({ duration: 1, rate: 2, hold: 0.5 });
+        clock.seek(0.9);
+        return [0.1, 0.15, 0.1].map((seconds) => (clock.pass(seconds), clock.time));
+    })()""")
+    assert passed == pytest.approx([1.0, 1.0, 0.1])
+
+
 @pytest.mark.slow
 def test_an_event_says_its_name_where_the_pointer_is(browser: chromium.Browser, page: Path) -> None:
     browser.open(page, "#t=3.0")
@@ -158,7 +175,7 @@ def test_columns_are_chosen_and_their_values_shown(browser: chromium.Browser, pa
     assert browser.run("player.plots.names()") == ["q_hip", "q_knee"]
     caption = browser.run("document.querySelector('.plot figcaption').textContent")
     knee = float(np.interp(3.11, HOP.t, HOP.q[:, 3]))
-    assert caption.startswith("position [rad]") and f"knee {knee:.3f}" in caption
+    assert caption.startswith("position (rad)") and f"knee {knee:.3f}" in caption
 
 
 @pytest.mark.slow
@@ -183,9 +200,13 @@ def test_downloads(browser: chromium.Browser, page: Path) -> None:
     browser.run("new Promise(r => setTimeout(r, 800))")
     assert browser.run("window.names") == ["A_hop.csv", "A_hop_3.110s.png"]
     head, *rows = browser.run("window.saved[0].text()").strip().split("\n")
-    assert head == "domain,t [s],q_boom_x [m],q_boom_z [m],q_hip [rad],q_knee [rad],force_x_toe [N],force_z_toe [N]"
-    assert len(rows) == len(HOP.t) and [row.split(",")[0] for row in rows] == HOP.domain.tolist()
-    table = np.array([row.split(",")[1:] for row in rows], dtype=float)
+    assert head == (
+        "t [s],domain,q_boom_x [m],q_boom_z [m],q_hip [rad],q_knee [rad],force_x_toe [N],force_z_toe [N],engaged_knee"
+    )
+    cells = np.array([row.split(",") for row in rows])
+    assert cells[:, 1].tolist() == HOP.domain.tolist()
+    assert cells[:, -1].tolist() == [str(on) for on in HOP.engaged[:, 0]]
+    table = np.delete(cells, [1, 8], axis=1).astype(float)
     expected = np.column_stack((HOP.t, HOP.q, HOP.force[:, 0]))
     np.testing.assert_allclose(table, expected, rtol=1e-6, atol=1e-5)
     assert browser.run("[window.saved[1].type, window.saved[1].size > 20000]") == ["image/png", True]
@@ -221,14 +242,13 @@ def test_the_body_may_run_off(browser: chromium.Browser, tmp_path: Path) -> None
 @pytest.mark.parametrize("size", slow_but(SIZES, (375, 667)))
 @pytest.mark.parametrize("theme", slow_but(["light", "dark"], "dark"))
 def test_nothing_hides_the_feet(
-    browser: chromium.Browser, page: Path, size: tuple[int, int], theme: str, tmp_path: Path
+    browser: chromium.Browser, page: Path, bound: Path, size: tuple[int, int], theme: str
 ) -> None:
     width, height = size
     metrics = {"deviceScaleFactor": 1, "mobile": False}
     feature = [{"name": "prefers-color-scheme", "value": theme}]
     browser.send("Emulation.setDeviceMetricsOverride", page=True, width=width, height=height, **metrics)
     browser.send("Emulation.setEmulatedMedia", page=True, features=feature)
-    bound = player.record(load("q_spear"), samples.bound(1), tmp_path / "bound.html", title="Q-SPEAR bounding")
     try:
         for path, name, time in ((page, "spear_ii", 3.1), (bound, "q_spear", 0.06)):
             model = load(name).model

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import base64
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import pandas
 import pytest
 
+from spear_pin import hopping, load, simulate
 from spear_pin.errors import BadValue
 from spear_pin.model.robot import Robot
 from spear_pin.viz import player
@@ -17,7 +20,7 @@ from spear_pin.viz.playback.scene import GHOST, joint_paths
 from tests.viz import samples
 from tests.viz.recording import read
 
-NAMES = ["t [s]", "cycle", "q_boom_z", "v_knee", "a_boom_x", "u_knee", "tau_hip", "current_knee", "force_x_toe"]
+NAMES = ["t", "cycle", "q_boom_z", "v_knee", "a_boom_x", "u_knee", "tau_hip", "current_knee", "force_x_toe"]
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +74,23 @@ def test_a_page_holds_them(spear: Robot, told: SimpleNamespace) -> None:
     for name, values in zip(names[1:], table.T[1:], strict=True):
         np.testing.assert_allclose(page[name], values, rtol=1e-6)
     assert data["every"] == 1.0 and data["plotted"] == ["u_knee"]
+    assert data["order"][:4] == ["t", "domain", "cycle", "q_boom_z"] and data["order"][-1] == "engaged_knee"
+
+
+def test_a_page_names_columns_as_a_file_of_the_trajectory(tmp_path: Path) -> None:
+    """Headings, and words by rows, whether all of it or a part is shown."""
+    system = hopping(load("spear_ii", locked=["boom_x"]))
+    hops = simulate(system, system.guess(), cycles=1)
+    file = pandas.read_csv(hops.export(tmp_path / "hop.csv"), dtype=str)
+    for shown in (hops, pieces.between(hops, hops.t[0], hops.t[-1])):
+        data = packed(samples_of(system.robot, shown))
+        titles = {"t": data["time"], **{each["name"]: each["heading"] for each in data["columns"]}}
+        assert [titles.get(name, name) for name in data["order"]] == list(file)
+        assert list(data["words"]) == ["domain", "phase", "engaged_knee"]
+        for name, runs in data["words"].items():
+            ends = [*(row for row, _ in runs[1:]), len(file)]
+            words = [word for (row, word), end in zip(runs, ends, strict=True) for _ in range(end - row)]
+            assert words == file[name].tolist()
 
 
 def test_a_part_keeps_its_columns(spear: Robot, told: SimpleNamespace) -> None:
@@ -84,11 +104,13 @@ def test_too_many_are_thinned_but_for_both_sides_of_an_event() -> None:
     t = np.repeat(np.arange(500.0), 2)[1:-1]
     t = np.sort(np.r_[np.linspace(0.0, 499.0, 20_000), t[(t % 100 == 0) & (t > 0)]])
     moving, still = np.sin(t), np.zeros_like(t)
-    both = Samples(t, (Column("a", "a", "", "", moving), Column("b", "b", "", "", still)))
+    words = {"domain": np.where(t < 250.0, "stance", "flight")}
+    both = Samples(t, (Column("a", "a", "", "", moving), Column("b", "b", "", "", still)), words=words)
     few = thinned(both, 1000)
     assert len(few.t) <= 1000 and few.t[0] == 0.0 and few.t[-1] == 499.0
     assert {100.0, 200.0, 300.0, 400.0} <= set(few.t[1:][np.diff(few.t) == 0])
     assert few.every == pytest.approx(len(t) / len(few.t))
+    assert few.words["domain"].tolist() == np.where(few.t < 250.0, "stance", "flight").tolist()
     assert thinned(both, 30_000) is both, "what stays the same takes no room"
     assert len(packed(few)["values"]) <= 1000 * 4 * 4 / 3 + 4
 

@@ -5,13 +5,19 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from spear_pin import compare
 from spear_pin.errors import BadValue
+from spear_pin.model.robot import Robot
 from spear_pin.viz.compare import Comparison, page
+from spear_pin.viz.playback import scene
+from spear_pin.viz.playback.frames import Frames
+from spear_pin.viz.playback.scene import Scene
 from tests.viz import chromium
 
 SIZES = [(640, 480), (375, 667), (1280, 800)]
@@ -55,6 +61,11 @@ def test_the_page_tells_measures_parameters_and_multipliers(bounds: Comparison) 
     assert len(re.findall(r"<title>slow: [^<]*modulus", text)) == len(gait.multipliers)
 
 
+def test_regions_have_names_of_their_own(bounds: Comparison) -> None:
+    names = re.findall(r'role="region"[^>]*aria-label="([^"]*)"', bounds.page)
+    assert len(names) >= 3 and len(set(names)) == len(names)
+
+
 def test_sides_of_the_same_robot_have_the_first_as_a_ghost(bounds: Comparison) -> None:
     first, second = data(bounds.page)["sides"]
     assert first["ghost"] is None and second["ghost"]["path"].endswith("ghost")
@@ -64,6 +75,20 @@ def test_sides_of_the_same_robot_have_the_first_as_a_ghost(bounds: Comparison) -
 def test_arrows_of_the_same_robot_are_of_one_scale(bounds: Comparison) -> None:
     first, second = data(bounds.page)["sides"]
     assert first["newtons"] == second["newtons"] > 0.0
+
+
+def test_each_motion_is_drawn_once_for_its_arrows_and_once_for_the_page(
+    bounds: Comparison, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[float] = []
+
+    def moving(robot: Robot, frames: Frames, *given: Any) -> Scene:
+        drawn.append(frames.duration)
+        return scene.moving(robot, frames, *given)
+
+    monkeypatch.setattr(page, "moving", moving)
+    page.render(bounds.sides, bounds.measures, bounds.differences, bounds.said)
+    assert len(drawn) == 2 * len(bounds.sides)
 
 
 def test_other_robots_have_no_ghost_and_robots_stand() -> None:
@@ -89,6 +114,16 @@ def test_a_notebook_shows_the_page(bounds: Comparison) -> None:
 def test_the_table_has_differences(bounds: Comparison) -> None:
     table = bounds.to_pandas()
     assert table.loc[("motion", "mean speed"), "fast <b>, difference"] == pytest.approx(0.5, abs=1e-6)
+
+
+def test_a_label_takes_no_column_away(bounds: Comparison) -> None:
+    first, second = bounds.sides
+    odd = replace(bounds, sides=(replace(first, label="unit"), replace(second, label="unit, %")))
+    table = odd.to_pandas()
+    columns = ["unit", "unit (2)", "unit, %", "unit, %, difference", "unit, %, %"]
+    assert list(table) == columns
+    assert table.loc[("motion", "mean speed"), "unit"] == "m/s"
+    assert table.loc[("motion", "mean speed"), "unit (2)"] == pytest.approx(2.5, abs=1e-6)
 
 
 @pytest.mark.slow
@@ -131,6 +166,17 @@ class TestInABrowser:
         )
         expected = [bounds[1] + 0.25 * (bounds[2] - bounds[1]) for bounds in (fast, slow)]
         assert times == pytest.approx(expected, rel=1e-6)
+
+    def test_speed_and_loop_stay_where_the_alignment_changes(self, browser: chromium.Browser, path: Path) -> None:
+        browser.open(path)
+        first = data(path.read_text(encoding="utf-8"))["sides"][0]["bounds"][1]
+        browser.run("(player.setSpeed(0.25), player.clock.setLoop([0.1, 0.3]), player.align('share'), 1)")
+        assert browser.run("player.clock.loop") == pytest.approx([0.1 / first, 0.3 / first])
+        assert browser.run("document.querySelector('#speeds [aria-pressed=true]').value") == "0.25"
+        browser.run("(player.clock.setPlaying(false), player.clock.seek(0.1), player.clock.pass(0.1), 1)")
+        assert browser.run("player.clock.time") == pytest.approx(0.1 + 0.1 / first, rel=1e-2)
+        browser.run("document.getElementById('noloop').click()")
+        assert browser.run("[player.clock.loop, document.getElementById('noloop').hidden]") == [None, True]
 
     def test_columns_are_chosen_for_all(self, browser: chromium.Browser, path: Path) -> None:
         browser.open(path)

@@ -1,11 +1,13 @@
 """Columns over time: what is drawn is the trajectory."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from spear_pin import HoppingLaw, hopping, simulate
-from spear_pin.errors import UnknownName
-from spear_pin.viz.plots import save_figure
+from spear_pin import Gait, HoppingLaw, hopping, simulate
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.viz.plots import ground_force, knee_torque, save_figure
 from spear_pin.viz.plots.paper import SCREEN, STANCE
 
 
@@ -30,7 +32,40 @@ def test_columns_are_those_of_the_trajectory(hops):
 
 
 def test_by_default_angles_and_forces(hops):
-    assert list(lines(hops.plot())) == ["q_boom_z", "q_hip", "q_knee", "force_z_toe"]
+    assert list(lines(hops.plot())) == ["q_boom_z", "q_hip", "q_knee", "spring_knee", "force_z_toe"]
+
+
+def test_without_springs_there_is_none_of_them(hops):
+    free = replace(hops, spring=hops.spring[:, :0], engaged=hops.engaged[:, :0], spring_joints=())
+    assert list(lines(free.plot())) == ["q_boom_z", "q_hip", "q_knee", "force_z_toe"]
+
+
+def test_the_first_cycles_and_how_to_see_all(hops):
+    two, every = hops.plot("q_knee", cycles=2), hops.plot("q_knee", cycles=None)
+    shown = hops.in_cycles(1, 2)
+    np.testing.assert_array_equal(lines(two)["q_knee"].get_xdata(), shown.t)
+    assert two.get_suptitle() == "cycles 1 to 2 of 3; plot(…, cycles=None) shows all"
+    np.testing.assert_array_equal(lines(every)["q_knee"].get_xdata(), hops.t)
+    assert every.get_suptitle() == hops.plot("q_knee").get_suptitle() == ""
+    later = hops.in_cycles(2, 3).plot("q_knee", cycles=1)
+    assert later.get_suptitle() == "cycle 2 of 2; plot(…, cycles=None) shows all"
+    with pytest.raises(BadValue, match="cycles is 0"):
+        hops.plot(cycles=0)
+
+
+def test_what_is_of_a_pair_says_so():
+    gait = Gait.load("long_stride")
+    stride = simulate(gait.system, gait.state, progress=False)
+    figure = stride.plot("q_pitch", "u", "force_z", "v_torso_x")
+    assert [axes.get_ylabel() for axes in figure.axes] == [
+        *("Angle (rad)", "Torque, a pair (N·m)", "Force, a pair (N)", "Velocity (m/s)")
+    ]
+    assert "u_posterior_hip" in lines(figure)
+    mixed = stride.plot("friction_pitch", "u_posterior_hip")
+    assert mixed.axes[0].get_ylabel() == "Torque (N·m)"
+    assert list(lines(mixed)) == ["friction_pitch", "u_posterior_hip, a pair"]
+    assert knee_torque(stride, "posterior_knee").axes[0].get_ylabel() == "Posterior knee torque, a pair (N·m)"
+    assert ground_force(stride).axes[0].get_ylabel() == "Ground force, a pair (N)"
 
 
 def test_nothing_is_drawn_across_what_is_left_out(hops):

@@ -243,7 +243,7 @@ def test_slipping_is_part_of_stance():
 class TestSeveralLegs:
     def test_the_torque_of_one_knee(self, strides: Trajectory):
         (axes,) = plots.knee_torque(strides, "anterior_knee").axes
-        assert axes.get_ylabel() == "Anterior knee torque (N·m)"
+        assert axes.get_ylabel() == "Anterior knee torque, a pair (N·m)"
         assert np.array_equal(line(axes, "motor")[1], strides.u[:, strides.actuated.index("anterior_knee")])
         assert np.array_equal(line(axes, "spring")[1], strides.spring[:, strides.spring_joints.index("anterior_knee")])
 

@@ -1,0 +1,61 @@
+"""Mistakes in what shows, keeps and asks: pages and plots, files, commands."""
+
+from tests.mistakes.mutation import mistakes_in
+
+MUTATIONS = [
+    *mistakes_in(
+        "files",
+        ["test_files"],
+        {
+            "files written in place": ('target.with_name(f".{target.name}.{os.getpid()}.tmp")', "target"),
+            "a failed file left behind": ("temporary.unlink", "temporary.exists"),
+        },
+    ),
+    *mistakes_in(
+        "viz/notebook/sketches",
+        ["viz/notebook/test_cards"],
+        {
+            "multipliers outside the circle look like those inside": ("abs(z) < 1.0)", "abs(z) < 9.0)"),
+            "slides drawn as bones": ("if place.translation.any()]", "]"),
+        },
+    ),
+    *mistakes_in(
+        "viz/plots/columns",
+        ["viz/plots/test_columns"],
+        {
+            "lines across what is left out": ("gaps(trajectory) + 1", "gaps(trajectory)[:0]"),
+        },
+    ),
+    *mistakes_in(
+        "viz/playback/grafting",
+        ["viz/playback/test_grafting"],
+        {
+            "a robot from behind is its mirror image": ("[-1.0, -1.0, 1.0, 1.0]", "[-1.0, 1.0, 1.0, 1.0]"),
+            "links drawn as if every joint were at its zero": ("[turn.zero] if", "[0.0] if"),
+        },
+    ),
+    *mistakes_in(
+        "viz/playback/meshes",
+        ["viz/playback/test_meshes"],
+        {
+            "a mesh from anywhere": ("path.is_relative_to(folder) and", "True or"),
+            "a link to anywhere": ("regular(path).resolve().suffix", "regular(path).suffix"),
+            "more faces than a page holds": ("while len(light.faces) > most", "while len(light.faces) > 9 * most"),
+        },
+    ),
+    *mistakes_in(
+        "cli/dynamics",
+        ["cli/test_dynamics"],
+        {"degrees on the command line": ("else np.array(arguments.q)", "else np.radians(arguments.q)")},
+    ),
+    *mistakes_in(
+        "cli/__init__",
+        ["cli/test_main"],
+        {
+            "a mistake ends with status 0": (
+                'split())}")\n        return 2',
+                'split())}")\n        return 0',
+            ),
+        },
+    ),
+]

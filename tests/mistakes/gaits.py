@@ -1,0 +1,83 @@
+"""Mistakes in laws and gaits."""
+
+from tests.mistakes.mutation import mistakes_in
+
+MUTATIONS = [
+    *mistakes_in(
+        "gaits/hopping",
+        ["gaits/test_hopping", "hybrid/test_torques", "hybrid/test_endings", "hybrid/test_events"],
+        {
+            "knee driven away from its angle": ("(p.knee_touchdown - q[knee])", "(q[knee] - p.knee_touchdown)"),
+            "hip damping drives": ("- p.hip_damping * v[hip]", "+ p.hip_damping * v[hip]"),
+            "extends first": ('"flexing": 1.0', '"flexing": -1.0'),
+            "square wave of half the frequency": ("0.5 * n / p.frequency", "n / p.frequency"),
+            "touchdown angle kept from the first hop": (
+                '"knee_touchdown": q[knee]',
+                '"knee_touchdown": held.get("knee_touchdown", q[knee])',
+            ),
+            "spring engaged in flight too": (
+                "mounts=fixed,",
+                "mounts=(mount,),",
+            ),
+            "extension limited as well": (
+                'return held["compressing"] * spare + (1.0 - held["compressing"])',
+                "return spare",
+            ),
+            "foot placed to the wrong side": ("+ p.foot_placement *", "- p.foot_placement *"),
+            "a knee on the ground goes unnoticed": ('fall(["hip", "knee"])', 'fall(["hip"])'),
+        },
+    ),
+    *mistakes_in(
+        "gaits/virtual_constraints",
+        ["gaits/test_virtual_constraints"],
+        {
+            "virtual constraints: curvature left out": (
+                "curvature * (rate * rate) + own - (y[i]",
+                "0.0 * curvature * (rate * rate) + own - (y[i]",
+            ),
+            "virtual constraints: damped by half": ("+ 2.0 * dy[i]) / epsilon", "+ dy[i]) / epsilon"),
+            "virtual constraints: other motors forgotten": ("outputs.motors, others)", "outputs.motors, others[:0])"),
+            "virtual constraints: slope at the beginning": ("/ rate / (len(shape) + 1)", "/ rate / (len(shape) + 2)"),
+            "virtual constraints: held beyond the end": ("height + slope * (s - inside)", "height"),
+            "virtual constraints: curved beyond the end": ("curvature - evolution.past * curvature", "curvature"),
+            "virtual constraints: a leaning leg's drift left out": (
+                "own = slope * phase_drift - drift(outputs.rows[i], q, v, ops)",
+                "own = slope * phase_drift",
+            ),
+            "virtual constraints: a leaning phase's drift left out": ("own = slope * phase_drift -", "own = -"),
+        },
+    ),
+    *mistakes_in(
+        "gaits/bounding_law",
+        ["gaits/test_bounding_law", "gaits/test_bounding_gaits"],
+        {
+            "bounding: physical spring added to the virtual one": ("total - dyn.spring_torque(leg.joint)", "total"),
+            "bounding: virtual spring pulls": (
+                "+ p.virtual_stiffness * flexed)",
+                "- p.virtual_stiffness * flexed)",
+            ),
+        },
+    ),
+    *mistakes_in(
+        "gaits/bounding",
+        ["gaits/test_bounding", "gaits/test_fixed_springs"],
+        {
+            "bounding: lift-off from a double stance into the other one": (
+                "leg.toe: _lifts(leg, next_stance, other, spring)",
+                "leg.toe: _lifts(leg, stance, leg, spring)",
+            ),
+            "bounding: spring kept at lift-off": (
+                "if spring.rest is not None else (leg.joint,)",
+                "if True else (leg.joint,)",
+            ),
+            "bounding: a fixed spring let go": (
+                "release=() if spring.rest is not None else",
+                "release=() if False else",
+            ),
+            "bounding: a fixed spring in stance only": ("bearing if spring.rest is None else legs", "bearing"),
+            "bounding: a stance that resumes begins anew": ("if resumed and f", "if not resumed and f"),
+            "bounding: feedback at each touchdown": ("if first and not resumed:", "if not resumed:"),
+            "bounding: feedback to the wrong leg's angle": ("+ adjust[4 + i]", "+ adjust[5 - i]"),
+        },
+    ),
+]

@@ -1,0 +1,99 @@
+"""Mistakes in robots, springs and what they are read from."""
+
+from tests.mistakes.mutation import mistakes_in
+
+MUTATIONS = [
+    *mistakes_in(
+        "model/draft",
+        ["model/test_dynamics", "hybrid/test_events", "hybrid/test_periodic"],
+        {
+            "gravity upward": (
+                "= armature, rotor_inertia, gear_ratio",
+                "= armature, rotor_inertia, gear_ratio; model.gravity.linear = -model.gravity.linear",
+            ),
+            "rotors left out": ("= transmission.reflected_inertia", "= 0.0"),
+        },
+    ),
+    *mistakes_in(
+        "model/transmissions",
+        ["model/test_dynamics", "hybrid/test_periodic"],
+        {"rotors times N, not N²": ("self.gear_ratio**2", "self.gear_ratio")},
+    ),
+    *mistakes_in(
+        "model/robot",
+        ["model/test_dynamics", "hybrid/test_equations_of_motion"],
+        {
+            "kinetic energy without rotors": (
+                "float(0.5 * rates @ self.mass_matrix(q) @ rates)",
+                "float(0.5 * rates @ (self.mass_matrix(q) - np.diag(self.model.armature)) @ rates)",
+            ),
+            "Jacobian in the toe's own frame": ("pin.ReferenceFrame.LOCAL_WORLD_ALIGNED", "pin.ReferenceFrame.LOCAL"),
+            "spatial acceleration for the drift": ("pin.getFrameClassicalAcceleration", "pin.getFrameAcceleration"),
+            "rows x and y of a toe": ("np.array([0, 2]) if self.planar", "np.array([0, 1]) if self.planar"),
+        },
+    ),
+    *mistakes_in(
+        "model/spring",
+        ["model/test_spring"],
+        {
+            "energy of a spring without the half": ("(0.5 * self.stiffness", "(self.stiffness"),
+            "energy of a hardening spring without the quarter": ("0.25 * self.hardening", "0.5 * self.hardening"),
+            "a spring that softens": ("(self.stiffness + self.hardening", "(self.stiffness - self.hardening"),
+            "a preload that pushes": ("pull = self.preload +", "pull = -self.preload +"),
+            "a table beside the stiffness": ("lambda k: k == 0, ", "lambda k: k >= 0, "),
+            "energy of a table left out": ("return energy + self._integral(deflection, ops)", "return energy"),
+            "a damper that drives": ("return -self.damping", "return self.damping"),
+        },
+    ),
+    *mistakes_in(
+        "model/curve",
+        ["model/test_curve"],
+        {
+            "a curve bent beyond its points": ("(slopes[1],)", "(slopes[1], 1.0)"),
+            "pieces of a curve that do not end": ("here - after", "here"),
+            "an integral that is not from zero": ("-float(whole(0.0))", "0.0"),
+        },
+    ),
+    *mistakes_in(
+        "model/planar",
+        ["model/test_planar"],
+        {
+            "planar: half of Coriolis on a slide": ("_scaled(2.0 * spin * v[i],", "_scaled(spin * v[i],"),
+            "planar: gravity upward": ("joint.acceleration[1] + gravity", "joint.acceleration[1] - gravity"),
+            "planar: rotors left out": ("mass_matrix[i][i] + body.armature", "mass_matrix[i][i]"),
+            "planar: Steiner's mixed term halved": ("2.0 * _dot(load.moment, arm)", "_dot(load.moment, arm)"),
+            "planar: torque of what hangs below left out": ("+ load.torque + _cross(arm, load.force)", "+ load.torque"),
+        },
+    ),
+    *mistakes_in(
+        "model/equipping",
+        ["model/test_sidecar"],
+        {
+            "a file's motor forgets the square of its ratio": (
+                "reflected or gearbox.ratio**2 * rotor",
+                "reflected or gearbox.ratio * rotor",
+            ),
+            "a role's motor goes over a joint's": ('(name != "all", name not in roles)', "name in roles"),
+            "a file's side may be beyond the limits": ("- leg.knee_zero) <= 0.0", "- leg.knee_zero) <= -9.0"),
+        },
+    ),
+    *mistakes_in(
+        "model/loading",
+        ["model/test_sidecar"],
+        {"a file goes over the argument": ("own_toes if toes is None else _names(toes)", "own_toes or _names(toes)")},
+    ),
+    *mistakes_in(
+        "model/settings",
+        ["model/test_sidecar"],
+        {"a pair has one spring": ("return spring\n    numbers", "return spring\n    return spring\n    numbers")},
+    ),
+    *mistakes_in(
+        "model/origin",
+        ["gaits/test_gait", "model/test_origin"],
+        {
+            "a saved gait forgets what is locked": ('"locked": list(robot.locked)', '"locked": []'),
+            "a saved cut forgets its mass": ('"body": cut.body, "of"', '"body": 0.0, "of"'),
+            "a cut is not looked at again": ("= not _again(robot)", "= False"),
+        },
+    ),
+]
