@@ -185,6 +185,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         ("commanded hip, knee", f"{summary['hip_touchdown']:.4f}, {summary['knee_touchdown']:.4f} rad"),
         ("flight, stance", f"{summary['flight_time']:.4f} s, {summary['stance_time']:.4f} s"),
         *([("apex of the hip", f"{summary['apex_height']:.4f} m")] if summary["apex_height"] is not None else []),
+        ("spring", f"{summary['stiffness']:.4g} N·m/rad in the knee"),
         ("peak ground force", f"{summary['peak_force']:.1f} N"),
         ("spring's share", f"{100 * summary['spring_share']:.1f} % of the push"),
         ("multipliers", ", ".join(f"{value:.4f}" for value in summary["multipliers"])),

@@ -69,7 +69,8 @@ class TestHop:
         options = ["--stance-torque", 8.2, "--knee", 0.95, "--frequency", 2.6, "--stiffness", 50, "--friction", 0.9]
         status, out, err = run(capsys, "hop", *options, "--cycles", 2, "--rtol", 1e-8, "--out", tmp_path)
         assert status == 0, err
-        assert "motors' work, net" in out and "8.2000 N·m" in out and "stable" in out and "2 hops (complete)" in out
+        assert "motors' work, net" in out and "8.2000 N·m" in out and "50 N·m/rad in the knee" in out
+        assert "stable" in out and "2 hops (complete)" in out
         assert str(tmp_path / "hop.html") in out and str(tmp_path / "hop.npz") in out
         trajectory = Trajectory.load(tmp_path / "hop.npz")
         assert trajectory.cycles == 2

@@ -35,6 +35,7 @@ def test_a_leg_hops(hopped, cut):
     """As the monopod that is cut out does by the Python API; page, plots and samples are its own."""
     result, folder = hopped
     assert result["cut"] == str(cut.cut) and result["beyond_limits"] == []
+    assert result["stiffness"] == Spring.scaled(cut).stiffness
     assert result["residual"] < 1e-9 and result["energy_residual"] < 1e-8 * cut.mass * 9.81
     trajectory = Trajectory.load(folder / "hop.npz")
     assert trajectory.cycles == 11

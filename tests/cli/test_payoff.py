@@ -1,14 +1,12 @@
 """`spear payoff`: the page, what is printed, and that it goes on where it was broken off."""
 
 import json
-from dataclasses import replace
 
 import pytest
 
-from spear_pin.studies.payoff.bounding import BOUNDS
 from tests.cli.calls import printed, refused, run
 from tests.gaits.bounding_gaits import trajectory
-from tests.studies.payoff.stub import Stub
+from tests.studies.payoff.stub import Stub, Stubbed
 
 CALL = (
     *("payoff", "q_spear", "--speeds", "2,2.5", "--stiffnesses", "40,60", "--bus", "48", "--workers", "1"),
@@ -19,7 +17,7 @@ CALL = (
 @pytest.fixture
 def stub(monkeypatch):
     made = Stub(lambda point, start: point.kind == "switched" and point.stiffness == 60.0)
-    monkeypatch.setattr("spear_pin.studies.payoff.bounding.BOUNDS", replace(BOUNDS, search=made))
+    monkeypatch.setattr("spear_pin.studies.payoff.bounding.BOUNDS", Stubbed(made))
     monkeypatch.setattr("spear_pin.gaits.collocation.casadi", lambda: None)
     for drawer in ("payoff.page", "plots.payoff"):  # of whose motion there is one for all
         monkeypatch.setattr(f"spear_pin.viz.{drawer}.simulate", lambda *given, **named: trajectory("long_stride"))

@@ -87,56 +87,52 @@ def figures_of(gait: Gait, motors: Motors, request: Request) -> Figures:
     )
 
 
-def _search(robot: Robot, motors: Motors, asked: Search) -> Found:
-    wanted = request(robot, asked.point, motors)
-    start = None if asked.start is None else asked.start.solution
-    gait, solution = search(robot, wanted, start=start, meshes=asked.meshes)
-    return gait, figures_of(gait, motors, wanted), solution
+class Bounds(Gaits):
+    """Bounds of a quadruped, by collocation."""
+
+    kind = "bounding"
+    words = WORDS
+    meshes = MESHES
+    finer = FINER
+
+    def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
+        """As of `Gaits`."""
+        wanted = request(robot, asked.point, motors)
+        start = None if asked.start is None else asked.start.solution
+        gait, solution = search(robot, wanted, start=start, meshes=asked.meshes)
+        return gait, figures_of(gait, motors, wanted), solution
+
+    def reference(self, robot: Robot, speed: float) -> Gait:
+        """As of `Gaits`."""
+        return search(robot, Request.scaled(robot, speed=speed, stiffness=0.0))[0]
+
+    def speeds(self, robot: Robot) -> tuple[float, ...]:
+        """As of `Gaits`."""
+        return tuple(float(f"{share * Request.scaled(robot).speed:.3g}") for share in SHARES)
+
+    def first(self, robot: Robot, speeds: Sequence[float]) -> Sequence[float]:
+        """As of `Gaits`: the slowest first."""
+        return speeds
+
+    def stiffness(self, robot: Robot) -> float:
+        """As of `Gaits`."""
+        return (Request.scaled(robot).stiffness or 0.0) / motors_of(robot)
+
+    def check(self, robot: Robot, speeds: Sequence[float]) -> None:
+        """As of `Gaits`."""
+        for speed in speeds:
+            Request.scaled(robot, speed=speed).check(scale_of(robot))
+
+    def asked(self, robot: Robot) -> Mapping[str, Any]:
+        """As of `Gaits`."""
+        return {"request": str(replace(Request.scaled(robot), **FREE))}
+
+    def energy(self, robot: Robot, figures: Figures) -> float:
+        """As of `Gaits`."""
+        return figures.cost * weight(robot) * figures.speed * sum(figures.durations.values())
 
 
-def _reference(robot: Robot, speed: float) -> Gait:
-    return search(robot, Request.scaled(robot, speed=speed, stiffness=0.0))[0]
-
-
-def _speeds(robot: Robot) -> tuple[float, ...]:
-    return tuple(float(f"{share * Request.scaled(robot).speed:.3g}") for share in SHARES)
-
-
-def _first(robot: Robot, speeds: Sequence[float]) -> Sequence[float]:
-    return speeds  # the slowest
-
-
-def _stiffness(robot: Robot) -> float:
-    return (Request.scaled(robot).stiffness or 0.0) / motors_of(robot)
-
-
-def _check(robot: Robot, speeds: Sequence[float]) -> None:
-    for speed in speeds:
-        Request.scaled(robot, speed=speed).check(scale_of(robot))
-
-
-def _asked(robot: Robot) -> Mapping[str, Any]:
-    return {"request": str(replace(Request.scaled(robot), **FREE))}
-
-
-def _energy(robot: Robot, figures: Figures) -> float:
-    return figures.cost * weight(robot) * figures.speed * sum(figures.durations.values())
-
-
-BOUNDS = Gaits(
-    kind="bounding",
-    words=WORDS,
-    meshes=MESHES,
-    finer=FINER,
-    search=_search,
-    reference=_reference,
-    speeds=_speeds,
-    first=_first,
-    stiffness=_stiffness,
-    check=_check,
-    asked=_asked,
-    energy=_energy,
-)
+BOUNDS = Bounds()
 
 
 def bounds(robot: Robot, path: Path, **options: Any) -> Study:

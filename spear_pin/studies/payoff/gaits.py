@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -55,37 +56,52 @@ class Words:
 Found = tuple[Gait, Figures, Solution | None]
 
 
-@dataclass(frozen=True)
-class Gaits:
-    """A kind of gait; its functions are of a module, for they go to other processes.
+class Gaits(ABC):
+    """A kind of gait; it goes to other processes.
 
     Attributes:
         kind: among ``KINDS`` of `spear_pin.gaits.gait`.
         words: how it is spoken of.
         meshes: of a search, as of `Search`.
         finer: of the search that tells how much meshes matter.
-        search: the gait of least electrical cost of a robot with its motors, and its figures.
-        reference: the gait of least effort of a robot without springs at a speed, and what it took for motors.
-        speeds: by default, by the robot's size.
-        first: speeds in the order in which a first gait is likeliest to be found from cold.
-        stiffness: of a leg's spring, in N·m/rad, by the robot's size.
-        check: refuses speeds that no such gait has.
-        asked: what beside the rest tells one study from another.
-        energy: what the motors of the whole robot draw in a cycle, in J.
     """
 
     kind: str
     words: Words
     meshes: tuple[int, ...]
     finer: tuple[int, ...]
-    search: Callable[[Robot, Motors, Search], Found]
-    reference: Callable[[Robot, float], Gait]
-    speeds: Callable[[Robot], tuple[float, ...]]
-    first: Callable[[Robot, Sequence[float]], Sequence[float]]
-    stiffness: Callable[[Robot], float]
-    check: Callable[[Robot, Sequence[float]], None]
-    asked: Callable[[Robot], Mapping[str, Any]]
-    energy: Callable[[Robot, Figures], float]
+
+    @abstractmethod
+    def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
+        """The gait of least electrical cost of a robot with its motors, and its figures."""
+
+    @abstractmethod
+    def reference(self, robot: Robot, speed: float) -> Gait:
+        """The gait of least effort of a robot without springs at a speed, and what it took for motors."""
+
+    @abstractmethod
+    def speeds(self, robot: Robot) -> tuple[float, ...]:
+        """By default, by the robot's size."""
+
+    @abstractmethod
+    def first(self, robot: Robot, speeds: Sequence[float]) -> Sequence[float]:
+        """Speeds in the order in which a first gait is likeliest to be found from cold."""
+
+    @abstractmethod
+    def stiffness(self, robot: Robot) -> float:
+        """Of a leg's spring, in N·m/rad, by the robot's size."""
+
+    @abstractmethod
+    def check(self, robot: Robot, speeds: Sequence[float]) -> None:
+        """Refuse speeds that no such gait has."""
+
+    @abstractmethod
+    def asked(self, robot: Robot) -> Mapping[str, Any]:
+        """What beside the rest tells one study from another."""
+
+    @abstractmethod
+    def energy(self, robot: Robot, figures: Figures) -> float:
+        """What the motors of the whole robot draw in a cycle, in J."""
 
 
 def attempt(gaits: Gaits, robot: Robot, motors: Motors, asked: Search) -> SearchEnd:

@@ -23,7 +23,6 @@ from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.parameters import rebuilt as with_parts
-from spear_pin.hybrid.result import State
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.model.limits import UNKNOWN
@@ -33,10 +32,12 @@ from spear_pin.model.spring import Spring
 from spear_pin.studies.bound import weight
 from spear_pin.studies.design import energy_drawn, points_of
 from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
-from spear_pin.studies.payoff.best_hop import Task, best_hop, led
+from spear_pin.studies.payoff.best_hop import best_hop
+from spear_pin.studies.payoff.cycles import Task
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
-from spear_pin.studies.payoff.grid import FIXED, NONE, Point
+from spear_pin.studies.payoff.grid import NONE, SWITCHED, Point
+from spear_pin.studies.payoff.leading import FOOTING, Place, led
 from spear_pin.studies.payoff.motors import PARTS, Motors
 from spear_pin.studies.payoff.searches import Search, rebuilt
 from spear_pin.studies.payoff.study import Study, studied
@@ -44,10 +45,10 @@ from spear_pin.studies.payoff.study import Study, studied
 Array = NDArray[np.float64]
 USUAL = 0.2  # s: flight of SPEAR-II
 SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
-MESH, FINER = 60, 240  # samples of each phase
-TOLERANCES = {MESH: (1e-5, 1e-9), FINER: (1e-7, 1e-10)}  # of the optimiser and of the integrator
+MESH, FINER = 160, 480  # samples of each phase: where a joint turns back, the losses of its gears jump
+TOLERANCES = {MESH: (0.05, 1e-8), FINER: (0.02, 1e-9)}  # of the optimiser, in units, and of the integrator
 LOADED = 0.1  # of the weight: with less on the toe the share that friction takes means nothing
-FOOTING = 0.05  # of the weight: what rests on the toe at least while the knee flexes
+TREAD, TAUT = 0.02, 0.005  # of the weight, rad: how far from a brink
 FREQUENCIES = (1.0, 1.3)  # of SPEAR-II's, scaled, that a first hop is looked for with, in turn
 KNEE, HIP = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
 FREQUENCY, TORQUE, STIFFNESS = (0.3, 2.5), (0.0, 6.0), (0.0, 8.0)  # of SPEAR-II's, scaled
@@ -74,7 +75,9 @@ WORDS = Words(
             " the ground, and a virtual spring; no torque at the hip. A damper at the knee in stance, SPEAR-II's,"
             " scaled, which no kind of knee is without. In flight both joints are driven to angles. Torque, frequency,"
             " virtual spring and both angles are chosen for each point, the gains of the flight are SPEAR-II's, scaled;"
-            " in flight a fixed spring is borne by the motor",
+            " in flight a fixed spring is borne by the motor. Unless the spring is fixed, the toe leaves the ground"
+            " before the knee is back at its angle of touchdown: there springs are let go, the virtual one too, and it"
+            " would stay",
         ),
         ("the leg", "on a vertical slider without friction; limits of the file and what the motors can do are kept"),
     ),
@@ -111,6 +114,25 @@ def within(motors: Motors | None, system: HybridSystem, trajectory: Trajectory) 
             drive = getattr(motors, part)
             left.append(float(np.min(drive.margin(given.torque, given.speed))) / drive.stall_torque)
     return np.array(left)
+
+
+def apart(system: HybridSystem, trajectory: Trajectory) -> Array:
+    """How far a hop is from the brinks beyond which there is none, >= 0 where it is far enough.
+
+    With too little load a toe leaves the ground again while the knee flexes, in shares of the weight; and where the
+    knee is back at its angle of touchdown before the toe leaves, a spring that is let go there leaves it on the ground
+    until the knee is straight, in rad.
+    """
+    stance, knee = trajectory.phase == "stance", system.robot.index("knee")
+    angle, flexing = trajectory.q[stance, knee], trajectory.v[stance, knee] > 0.0
+    load = float(trajectory.force[stance, 0, 1][flexing].min(initial=np.inf)) / weight(system.robot)
+    taut = float(angle[-1] - angle[0]) if system.spring.rest is None else 1.0
+    return np.array([min(load, 1.0) - TREAD, taut - TAUT])
+
+
+def kept(motors: Motors | None, system: HybridSystem, trajectory: Trajectory) -> Array:
+    """What a search keeps >= 0."""
+    return np.concatenate([within(motors, system, trajectory), apart(system, trajectory)])
 
 
 def ranges(robot: Robot, free: bool) -> dict[str, tuple[float, float]]:
@@ -171,40 +193,6 @@ def _held(gait: Gait, trajectory: Trajectory, motors: Motors) -> tuple[str, ...]
     return tuple(found)
 
 
-def begun(robot: Robot, point: Point, near: Gait) -> tuple[HybridSystem, State]:
-    """A system for a point, and a state: what its spring does not do of the one before, a virtual one does.
-
-    The damper stays, without a spring too: it is the knee's.
-    """
-    law, spring = near.system.law, near.system.spring
-    whole = spring.stiffness + law.virtual_stiffness
-    own = whole if point.stiffness is None else point.stiffness
-    law = replace(
-        law,
-        virtual_stiffness=max(whole - own, 0.0),
-        minimum_force=FOOTING * weight(robot),
-        hold_extension=True,
-    )
-    rest = law.knee_touchdown if point.kind == FIXED else None
-    real = Spring(stiffness=own, damping=spring.damping, rest=rest, unilateral=rest is None)
-    return with_parts(near.system, law=law, spring=real), near.state
-
-
-def _search(robot: Robot, motors: Motors, asked: Search) -> Found:
-    point, (mesh,) = asked.point, asked.meshes
-    task = _task(robot, point, partial(electricity, motors), partial(within, motors), mesh)
-    if asked.start is None or asked.start.gait is None:
-        gait = _from_cold(robot, point, task)
-    else:
-        gait = best_hop(task, *begun(robot, point, rebuilt(HOPS.kind, robot, asked.start.gait)))
-    return gait, figures_of(gait, motors, mesh), None
-
-
-def _reference(robot: Robot, flight: float) -> Gait:
-    point = Point(NONE, flight)
-    return _from_cold(robot, point, _task(robot, point, effort, partial(within, None), MESH))
-
-
 def _from_cold(robot: Robot, point: Point, task: Task) -> Gait:
     """The best hop beside one by SPEAR-II's law, scaled, with one of some frequencies of its square wave.
 
@@ -225,7 +213,10 @@ def _from_cold(robot: Robot, point: Point, task: Task) -> Gait:
             )
             try:
                 near = hop_of(with_parts(system, law=law), wanted)
-                return best_hop(task, *led(task, *begun(robot, point, near), near.durations["flight"]))
+                place = Place(
+                    Point(SWITCHED, near.durations["flight"], near.system.spring.stiffness), near.system, near.state
+                )
+                return best_hop(task, led(task, place, point))
             except NoGait as error:
                 failures.append(error)
     raise failures[0]
@@ -236,46 +227,58 @@ def _task(robot: Robot, point: Point, cost: Any, spare: Any, mesh: int) -> Task:
     return Task(point.speed, cost, spare, chosen, mesh, *TOLERANCES[mesh])
 
 
-def _flights(robot: Robot) -> tuple[float, ...]:
-    return tuple(float(f"{share * USUAL * scale_of(robot).time:.3g}") for share in SHARES)
+class Hops(Gaits):
+    """Hops of one leg in place, by fixed points."""
+
+    kind = "hopping"
+    words = WORDS
+    meshes = (MESH,)
+    finer = (FINER,)
+
+    def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
+        """As of `Gaits`."""
+        point, (mesh,) = asked.point, asked.meshes
+        task = _task(robot, point, partial(electricity, motors), partial(kept, motors), mesh)
+        if asked.start is None or asked.start.gait is None:
+            gait = _from_cold(robot, point, task)
+        else:
+            near = rebuilt(self.kind, robot, asked.start.gait)
+            gait = best_hop(task, led(task, Place.of(asked.start.point.kind, near), point))
+        return gait, figures_of(gait, motors, mesh), None
+
+    def reference(self, robot: Robot, speed: float) -> Gait:
+        """As of `Gaits`."""
+        point = Point(NONE, speed)
+        return _from_cold(robot, point, _task(robot, point, effort, partial(kept, None), MESH))
+
+    def speeds(self, robot: Robot) -> tuple[float, ...]:
+        """As of `Gaits`: flight times."""
+        return tuple(float(f"{share * USUAL * scale_of(robot).time:.3g}") for share in SHARES)
+
+    def first(self, robot: Robot, speeds: Sequence[float]) -> Sequence[float]:
+        """As of `Gaits`: those first that are like SPEAR-II's for the leg's size."""
+        usual = USUAL * scale_of(robot).time
+        return sorted(speeds, key=lambda flight: abs(math.log(flight / usual)))
+
+    def stiffness(self, robot: Robot) -> float:
+        """As of `Gaits`."""
+        return Spring.scaled(robot).stiffness
+
+    def check(self, robot: Robot, speeds: Sequence[float]) -> None:
+        """As of `Gaits`."""
+        for flight in speeds:
+            check_wanted(scaled_hopping(robot), {"flight_time": flight})
+
+    def asked(self, robot: Robot) -> Mapping[str, Any]:
+        """As of `Gaits`."""
+        return {"gait": "hop", "ranges": {name: list(ends) for name, ends in ranges(robot, free=True).items()}}
+
+    def energy(self, robot: Robot, figures: Figures) -> float:
+        """As of `Gaits`."""
+        return figures.cost * work(robot, figures.speed)
 
 
-def _first(robot: Robot, flights: Sequence[float]) -> Sequence[float]:
-    usual = USUAL * scale_of(robot).time
-    return sorted(flights, key=lambda flight: abs(math.log(flight / usual)))
-
-
-def _stiffness(robot: Robot) -> float:
-    return Spring.scaled(robot).stiffness
-
-
-def _check(robot: Robot, flights: Sequence[float]) -> None:
-    for flight in flights:
-        check_wanted(scaled_hopping(robot), {"flight_time": flight})
-
-
-def _asked(robot: Robot) -> Mapping[str, Any]:
-    return {"gait": "hop", "ranges": {name: list(ends) for name, ends in ranges(robot, free=True).items()}}
-
-
-def _energy(robot: Robot, figures: Figures) -> float:
-    return figures.cost * work(robot, figures.speed)
-
-
-HOPS = Gaits(
-    kind="hopping",
-    words=WORDS,
-    meshes=(MESH,),
-    finer=(FINER,),
-    search=_search,
-    reference=_reference,
-    speeds=_flights,
-    first=_first,
-    stiffness=_stiffness,
-    check=_check,
-    asked=_asked,
-    energy=_energy,
-)
+HOPS = Hops()
 
 
 def hops(robot: Robot, path: Path, **options: Any) -> Study:

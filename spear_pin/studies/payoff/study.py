@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 import spear_pin
-from spear_pin.errors import Infeasible, NoGait, SpearError
+from spear_pin.errors import SpearError
 from spear_pin.gaits.gait import Gait
-from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.motor import Drive
 from spear_pin.model.robot import Robot
-from spear_pin.studies.design import points_of
+from spear_pin.studies.payoff.fitting import motors_for
 from spear_pin.studies.payoff.gaits import Gaits
 from spear_pin.studies.payoff.grid import KINDS, NONE, SWITCHED, Grid, Point
-from spear_pin.studies.payoff.motors import PARTS, Motors, assumed, fitted, known, own_rotors
+from spear_pin.studies.payoff.motors import Motors, fitted
 from spear_pin.studies.payoff.searcher import Searcher, Tell
 from spear_pin.studies.payoff.searches import Search, SearchEnd, rebuilt
 from spear_pin.studies.payoff.store import Store
@@ -131,7 +129,7 @@ def studied(
         **gaits.asked(robot),
     }
     store = Store(path, asked)
-    motors = _motors(gaits, robot, drives, bus, speeds, store, tell)
+    motors = motors_for(gaits, robot, drives, bus, speeds, store, tell)
     searcher = Searcher(gaits, fitted(robot, motors), motors, store, n_jobs, tell)
     work = _Work(searcher)
     bare = work.begin([Point(NONE, speed) for speed in gaits.first(robot, speeds)])
@@ -251,59 +249,3 @@ class _Work:
             if finding.cost < best[finding.point.kind].cost:
                 best[finding.point.kind] = finding
         return best, speed
-
-
-def _motors(
-    gaits: Gaits,
-    robot: Robot,
-    drives: Mapping[str, Drive],
-    bus: float | None,
-    speeds: Sequence[float],
-    store: Store,
-    tell: Tell,
-) -> Motors:
-    """Motors that are given, the robot's own, or assumed."""
-    found, said, own = dict(drives), dict.fromkeys(drives, "given"), []
-    for part in PARTS:
-        if part in found:
-            continue
-        own_drive = known(robot, part, bus)
-        if own_drive is not None:
-            found[part], said[part] = own_drive
-            own.append(part)
-    if missing := [part for part in PARTS if part not in found]:
-        takes = _taken(gaits, robot, speeds, store, tell)
-        for part in missing:
-            torque, rate = takes["takes"][part]
-            found[part] = assumed(robot, part, torque, rate, bus)
-            said[part] = "assumed"
-            own += [part] * (part in own_rotors(robot))
-    return Motors(found["knee"], found["hip"], said, tuple(own))
-
-
-def _taken(gaits: Gaits, robot: Robot, speeds: Sequence[float], store: Store, tell: Tell) -> dict[str, Any]:
-    """Torque and speed of each part in a gait of least effort without springs, the fastest that there is.
-
-    Raises:
-        NoGait, Infeasible: there is none.
-    """
-    found = store.get("reference")
-    if found is not None:
-        return found
-    failure: SpearError | None = None
-    for speed in sorted(speeds, reverse=True):
-        tell(f"searching for what motors have to do {gaits.words.pace.format(speed)}")
-        try:
-            gait = gaits.reference(robot, speed)
-        except (Infeasible, NoGait) as error:
-            failure = error
-            continue
-        trajectory = simulate(gait.system, gait.state, progress=False)
-        takes = {}
-        for part in PARTS:
-            given = points_of(robot, trajectory, part)
-            takes[part] = float(given.rms.max()), float(abs(given.speed).max())
-        store.keep({"key": "reference", "speed": speed, "takes": takes})
-        return store.get("reference") or {}
-    assert failure is not None
-    raise failure

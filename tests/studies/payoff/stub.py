@@ -13,7 +13,7 @@ from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.design import sprung
 from spear_pin.studies.payoff import Motors
-from spear_pin.studies.payoff.bounding import figures_of, request
+from spear_pin.studies.payoff.bounding import Bounds, figures_of, request
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point
 
 DRIVES = {
@@ -54,6 +54,13 @@ class Stub:
         stiffness = BEST[kind] if stiffness is None else stiffness
         found = replace(own_figures(), cost=self.costs(search.point, start), stiffness=stiffness)
         return of_leg(stiffness), found, SOLUTION
+
+
+class Stubbed(Bounds):
+    """Bounds whose search a stub makes."""
+
+    def __init__(self, stub):
+        self.search = stub
 
 
 SOLUTION = Solution({"stiffness": np.array([112.0])}, 1.0, {"mean speed": 1e-9}, True, "Solve_Succeeded", 42)

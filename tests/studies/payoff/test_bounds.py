@@ -10,9 +10,9 @@ from spear_pin import load
 from spear_pin.errors import BadValue, NoGait, SpearError
 from spear_pin.studies.payoff import Grid, Point, answer
 from spear_pin.studies.payoff import bounds as front
-from spear_pin.studies.payoff.bounding import BOUNDS, FINER
+from spear_pin.studies.payoff.bounding import FINER
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
-from tests.studies.payoff.stub import DRIVES, Stub, cost
+from tests.studies.payoff.stub import DRIVES, Stub, Stubbed, cost
 
 SPEEDS, STIFFNESSES = (1.8, 2.0, 2.2), (20.0, 40.0, 60.0)
 
@@ -20,7 +20,7 @@ SPEEDS, STIFFNESSES = (1.8, 2.0, 2.2), (20.0, 40.0, 60.0)
 @pytest.fixture
 def study(monkeypatch, tmp_path):
     def run(stub, path=tmp_path / "store.jsonl", **options):
-        monkeypatch.setattr("spear_pin.studies.payoff.bounding.BOUNDS", replace(BOUNDS, search=stub))
+        monkeypatch.setattr("spear_pin.studies.payoff.bounding.BOUNDS", Stubbed(stub))
         values = {"speeds": SPEEDS, "stiffnesses": STIFFNESSES, "drives": DRIVES} | options
         return front(load("q_spear"), path, **values)
 

@@ -7,10 +7,11 @@ from spear_pin import load, simulate
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.studies.payoff import Motors, Point, Search
-from spear_pin.studies.payoff.best_hop import with_values
+from spear_pin.studies.payoff.cycles import with_values
 from spear_pin.studies.payoff.gaits import attempt
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
-from spear_pin.studies.payoff.hopping import HOPS, begun, electricity, figures_of, ranges, within, work
+from spear_pin.studies.payoff.hopping import HOPS, MESH, electricity, figures_of, ranges, within, work
+from spear_pin.studies.payoff.leading import Place, begun
 from spear_pin.studies.payoff.motors import known
 from spear_pin.studies.payoff.searches import rebuilt, written
 
@@ -26,13 +27,13 @@ class TestFigures:
         found, flight = figures_of(hop, motors), hop.durations["flight"]
         rise = 9.81 * flight**2 / 8.0
         assert work(hop.system.robot, flight) == pytest.approx(6.8 * 9.81 * rise)
-        drawn = electricity(motors, hop.system, simulate(hop.system, hop.state, samples=60))
+        drawn = electricity(motors, hop.system, simulate(hop.system, hop.state, samples=MESH))
         assert found.cost == pytest.approx(drawn / (6.8 * 9.81 * rise))
         assert HOPS.energy(hop.system.robot, found) == pytest.approx(drawn)
         assert found.speed == flight and set(found.peak) == {"knee", "hip"} and found.residual <= 1e-9
 
     def test_one_motor_a_joint(self, hop, motors):
-        cycle = simulate(hop.system, hop.state, samples=60)
+        cycle = simulate(hop.system, hop.state, samples=MESH)
         assert figures_of(hop, motors).peak["knee"] == pytest.approx(np.abs(cycle.u[:, 1]).max())
         left = within(None, hop.system, cycle)
         assert left.min() > 0.0 and 1.0 - np.abs(cycle.u[:, 1]).max() / 60.0 in left
@@ -51,16 +52,15 @@ class TestStart:
     @pytest.mark.parametrize(("kind", "stiffness"), [(NONE, 0.0), (SWITCHED, 20.0), (SWITCHED, None)])
     def test_another_knee_begins_with_the_same_motion(self, hop, kind, stiffness):
         """What its spring does not do the motor does as one."""
-        plain = begun(hop.system.robot, Point(SWITCHED, 0.2, 48.84), hop)
-        other = begun(hop.system.robot, Point(kind, 0.2, stiffness), hop)
-        ends = [simulate(*start).q[-1] for start in (plain, other)]
+        place = Place.of(SWITCHED, hop)
+        plain, other = begun(place, Point(SWITCHED, 0.2, 48.84)), begun(place, Point(kind, 0.2, stiffness))
+        ends = [simulate(start.system, start.state).q[-1] for start in (plain, other)]
         np.testing.assert_allclose(ends[1], ends[0], atol=1e-8)
-        whole = other[0].spring.stiffness + other[0].law.virtual_stiffness
-        assert whole == pytest.approx(48.84) and other[0].spring.damping == hop.system.spring.damping
+        assert other.whole == pytest.approx(48.84) and other.system.spring.damping == hop.system.spring.damping
 
     def test_a_fixed_spring_rests_where_the_knee_lands(self, hop):
-        system, _ = begun(hop.system.robot, Point(FIXED, 0.2, 30.0), hop)
-        moved = with_values(system, {"knee_touchdown": 0.8})
+        place = begun(Place.of(SWITCHED, hop), Point(FIXED, 0.2, 30.0))
+        moved = with_values(place.system, {"knee_touchdown": 0.8})
         assert (moved.spring.rest, moved.law.knee_touchdown, moved.spring.unilateral) == (0.8, 0.8, False)
 
     def test_ranges_are_within_the_joints_limits(self, hop):

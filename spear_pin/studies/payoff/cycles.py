@@ -1,0 +1,177 @@
+"""Cycles of one leg by numbers: what they cost, and by how much each is no hop as long in the air as is wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import NoGait, SpearError
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import parameter, rebuilt, with_parameters
+from spear_pin.hybrid.periodic import EVALUATIONS
+from spear_pin.hybrid.result import Options, State
+from spear_pin.hybrid.run import run
+from spear_pin.hybrid.section import Chart
+from spear_pin.hybrid.simulate import sample
+from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.model.scale import scale_of
+
+Array = NDArray[np.float64]
+LIFT_OFF = "lift_off"  # of which a hop has one: a toe that leaves again as it lands makes the cycle jump
+STEP = 1e-4  # of differences, of the unknowns in their units
+ANGLE, RATE, SHARE = 0.1, 1.0, 0.1  # units of the state, in rad and 1/√(l/g), and of a range
+CLOSED = 1e-4  # gap of a hop, in units: of its cost a hundredth of what samples leave open
+REACH = 1.5  # units from one hop to the next at most
+ROUNDS = 30  # of the search for a first hop
+OVER = 2e-3  # of a limit: it is kept
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is minimised.
+
+    Attributes:
+        flight_time: wanted, in s.
+        cost: of a system and a cycle; its samples count.
+        spare: of the same, what is left of limits, as shares of them, each >= 0 where it is kept.
+        ranges: of the stance torque and each number of law or spring that is chosen, least and most.
+        samples: of each phase.
+        tolerance: of the optimiser, of the cost.
+        rtol: of the integrator meanwhile.
+    """
+
+    flight_time: float
+    cost: Callable[[HybridSystem, Trajectory], float]
+    spare: Callable[[HybridSystem, Trajectory], Array]
+    ranges: Mapping[str, tuple[float, float]]
+    samples: int
+    tolerance: float
+    rtol: float
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """A cycle: its cost, what is left of limits, and by how much it is no hop as is wanted, in units."""
+
+    cost: float
+    gap: Array
+    spare: Array
+
+    @property
+    def fits(self) -> bool:
+        """Whether limits are kept."""
+        return bool(self.spare.min(initial=0.0) > -OVER)
+
+
+@dataclass
+class Cycles:
+    """Cycles by their unknowns, each in a unit of about its size: the state, the stance torque, and what is chosen."""
+
+    task: Task
+    system: HybridSystem
+    state: State
+    chart: Chart
+
+    @cached_property
+    def solved(self) -> int:
+        """How many unknowns the gap gives; those that are chosen come after."""
+        return self.chart.dimension + 1
+
+    @cached_property
+    def units(self) -> Array:
+        """Of the unknowns."""
+        dq, dv = self.chart.q_basis.shape[1], self.chart.v_basis.shape[1]
+        rate = RATE / scale_of(self.system.robot).time
+        spans = SHARE * np.ptp(np.array(list(self.task.ranges.values())), axis=1)
+        return np.concatenate([np.full(dq, ANGLE), np.full(dv, rate), spans])
+
+    @cached_property
+    def bounds(self) -> Array:
+        """Least and most of the unknowns, (n, 2)."""
+        d = self.chart.dimension
+        ends = np.array(list(self.task.ranges.values())) / self.units[d:, None]
+        return np.concatenate([np.full((d, 2), [-np.inf, np.inf]), ends])
+
+    def begun(self, x: Array) -> tuple[HybridSystem, State]:
+        """The system and the state of unknowns."""
+        d, values = self.chart.dimension, self.units * x
+        named = dict(zip(self.task.ranges, values[d:].tolist(), strict=True))
+        return with_values(self.system, named), self.chart.state(values[:d])
+
+    def at(self, x: Array) -> Cycle | None:
+        """The cycle of unknowns; None where it does not close, or its toe leaves the ground more than once."""
+        task, d = self.task, self.chart.dimension
+        try:
+            system, state = self.begun(x)
+            ended = run(system, state, 1, Options(task.rtol, max_evaluations=EVALUATIONS, keep=True))
+        except SpearError:  # a toe below the ground
+            return None
+        if not ended.cycles or sum(event.name == LIFT_OFF for event in ended.events) != 1:
+            return None
+        trajectory = sample(system, ended, task.samples)
+        xi = self.chart.coordinates(ended.state) / self.units[:d] - x[:d]
+        gap = np.append(xi, ended.durations["flight"] / task.flight_time - 1.0)
+        return Cycle(task.cost(system, trajectory), gap, task.spare(system, trajectory))
+
+    def jacobian(self, x: Array, own: Cycle) -> Array:
+        """Derivatives of the gap, by differences to either side; 0 where there is neither."""
+        columns = []
+        for i, (_, most) in enumerate(self.bounds):
+            first = STEP if x[i] + STEP <= most else -STEP
+            for step in (first, -first):
+                beside = self.at(x + step * (np.arange(len(x)) == i))
+                if beside is not None:
+                    break
+            columns.append(np.zeros(len(own.gap)) if beside is None else (beside.gap - own.gap) / step)
+        return np.array(columns).T
+
+    def first(self) -> Array:
+        """Unknowns of a hop as is wanted, with as little change to what is given as least squares take.
+
+        Raises:
+            NoGait: there is none.
+        """
+        given = np.array([parameter(self.system, name) for name in self.task.ranges])
+        x = np.concatenate([np.zeros(self.chart.dimension), given]) / self.units
+        x, own = np.clip(x, *self.bounds.T), None
+        own = self.at(x)
+        if own is None:
+            raise NoGait("the cycle that the search begins with does not close", np.inf)
+        for _ in range(ROUNDS):
+            if np.abs(own.gap).max() < CLOSED:
+                return x
+            step = self._correction(x, own)
+            step *= min(1.0, REACH / np.abs(step).max())
+            for share in 0.5 ** np.arange(6):
+                moved = np.clip(x + share * step, *self.bounds.T)
+                other = self.at(moved)
+                if other is not None and np.linalg.norm(other.gap) < (1.0 - 0.2 * share) * np.linalg.norm(own.gap):
+                    x, own = moved, other
+                    break
+            else:
+                break
+        raise NoGait("no hop with such a flight is near", float(np.abs(own.gap).max()))
+
+    def _correction(self, x: Array, own: Cycle) -> Array:
+        """The least step that closes the gap to first order, along the bounds that it would cross."""
+        gap = self.jacobian(x, own)
+        free = np.ones(len(x), dtype=bool)
+        while True:
+            step = np.zeros(len(x))
+            step[free] = -np.linalg.pinv(gap[:, free], rcond=1e-6) @ own.gap
+            crossing = (np.clip(x, *self.bounds.T) == x) & (np.clip(x + step, *self.bounds.T) == x) & (step != 0.0)
+            if not crossing.any() or free.sum() - crossing.sum() < len(own.gap):
+                return step
+            free &= ~crossing
+
+
+def with_values(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
+    """The system with other numbers; a spring that is never let go rests where the knee lands."""
+    changed = with_parameters(system, values)
+    if changed.spring.rest is None:
+        return changed
+    return rebuilt(changed, spring=replace(changed.spring, rest=changed.law.knee_touchdown))

@@ -1,0 +1,116 @@
+"""Hops with one flight time, by the numbers of law and spring that are chosen; the rest of each is solved for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import NoGait
+from spear_pin.studies.payoff.cycles import CLOSED, REACH, Cycle, Cycles
+
+Array = NDArray[np.float64]
+SHORT = 0.2  # units: nearer than that no way between is tried
+HALVINGS = 2  # of the way to a hop
+CORRECTIONS = 6  # by Newton's method with the Jacobian of a hop nearby, which they improve
+DEARER, OTHERS = 2e-3, 8  # of the cost: hops that are tried where there is no fixed point beside the cheapest
+
+
+@dataclass(frozen=True)
+class Hop:
+    """A hop: its unknowns, its cycle, and the Jacobian of the gap by all unknowns, exact by differences."""
+
+    x: Array
+    cycle: Cycle
+    jacobian: Array
+    exact: bool = False
+
+
+@dataclass
+class HopFamily:
+    """Hops by what is chosen, each solved for from the nearest one that is known."""
+
+    cycles: Cycles
+    start: Array = field(init=False)
+    known: dict[bytes, Hop | None] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Find the first one."""
+        x = self.cycles.first()
+        cycle = self.cycles.at(x)
+        assert cycle is not None
+        self.start = x[self.cycles.solved :]
+        self.known[self.start.tobytes()] = Hop(x, cycle, self.cycles.jacobian(x, cycle), exact=True)
+
+    def at(self, y: Array) -> Hop | None:
+        """The hop with what is chosen, in units; None where none was found."""
+        return self._hop(y, HALVINGS)
+
+    def nearest(self, y: Array) -> Hop:
+        """The nearest one that is known."""
+        n = self.cycles.solved
+        hops = [hop for hop in self.known.values() if hop is not None]
+        return min(hops, key=lambda hop: float(np.abs(hop.x[n:] - y).max()))
+
+    def _hop(self, y: Array, halvings: int) -> Hop | None:
+        key = y.tobytes()
+        if key not in self.known:
+            self.known[key] = self._solved(y, halvings)
+        return self.known[key]
+
+    def _solved(self, y: Array, halvings: int) -> Hop | None:
+        """From the nearest one, or by way of one between."""
+        near = self.nearest(y)
+        hop = self._beside(near, y)
+        if hop is None and not near.exact:
+            near = self._known_exactly(near)
+            hop = self._beside(near, y)
+        middle = 0.5 * (near.x[self.cycles.solved :] + y)
+        if hop is None and halvings and np.abs(middle - y).max() > 0.5 * SHORT:
+            return None if self._hop(middle, halvings - 1) is None else self._solved(y, halvings - 1)
+        return hop
+
+    def _known_exactly(self, hop: Hop) -> Hop:
+        """A hop with its Jacobian by differences: what Broyden's rule has led astray leads nowhere else."""
+        exact = Hop(hop.x, hop.cycle, self.cycles.jacobian(hop.x, hop.cycle), exact=True)
+        self.known[hop.x[self.cycles.solved :].tobytes()] = exact
+        return exact
+
+    def _beside(self, near: Hop, y: Array) -> Hop | None:
+        """By Newton's method with the Jacobian of another one and Broyden's rule; None where that leads nowhere."""
+        n, before, jacobian, last = self.cycles.solved, near.x, near.jacobian, near.cycle.gap
+        moved = np.concatenate([near.x[:n], y])
+        moved[:n] -= np.linalg.lstsq(jacobian[:, :n], last + jacobian[:, n:] @ (y - near.x[n:]), rcond=None)[0]
+        size = np.inf
+        for _ in range(CORRECTIONS):
+            if np.abs(moved - near.x).max() > 2.0 * REACH:
+                return None
+            cycle = self.cycles.at(moved)
+            if cycle is None or not (now := float(np.abs(cycle.gap).max())) < size:
+                return None
+            step, size = moved - before, now
+            length = max(float(step @ step), CLOSED**2)
+            jacobian = jacobian + np.outer(cycle.gap - last - jacobian @ step, step) / length
+            if size < CLOSED:
+                return Hop(moved, cycle, jacobian)
+            before, last, moved = moved, cycle.gap, moved.copy()
+            moved[:n] -= np.linalg.lstsq(jacobian[:, :n], last, rcond=None)[0]
+        return None
+
+    def cheapest(self) -> list[Hop]:
+        """The cheapest hops within limits, each dearer than the one before by more than a little.
+
+        Raises:
+            NoGait: there is none.
+        """
+        hops = [hop for hop in self.known.values() if hop is not None]
+        fitting = [hop for hop in hops if hop.cycle.fits]
+        if not fitting:
+            left = max(float(hop.cycle.spare.min()) for hop in hops)
+            raise NoGait(f"none of the hops keeps to its limits, by {-100 * left:.2g} % of one", 0.0)
+        chosen: list[Hop] = []
+        for hop in sorted(fitting, key=lambda hop: hop.cycle.cost):
+            if not chosen or hop.cycle.cost > (1.0 + DEARER) * chosen[-1].cycle.cost:
+                chosen.append(hop)
+        return chosen[:OTHERS]
