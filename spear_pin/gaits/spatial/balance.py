@@ -1,7 +1,7 @@
-"""Balance: what keeps a symmetric gait from falling sideways, and on its heading, by feedback once a stride.
+"""Balance: what keeps a symmetric gait in space upright, on its speed and on its heading, by feedback once a stride.
 
-By the mirror a symmetric gait's return map is block diagonal to first order: antisymmetric coordinates of the section
-and inputs, with the heading, are a system of their own. And P(M x) = M P(x), so that one side of each difference tells.
+By the mirror a symmetric gait's return map is block diagonal to first order: what is symmetric, the plane's motion, and
+what is antisymmetric, with the heading, are systems of their own, with inputs of their own.
 """
 
 from __future__ import annotations
@@ -15,30 +15,39 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.spatial.law import INPUTS
+from spear_pin.gaits.spatial.law import ACROSS, INPUTS
 from spear_pin.hybrid.newton import STEP
-from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, eigenvalues, return_map
 from spear_pin.hybrid.result import State
+from spear_pin.hybrid.section import Chart
 from spear_pin.hybrid.spatial_section import SpatialCharts
 from spear_pin.hybrid.symmetry import YAW, mirror_of
 from spear_pin.kinds import typed
 
 Array = NDArray[np.float64]
-SCALES = {"hip_difference": 25.0, "knee_difference": 25.0, "leg_difference": 0.05, "adduction": 0.05}
-TORQUE_SCALE = 10.0  # N·m: what counts as one, of torques of adductions; the others' are in `SCALES`, in N·m and rad
+SCALES = {
+    "adduction_torque": 10.0,
+    "hip_difference": 25.0,
+    "knee_difference": 25.0,
+    "leg_difference": 0.05,
+    "adduction": 0.05,
+    "torque": 50.0,
+    "touchdown": 0.05,
+}
+"""What counts as one of an input, by how its name ends, in N·m and rad; of a pair's torque twice that of a leg."""
 SYMMETRIC = 1e-9
 
 
 @dataclass(frozen=True)
-class Lateral:
-    """First-order motion across: a⁺ = A a + B w over antisymmetric coordinates, the heading, if there is one, last.
+class Linear:
+    """First-order motion: a⁺ = A a + B w over coordinates of one parity, the heading, if it is one, last.
 
     Attributes:
         A: (n, n).
         B: (n, k).
         inputs: names of the k inputs.
-        coordinates: of the state (q, v), headed, the n coordinates, (n, 2 nv).
+        coordinates: of a state (q, v), headed, the n coordinates, (n, 2 nv).
     """
 
     A: Array
@@ -48,54 +57,30 @@ class Lateral:
 
 
 @typed
-def lateral(gait: Gait, inputs: Sequence[str] = INPUTS, *, heading: bool = False, rtol: float = 1e-10) -> Lateral:
-    """A and B of motion across, by a stride for each column.
+def across(gait: Gait, inputs: Sequence[str] = ACROSS, *, heading: bool = False, rtol: float = 1e-10) -> Linear:
+    """A and B of antisymmetric motion, by a stride for each column: P(M x) = M P(x) tells the other side.
 
     Args:
         gait: in space, symmetric.
-        inputs: among `INPUTS`.
+        inputs: among `spear_pin.gaits.spatial.law.ACROSS`.
         heading: whether the yaw is a coordinate.
         rtol: of the integrator.
 
     Raises:
-        UnknownName: an input is not among `INPUTS`.
+        UnknownName: an input is not among these.
         BadValue: the gait is not in space, or not symmetric.
         NoGait: a perturbed stride does not close.
     """
-    for name in inputs:
-        if name not in INPUTS:
-            raise UnknownName("input", name, INPUTS)
-    system, (q, v) = gait.system, gait.state
-    mirror = mirror_of(system.robot)
-    local = chart(system, gait.state)
-    off = max(np.abs(mirror(part) - part).max() for part in local.state(np.zeros(local.dimension)))
-    if off > SYMMETRIC:
-        raise BadValue("gait", gait, "a symmetric one")
-    assert isinstance(local.lane, SpatialCharts)
-    odd = np.flatnonzero(~local.lane.even)
+    found = _linear(gait, inputs, ACROSS, False, rtol)
+    if heading:
+        return found
+    return replace(found, A=found.A[:-1, :-1], B=found.B[:-1], coordinates=found.coordinates[:-1])
 
-    def after(state: State, values: dict[str, float]) -> Array:
-        run = return_map(with_parameters(system, values), state, rtol)
-        if not run.cycles:
-            raise NoGait(f"a perturbed stride does not close: {run.message}", gait.residual)
-        return np.append(local.coordinates(run.state)[odd], run.state[0][YAW] - state[0][YAW])
 
-    unit = np.eye(local.dimension)
-    columns = [after(local.state(STEP * unit[i]), {}) / STEP for i in odd]
-    scaled = [(name, STEP * scale_of(name)) for name in inputs]
-    columns += [after((q, v), {name: size}) / size for name, size in scaled]
-    whole, n = np.array(columns).T, len(odd)
-    A, B = np.zeros((n + 1, n + 1)), whole[:, n:]
-    A[:, :n], A[n, n] = whole[:, :n], 1.0
-    rows = np.zeros((n + 1, 2 * len(q)))
-    dq = local.q_basis.shape[1]
-    for row, i in enumerate(odd):
-        basis, at = (local.q_basis, i) if i < dq else (local.v_basis, i - dq)
-        part = slice(0, len(q)) if i < dq else slice(len(q), None)
-        rows[row, part] = basis[:, at]
-    rows[n, YAW] = 1.0
-    kept = n + heading
-    return Lateral(A[:kept, :kept], B[:kept], tuple(inputs), rows[:kept])
+@typed
+def along(gait: Gait, inputs: Sequence[str] = INPUTS[len(ACROSS) :], *, rtol: float = 1e-10) -> Linear:
+    """A and B of symmetric motion, that of the plane, by central differences; arguments as of `across`."""
+    return _linear(gait, inputs, INPUTS[len(ACROSS) :], True, rtol)
 
 
 @typed
@@ -107,20 +92,21 @@ def balanced(
     weight: float = 0.2,
     rtol: float = 1e-10,
 ) -> Gait:
-    """The gait with linear-quadratic feedback of what is across to some inputs, once a stride.
+    """The gait with linear-quadratic feedback of its section state to some inputs, once a stride.
 
-    At the section w = -K a is added to the inputs for the stride; K minimises Σ aᵀQ a + weight Σ (w / scale)², scales
-    being 25 N·m of hips and knees, 10 N·m of adductions, and 0.05 rad; Q is 1 but for the yaw.
+    What is across and what is along are regulated apart, each by those of the inputs that act on it: at the section
+    w = -K a is added to them for the stride; K minimises Σ aᵀQ a + weight Σ (w / scale)², scales being `SCALES` and Q 1
+    but for the yaw.
 
     Args:
         gait: in space, symmetric, without such feedback.
-        inputs: among `spear_pin.gaits.spatial.law.INPUTS`; one suffices to stay upright.
+        inputs: among `spear_pin.gaits.spatial.law.INPUTS`; one of those across suffices to stay upright.
         heading: weight of the yaw, to keep the heading too; 0: it goes on to wherever it was pushed.
         weight: of the inputs; the larger, the gentler.
         rtol: of the integrator.
 
     Returns:
-        the gait with feedback; its multipliers are those across, the heading's among them if that is kept.
+        the gait with feedback; its multipliers are those of what is regulated, the heading's among them if it is kept.
 
     Raises:
         BadValue: the gait has feedback already, is not in space or not symmetric, or a weight is not valid.
@@ -131,22 +117,94 @@ def balanced(
         raise BadValue("gait", "one with event feedback", "one without")
     require("weight", weight, lambda w: w > 0, "a number > 0")
     require("heading", heading, lambda w: w >= 0, "a number >= 0")
-    across = lateral(gait, inputs, heading=heading > 0, rtol=rtol)
-    Q = np.eye(len(across.A))
-    if heading > 0:
-        Q[-1, -1] = heading
-    R = weight * np.diag([scale_of(name) ** -2 for name in inputs])
-    P = scipy.linalg.solve_discrete_are(across.A, across.B, Q, R)
-    K = np.linalg.solve(R + across.B.T @ P @ across.B, across.B.T @ P @ across.A)
-    rows = dict(zip(inputs, (-K @ across.coordinates).tolist(), strict=True))
-    zero = [0.0] * across.coordinates.shape[1]
-    feedback = tuple(tuple(rows.get(name, zero)) for name in INPUTS)
+    for name in inputs:
+        if name not in INPUTS:
+            raise UnknownName("input", name, INPUTS)
+    rows: dict[str, list[float]] = {}
+    values: list[NDArray[np.complex128]] = []
+    sides = [name for name in inputs if name in ACROSS], [name for name in inputs if name not in ACROSS]
+    if sides[0]:
+        linear = across(gait, sides[0], heading=heading > 0, rtol=rtol)
+        Q = np.eye(len(linear.A))
+        Q[-1, -1] = heading if heading > 0 else 1.0
+        values.append(_regulate(linear, Q, weight, rows))
+    if sides[1]:
+        linear = along(gait, sides[1], rtol=rtol)
+        values.append(_regulate(linear, np.eye(len(linear.A)), weight, rows))
     local = chart(gait.system, gait.state)
     nominal = np.concatenate(local.state(np.zeros(local.dimension)))
+    zero = [0.0] * len(nominal)
+    feedback = tuple(tuple(rows.get(name, zero)) for name in INPUTS)
     closed = gait.with_law(feedback=feedback, nominal=tuple(nominal.tolist()))
-    return replace(closed, multipliers=eigenvalues(across.A - across.B @ K))
+    multipliers = np.concatenate(values)
+    return replace(closed, multipliers=multipliers[np.argsort(-np.abs(multipliers), kind="stable")])
 
 
 def scale_of(name: str) -> float:
     """What counts as one of an input, in N·m or rad."""
-    return next((scale for end, scale in SCALES.items() if name.endswith(end)), TORQUE_SCALE)
+    return next(scale for end, scale in SCALES.items() if name.endswith(end))
+
+
+def _regulate(linear: Linear, Q: Array, weight: float, rows: dict[str, list[float]]) -> NDArray[np.complex128]:
+    """Multipliers of the closed loop; its gains on a state (q, v) go into `rows`, by input."""
+    R = weight * np.diag([scale_of(name) ** -2 for name in linear.inputs])
+    P = scipy.linalg.solve_discrete_are(linear.A, linear.B, Q, R)
+    K = np.linalg.solve(R + linear.B.T @ P @ linear.B, linear.B.T @ P @ linear.A)
+    rows |= dict(zip(linear.inputs, (-K @ linear.coordinates).tolist(), strict=True))
+    return eigenvalues(linear.A - linear.B @ K)
+
+
+def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool, rtol: float) -> Linear:
+    """A and B over the coordinates of one parity, those across with the heading."""
+    for name in inputs:
+        if name not in valid:
+            raise UnknownName("input", name, valid)
+    local = chart(gait.system, gait.state)
+    if not isinstance(local.lane, SpatialCharts):
+        raise BadValue("gait", gait, "one in space")
+    mirror = mirror_of(gait.system.robot)
+    off = max(np.abs(mirror(part) - part).max() for part in local.state(np.zeros(local.dimension)))
+    if off > SYMMETRIC:
+        raise BadValue("gait", gait, "a symmetric one")
+    own = np.flatnonzero(local.lane.even == even)
+
+    def after(state: State, values: dict[str, float]) -> Array:
+        run = return_map(with_parameters(gait.system, values), state, rtol)
+        if not run.cycles:
+            raise NoGait(f"a perturbed stride does not close: {run.message}", gait.residual)
+        turn = [] if even else [run.state[0][YAW] - state[0][YAW]]
+        return np.append(local.coordinates(run.state)[own], turn)
+
+    def by_state(i: int, step: float) -> Array:
+        return after(local.state(step * np.eye(local.dimension)[i]), {})
+
+    def by_input(name: str, step: float) -> Array:
+        return after(local.state(np.zeros(local.dimension)), {name: parameter(gait.system, name) + step})
+
+    def slope(function: object, of: int | str, step: float) -> Array:
+        ahead: Array = function(of, step)  # type: ignore[operator]
+        if not even:
+            return ahead / step
+        return (ahead - function(of, -step)) / (2.0 * step)  # type: ignore[operator,no-any-return]
+
+    columns = [slope(by_state, int(i), STEP) for i in own]
+    columns += [slope(by_input, name, STEP * scale_of(name)) for name in inputs]
+    whole, n = np.array(columns).T, len(own)
+    size = len(whole)
+    A = np.zeros((size, size))
+    A[:, :n] = whole[:, :n]
+    A[n:, n:] = 1.0  # the heading, of which nothing depends on where it is
+    return Linear(A, whole[:, n:], tuple(inputs), _rows(local, own, size))
+
+
+def _rows(local: Chart, own: NDArray[np.int64], size: int) -> Array:
+    """Rows that tell coordinates of a chart of a state (q, v), (size, 2 nv), the heading's last if it is one."""
+    nv, dq = len(local.q_basis), local.q_basis.shape[1]
+    rows = np.zeros((size, 2 * nv))
+    for row, i in enumerate(own):
+        if i < dq:
+            rows[row, :nv] = local.q_basis[:, i]
+        else:
+            rows[row, nv:] = local.v_basis[:, i - dq]
+    rows[len(own) :, YAW] = 1.0
+    return rows

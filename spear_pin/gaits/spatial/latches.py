@@ -45,7 +45,7 @@ def bears(leg: Leg, pair: Pair, q: Numbers, v: Numbers, held: Held, p: SpatialLa
     plane, i = p.plane, 0 if leg.pair == "posterior" else 1
     ahead = math.cos(q[YAW]) * v[0] + math.sin(q[YAW]) * v[1]
     faster = plane.speed_gain[i] * (ahead - plane.speed_nominal[i])
-    hip, knee = (float(getattr(plane, f"{leg.pair}_{name}_torque")) for name in ("hip", "knee"))
+    hip, knee = (p.of_pair(leg, f"{name}_torque", held) for name in ("hip", "knee"))
     squeeze = float(getattr(p, f"{leg.pair}_squeeze"))
     latched: dict[str, Any] = {
         "rest": q[leg.knee],
@@ -71,7 +71,8 @@ def swings(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: Spatia
     """A leg swings while the other pair bears, over the mean leg angle of that."""
     bearing = others[0].pair
     whole = getattr(p.plane, f"{bearing}_stance_span")
-    left = 1.0 - (mean_angle(others, q) - held[f"{bearing}_leg"]) / whole
+    angle = mean_angle(others, q)
+    left = 1.0 - (angle - held.get(f"{bearing}_leg", angle)) / whole
     span = whole * np.maximum(left, SHORTEST_SPAN)
     shapes = getattr(p.plane, f"{bearing}_stance_swing")
     return _begins(leg, others, (0.0, 0.0, 0.5), shapes, q, v, span, held, p, 1.0)
@@ -81,7 +82,7 @@ def lands(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: Spatial
     """A leg is brought to its touchdown angles after the other pair has lifted off."""
     flight = FLIGHTS[others[0].pair]
     angle, knee = getattr(p.plane, f"{flight}_landing")
-    target = getattr(p.plane, f"{leg.pair}_leg_touchdown") + p.of(leg, "leg_difference", held)
+    target = p.of_pair(leg, "leg_touchdown", held) + p.of(leg, "leg_difference", held)
     shapes = (angle, *3 * (target,)), (knee, *3 * (leg.side * p.plane.knee_touchdown,))
     return _begins(leg, others, _along(q), shapes, q, v, getattr(p.plane, f"{flight}_span"), held, p, 1.0)
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from spear_pin.errors import BadValue, require
+from spear_pin.gaits.bounding_law import INPUTS as SAGITTAL
 from spear_pin.gaits.bounding_law import PAIR, BoundingLaw, Shape
 from spear_pin.gaits.spatial.legs import YAW, Leg, Pair
 from spear_pin.gaits.virtual_constraints import demanded
@@ -20,8 +21,10 @@ from spear_pin.kinds import typed
 
 ANTISYMMETRIC = ("hip_difference", "knee_difference", "leg_difference", "adduction", "adduction_torque")
 SYMMETRIC = ("spread", "squeeze")
-INPUTS = tuple(f"{pair}_{name}" for pair in ("posterior", "anterior") for name in ANTISYMMETRIC)
+ACROSS = tuple(f"{pair}_{name}" for pair in ("posterior", "anterior") for name in ANTISYMMETRIC)
 """Parameters that are zero in symmetric motion, and change sign in the mirror: what turns and what balances."""
+INPUTS = (*ACROSS, *SAGITTAL)
+"""Parameters that event feedback adjusts once a stride: these, and the plane's."""
 ADJUSTED = "adjusted"  # name in what is held
 
 
@@ -86,7 +89,7 @@ class SpatialLaw:
     heading: float = 0.0
     nominal: tuple[float, ...] = ()
     feedback: Shape = ()
-    feedback_limits: tuple[float, ...] = 2 * (100.0, 100.0, 0.2, 0.3, 30.0)
+    feedback_limits: tuple[float, ...] = (*2 * (100.0, 100.0, 0.2, 0.3, 30.0), *4 * (100.0,), *2 * (0.2,))
 
     def __post_init__(self) -> None:
         """Check the fields."""
@@ -108,11 +111,16 @@ class SpatialLaw:
 
     def of(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
         """One of `ANTISYMMETRIC` for a leg, as adjusted: a difference with its sign, the others of both legs alike."""
-        whole = f"{leg.pair}_{name}"
-        value = float(getattr(self, whole))
-        if self.feedback and ADJUSTED in held:
-            value += held[ADJUSTED][INPUTS.index(whole)]
+        value = self._adjusted(self, f"{leg.pair}_{name}", held)
         return leg.lateral * value if name.endswith("difference") else value
+
+    def of_pair(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
+        """A number of the plane's law for a leg's pair, as adjusted."""
+        return self._adjusted(self.plane, f"{leg.pair}_{name}", held)
+
+    def _adjusted(self, owner: Any, name: str, held: Mapping[str, Any]) -> float:
+        value = float(getattr(owner, name))
+        return value + held[ADJUSTED][INPUTS.index(name)] if self.feedback and ADJUSTED in held else value
 
     def adduction_touchdown(self, leg: Leg, held: Mapping[str, Any]) -> float:
         """Angle of a leg's adduction at touchdown, in rad."""

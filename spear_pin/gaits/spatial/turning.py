@@ -1,0 +1,82 @@
+"""Turns: relative periodic orbits, whose heading advances by the same angle each stride."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import NoGait, require
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.search import gait_beside
+from spear_pin.gaits.spatial.balance import balanced
+from spear_pin.gaits.spatial.law import ADJUSTED, INPUTS
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.periodic import displacement, return_map
+from spear_pin.hybrid.result import State
+from spear_pin.hybrid.symmetry import headed
+from spear_pin.kinds import typed
+
+Array = NDArray[np.float64]
+TURNS_BY = ("posterior_adduction", "anterior_adduction")
+STEADIED_BY = tuple(name for name in INPUTS if name.endswith(("hip_torque", "knee_torque", "leg_touchdown")))
+HEADING = 10.0  # weight of the yaw
+RAMP, STRIDES = 20, 120  # strides over which the turn is taken up, and at most
+SETTLED = 1e-5  # of the state from stride to stride: Newton's method does the rest
+
+
+@typed
+def turning(
+    gait: Gait,
+    turn: float,
+    *,
+    rtol: float = 1e-10,
+    on_stride: Callable[[int, float], object] = lambda n, change: None,
+) -> Gait:
+    """A gait that turns, from a symmetric one: led there by feedback, whose inputs are then frozen.
+
+    The heading that feedback steers to advances each stride; as the motion settles, its inputs become constant. With
+    these as parameters and without feedback Newton's method finds the relative periodic orbit, varying the adduction of
+    the posterior pair. It takes some two minutes.
+
+    Args:
+        gait: in space, symmetric, without feedback.
+        turn: of the heading in a stride, to the left, in rad.
+        rtol: relative tolerance of the integrator.
+        on_stride: called with the number of each stride and the change of the state in it.
+
+    Raises:
+        BadValue: the gait is not in space, not symmetric or has feedback, or the turn is not within ±1 rad.
+        NoGait: the motion ends, or does not settle, or Newton's method does not end in a gait.
+    """
+    require("turn", turn, lambda angle: abs(angle) <= 1.0, "within ±1 rad a stride")
+    led = balanced(gait, (*TURNS_BY, *STEADIED_BY), heading=HEADING, rtol=rtol)
+    system, state = _settled(led, turn, rtol, on_stride)
+    return gait_beside(system, state, TURNS_BY[:1], {"turn": turn}, rtol)
+
+
+def _settled(
+    led: Gait, turn: float, rtol: float, on_stride: Callable[[int, float], object]
+) -> tuple[HybridSystem, State]:
+    """The system with constant inputs, without feedback, and the state that it has come to."""
+    state, heading, change = led.state, 0.0, np.inf
+    for n in range(1, STRIDES + 1):
+        heading += turn * min(1.0, n / RAMP)
+        steered = with_parameters(led.system, {"heading": heading})
+        run = return_map(steered, state, rtol)
+        if not run.cycles:
+            raise NoGait(f"the turn was lost in stride {n}: {run.message}", change)
+        change = float(np.abs(displacement(steered, state, run.state)).max())
+        state = run.state
+        on_stride(n, change)
+        if n > RAMP and change < SETTLED:
+            break
+    else:
+        raise NoGait(f"the turn does not settle in {STRIDES} strides", change)
+    adjusted = dict(zip(INPUTS, run.held[ADJUSTED], strict=True))
+    used = (*TURNS_BY, *STEADIED_BY)
+    values = {name: parameter(led.system, name) + adjusted[name] for name in used}
+    frozen = led.with_law(feedback=(), nominal=())
+    return with_parameters(frozen.system, values), headed(*state)

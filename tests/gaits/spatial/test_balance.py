@@ -1,0 +1,94 @@
+"""Balance in space: one number a stride keeps the bound upright, and pushes are recovered from, slip simulated."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, SpatialLaw
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.gaits.spatial.balance import across, along, balanced
+from spear_pin.gaits.spatial.embedding import embedded
+from spear_pin.gaits.spatial.law import ACROSS
+from spear_pin.hybrid.periodic import chart, eigenvalues, return_map
+from tests.gaits.spatial.test_embedding import planar, spatial
+
+
+@cache
+def gait(name="long_stride"):
+    """The gait in space; its multipliers are not looked at."""
+    system, state = spatial(name)
+    return Gait(system, state, {}, 1e-11, np.array([np.nan + 0j]), {})
+
+
+class TestLinear:
+    @pytest.mark.slow
+    def test_falls_sideways(self):
+        found = across(gait(), (), heading=True)
+        values = eigenvalues(found.A)
+        assert values[0].real == pytest.approx(1.569, abs=5e-3) and values[1].real == pytest.approx(1.0, abs=1e-6)
+        assert abs(values[2]) < 0.35
+
+    @pytest.mark.slow
+    def test_along_is_the_planes(self):
+        found = eigenvalues(along(gait(), ()).A)
+        wanted = planar("long_stride").multipliers
+        np.testing.assert_allclose(np.abs(found[:4]), np.abs(wanted[:4]), rtol=0, atol=1e-5)
+
+
+class TestBalanced:
+    @pytest.mark.slow
+    @pytest.mark.parametrize("name", ["long_stride", "least_effort", "long_stride_3.50"])
+    def test_one_number_a_stride_suffices(self, name):
+        assert abs(balanced(gait(name)).multipliers[0]) <= 0.55
+
+    @pytest.mark.slow
+    def test_a_push_sideways_with_roll_and_yaw_rate_is_recovered_from(self):
+        """0.2 m/s, 5° and 10°/s at once: below a tenth in ten strides, the heading included."""
+        closed = balanced(gait(), ACROSS, heading=30.0)
+        system, local = closed.system, chart(closed.system, closed.state)
+        odd = ~local.lane.even
+        q, v = (part.copy() for part in closed.state)
+        v[1], q[5], v[3] = 0.2, np.radians(5.0), np.radians(10.0)
+        q[2] -= min(system.ground.foot(system.robot, q, toe)[0] for toe in system.section_toes)
+        state, errors = (q, v), []
+        for _ in range(11):
+            errors.append(abs(np.append(local.coordinates(state)[odd], state[0][3])).max())
+            run = return_map(system, state, 1e-9)
+            assert run.cycles == 1
+            state = run.state
+        assert errors[0] >= 0.19 and errors[10] <= 0.1 * errors[0]
+
+
+class TestRefused:
+    def test_inputs_that_are_none(self):
+        with pytest.raises(UnknownName, match="input"):
+            balanced(gait(), ("hip_torque",))
+        with pytest.raises(UnknownName, match="input"):
+            across(gait(), ("posterior_hip_torque",))
+
+    def test_gaits_of_the_plane(self):
+        with pytest.raises(BadValue, match="space"):
+            across(planar("long_stride"), ())
+
+    def test_weights(self):
+        with pytest.raises(BadValue, match="weight"):
+            balanced(gait(), weight=0.0)
+        with pytest.raises(BadValue, match="heading"):
+            balanced(gait(), heading=-1.0)
+
+    def test_feedback_twice(self):
+        system, state = gait().system, gait().state
+        law = SpatialLaw(system.law.plane, nominal=36 * (0.0,), feedback=16 * (36 * (0.0,),))
+        with pytest.raises(BadValue, match="without"):
+            balanced(Gait(*embedded(planar("long_stride"), law), {}, 0.0, np.ones(1, complex), {}))
+        assert state is gait().state
+
+    def test_shapes_of_feedback(self):
+        plane = planar("long_stride").system.law
+        with pytest.raises(BadValue, match="feedback"):
+            SpatialLaw(plane, nominal=(0.0,), feedback=((0.0,),))
+        with pytest.raises(BadValue, match="feedback_limits"):
+            SpatialLaw(plane, feedback_limits=(1.0,))
+        with pytest.raises(BadValue, match="adduction_epsilon"):
+            SpatialLaw(plane, adduction_epsilon=0.0)

@@ -1,0 +1,56 @@
+"""Turns: relative periodic orbits of the event-exact simulation, the left one the mirror image of the right one."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, SpatialLaw
+from spear_pin.errors import BadValue
+from spear_pin.gaits.spatial.embedding import embedded
+from spear_pin.gaits.spatial.law import ACROSS
+from spear_pin.gaits.spatial.turning import turning
+from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.periodic import residual, return_map
+from spear_pin.hybrid.symmetry import mirror_of, turned
+from tests.gaits.spatial.test_embedding import planar
+
+TURN = np.radians(3.0)  # a stride
+
+
+@cache
+def straight():
+    plane = planar("long_stride")
+    law = SpatialLaw(plane.system.law, adduction_stiffness=0.0, adduction_damping=0.0)
+    return Gait(*embedded(plane, law), {}, 1e-11, np.array([np.nan + 0j]), {})
+
+
+@pytest.mark.slow
+class TestTurn:
+    @pytest.fixture(scope="class")
+    def left(self):
+        return turning(straight(), TURN)
+
+    def test_orbit(self, left):
+        assert left.residual <= 1e-9 and residual(left.system, left.state) <= 1e-9
+        run = return_map(left.system, left.state)
+        assert run.state[0][3] - run.start[0][3] == pytest.approx(TURN, abs=1e-9)
+        assert run.state[0][1] != pytest.approx(run.start[0][1], abs=1e-3)
+
+    def test_right_is_its_mirror_image(self, left):
+        mirror = mirror_of(left.system.robot)
+        values = {name: -parameter(left.system, name) for name in ACROSS}
+        right = with_parameters(left.system, values)
+        assert residual(right, tuple(mirror(part) for part in left.state)) <= 1e-9
+
+    def test_wherever_it_is_it_is_the_same_orbit(self, left):
+        assert residual(left.system, turned(*left.state, 2.0, (1.0, -3.0))) <= 1e-9
+
+    def test_ledger(self, left):
+        run = return_map(left.system, left.state)
+        assert abs(run.change[0] - run.work[0].sum()) <= 1e-9
+
+
+def test_too_tight_a_turn_is_refused():
+    with pytest.raises(BadValue, match="turn"):
+        turning(straight(), 2.0)
