@@ -6,6 +6,7 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
+from spear_pin.cli import bound_in_space
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
 from spear_pin.cli.durations import usual
 from spear_pin.cli.gaits import BOUND, bounding_gait
@@ -31,6 +32,7 @@ def add(commands: Commands) -> None:
     )
     add_plane(parser, f"a bound of which is searched for (needs casadi; takes {usual('bound', 'robot')})")
     parser.add_argument("--save", action="store_true", help="write bound.json too, the gait for --gait and Gait.load")
+    bound_in_space.add(parser)
     add_simulation(parser, 5, "strides", "bound.html")
     parser.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
 
@@ -39,6 +41,10 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Simulate the gait and write its files, or list the gaits."""
     if arguments.list:
         return _shipped()
+    bound_in_space.check(arguments)
+    if arguments.space:
+        check_simulation(arguments)
+        return bound_in_space.run(arguments)
     from dataclasses import asdict
 
     from spear_pin import simulate

@@ -22,6 +22,7 @@ class Lasting(NamedTuple):
 
 LASTING = (
     Lasting("bound", "robot", "15 s to a minute"),
+    Lasting("bound", "space", "15 to 30 s"),
     Lasting("bound", "speed", "15 s to minutes, the further from a gait's own speed"),
     Lasting("search", "", "half a minute"),
     Lasting("payoff", "", "some 40 searches of 15 s to a minute each, shared by the processors"),

@@ -120,23 +120,25 @@ def balanced(
     for name in inputs:
         if name not in INPUTS:
             raise UnknownName("input", name, INPUTS)
-    rows: dict[str, list[float]] = {}
-    values: list[NDArray[np.complex128]] = []
+    regulations: list[tuple[Linear, Array, NDArray[np.complex128]]] = []
     sides = [name for name in inputs if name in ACROSS], [name for name in inputs if name not in ACROSS]
     if sides[0]:
         linear = across(gait, sides[0], heading=heading > 0, rtol=rtol)
         Q = np.eye(len(linear.A))
         Q[-1, -1] = heading if heading > 0 else 1.0
-        values.append(_regulate(linear, Q, weight, rows))
+        regulations.append((linear, *regulated(linear, Q, weight)))
     if sides[1]:
         linear = along(gait, sides[1], rtol=rtol)
-        values.append(_regulate(linear, np.eye(len(linear.A)), weight, rows))
+        regulations.append((linear, *regulated(linear, None, weight)))
+    rows: dict[str, list[float]] = {}
+    for linear, gains, _ in regulations:
+        rows |= dict(zip(linear.inputs, (-gains @ linear.coordinates).tolist(), strict=True))
     local = chart(gait.system, gait.state)
     nominal = np.concatenate(local.state(np.zeros(local.dimension)))
     zero = [0.0] * len(nominal)
     feedback = tuple(tuple(rows.get(name, zero)) for name in INPUTS)
     closed = gait.with_law(feedback=feedback, nominal=tuple(nominal.tolist()))
-    multipliers = np.concatenate(values)
+    multipliers = np.concatenate([values for _, _, values in regulations])
     return replace(closed, multipliers=multipliers[np.argsort(-np.abs(multipliers), kind="stable")])
 
 
@@ -145,13 +147,12 @@ def scale_of(name: str) -> float:
     return next(scale for end, scale in SCALES.items() if name.endswith(end))
 
 
-def _regulate(linear: Linear, Q: Array, weight: float, rows: dict[str, list[float]]) -> NDArray[np.complex128]:
-    """Multipliers of the closed loop; its gains on a state (q, v) go into `rows`, by input."""
+def regulated(linear: Linear, Q: Array | None = None, weight: float = 0.2) -> tuple[Array, NDArray[np.complex128]]:
+    """Gains K of w = -K a, (k, n), and multipliers of the closed loop; arguments as of `balanced`, Q 1 by default."""
     R = weight * np.diag([scale_of(name) ** -2 for name in linear.inputs])
-    P = scipy.linalg.solve_discrete_are(linear.A, linear.B, Q, R)
+    P = scipy.linalg.solve_discrete_are(linear.A, linear.B, np.eye(len(linear.A)) if Q is None else Q, R)
     K = np.linalg.solve(R + linear.B.T @ P @ linear.B, linear.B.T @ P @ linear.A)
-    rows |= dict(zip(linear.inputs, (-K @ linear.coordinates).tolist(), strict=True))
-    return eigenvalues(linear.A - linear.B @ K)
+    return np.asarray(K, np.float64), eigenvalues(linear.A - linear.B @ K)
 
 
 def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool, rtol: float) -> Linear:
