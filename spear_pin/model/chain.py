@@ -80,7 +80,8 @@ def on_chain(model: pin.Model) -> pin.Model:
         made.addFrame(pin.Frame(frame.name, carrier, parent, frame.placement, frame.type, pin.Inertia.Zero()), False)
     for each in OF_VELOCITIES:
         getattr(made, each)[len(CHAIN) :] = getattr(model, each)[FREE_V:]
-    for each in ("lowerPositionLimit", "upperPositionLimit"):
+    for each, none in (("lowerPositionLimit", -math.inf), ("upperPositionLimit", math.inf)):
+        getattr(made, each)[: len(CHAIN)] = none
         getattr(made, each)[len(CHAIN) :] = getattr(model, each)[FREE_Q:]
     for posture in model.referenceConfigurations:
         q = posture.data()

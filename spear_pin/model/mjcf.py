@@ -123,9 +123,9 @@ def _add_bodies(model: pin.Model, world: Any) -> list[Any]:
 
 
 def _link(model: pin.Model, joint: int) -> str:
-    """Name of the link that a joint moves."""
-    frames = (frame for frame in model.frames if frame.parentJoint == joint and frame.type == pin.FrameType.BODY)
-    return str(next(frames).name)
+    """Name of the link that a joint moves; the joint's own where there is none, as along a chain."""
+    links = (frame.name for frame in model.frames if frame.parentJoint == joint and frame.type == pin.FrameType.BODY)
+    return str(next(links, model.names[joint]))
 
 
 def _add_inertial(model: pin.Model, joint: int, body: Any) -> None:
