@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 SHORT = 0.2  # units: nearer than that no way between is tried
 HALVINGS = 2  # of the way to a hop
 CORRECTIONS = 6  # by Newton's method with the Jacobian of a hop nearby, which they improve
-DEARER, OTHERS = 2e-3, 8  # of the cost: hops that are tried where there is no fixed point beside the cheapest
+DEARER, OTHERS = 1e-2, 12  # of the cost: hops that are tried where there is no fixed point beside the cheapest
 
 
 @dataclass(frozen=True)
