@@ -8,6 +8,9 @@ import pytest
 from spear_pin import Gait, SpatialLaw, simulate, simulate_many
 from spear_pin.errors import BadValue
 from spear_pin.gaits.spatial.embedding import embedded
+from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.periodic import return_map
+from spear_pin.hybrid.symmetry import mirror_of
 from spear_pin.studies.bound.in_space import summarize_in_space
 from tests.gaits.spatial.test_embedding import planar, spatial
 
@@ -54,3 +57,14 @@ def test_the_period_is_that_of_whole_strides():
     assert motion.reason != "complete" and motion.cycles >= 1
     ends = motion.t[motion.cycle == motion.cycles][-1]
     assert summarize_in_space(own, motion)["period"] == pytest.approx(ends / motion.cycles, rel=1e-12)
+
+
+def test_painleves_pole_is_no_lift_off():
+    """Where a slipping toe's pivot ends its force goes over from +∞ to -∞; seen in a mirror the motion ends alike."""
+    system, (q, v) = spatial("long_stride")
+    q, mirror = q.copy(), mirror_of(system.robot)
+    q[5] = 0.3
+    q[2] -= min(system.ground.foot(system.robot, q, toe)[0] for toe in system.section_toes)
+    for adduction, state in ((-0.2608682014008839, (q, v)), (0.2608682014008839, (mirror(q), mirror(v)))):
+        leaning = with_parameters(system, {"posterior_adduction": adduction})
+        assert return_map(leaning, state, 1e-9).reason == "painleve"
