@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, is_dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -123,7 +123,7 @@ class Gait(Shown):
 
         Args:
             path: a name, or a path.
-            like: for an automaton that is not the package's, any system of it.
+            like: for an automaton that is not the package's, or in space, any system of it.
 
         Raises:
             UnknownName: no gait of that name ships, and it is not a path (it has no suffix or separator).
@@ -213,10 +213,16 @@ def _numbers(name: str, values: Any, count: int | None = None) -> NDArray[np.flo
 def _part(kind: type, values: Mapping[str, Any]) -> Any:
     """A system's part, from its fields; those that a file from before them lacks have their defaults."""
     truths = {field.name for field in fields(kind) if field.type in ("bool", bool)}
+    parts = {name: hint for name, hint in get_type_hints(kind).items() if is_dataclass(hint)}
     for name, value in values.items():
         if isinstance(value, bool) != (name in truths):
             raise BadValue(name, value, "true or false" if name in truths else "no truth value")
-    return kind(**{name: _tuples(value) for name, value in values.items()})
+    return kind(**{name: _field(parts.get(name), value) for name, value in values.items()})
+
+
+def _field(kind: Any, value: Any) -> Any:
+    """A field's value; that of a part of its own, such as the plane's law in that of space, from its fields."""
+    return _tuples(value) if kind is None or not isinstance(value, dict) else _part(kind, value)
 
 
 def _tuples(value: Any) -> Any:

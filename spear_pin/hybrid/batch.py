@@ -125,7 +125,8 @@ def check_lanes(system: HybridSystem) -> None:
     """Refuse a system of which many lanes cannot be run.
 
     Raises:
-        BadValue: it has hardware, dry friction of joints or a pinned toe, or its robot is on a rotary boom.
+        BadValue: it has hardware, dry friction of joints or a pinned toe, or its robot is on a rotary boom or moves
+            in space.
     """
     if system.hardware is not None or any(domain.rubs for domain in system.domains):
         raise BadValue("system", system.kind, "one without hardware and without dry friction of joints")
@@ -133,6 +134,8 @@ def check_lanes(system: HybridSystem) -> None:
         raise BadValue("system", system.kind, "one without pinned toes")
     if system.robot.added is not None:
         raise BadValue("robot", system.robot, "one on its slider")
+    if not system.robot.planar:
+        raise BadValue("robot", system.robot, "one that moves in the plane: many lanes are not run in space yet")
 
 
 def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array], cycles: int) -> None:

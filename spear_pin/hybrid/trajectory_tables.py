@@ -114,7 +114,7 @@ def dataset(trajectory: Trajectory) -> Any:
         "unit": ("coordinate", lengths, {"long_name": "unit of each coordinate"}),
         "motor": list(trajectory.actuated),
         "toe": list(trajectory.toes),
-        "axis": ["x", "z"],
+        "axis": list(directions(trajectory)),
         "spring_joint": list(trajectory.spring_joints),
     }
     attributes = {"robot": trajectory.robot, "reason": trajectory.reason, "cycles": trajectory.cycles}

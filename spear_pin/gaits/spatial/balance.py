@@ -109,7 +109,8 @@ def balanced(
         the gait with feedback; its multipliers are those of what is regulated, the heading's among them if it is kept.
 
     Raises:
-        BadValue: the gait has feedback already, is not in space or not symmetric, or a weight is not valid.
+        BadValue: the gait has feedback already, is not in space or not symmetric, a weight is not valid, or
+            inputs are none or name one twice.
         UnknownName: an input is not among these.
         NoGait: a perturbed stride does not close.
     """
@@ -120,6 +121,8 @@ def balanced(
     for name in inputs:
         if name not in INPUTS:
             raise UnknownName("input", name, INPUTS)
+    if not inputs or len(set(inputs)) < len(inputs):
+        raise BadValue("inputs", inputs, "at least one, none of them twice")
     regulations: list[tuple[Linear, Array, NDArray[np.complex128]]] = []
     sides = [name for name in inputs if name in ACROSS], [name for name in inputs if name not in ACROSS]
     if sides[0]:

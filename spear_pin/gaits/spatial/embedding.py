@@ -13,6 +13,7 @@ from spear_pin.gaits.spatial.bounding import SECTION, bounding_in_space
 from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.legs import pairs_of, placed
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import replaced
 from spear_pin.hybrid.periodic import multipliers, residual, return_map
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
@@ -37,7 +38,8 @@ def in_space(gait: Gait, law: SpatialLaw | None = None, *, robot: Robot | None =
         rtol: relative tolerance of the integrator.
 
     Raises:
-        BadValue: the gait is not of such a robot, or has event feedback; or the law is another gait's.
+        BadValue: the gait is not of such a robot, has event feedback, hardware or changes; or the law is
+            another gait's.
         NoGait: a perturbed stride does not close.
 
     Example:
@@ -59,6 +61,8 @@ def embedded(gait: Gait, law: SpatialLaw, robot: Robot | None = None) -> tuple[H
     plane = gait.system
     if plane.kind != "bounding" or (robot is None and (plane.robot.source != PLANAR or plane.robot.varied)):
         raise BadValue("gait", gait, f"a bounding gait of {PLANAR!r} as it ships, or give the robot in space")
+    if plane.changes or replaced(plane):
+        raise BadValue("gait", gait, "one without hardware, dry friction or other changes: space has none yet")
     if law.plane != plane.law:
         raise BadValue("SpatialLaw.plane", law.plane, "the gait's own")
     robot = robot or load(SPATIAL, base="chain")

@@ -49,6 +49,11 @@ def pivot(toe: str) -> GuardValue:
     return lambda t, q, v, held, p, dyn, ops: dyn.pivot(toe)
 
 
+def unloading(toe: str) -> GuardValue:
+    """Normal force of a slipping toe times its pivot, in m/s²: zero at its lift-off, not where the force has a pole."""
+    return lambda t, q, v, held, p, dyn, ops: dyn.force(toe)[-1] * dyn.pivot(toe)
+
+
 def rate(index: int, side: float = 1.0) -> GuardValue:
     """A coordinate's rate, times `side`."""
     return lambda t, q, v, held, p, dyn, ops: side * v[index]
@@ -124,6 +129,7 @@ def contact_guards(toe: str, mode: str, name: str, lift_off: Reset, ways: Sequen
     ill_posed = Guard("painleve", pivot(toe), ends="painleve")
     if mode == SLIP:  # in what little is left of its speed it would turn ever faster
         stop = Guard("stick", radial_speed(toe), Reset(stop=(toe,)), patient=True)
+        leave = Guard(name, unloading(toe), lift_off, tolerance=UNLOADED)
     else:
         stop = Guard("stick", slip_speed(toe, SIGN[mode]), Reset(), tolerance=AT_REST)
     return [ill_posed, leave, stop]

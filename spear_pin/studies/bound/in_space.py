@@ -25,7 +25,7 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     Returns:
         - residual, multipliers: as of `Gait`.
         - cycles, reason, energy_residual: whole strides, why it ended, and the largest imbalance of a stride, in J.
-        - speed, period: along the heading at the begin, in m/s, and of a stride, in s.
+        - speed, period: along the heading at the begin, in m/s, and of a whole stride, in s, 0 if none is.
         - aside, heading, largest_roll: where it is at the end across its first heading, in m, its heading then, and the
           largest roll on the way.
         - slips: how often a foot begins to slide. friction_used, friction_used_across: largest |F_t| / F_z, and
@@ -34,7 +34,8 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     """
     robot = gait.system.robot
     legs = [leg for pair in pairs_of(robot) for leg in pair]
-    q, v, period = trajectory.q, trajectory.v, float(trajectory.t[-1] - trajectory.t[0]) / max(trajectory.cycles, 1)
+    q, v, t = trajectory.q, trajectory.v, trajectory.t
+    whole = t[(trajectory.cycle > 0) & (trajectory.cycle <= trajectory.cycles)]
     ahead, aside = _turned(q[-1, [X, Y]] - q[0, [X, Y]], q[0, YAW])
     joints = {}
     for i, part in enumerate(PARTS):
@@ -55,8 +56,8 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "cycles": trajectory.cycles,
         "reason": trajectory.reason,
         "energy_residual": float(np.abs(trajectory.ledger.residual).max(initial=0.0)),
-        "speed": float(ahead) / (period * max(trajectory.cycles, 1)),
-        "period": period,
+        "speed": float(ahead) / float(t[-1] - t[0]),
+        "period": float(np.ptp(whole)) / trajectory.cycles if trajectory.cycles else 0.0,
         "aside": float(aside),
         "heading": float(q[-1, YAW] - q[0, YAW]),
         "largest_roll": float(np.abs(q[:, ROLL]).max()),

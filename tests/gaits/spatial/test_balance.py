@@ -67,6 +67,11 @@ class TestRefused:
         with pytest.raises(UnknownName, match="input"):
             across(gait(), ("posterior_hip_torque",))
 
+    @pytest.mark.parametrize("inputs", [(), 2 * ("posterior_adduction",)])
+    def test_no_inputs_and_one_twice(self, inputs):
+        with pytest.raises(BadValue, match="inputs"):
+            balanced(gait(), inputs)
+
     def test_gaits_of_the_plane(self):
         with pytest.raises(BadValue, match="space"):
             across(planar("long_stride"), ())

@@ -1,0 +1,70 @@
+"""Gaits and motions in space are kept, tabled and told as those of the plane are."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, SpatialLaw, simulate, simulate_many
+from spear_pin.errors import BadValue
+from spear_pin.gaits.spatial.embedding import embedded
+from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.periodic import return_map
+from spear_pin.hybrid.symmetry import mirror_of
+from spear_pin.studies.bound.in_space import summarize_in_space
+from tests.gaits.spatial.test_embedding import planar, spatial
+
+
+def gait(**changes):
+    """The gait in space; its residual and multipliers are not looked at."""
+    system, state = spatial("long_stride")
+    return Gait(replace(system, **changes), state, {}, 0.0, np.ones(1, complex), {})
+
+
+def test_a_saved_gait_is_read_as_it_was(tmp_path):
+    system = gait(overlap=0.0).system
+    again = Gait.load(gait(overlap=0.0).save(tmp_path / "gait.json"), like=system)
+    assert again.system.law == system.law and again.system.overlap == 0.0
+    assert again.system.robot.coordinates == system.robot.coordinates
+    np.testing.assert_array_equal(again.state, gait().state)
+
+
+@pytest.mark.extra("xarray")
+def test_forces_in_space_as_an_xarray():
+    data = simulate(gait().system, gait().state, 1).to_xarray()
+    assert data.axis.values.tolist() == ["x", "y", "z"] and data.force.shape[1:] == (4, 3)
+
+
+def test_many_lanes_are_refused():
+    q, v = (part[None] for part in gait().state)
+    with pytest.raises(BadValue, match="in the plane"):
+        simulate_many(gait().system, q, v)
+
+
+def test_what_was_replaced_in_the_plane_is_not_lost():
+    plane = planar("long_stride")
+    changed = replace(plane, system=replace(plane.system, shortest_flight=0.01))
+    with pytest.raises(BadValue, match="without"):
+        embedded(changed, SpatialLaw(plane.system.law))
+
+
+def test_the_period_is_that_of_whole_strides():
+    """A motion that ends within a stride, which the mean of all that was simulated would count in."""
+    own = gait()
+    q, v = (part.copy() for part in own.state)
+    v[5] = 1.0
+    motion = simulate(own.system, (q, v), 6)
+    assert motion.reason != "complete" and motion.cycles >= 1
+    ends = motion.t[motion.cycle == motion.cycles][-1]
+    assert summarize_in_space(own, motion)["period"] == pytest.approx(ends / motion.cycles, rel=1e-12)
+
+
+def test_painleves_pole_is_no_lift_off():
+    """Where a slipping toe's pivot ends its force goes over from +∞ to -∞; seen in a mirror the motion ends alike."""
+    system, (q, v) = spatial("long_stride")
+    q, mirror = q.copy(), mirror_of(system.robot)
+    q[5] = 0.3
+    q[2] -= min(system.ground.foot(system.robot, q, toe)[0] for toe in system.section_toes)
+    for adduction, state in ((-0.2608682014008839, (q, v)), (0.2608682014008839, (mirror(q), mirror(v)))):
+        leaning = with_parameters(system, {"posterior_adduction": adduction})
+        assert return_map(leaning, state, 1e-9).reason == "painleve"
