@@ -89,11 +89,12 @@ def violation(A: Array, u: Array, impulse: Array, friction: float) -> float:
     worst = 0.0
     for (x, y, z), (px, py, pz) in zip(after.tolist(), impulse.tolist(), strict=True):
         pressed, pushed, speed = weight * pz, weight * np.hypot(px, py), np.hypot(x, y)
-        aligned = abs(px * y - py * x) / speed * weight if speed > 0.0 else 0.0
+        moves = speed > 0.0 and pushed > 0.0  # then friction is along the velocity, as near as either is to zero
+        aside = weight * abs(px * y - py * x) / max(speed, pushed) if moves else 0.0
         against = max(0.0, px * x + py * y) / speed * weight if speed > 0.0 else 0.0
         slack = min(speed, abs(friction * pressed - pushed), max(pressed, 0.0)) if speed > 0.0 else 0.0
         worst = max(worst, -z, -pressed, min(abs(z), abs(pressed)), pushed - friction * pressed, slack)
-        worst = max(worst, min(aligned, speed), min(against, speed))
+        worst = max(worst, aside, min(against, speed))
     return float(worst)
 
 

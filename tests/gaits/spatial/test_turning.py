@@ -25,12 +25,13 @@ def straight():
     return Gait(*embedded(plane, law), {}, 1e-11, np.array([np.nan + 0j]), {})
 
 
+@pytest.fixture(scope="module")
+def left():
+    return turning(straight(), TURN)
+
+
 @pytest.mark.slow
 class TestTurn:
-    @pytest.fixture(scope="class")
-    def left(self):
-        return turning(straight(), TURN)
-
     def test_orbit(self, left):
         assert left.residual <= 1e-9 and residual(left.system, left.state) <= 1e-9
         run = return_map(left.system, left.state)
