@@ -25,12 +25,13 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     Returns:
         - residual, multipliers: as of `Gait`.
         - cycles, reason, energy_residual: whole strides, why it ended, and the largest imbalance of a stride, in J.
-        - speed, period: along the heading at the begin, in m/s, and of a whole stride, in s, 0 if none is.
-        - aside, heading, largest_roll: where it is at the end across its first heading, in m, its heading then, and the
-          largest roll on the way.
-        - slips: how often a foot begins to slide. friction_used, friction_used_across: largest |F_t| / F_z, and
-          |F_y| / F_z across the heading, where F_z is over 20 N.
-        - joints: of the largest of all legs' "adduction", "hip" and "knee": range, speed, torque and power.
+        - speed, period: along the heading at the begin, in m/s; of whole strides, in s.
+        - aside, heading: where it is at the end across its first heading, in m, and its heading then.
+        - largest_roll: on the way.
+        - slips: how often a foot begins to slide.
+        - friction_used: largest ratio of tangential to normal force, where that is over 20 N.
+        - friction_used_across: the same of what is across the heading.
+        - joints: of the largest of all legs' "adduction", "hip" and "knee" range, speed, torque and power.
     """
     robot = gait.system.robot
     legs = [leg for pair in pairs_of(robot) for leg in pair]
