@@ -1,5 +1,6 @@
 """The plane's gaits in space: orbits of the same motion, symmetric, and what slips straight slips as in the plane."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -145,6 +146,11 @@ class TestMultipliers:
 
 
 class TestRefused:
+    @pytest.mark.parametrize("overlap", [-0.01, float("nan"), "x"])
+    def test_impacts_that_last_no_time(self, overlap):
+        with pytest.raises(BadValue, match="overlap"):
+            replace(spatial("long_stride")[0], overlap=overlap)
+
     def test_other_gaits(self):
         with pytest.raises(BadValue, match="plane"):
             embedded(planar("long_stride"), SpatialLaw(planar("least_effort").system.law))
