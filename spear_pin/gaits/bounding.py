@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from spear_pin.errors import BadValue
+from spear_pin.gaits.bounding_guards import OVERLOAD, SHORTEST_SPAN, knee_back, mount, overload
 from spear_pin.gaits.bounding_law import (
     NO_ADJUSTMENT,
     STATES,
@@ -45,9 +46,6 @@ Guards = tuple[Guard, ...]
 Engage = Callable[[Leg, Sequence[float], Held], Held]
 SPEED_BY = "posterior_hip_torque"  # the parameter to vary for a "mean_speed"
 LONGEST = 2.0  # s: a phase of Q-SPEAR
-SHORTEST_SPAN = 0.2  # of a stance's span: what is left of it when a stance is resumed late
-OVERLOAD = 1e4  # N·m: a hundred times what Q-SPEAR's gaits take
-BEYOND = 1e-3  # rad: a knee that flexed so far beyond θ̄ has something to come back from
 
 
 @typed
@@ -114,7 +112,7 @@ def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]
     legs, phases = legs_of(robot), phases_of(robot)
     stances = {phase.bearing: phase for phase in phases if phase.bearing}
     flights = {phase.lifted: phase for phase in phases if phase.lifted}
-    overload = _overload(OVERLOAD * 10.0 ** round(math.log10(scale_of(robot).torque)))  # compiled for each value
+    overloaded = overload(OVERLOAD * 10.0 ** round(math.log10(scale_of(robot).torque)))  # compiled for each value
     engage = _engagement(legs, spring)
     fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])
 
@@ -122,15 +120,15 @@ def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]
         """Springs that act while some legs bear, and where they go slack."""
         acting = bearing if spring.rest is None else legs
         undamped = replace(spring, damping=0.0)  # as what is let go
-        mounts = tuple(_mount(leg, spring if leg in bearing else undamped) for leg in acting)
+        mounts = tuple(mount(leg, spring if leg in bearing else undamped) for leg in acting)
         pairs = zip(mounts, acting, strict=True)
         return mounts, tuple(guard for mount, leg in pairs for guard in spring_switches(mount, leg.knee))
 
     def grounded(name: str, bearing: tuple[Leg, ...], control: Law, resets: Mapping[str, Reset], own: Guards) -> Any:
         mounts, switches = sprung(bearing)
         contacts = tuple(STICK if leg in bearing else OPEN for leg in legs)
-        domain = Domain(name, name, contacts, control, mounts=mounts, guards=(overload, *switches, *own, *fallen))
-        backs = [guard for leg in bearing for guard in _knee_back(leg, resets[leg.toe])]
+        domain = Domain(name, name, contacts, control, mounts=mounts, guards=(overloaded, *switches, *own, *fallen))
+        backs = [guard for leg in bearing for guard in knee_back(leg, resets[leg.toe])]
         return contact_domains(domain, robot.toes, resets, tuple(backs) if law.lift_off == "knee" else ())
 
     for leg, other in (legs, legs[::-1]):
@@ -143,12 +141,8 @@ def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]
         yield from grounded(double, legs, double_law(legs), leaves, ())
         returns = _lands(leg, stance, engage, "return", resumed=True)
         mounts, switches = sprung(())
-        guards = (_lands(other, next_stance, engage), returns, _passing(flight), overload, *switches, *fallen)
+        guards = (_lands(other, next_stance, engage), returns, _passing(flight), overloaded, *switches, *fallen)
         yield Domain(flight.name, flight.name, (OPEN, OPEN), flight_law(flight), mounts=mounts, guards=guards)
-
-
-def _mount(leg: Leg, spring: Spring) -> Mount:
-    return Mount(leg.joint, spring, rest=f"{leg.name}_rest", taut=f"{leg.name}_taut", side=leg.side)
 
 
 def _engagement(legs: tuple[Leg, Leg], spring: Spring) -> Engage:
@@ -204,29 +198,6 @@ def _passing(phase: Phase) -> Guard:
         return (1.0 - 2.0 * held["past"]) * (1.0 - progress(phase.outputs, evolution(held), q, ops))
 
     return Guard("end_of_constraint", value, Reset(latch=lambda q, v, held, p: {"past": 1.0 - held["past"]}))
-
-
-def _knee_back(leg: Leg, reset: Reset) -> tuple[Guard, Guard]:
-    """The knee passes θ̄ as it flexes, and comes back to it."""
-    name = f"{leg.name}_flexed"
-
-    def flexes(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return held[name] + (1.0 - held[name]) * (p.knee_rest + BEYOND - leg.side * q[leg.knee])
-
-    def returns(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return held[name] * (leg.side * q[leg.knee] - p.knee_rest) + (1.0 - held[name])
-
-    flexed = Reset(latch=lambda q, v, held, p: {name: 1.0})
-    return Guard(name, flexes, flexed), Guard(f"{leg.name}_lift_off", returns, reset)
-
-
-def _overload(most: float) -> Guard:
-    """The decoupling matrix is all but singular, and the torques grow without bound."""
-
-    def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return most**2 - sum(torque * torque for torque in dyn.u)
-
-    return Guard("overload", value, ends="overload")
 
 
 # what events latch

@@ -167,6 +167,22 @@ def _has_shape(value: Any, shape: tuple[int, ...]) -> bool:
     return fits and all(_has_shape(item, shape[1:]) for item in value)
 
 
+def leg_angle(pitch: int, hip: int, knee: int, lengths: tuple[float, float]) -> Variable:
+    """γ, the angle of the line from hip to toe: pitch + hip - knee / 2 where thigh and shank are alike.
+
+    Args:
+        pitch: index of the torso's pitch.
+        hip: index of the hip.
+        knee: index of the knee.
+        lengths: of thigh and shank, in m.
+    """
+    thigh, shank = lengths
+    above = (pitch, 1.0), (hip, 1.0)
+    if abs(thigh - shank) <= ALIKE * thigh:
+        return *above, (knee, -0.5)
+    return Leaning(above, knee, thigh, shank)
+
+
 @dataclass(frozen=True)
 class Leg:
     """A leg of the sagittal model.
@@ -199,12 +215,8 @@ class Leg:
 
     @property
     def angle(self) -> Variable:
-        """Its leg angle γ, that of the line from hip to toe: pitch + hip - knee / 2 where thigh and shank are alike."""
-        thigh, shank = self.lengths
-        above = (PITCH, 1.0), (self.hip, 1.0)
-        if abs(thigh - shank) <= ALIKE * thigh:
-            return *above, (self.knee, -0.5)
-        return Leaning(above, self.knee, thigh, shank)
+        """Its leg angle γ."""
+        return leg_angle(PITCH, self.hip, self.knee, self.lengths)
 
     @property
     def rows(self) -> tuple[Variable, ...]:

@@ -26,10 +26,9 @@ from spear_pin.hybrid.resting import resting
 from spear_pin.hybrid.result import BOOKED, FINEST, Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.rules import cycles as rules
 from spear_pin.hybrid.rules.entry import NONE
-from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.stored import in_inductances, in_mechanism, in_springs
-from spear_pin.hybrid.strikes import Overlap, Strike, stopped, struck_by, struck_in_space
+from spear_pin.hybrid.strikes import Overlap, struck
 from spear_pin.hybrid.trajectory import Event
 
 Array = NDArray[np.float64]
@@ -264,12 +263,10 @@ class _Runner:
         work: dict[str, float] = {}
         if reset.release:
             work["released"] = -in_springs(self.system, self.flow.domain, held, self.y, reset.release)
-        strike = self._strike(reset, q, v)
+        strike = struck(self.system, self.flow.domain, reset, q, v, self.overlap, self._now())
         if strike is not None:
             v, impulse, work["impact"] = strike.v, strike.impulse, strike.work
             held = {**held, **strike.rises}
-        if reset.stop:
-            v, work["impact"] = stopped(self.system, self.flow.domain, reset, q, v)
         self.y = np.concatenate([q, v, self.y[nq + nv :]])
         try:
             held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law)
@@ -280,12 +277,6 @@ class _Runner:
         for flow, energy in work.items():
             self.booked[flow] += energy
         return held
-
-    def _strike(self, reset: Reset, q: Array, v: Array) -> Strike | None:
-        if not self.robot.planar and reset.impact:
-            return struck_in_space(self.system, self.flow.domain, reset, q, v, self.overlap, self._now())
-        struck = struck_toes(self.system, self.flow.domain, reset)
-        return struck_by(self.system, struck, reset, q, v) if struck else None
 
     def _choose(self, reset: Reset, phase: str, held: Held) -> None:
         """Go on in the domain that fits after an event, on switching surfaces if it was within a phase on them."""

@@ -15,7 +15,7 @@ from spear_pin.hybrid.contact import OPEN, SLOW, STICK
 from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.rules.guards import ON_GROUND, rise
 from spear_pin.hybrid.rules.guards import struck as told
-from spear_pin.hybrid.rules.impact import Impact, JointImpact, joint_impact, landed, plastic_impact
+from spear_pin.hybrid.rules.impact import Impact, JointImpact, joint_impact, landed, plastic_impact, struck_toes
 from spear_pin.hybrid.rules.spatial_impact import spatial_impact
 
 Array = NDArray[np.float64]
@@ -74,6 +74,19 @@ class Overlap:
                 self.recent[toe] = now, own
 
 
+def struck(
+    system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array, overlap: Overlap, now: float
+) -> Strike | None:
+    """Effect of an event on the velocity, in the plane or in space; None if it has none. Arguments as below."""
+    if reset.stop:
+        return stopped(system, domain, reset, q, v)
+    if not reset.impact:
+        return None
+    if not system.robot.planar:
+        return struck_in_space(system, domain, reset, q, v, overlap, now)
+    return struck_by(system, struck_toes(system, domain, reset), reset, q, v)
+
+
 def struck_in_space(
     system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array, overlap: Overlap, now: float
 ) -> Strike:
@@ -110,8 +123,8 @@ def struck_in_space(
     return Strike(impact.v, impulse, -impact.loss, noted)
 
 
-def stopped(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array) -> tuple[Array, float]:
-    """The velocity after toes in space whose sliding has all but ended are at rest, and the work of that, in J.
+def stopped(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array) -> Strike:
+    """Effect of the end of toes' sliding in space that has all but ended, which is no impact: its impulse is not told.
 
     Others that slide as slowly are at rest with them, and those that stick go on doing so.
     """
@@ -126,7 +139,8 @@ def stopped(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Arr
     response = np.linalg.solve(robot.mass_matrix(q), jacobians.T)
     impulse = -np.linalg.lstsq(jacobians @ response, jacobians @ v, rcond=None)[0]
     after = v + response @ impulse
-    return after, 0.5 * float(impulse @ (jacobians @ (v + after)))
+    work = 0.5 * float(impulse @ (jacobians @ (v + after)))
+    return Strike(after, np.zeros((len(robot.toes), robot.dimension)), work, {})
 
 
 def struck_by(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Array, v: Array) -> Strike:

@@ -25,7 +25,7 @@ MUTATIONS = [
         ["hybrid/rules/test_spatial_impact"],
         {
             "a sweep too few": ("range(SWEEPS)", "range(2)"),
-            "sticking that pulls": ("z >= 0.0 and np.hypot", "np.hypot"),
+            "sticking outside the cone": ("np.hypot(x, y) <= friction * z", "z >= 0.0"),
             "what was received counts twice": ("impulse = total - earlier", "impulse = total"),
         },
     ),

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from spear_pin.errors import BadValue
+from spear_pin.gaits.bounding_guards import knee_back, mount, overload
 from spear_pin.gaits.bounding_law import BoundingLaw
 from spear_pin.gaits.spatial.latches import bears, landing, lands, swings, trails, waits
 from spear_pin.gaits.spatial.law import ADJUSTED, SpatialLaw, law_of
@@ -18,7 +19,7 @@ from spear_pin.gaits.spatial.legs import Leg, Pair, Z, pairs_of, placed
 from spear_pin.gaits.virtual_constraints import progress
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, WAYS, Contact
-from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset
+from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.ground import Ground, as_ground, given
 from spear_pin.hybrid.phases import contact_domains, fall, height, spring_switches
@@ -30,8 +31,6 @@ from spear_pin.model.spring import PAIR_STIFFNESS, Spring
 
 LONGEST = 2.0  # s: a phase
 OVERLAP = 0.010  # s: how long an impact lasts (assumption; not in the source)
-OVERLOAD = 1e4  # N·m, as in the plane
-BEYOND = 1e-3  # rad: a knee that flexed so far beyond θ̄ has something to come back from
 SECTION = "posterior_touchdown"
 
 
@@ -137,7 +136,7 @@ class _Automaton:
 
     def _of_phase(self, phase: str, bearing: tuple[Leg, ...], touchdowns: list[Guard]) -> tuple[Domain, ...]:
         airborne = [(leg, self._others_of(leg)) for leg in self.legs if leg not in bearing]
-        mounts = tuple(_mount(leg, self.spring) for leg in bearing)
+        mounts = tuple(mount(leg, self.spring) for leg in bearing)
         switches = [
             guard for mount, leg in zip(mounts, bearing, strict=True) for guard in spring_switches(mount, leg.knee)
         ]
@@ -149,12 +148,12 @@ class _Automaton:
             contacts=tuple(STICK if leg in bearing else OPEN for leg in self.legs),
             law=law_of(bearing, airborne),
             mounts=mounts,
-            guards=(*touchdowns, *switches, *ends, _overload(), *fallen),
+            guards=(*touchdowns, *switches, *ends, overload(), *fallen),
         )
         if not bearing:
             return (domain,)
         resets = {leg.toe: self._lifts(leg, bearing) for leg in bearing}
-        backs = [guard for leg in bearing for guard in _knee_back(leg, resets[leg.toe])]
+        backs = [guard for leg in bearing for guard in knee_back(leg, resets[leg.toe])]
         first = tuple(backs) if self.plane.lift_off == "knee" else ()
         return contact_domains(domain, self.robot.toes, resets, first, WAYS[3])
 
@@ -239,10 +238,6 @@ def _before(phase: str) -> str:
     return f"{phase}_ends"
 
 
-def _mount(leg: Leg, spring: Spring) -> Mount:
-    return Mount(leg.joint, spring, rest=f"{leg.name}_rest", taut=f"{leg.name}_taut", side=leg.side)
-
-
 def _passing(leg: Leg, others: Pair) -> Guard:
     """A leg's phase variable passes 1, either way."""
     past = f"{leg.name}_past"
@@ -252,29 +247,6 @@ def _passing(leg: Leg, others: Pair) -> Guard:
         return (1.0 - 2.0 * held[past]) * (1.0 - progress(outputs, leg.evolution(held), q, ops))
 
     return Guard("end_of_constraint", value, Reset(latch=lambda q, v, held, p: {past: 1.0 - held[past]}))
-
-
-def _knee_back(leg: Leg, reset: Reset) -> tuple[Guard, Guard]:
-    """The knee passes θ̄ as it flexes, and comes back to it."""
-    name = f"{leg.name}_flexed"
-
-    def flexes(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return held[name] + (1.0 - held[name]) * (p.plane.knee_rest + BEYOND - leg.side * q[leg.knee])
-
-    def returns(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return held[name] * (leg.side * q[leg.knee] - p.plane.knee_rest) + (1.0 - held[name])
-
-    flexed = Reset(latch=lambda q, v, held, p: {name: 1.0})
-    return Guard(name, flexes, flexed), Guard(f"{leg.name}_lift_off", returns, reset)
-
-
-def _overload() -> Guard:
-    """The decoupling matrix is all but singular, and the torques grow without bound."""
-
-    def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return OVERLOAD**2 - sum(torque * torque for torque in dyn.u)
-
-    return Guard("overload", value, ends="overload")
 
 
 def _guess(robot: Robot, law: SpatialLaw, pairs: tuple[Pair, Pair], ground: Ground) -> tuple[Any, Any]:

@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
+from spear_pin.gaits.bounding_guards import SHORTEST_SPAN
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.legs import YAW, Leg, Pair
 from spear_pin.gaits.virtual_constraints import begun, value
 from spear_pin.hybrid.domain import Held
 
-SHORTEST_SPAN = 0.2  # of a stance's span: what is left of it when a swing begins late
 FLIGHTS = {"posterior": "flight_1", "anterior": "flight_2"}  # after the stance of a pair
 
 Numbers = Sequence[float]

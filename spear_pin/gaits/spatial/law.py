@@ -109,6 +109,11 @@ class SpatialLaw:
         if len(self.feedback_limits) != len(INPUTS) or min(self.feedback_limits) < 0:
             raise BadValue("SpatialLaw.feedback_limits", self.feedback_limits, f"{len(INPUTS)} numbers >= 0")
 
+    @property
+    def knee_rest(self) -> float:
+        """θ̄ of (5.5)-(5.6), that of the plane's law, in rad."""
+        return self.plane.knee_rest
+
     def of(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
         """One of `ANTISYMMETRIC` for a leg, as adjusted: a difference with its sign, the others of both legs alike."""
         value = self._adjusted(self, f"{leg.pair}_{name}", held)
@@ -140,7 +145,7 @@ class SpatialLaw:
 def support(leg: Leg, q: Any, v: Any, held: Mapping[str, Any], p: SpatialLaw, dyn: Dynamics) -> list[tuple[int, Any]]:
     """Motor torques of a supporting leg as (column, torque): half of a pair's, (5.4)-(5.6), and the adduction's."""
     adduction, hip, knee = leg.motors
-    flexed = leg.side * q[leg.knee] - p.plane.knee_rest
+    flexed = leg.side * q[leg.knee] - p.knee_rest
     total = -leg.side * (held[f"{leg.name}_knee_torque"] + p.plane.virtual_stiffness / PAIR * flexed)
     off = q[leg.adduction] - held[f"{leg.name}_adduction"]
     upright = held[f"{leg.name}_adduction_torque"] - p.adduction_stiffness * off

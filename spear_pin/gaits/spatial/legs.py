@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.gaits.bounding_law import ALIKE, LEGS
-from spear_pin.gaits.virtual_constraints import Evolution, Leaning, Outputs, Sum, Variable
+from spear_pin.gaits.bounding_law import LEGS, leg_angle
+from spear_pin.gaits.virtual_constraints import Evolution, Outputs, Sum, Variable
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.legs import in_convention
 from spear_pin.model.robot import Robot
@@ -58,11 +58,7 @@ class Leg:
     @cached_property
     def angle(self) -> Variable:
         """Its leg angle γ in the torso's sagittal plane, as of the plane's leg."""
-        thigh, shank = self.lengths
-        above = (PITCH, 1.0), (self.hip, 1.0)
-        if abs(thigh - shank) <= ALIKE * thigh:
-            return *above, (self.knee, -0.5)
-        return Leaning(above, self.knee, thigh, shank)
+        return leg_angle(PITCH, self.hip, self.knee, self.lengths)
 
     @cached_property
     def rows(self) -> tuple[Variable, Variable]:

@@ -45,7 +45,7 @@ class JointImpact:
 
     Attributes:
         v: velocity afterwards, (nv,).
-        impulse: Λ_x and Λ_z on each toe, in N·s, (m, 2).
+        impulse: Λ on each toe, along the ground and normal to it, in N·s, (m, 2), in space (m, 3).
         loss: kinetic energy lost, in J: -½ Σ Λᵀ (J v⁺ + J v⁻).
         slides: for each toe, whether it stays on the ground and slides.
         leaves: for each toe, whether the impact lifts it off.

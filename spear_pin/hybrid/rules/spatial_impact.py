@@ -2,38 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.rules.cone import Foothold, foothold
+from spear_pin.hybrid.rules.impact import AGREES, ROUNDING, JointImpact
 
 Array = NDArray[np.float64]
 SWEEPS = 500
 SETTLED = 1e-15  # of the largest impulse: by so much it changes in the last sweep
-AGREES, ROUNDING = 1e-9, 1e-12  # of the toes' speed, and in m/s: by so much an impact may violate its law
 GAINED = 1e-12  # of the kinetic energy that goes through the toes: rounding
-
-
-@dataclass(frozen=True)
-class SpatialImpact:
-    """A plastic impact that any number of toes takes part in.
-
-    Attributes:
-        v: velocity afterwards, (nv,).
-        impulse: Λ on each toe, along the ground and normal to it, in N·s, (m, 3).
-        loss: kinetic energy lost, in J: -½ Σ Λᵀ (J v⁺ + J v⁻).
-        slides: for each toe, whether it stays on the ground and slides.
-        leaves: for each toe, whether the impact lifts it off.
-    """
-
-    v: Array
-    impulse: Array
-    loss: float
-    slides: tuple[bool, ...]
-    leaves: tuple[bool, ...]
 
 
 class _Answer(NamedTuple):
@@ -43,7 +23,7 @@ class _Answer(NamedTuple):
     modes: tuple[str, ...]
 
 
-def spatial_impact(D: Array, J: Array, v: Array, friction: float, before: Array | None = None) -> SpatialImpact:
+def spatial_impact(D: Array, J: Array, v: Array, friction: float, before: Array | None = None) -> JointImpact:
     """Plastic impact on several toes at once, by Moreau's law with zero restitution.
 
     With u = J v⁺ the toes' velocities afterwards, for each toe 0 ≤ Λ_z ⊥ u_z ≥ 0, and it sticks with |Λ_t| ≤ μ Λ_z or
@@ -72,7 +52,7 @@ def spatial_impact(D: Array, J: Array, v: Array, friction: float, before: Array 
         if loss >= -GAINED * float(np.abs(impulse.ravel() * u).sum()):
             break
     leaves = tuple(mode == "open" for mode in modes)
-    return SpatialImpact(v + response @ impulse.ravel(), impulse, loss, tuple(mode == "slip" for mode in modes), leaves)
+    return JointImpact(v + response @ impulse.ravel(), impulse, loss, tuple(mode == "slip" for mode in modes), leaves)
 
 
 def violation(A: Array, u: Array, impulse: Array, friction: float) -> float:
@@ -102,7 +82,7 @@ def _together(A: Array, u: Array, friction: float) -> _Answer:
     """Impulses by which all toes obey the law together."""
     m = len(u) // 3
     sticking = np.asarray(-np.linalg.lstsq(A, u, rcond=None)[0].reshape(-1, 3), np.float64)
-    if all(z >= 0.0 and np.hypot(x, y) <= friction * z for x, y, z in sticking.tolist()):
+    if all(np.hypot(x, y) <= friction * z for x, y, z in sticking.tolist()):
         if np.abs(u + A @ sticking.ravel()).max() <= max(AGREES * np.abs(u).max(), ROUNDING):
             return _Answer(sticking, m * ("stick",))
     impulse, holds = np.zeros((m, 3)), [Foothold(np.zeros(3), "open")] * m
