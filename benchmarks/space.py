@@ -16,8 +16,8 @@ import numpy as np
 
 from spear_pin import Gait, SpatialLaw
 from spear_pin.gaits import library
-from spear_pin.gaits.spatial.balance import across, regulated
-from spear_pin.gaits.spatial.embedding import embedded
+from spear_pin.gaits.orbits.balance import across, regulated
+from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.hybrid.periodic import eigenvalues, residual, return_map
 from spear_pin.hybrid.result import Run
 

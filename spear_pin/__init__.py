@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from spear_pin.gaits.bounding_law import BoundingLaw
     from spear_pin.gaits.gait import Gait
     from spear_pin.gaits.hopping import HoppingLaw, hopping
+    from spear_pin.gaits.orbits.embedding import in_space
     from spear_pin.gaits.search import find_gait
     from spear_pin.gaits.spatial.bounding import bounding_in_space
-    from spear_pin.gaits.spatial.embedding import in_space
     from spear_pin.gaits.spatial.law import SpatialLaw
     from spear_pin.hybrid.batch import simulate_many
     from spear_pin.hybrid.contact import Contact
@@ -90,7 +90,7 @@ _HOMES = {
     "from_chain": "model.chain",
     "bounding_in_space": "gaits.spatial.bounding",
     "SpatialLaw": "gaits.spatial.law",
-    "in_space": "gaits.spatial.embedding",
+    "in_space": "gaits.orbits.embedding",
     "compare": "viz.compare.comparison",
 }
 

@@ -53,8 +53,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     from spear_pin import SpatialLaw, simulate
     from spear_pin.gaits.gait import Gait
-    from spear_pin.gaits.spatial.balance import across, balanced
-    from spear_pin.gaits.spatial.embedding import embedded
+    from spear_pin.gaits.orbits.balance import across, balanced
+    from spear_pin.gaits.orbits.embedding import embedded
     from spear_pin.gaits.spatial.law import ACROSS
     from spear_pin.hybrid.periodic import eigenvalues, residual
     from spear_pin.studies.bound.in_space import summarize_in_space

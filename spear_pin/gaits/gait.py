@@ -18,6 +18,8 @@ from spear_pin.gaits.bounding import bounding
 from spear_pin.gaits.bounding_law import BoundingLaw
 from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.series_hopping import SeriesHoppingLaw, series_hopping
+from spear_pin.gaits.spatial.bounding import bounding_in_space
+from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dry_friction import DryFriction
@@ -34,6 +36,7 @@ KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
     "hopping": (hopping, HoppingLaw),
     "series_hopping": (series_hopping, SeriesHoppingLaw),
     "bounding": (bounding, BoundingLaw),
+    "bounding_in_space": (bounding_in_space, SpatialLaw),
 }
 
 
@@ -123,7 +126,7 @@ class Gait(Shown):
 
         Args:
             path: a name, or a path.
-            like: for an automaton that is not the package's, or in space, any system of it.
+            like: for an automaton that is not the package's, any system of it.
 
         Raises:
             UnknownName: no gait of that name ships, and it is not a path (it has no suffix or separator).

@@ -5,7 +5,7 @@ from tests.mistakes.mutation import mistakes_in
 MUTATIONS = [
     *mistakes_in(
         "hybrid/engines/sliding",
-        ["hybrid/test_equations_of_motion", "gaits/spatial/test_embedding"],
+        ["hybrid/test_equations_of_motion", "gaits/orbits/test_embedding"],
         {
             "friction pushes a slipping toe on": ("- self.friction * along", "+ self.friction * along"),
             "a toe sets out with the force that holds it": ("tuple(-force / size", "tuple(force / size"),
@@ -31,7 +31,7 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/symmetry",
-        ["gaits/spatial/test_embedding"],
+        ["gaits/orbits/test_embedding"],
         {"a mirror without adductions": ("partner.abduction, -1.0)", "partner.abduction, 1.0)")},
     ),
     *mistakes_in(

@@ -1,1 +1,1 @@
-"""Quadrupeds that bound in three dimensions: legs, law, automaton, and gaits of the plane put into space."""
+"""Quadrupeds that bound in three dimensions: legs, law, automaton."""

@@ -7,12 +7,12 @@ import pytest
 
 from spear_pin import Gait, SpatialLaw, simulate, simulate_many
 from spear_pin.errors import BadValue
-from spear_pin.gaits.spatial.embedding import embedded
+from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.symmetry import mirror_of
 from spear_pin.studies.bound.in_space import summarize_in_space
-from tests.gaits.spatial.test_embedding import planar, spatial
+from tests.gaits.orbits.test_embedding import planar, spatial
 
 
 def gait(**changes):
@@ -23,7 +23,7 @@ def gait(**changes):
 
 def test_a_saved_gait_is_read_as_it_was(tmp_path):
     system = gait(overlap=0.0).system
-    again = Gait.load(gait(overlap=0.0).save(tmp_path / "gait.json"), like=system)
+    again = Gait.load(gait(overlap=0.0).save(tmp_path / "gait.json"))
     assert again.system.law == system.law and again.system.overlap == 0.0
     assert again.system.robot.coordinates == system.robot.coordinates
     np.testing.assert_array_equal(again.state, gait().state)

@@ -9,7 +9,7 @@ import pytest
 from spear_pin import simulate
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import chart
-from tests.gaits.spatial.test_embedding import spatial
+from tests.gaits.orbits.test_embedding import spatial
 
 
 @cache

@@ -7,11 +7,11 @@ import pytest
 
 from spear_pin import Gait, SpatialLaw
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.spatial.balance import across, along, balanced
-from spear_pin.gaits.spatial.embedding import embedded
+from spear_pin.gaits.orbits.balance import across, along, balanced
+from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.gaits.spatial.law import ACROSS
 from spear_pin.hybrid.periodic import chart, eigenvalues, return_map
-from tests.gaits.spatial.test_embedding import planar, spatial
+from tests.gaits.orbits.test_embedding import planar, spatial
 
 
 @cache

@@ -44,7 +44,7 @@ def in_space(gait: Gait, law: SpatialLaw | None = None, *, robot: Robot | None =
 
     Example:
         >>> from spear_pin import Gait, SpatialLaw
-        >>> from spear_pin.gaits.spatial.embedding import embedded
+        >>> from spear_pin.gaits.orbits.embedding import embedded
         >>> planar = Gait.load("long_stride")
         >>> system, (q, v) = embedded(planar, SpatialLaw(planar.system.law))
         >>> system.robot.coordinates[:6]

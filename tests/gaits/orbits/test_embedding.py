@@ -9,7 +9,7 @@ import pytest
 from spear_pin import Gait, SpatialLaw, in_space
 from spear_pin.errors import BadValue
 from spear_pin.gaits import library
-from spear_pin.gaits.spatial.embedding import embedded
+from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.gaits.spatial.legs import pairs_of, placed
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import chart, residual, return_map

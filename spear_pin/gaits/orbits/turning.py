@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import NoGait, require
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.orbits.balance import balanced
 from spear_pin.gaits.search import gait_beside
-from spear_pin.gaits.spatial.balance import balanced
 from spear_pin.gaits.spatial.law import ADJUSTED, INPUTS
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters

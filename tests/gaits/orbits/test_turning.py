@@ -7,13 +7,13 @@ import pytest
 
 from spear_pin import Gait, SpatialLaw
 from spear_pin.errors import BadValue
-from spear_pin.gaits.spatial.embedding import embedded
+from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.orbits.turning import turning
 from spear_pin.gaits.spatial.law import ACROSS
-from spear_pin.gaits.spatial.turning import turning
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import residual, return_map
 from spear_pin.hybrid.symmetry import mirror_of, turned
-from tests.gaits.spatial.test_embedding import planar
+from tests.gaits.orbits.test_embedding import planar
 
 TURN = np.radians(3.0)  # a stride
 
