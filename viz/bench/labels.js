@@ -27,7 +27,7 @@ function makeLabels(viewer, pane, layer, data, samples) {
   // of the samples, which are exact: arrows go straight from frame to frame
   const arrows = data.arrows.filter(([, toe]) => samples.byName.has(`force_z_${toe}`)).map(([path, toe, share]) => {
     const [whole, shaft, head] = ["", "/shaft", "/head"].map((part) => nodeAt(viewer, path + part).object);
-    const columns = ["force_x_", "force_z_"].map((name) => samples.byName.get(name + toe));
+    const columns = ["x", "y", "z"].map((axis) => samples.byName.get(`force_${axis}_${toe}`)).filter(Boolean);
     const element = make("force");
     return (value) => {
       const length = whole.visible ? shaft.scale.z + head.scale.z : 0;
