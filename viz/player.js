@@ -8,6 +8,7 @@
   paintScene(viewer, data);
 
   const samples = readSamples(data.samples);
+  addPictures(samples, data);
   const clock = makeClock(data.duration);
   const camera = makeCamera(viewer, at("pane"), data);
   clock.onTime((time) => {
@@ -57,7 +58,7 @@
   }
 
   let chosen = false; // by the reader
-  plots.choose(data.samples.plotted);
+  plots.choose([FEET, PLAN, ...data.samples.plotted]);
   makeColumnList(samples, plots, at("columnlist"));
   plots.onChange(() => (chosen = true));
 

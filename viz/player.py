@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.viz.bench.samples import packed, samples_of, thinned
 from spear_pin.viz.playback import meshcat_commands as c
 from spear_pin.viz.playback.following import base_joint
+from spear_pin.viz.playback.footfalls import footfalls
 from spear_pin.viz.playback.frames import Frames, resample
 from spear_pin.viz.playback.overlays import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
 from spear_pin.viz.playback.scene import GHOST, ROBOT, Scene, moving, still
@@ -121,14 +122,21 @@ def _attempt(
     frames = resample(robot, trajectory, rate)
     scene = moving(robot, frames, None if ghost is None else resample(robot, ghost, rate, "ghost"))
     animation = encoded(c.set_animation(scene.clips, frames.duration))
+    feet = footfalls(robot.toes, read_times(trajectory), np.asarray(trajectory.force, dtype=np.float64))
     notes = [f"shown: {trajectory.said}"] if isinstance(trajectory, Part) else []
     data = as_data(frames, replace(scene, notes=(*notes, *scene.notes)), animation, title) | {
         "rate": rate,
         "samples": packed(thinned(samples_of(robot, trajectory))),
         "ghost": None if ghost is None else {"of": ROBOT, "path": GHOST},
+        "footfalls": [[each.label, each.color, _since(each.spans, frames.start)] for each in feet],
+        "prints": scene.prints,
     }
     text = environment().get_template("player.html").render(title=title, data=data)
     return text, (_most_bytes(robot) - (len(text.encode()) - len(animation))) / len(animation)
+
+
+def _since(spans: Sequence[tuple[float, float]], start: float) -> list[list[float]]:
+    return [[round(time - start, 6) for time in span] for span in spans]
 
 
 def _most_bytes(robot: Robot) -> int:

@@ -30,7 +30,17 @@ class Footfall:
     @property
     def label(self) -> str:
         """Which foot it is: "posterior left"."""
-        return self.toe.removesuffix("_toe").replace("_", " ")
+        return label_of(self.toe)
+
+
+def label_of(toe: str) -> str:
+    """Which foot a toe is, in words: "posterior left"."""
+    return toe.removesuffix("_toe").replace("_", " ")
+
+
+def color_of(number: int) -> str:
+    """Colour of a foot by its number among the robot's."""
+    return COLORS[number % len(COLORS)]
 
 
 def footfalls(toes: Sequence[str], t: Array, force: Array) -> tuple[Footfall, ...]:
@@ -45,7 +55,7 @@ def footfalls(toes: Sequence[str], t: Array, force: Array) -> tuple[Footfall, ..
     for number, toe in enumerate(toes):
         runs = [(float(t[first]), float(t[last])) for first, last in contacts(force[:, number])]
         spans = tuple((begin, end) for begin, end in runs if end > begin)
-        found.append(Footfall(toe, COLORS[min(number, len(COLORS) - 1)], spans))
+        found.append(Footfall(toe, color_of(number), spans))
     return tuple(found)
 
 

@@ -28,7 +28,7 @@ from spear_pin.viz.playback.overlays import (
 )
 from spear_pin.viz.playback.shapes import Shape
 from spear_pin.viz.playback.stage import WORLD, View, fit_view, stage
-from spear_pin.viz.playback.tracks import track_overlays
+from spear_pin.viz.playback.tracks import landings, track_overlays
 
 Array = NDArray[np.float64]
 
@@ -54,6 +54,7 @@ class Scene:
         newtons: that a metre of an arrow stands for.
         trails: paths of the paths of toes.
         tracks: paths of what is left on the ground in space: the way of the torso, the footprints.
+        prints: x and y, in m, and colour of each of these.
         joints: path of each joint with one angle, by its name.
     """
 
@@ -69,6 +70,7 @@ class Scene:
     newtons: float = 0.0
     trails: tuple[str, ...] = ()
     tracks: tuple[str, ...] = ()
+    prints: tuple[tuple[float, float, str], ...] = ()
     joints: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -116,7 +118,9 @@ def moving(robot: Robot, frames: Frames, ghost: Frames | None = None, newtons: f
     per_metre = peak / (0.6 * size) if newtons is None else newtons
     trails = [_trail(foot, frames.t, size, len(feet)) for foot in feet]
     arrows = [_arrow(foot, frames.t, size, 1.0 / per_metre) for foot in feet] if peak > 0 else []
-    tracks = track_overlays(robot, frames, world, {foot.toe: foot.position for foot in feet}, size)
+    toes = {foot.toe: foot.position for foot in feet}
+    tracks = track_overlays(robot, frames, world, toes, size)
+    landed = landings(robot, frames, toes) if tracks else {}
     overlays = [*springs, *trails, *arrows, *tracks.values()]
     double, ghost_clips, reach = _ghost(robot.model, ghost) if ghost is not None else ([], {}, following.place)
     reach = np.concatenate((following.place, reach))
@@ -144,6 +148,9 @@ def moving(robot: Robot, frames: Frames, ghost: Frames | None = None, newtons: f
         arrows=tuple((arrow_path(foot.name), foot.toe, foot.share) for foot in feet) if arrows else (),
         newtons=per_metre,
         trails=tuple(trail_path(foot.name) for foot, trail in zip(feet, trails, strict=True) if trail.commands),
+        prints=tuple(
+            (round(float(x), 4), round(float(y), 4), color) for color, _, place in landed.values() for x, y in place
+        ),
         tracks=tuple(path for path, track in tracks.items() if track.commands),
         joints=_angles(robot.model, paths),
     )

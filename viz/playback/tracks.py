@@ -48,13 +48,19 @@ def track_overlays(
     if base is None or not frames.ground.plain:
         return {}
     tracks = {WAY: _way(frames.t, world[:, base, :2, 3], NARROW * size)}
-    for number, each in enumerate(footfalls(robot.toes, frames.t, frames.force)):
-        landed = [first for first, _ in contacts(frames.force[:, number])]
-        color = [int(each.color[at : at + 2], 16) / 255 for at in (1, 3, 5)]
-        tracks[footprints_path(each.toe)] = _prints(
-            footprints_path(each.toe), frames.t[landed], toes[each.toe][landed, :2], ROUND * size, color
-        )
+    for toe, (named, landed, place) in landings(robot, frames, toes).items():
+        path, color = footprints_path(toe), [int(named[at : at + 2], 16) / 255 for at in (1, 3, 5)]
+        tracks[path] = _prints(path, frames.t[landed], place, ROUND * size, color)
     return tracks
+
+
+def landings(robot: Robot, frames: Frames, toes: Mapping[str, Array]) -> dict[str, tuple[str, NDArray[np.intp], Array]]:
+    """Colour of each toe, the frames in which it came down, and where, (k, 2), in m; arguments as above."""
+    found = {}
+    for number, each in enumerate(footfalls(robot.toes, frames.t, frames.force)):
+        landed = np.array([first for first, _ in contacts(frames.force[:, number])], dtype=np.intp)
+        found[each.toe] = (each.color, landed, toes[each.toe][landed, :2])
+    return found
 
 
 def _way(t: Array, place: Array, half: float) -> Overlay:
