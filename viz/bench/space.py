@@ -26,10 +26,10 @@ def in_space(robot: Robot) -> bool:
 
 def by_leg(robot: Robot, columns: Sequence[Column]) -> tuple[Column, ...]:
     """The columns, those of a joint of all legs of one kind and of a colour for each leg; angles of the base apart."""
-    parts = {}
+    parts: dict[str, tuple[str, str, str]] = {}
     for number, leg in enumerate(robot.legs):
         named = {"adduction": leg.abduction, "hip": leg.hip, "knee": leg.knee}
-        own = label_of(leg.toe), color_of(number)
+        own = label_of(leg.toe), color_of(number, len(robot.legs))
         parts |= {joint: (f"{part} ", *own) for part, joint in named.items() if joint is not None}
         parts[leg.toe] = ("", *own)
     found = []

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-COLORS = ("#0072B2", "#56B4E9", "#D55E00", "#E69F00", "#009E73", "#CC79A7")  # of Okabe and Ito, a pair each alike
+COLORS = ("#0072B2", "#56B4E9", "#D55E00", "#E69F00", "#009E73", "#CC79A7")  # of Okabe and Ito, those of a pair alike
 
 
 @dataclass(frozen=True)
@@ -38,9 +38,9 @@ def label_of(toe: str) -> str:
     return toe.removesuffix("_toe").replace("_", " ")
 
 
-def color_of(number: int) -> str:
-    """Colour of a foot by its number among the robot's."""
-    return COLORS[number % len(COLORS)]
+def color_of(number: int, feet: int) -> str:
+    """Colour of a foot by its number among so many of the robot's: two of a pair are of a kind."""
+    return COLORS[(number if feet > len(COLORS) // 2 else 2 * number) % len(COLORS)]
 
 
 def footfalls(toes: Sequence[str], t: Array, force: Array) -> tuple[Footfall, ...]:
@@ -55,7 +55,7 @@ def footfalls(toes: Sequence[str], t: Array, force: Array) -> tuple[Footfall, ..
     for number, toe in enumerate(toes):
         runs = [(float(t[first]), float(t[last])) for first, last in contacts(force[:, number])]
         spans = tuple((begin, end) for begin, end in runs if end > begin)
-        found.append(Footfall(toe, color_of(number), spans))
+        found.append(Footfall(toe, color_of(number, len(toes)), spans))
     return tuple(found)
 
 

@@ -123,13 +123,20 @@ def draw_footfalls_of_a_stride(axes: Axes, trajectory: Trajectory, cycle: int = 
 
 def draw_way(axes: Axes, trajectory: Trajectory) -> None:
     """The way of the torso and footprints, x to the right, y up, in one scale."""
-    robot, q = trajectory.load_robot(), trajectory.q
+    robot, q, colors = trajectory.load_robot(), trajectory.q, _colors(trajectory)
     axes.plot(q[:, X], q[:, Y], color="0.35", label="torso")
     for number, toe in enumerate(trajectory.toes):
         rows = _landed(trajectory.force[:, number])
         prints = np.array([robot.frame_position(q[row], toe)[:2] for row in rows]).reshape(-1, 2)
         size = 3.0 if len(prints) <= OFTEN else 1.5
-        axes.plot(*prints.T, "o", color=color_of(number), markersize=size, markeredgewidth=0.0, label=label_of(toe))
+        axes.plot(
+            *prints.T,
+            "o",
+            color=colors[number],
+            markersize=size,
+            markeredgewidth=0.0,
+            label=label_of(toe),
+        )
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
@@ -223,5 +230,9 @@ def _over_time(axes: Axes, trajectory: Trajectory, label: str) -> None:
 
 
 def _by_leg(axes: Axes, trajectory: Trajectory, lines: Sequence[Array]) -> None:
-    for number, (toe, values) in enumerate(zip(trajectory.toes, lines, strict=True)):
-        axes.plot(trajectory.t, values, color=color_of(number), label=label_of(toe), linewidth=0.9)
+    for toe, values, color in zip(trajectory.toes, lines, _colors(trajectory), strict=True):
+        axes.plot(trajectory.t, values, color=color, label=label_of(toe), linewidth=0.9)
+
+
+def _colors(trajectory: Trajectory) -> list[str]:
+    return [color_of(number, len(trajectory.toes)) for number in range(len(trajectory.toes))]

@@ -62,7 +62,8 @@ def test_footfalls_are_in_the_page(robot: Robot, turn: SimpleNamespace) -> None:
     assert [len(spans) for _, _, spans in data["footfalls"]] == [6] * 4
     assert len(data["prints"]) == 24
     pairs = read(player.page(load("q_spear"), samples.bound(2))).data
-    assert [label for label, _, _ in pairs["footfalls"]] == ["posterior", "anterior"] and pairs["prints"] == []
+    assert [each[:2] for each in pairs["footfalls"]] == [["posterior", COLORS[0]], ["anterior", COLORS[2]]]
+    assert pairs["prints"] == []
 
 
 @pytest.fixture(scope="module")
