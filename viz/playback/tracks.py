@@ -19,7 +19,7 @@ from spear_pin.viz.playback.stage import WORLD
 Array = NDArray[np.float64]
 
 WAY = f"{WORLD}/way of the torso"
-WAY_COLOR = (0.25, 0.29, 0.33)
+WAY_COLOR = (0.48, 0.36, 0.70)  # seen by day and by night
 WAY_POINTS, CORNERS = 600, 14
 # of the robot's height: half the width of the way, the radius of a footprint
 NARROW, ROUND = 0.012, 0.035
@@ -74,7 +74,7 @@ def _way(t: Array, place: Array, half: float) -> Overlay:
     sides = np.stack((place[keep] + across, place[keep] - across), axis=1).reshape(-1, 2)
     here = 2 * np.arange(len(keep) - 1)
     faces = np.stack((here, here + 1, here + 3, here, here + 3, here + 2), axis=1).reshape(-1, 3)
-    return _flat(WAY, sides, LOW, faces, (*WAY_COLOR, 0.7), t[keep], 6 * np.arange(len(keep)))
+    return _flat(WAY, sides, LOW, faces, (*WAY_COLOR, 0.85), t[keep], 6 * np.arange(len(keep)))
 
 
 def _prints(path: str, t: Array, place: Array, radius: float, color: Sequence[float]) -> Overlay:

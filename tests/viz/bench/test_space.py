@@ -141,3 +141,16 @@ class TestBrowser:
             browser.run("new Promise(r => requestAnimationFrame(() => requestAnimationFrame(r)))")
             pictures.append(browser.screenshot().astype(int))
         assert (np.abs(pictures[0] - pictures[1]).max(axis=2) > 20).sum() > 500
+
+    def test_angles_of_one_place_stand_above_each_other(self, browser: chromium.Browser, page: Path) -> None:
+        browser.open(page, "#t=1.5&show=angles,-plots")
+        browser.run("new Promise(r => requestAnimationFrame(() => requestAnimationFrame(r)))")
+        script = """[...document.querySelectorAll('#labels .angle:not([hidden])')].map((e) => {
+            const { left, top, right, bottom } = e.getBoundingClientRect();
+            return [left, top, right, bottom, e.textContent]; })"""
+        boxes = browser.run(script)
+        assert sorted({text.split()[0] for *_, text in boxes}) == ["adduction", "hip", "knee", "pitch", "roll", "yaw"]
+        for i, (left, top, right, bottom, _) in enumerate(boxes):
+            for other_left, other_top, other_right, other_bottom, _ in boxes[:i]:
+                beside = right <= other_left + 1 or other_right <= left + 1
+                assert beside or bottom <= other_top + 1 or other_bottom <= top + 1
