@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from spear_pin import Gait, Trajectory, simulate
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.viz import plots
 from spear_pin.viz.playback.footfalls import COLORS
 from spear_pin.viz.plots import space
 
@@ -89,6 +90,14 @@ def test_speed_and_force_are_across_the_heading(figure: Figure, motion: Trajecto
     for number, leg in enumerate(LEGS):
         np.testing.assert_allclose(drawn(force, leg)[:, 1], expected[:, number], atol=1e-9)
     assert expected.sum(axis=1).mean() > 0.0, "inward, to the left"
+
+
+def test_the_force_on_toes_has_two_parts(motion: Trajectory) -> None:
+    axes = plots.ground_force(motion).axes[0]
+    force = motion.force[:, 1]
+    normal, tangential = (drawn(axes, f"{part} of posterior right toe") for part in ("normal", "tangential"))
+    np.testing.assert_array_equal(normal[:, 1], force[:, 2])
+    np.testing.assert_allclose(tangential[:, 1], np.linalg.norm(force[:, :2], axis=1))
 
 
 def test_mistakes(motion: Trajectory, planar: Trajectory) -> None:
