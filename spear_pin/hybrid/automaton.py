@@ -126,7 +126,7 @@ class HybridSystem:
     def landing(self) -> tuple[str, Reset]:
         """The flight phase that ends at the section, and the reset there."""
         for domain in self.domains:
-            if all(mode == OPEN for mode in domain.contacts):
+            if all(mode == OPEN for mode in domain.contacts) and not domain.bouncing:
                 for guard in domain.guards:
                     if guard.name == self.section and guard.reset is not None:
                         return domain.phase, guard.reset

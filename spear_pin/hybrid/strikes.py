@@ -112,15 +112,18 @@ def struck_in_space(
     }
     toes = [toe for toe in robot.toes if toe in grounded | striking]
     jacobian = np.concatenate([feet[toe][1] for toe in toes])
-    before = overlap.received(toes, now)
-    impact = spatial_impact(robot.mass_matrix(q), jacobian, v, system.contact.friction, before)
+    mass_matrix, earlier = robot.mass_matrix(q), v
+    v, stopping = landed(mass_matrix, jacobian, v, [toe in reset.impact for toe in toes])
+    impact = spatial_impact(mass_matrix, jacobian, v, system.contact.friction, overlap.received(toes, now))
     overlap.add(toes, striking, impact.impulse, now)
-    impulse = np.zeros((len(robot.toes), 3))
-    impulse[[robot.toes.index(toe) for toe in toes]] = impact.impulse
+    own, impulse = [robot.toes.index(toe) for toe in toes], np.zeros((len(robot.toes), 3))
+    impulse[own] = impact.impulse
+    impulse[own, 2] += stopping
+    work = 0.5 * float(stopping @ (jacobian @ (earlier + v))[2::3]) - impact.loss
     speeds = np.where(impact.leaves, (jacobian @ impact.v)[2::3], 0.0).tolist()
     noted = dict(zip(map(rise, toes), speeds, strict=True))
     noted |= {told(toe): float(toe in striking and toe not in reset.impact) for toe in toes}
-    return Strike(impact.v, impulse, -impact.loss, noted)
+    return Strike(impact.v, impulse, work, noted)
 
 
 def stopped(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array) -> Strike:

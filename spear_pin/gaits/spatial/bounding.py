@@ -155,7 +155,8 @@ class _Automaton:
         resets = {leg.toe: self._lifts(leg, bearing) for leg in bearing}
         backs = [guard for leg in bearing for guard in knee_back(leg, resets[leg.toe])]
         first = tuple(backs) if self.plane.lift_off == "knee" else ()
-        return contact_domains(domain, self.robot.toes, resets, first, WAYS[3])
+        bounces = self.plane.lift_off == "knee"
+        return contact_domains(domain, self.robot.toes, resets, first, WAYS[3], bounces=bounces)
 
     # touchdown
 

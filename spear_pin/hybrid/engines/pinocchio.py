@@ -80,7 +80,8 @@ class Flow:
         self._axes = slice(0, 3, 4 - self._k)  # of the world: x and z, or x, y and z
         self._sliding = Sliding(dict(self._slips))
         self._ways: Ways = {}
-        self._at_rest = [toe for toe, _ in self._closed]  # as a controller sees them
+        bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
+        self._at_rest = [toe for toe in robot.toes if toe in bearing]  # as a controller sees them
         self._forces: dict[str, tuple[float, ...]] = dict.fromkeys(robot.toes, self._k * (0.0,))
         self._pivots: dict[str, float] = {}
         self._accelerate: Callable[[Array], Array] = (

@@ -188,14 +188,15 @@ def landed(D: Array, J: Array, v: Array, lands: Sequence[bool]) -> tuple[Array, 
 
     Args:
         D: mass matrix, (nv, nv).
-        J: Jacobians of the toes on the ground, rows x and z of each, (2 m, nv).
+        J: Jacobians of the toes on the ground, rows x and z of each, (2 m, nv), or x, y and z, (3 m, nv).
         v: velocity before, (nv,).
         lands: which of them touch down.
 
     Returns:
         the velocity, (nv,), and the normal impulses that took the toes' speed, (m,).
     """
-    normal = J[1::2]
+    each = len(J) // len(lands)
+    normal = J[each - 1 :: each]
     rising = np.where(lands, normal @ v, 0.0)
     if not rises(rising).any():
         return v, np.zeros(len(normal))
