@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
 from spear_pin.cli.bound_in_space import joint_in_words
 from spear_pin.cli.gaits import BOUND, bounding_gait
-from spear_pin.cli.legs import stability
+from spear_pin.cli.legs import called, stability
 from spear_pin.cli.output import aligned, listed, progress, shows
 from spear_pin.errors import BadValue
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 ANGLE = 4.0  # ° a stride
 STEEPEST = 50.0  # ° a stride
-KIND = "bounding_in_space"
 DRAWN = 4  # strides
 
 
@@ -68,7 +67,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     robot = gait.system.robot
     shown = shortened(robot, trajectory)
     page, plots = arguments.out / "turn.html", arguments.out / "turn.svg"
-    title = f"Q-SPEAR turning by {math.degrees(summary['rate']):.1f}°/s at {summary['speed']:.2f} m/s"
+    title = f"{called(robot)} turning by {math.degrees(summary['rate']):.1f}°/s at {summary['speed']:.2f} m/s"
     files = [page, samples, plots, *files]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
@@ -85,12 +84,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 def _saved(arguments: argparse.Namespace) -> Gait | None:
     """A gait in space that was saved, if it is one that is named."""
     from spear_pin.gaits.gait import Gait
+    from spear_pin.model.chain import CHAIN
 
     path = arguments.gait
     if path is None or Path(path).suffix != ".json":
         return None
     gait = Gait.load(path)
-    if gait.system.kind != KIND:
+    if gait.system.robot.coordinates[: len(CHAIN)] != CHAIN:
         return None
     for name in ("rate", "angle"):
         if getattr(arguments, name) is not None:

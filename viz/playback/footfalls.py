@@ -35,7 +35,7 @@ class Footfall:
 
 def label_of(toe: str) -> str:
     """Which foot a toe is, in words: "posterior left"."""
-    return toe.removesuffix("_toe").replace("_", " ")
+    return toe.removesuffix("_toe").removesuffix("_foot").replace("_", " ")
 
 
 def color_of(number: int, feet: int) -> str:

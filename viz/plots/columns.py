@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from spear_pin.errors import require
+from spear_pin.errors import SpearError, require
 from spear_pin.hybrid.column_names import PAIR, of_a_pair, parted
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.hybrid.trajectory_parts import gaps
@@ -31,7 +31,6 @@ QUANTITIES = {
 }
 WIDTH, MARGIN, PANEL = 5.2, 0.4, 1.35  # in
 HANDLE, LETTER = 0.4, 0.065  # in, of a legend
-PARTS = ("adduction", "hip", "knee")
 
 
 @typed
@@ -53,7 +52,8 @@ def over_time(trajectory: Trajectory, columns: Sequence[str] = (), cycles: int |
     names, table = trajectory.columns()
     usual = [group for group in DEFAULT if any(parted(name)[0] == group for name in names)]
     units, wanted = trajectory.units(), chosen(names, tuple(columns or usual))
-    places = {name: (_part(trajectory, name), units[name]) for name in wanted}
+    parts = _parts(trajectory)
+    places = {name: (parts.get(parted(name)[1], ""), units[name]) for name in wanted}
     panels = list(dict.fromkeys(places.values()))
     breaks = gaps(trajectory) + 1  # a line is not drawn across what is left out
     t = np.insert(trajectory.t, breaks, np.nan)
@@ -77,10 +77,16 @@ def over_time(trajectory: Trajectory, columns: Sequence[str] = (), cycles: int |
         return figure
 
 
-def _part(trajectory: Trajectory, name: str) -> str:
-    """Which joint of a leg in space a column is of, in a word: those of all legs are drawn together."""
-    part = name.rpartition("_")[2]
-    return part if trajectory.coordinates[: len(CHAIN)] == CHAIN and part in PARTS else ""
+def _parts(trajectory: Trajectory) -> dict[str, str]:
+    """What of a leg each joint is, of a robot in space, if that is found: those of all legs are drawn together."""
+    if trajectory.coordinates[: len(CHAIN)] != CHAIN:
+        return {}
+    try:
+        legs = trajectory.load_robot().legs
+    except (SpearError, ValueError):
+        return {}
+    named = [{"adduction": leg.abduction, "hip": leg.hip, "knee": leg.knee} for leg in legs]
+    return {joint: part for joints in named for part, joint in joints.items() if joint is not None}
 
 
 def _fitting(labels: Sequence[str]) -> int:

@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.spatial.legs import Leg, pairs_of
 from spear_pin.hybrid.symmetry import ROLL, YAW, X, Y
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
@@ -165,13 +164,15 @@ def draw_speed_across(axes: Axes, trajectory: Trajectory) -> None:
 def draw_adductions(axes: Axes, trajectory: Trajectory) -> None:
     """Adduction angles over time, to the left."""
     _over_time(axes, trajectory, "Adduction (°)")
-    _by_leg(axes, trajectory, [np.degrees(trajectory.q[:, leg.adduction]) for leg in _legs(trajectory)])
+    columns = [trajectory.coordinates.index(joint) for joint in _adductions(trajectory)]
+    _by_leg(axes, trajectory, [np.degrees(trajectory.q[:, column]) for column in columns])
 
 
 def draw_adduction_torques(axes: Axes, trajectory: Trajectory) -> None:
     """Torques of the adduction motors over time."""
     _over_time(axes, trajectory, "Adduction motor (N·m)")
-    _by_leg(axes, trajectory, [trajectory.u[:, leg.motors[0]] for leg in _legs(trajectory)])
+    columns = [trajectory.actuated.index(joint) for joint in _adductions(trajectory)]
+    _by_leg(axes, trajectory, [trajectory.u[:, column] for column in columns])
 
 
 def draw_forces(axes: Axes, trajectory: Trajectory, part: str = "normal") -> None:
@@ -204,8 +205,13 @@ def _check(trajectory: Trajectory) -> None:
         raise BadValue("trajectory.t", trajectory.t, "at least two samples")
 
 
-def _legs(trajectory: Trajectory) -> list[Leg]:
-    return [leg for pair in pairs_of(trajectory.load_robot()) for leg in pair]
+def _adductions(trajectory: Trajectory) -> list[str]:
+    """Names of the joints that swing the legs sideways, in the order of the toes."""
+    joints = [leg.abduction for leg in trajectory.load_robot().legs]
+    found = [joint for joint in joints if joint is not None]
+    if len(found) < len(trajectory.toes):
+        raise BadValue("trajectory.robot", trajectory.robot, "a robot whose legs swing sideways")
+    return found
 
 
 def _bars(axes: Axes, trajectory: Trajectory, begin: float, scale: float) -> None:

@@ -13,6 +13,7 @@ from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.symmetry import ROLL, YAW, X, Y
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
+from spear_pin.model.chain import CHAIN
 from spear_pin.studies.bound.in_space import summarize_in_space
 
 LEAST_TURN = 1e-6  # rad a stride: what turns by less goes straight
@@ -36,8 +37,8 @@ def summarize_turn(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     Raises:
         BadValue: the gait is not in space, its stride does not end, or it does not turn.
     """
-    if gait.system.kind != "bounding_in_space":
-        raise BadValue("gait", gait.system.kind, "a bounding gait in space")
+    if gait.system.robot.coordinates[: len(CHAIN)] != CHAIN:
+        raise BadValue("gait", gait.system.kind, "a gait in space")
     stride = return_map(gait.system, gait.state)
     if not stride.cycles:
         raise BadValue("gait", stride.message, "a gait whose stride ends")
