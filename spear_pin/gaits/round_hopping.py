@@ -1,0 +1,250 @@
+"""A leg on a boom hopping round its post: HOPPY's published law, and its automaton.
+
+Contact is what its makers simulate: the toe is pinned to where it strikes along the circle about the post, and
+vertically, whatever that takes; towards the post it yields, as the boom sways. It lifts off where its normal force has
+fallen to a little more than nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from spear_pin.errors import BadValue, require
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.contact import OPEN, PINNED, Contact
+from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset
+from spear_pin.hybrid.dynamics import Dynamics, Operations
+from spear_pin.hybrid.ground import Ground, as_ground, given
+from spear_pin.hybrid.phases import fall, rate, touchdown
+from spear_pin.hybrid.result import Run
+from spear_pin.kinds import typed
+from spear_pin.model.robot import Robot
+from spear_pin.model.spring import Spring
+
+COORDINATES = YAW, TILT, HIP, KNEE = "boom_yaw", "boom_tilt", "hip", "knee"
+Forces = tuple[float, ...]
+
+
+@typed
+@dataclass(frozen=True)
+class RoundHoppingLaw:
+    """Parameters of the controller of a leg on a boom; numbers by default are HOPPY's, of its authors' simulator.
+
+    In flight a spring and a damper draw the toe to a point below the hip, or before it as the hip moves on; in stance
+    the toe pushes with a force along the circle and upward that is a Bézier polynomial over the time since touchdown,
+    and both joints are drawn to a posture, softly. Places and forces are in the plane that boom and thigh span.
+
+    Attributes:
+        height: of the hip above the toe that is commanded in flight, in m.
+        placement: K of the term K ẋ that is added to where the toe is commanded along the circle, ẋ being the hip's
+            speed along it, in s.
+        stiffness: of the toe in flight, in N/m.
+        damping: of the toe in flight, in N·s/m.
+        push_ahead: coefficients of the ground's force on the toe along the circle, in N.
+        push_up: of the vertical one, in N.
+        push_time: over which they act, in s.
+        hip_posture: the hip's angle that is commanded in stance, in rad.
+        knee_posture: the knee's, in rad.
+        posture_gain: of both in stance, in N·m/rad.
+        posture_damping: of both in stance, in N·m·s/rad.
+        lift_off_force: normal force at which the toe lifts off as it falls, in N.
+
+    Example:
+        >>> from spear_pin.gaits.round_hopping import RoundHoppingLaw
+        >>> max(RoundHoppingLaw().push_up)  # N
+        100.0
+    """
+
+    height: float = 0.15
+    placement: float = 0.1
+    stiffness: float = 150.0
+    damping: float = 5.0
+    push_ahead: Forces = (0.0, 0.0, -25.0, 0.0, 0.0)
+    push_up: Forces = (0.0, 20.0, 100.0, 0.0, 0.0)
+    push_time: float = 0.35
+    hip_posture: float = math.pi / 3
+    knee_posture: float = math.pi / 2
+    posture_gain: float = 0.03
+    posture_damping: float = 0.08
+    lift_off_force: float = 1.5
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        for name in ("height", "push_time"):
+            require(f"RoundHoppingLaw.{name}", getattr(self, name), lambda number: number > 0, "a number > 0")
+        for name in ("stiffness", "damping", "posture_gain", "posture_damping", "lift_off_force"):
+            require(f"RoundHoppingLaw.{name}", getattr(self, name), lambda number: number >= 0, "a number >= 0")
+        require("RoundHoppingLaw.placement", self.placement, lambda gain: abs(gain) >= 0, "a finite number, in s")
+        for name in ("hip_posture", "knee_posture"):
+            require(f"RoundHoppingLaw.{name}", getattr(self, name), lambda a: abs(a) < math.pi, "within ±π rad")
+        for name in ("push_ahead", "push_up"):
+            for i, force in enumerate(forces := getattr(self, name)):
+                require(f"RoundHoppingLaw.{name}[{i}]", force, lambda force: abs(force) >= 0, "a finite number, in N")
+            if not forces:
+                raise BadValue(f"RoundHoppingLaw.{name}", forces, "one coefficient or more, in N")
+
+
+@dataclass(frozen=True)
+class Limb:
+    """The leg in the plane that it moves in, and the boom.
+
+    Attributes:
+        thigh: length, in m.
+        shank: length, in m.
+        reach: from the post to the plane of the leg, in m.
+    """
+
+    thigh: float
+    shank: float
+    reach: float
+
+    def toe(self, hip: Any, knee: Any, ops: Operations) -> tuple[tuple[Any, Any], tuple[tuple[Any, Any], ...]]:
+        """The toe's place before and above the hip, in m, and its Jacobian, rows of hip and knee."""
+        lower = hip - knee
+        x, z = self.thigh * ops.sin(hip), -self.thigh * ops.cos(hip)
+        dx, dz = self.shank * ops.sin(lower), -self.shank * ops.cos(lower)
+        return (x + dx, z + dz), ((-z - dz, dz), (x + dx, -dx))
+
+    def torques(self, q: Any, force: tuple[Any, Any], ops: Operations) -> tuple[Any, Any]:
+        """Torques of hip and knee that move the toe by a force ahead and up, in N·m."""
+        _, (ahead, up) = self.toe(q[2], q[3], ops)
+        return ahead[0] * force[0] + up[0] * force[1], ahead[1] * force[0] + up[1] * force[1]
+
+
+def limb_of(robot: Robot) -> Limb:
+    """The leg of a robot that goes round a post.
+
+    Raises:
+        BadValue: the robot has other coordinates or motors, or no post.
+    """
+    round_a_post = robot.dimension == 2 and not robot.planar
+    if not round_a_post or robot.coordinates != COORDINATES or robot.actuated != (HIP, KNEE) or robot.toes != ("toe",):
+        raise BadValue("robot", robot, "load('hoppy'), or one of the same joints on a post")
+    (leg,) = robot.legs
+    return Limb(leg.thigh, leg.shank, abs(float(robot.frame_position(np.zeros(4), HIP)[1])))
+
+
+def bezier(coefficients: Sequence[float], s: Any) -> Any:
+    """Value at s, from 0 to 1, of the Bézier polynomial of some coefficients."""
+    n = len(coefficients) - 1
+    terms = (math.comb(n, k) * c * s**k * (1.0 - s) ** (n - k) for k, c in enumerate(coefficients) if c)
+    return sum(terms, 0.0 * s)
+
+
+def laws(limb: Limb) -> tuple[Callable[..., Sequence[Any]], Callable[..., Sequence[Any]]]:
+    """The laws of flight and stance, of hip and knee torque in N·m."""
+
+    def flight(t: Any, q: Any, v: Any, held: Any, p: RoundHoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
+        (x, z), (ahead, up) = limb.toe(q[2], q[3], ops)
+        wanted = p.placement * (limb.reach * v[0]), -p.height
+        speeds = ahead[0] * v[2] + ahead[1] * v[3], up[0] * v[2] + up[1] * v[3]
+        draw = tuple(
+            p.stiffness * (there - here) - p.damping * speed
+            for there, here, speed in zip(wanted, (x, z), speeds, strict=True)
+        )
+        return limb.torques(q, (draw[0], draw[1]), ops)
+
+    def stance(t: Any, q: Any, v: Any, held: Any, p: RoundHoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
+        s = 1.0 - ops.maximum(1.0 - t / p.push_time, 0.0)
+        hip, knee = limb.torques(q, (-bezier(p.push_ahead, s), -bezier(p.push_up, s)), ops)
+        return (
+            hip + p.posture_gain * (p.hip_posture - q[2]) - p.posture_damping * v[2],
+            knee + p.posture_gain * (p.knee_posture - q[3]) - p.posture_damping * v[3],
+        )
+
+    return flight, stance
+
+
+@typed
+def round_hopping(
+    robot: Robot,
+    law: RoundHoppingLaw | None = None,
+    spring: Spring | None = None,
+    contact: Contact | None = None,
+    *,
+    ground: Ground | None = None,
+) -> HybridSystem:
+    """The automaton of a leg that hops round a post: stance, its toe pinned, and flight.
+
+    Args:
+        robot: `load("hoppy")`.
+        law: parameters of the controller.
+        spring: of the knee, always engaged; by default that of the robot's TOML file.
+        contact: as of other gaits; there is no limit of friction.
+        ground: level ground, in place of `contact`; its height counts.
+
+    Raises:
+        BadValue: the robot has other joints or no post, the spring has no rest of its own or lets go, the ground is
+            sloped, or both contact and ground are given.
+
+    Example:
+        >>> from spear_pin import load
+        >>> from spear_pin.gaits.round_hopping import round_hopping
+        >>> round_hopping(load("hoppy")).cyclic
+        ('boom_yaw',)
+    """
+    limb, law, contact = limb_of(robot), law or RoundHoppingLaw(), given(contact, ground)
+    own = None if robot.settings is None else robot.settings.springs.get(KNEE)
+    spring = spring or own or Spring(0.0, damping=0.0, rest=0.0, unilateral=False)
+    if spring.rest is None or spring.unilateral:
+        raise BadValue("spring", spring, "one with a rest of its own that pulls and pushes, as Spring(rest=0.0, ...)")
+    flight_law, stance_law = laws(limb)
+    mount = Mount(KNEE, spring, rest="knee_rest", taut="taut")
+    always: Held = {"knee_rest": spring.rest, "taut": 1.0}
+
+    def unloaded(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
+        return dyn.force("toe")[-1] - p.lift_off_force
+
+    def engaged(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
+        return always
+
+    fallen = fall([HIP, KNEE])
+    lift_off = Guard("lift_off", unloaded, Reset(latch=engaged, phase="flight"), patient=True)  # it begins with none
+    lands = touchdown("toe", Reset(impact=("toe",), latch=engaged, phase="stance"))
+    apex = Guard("apex", rate(robot.index(TILT), -1.0))
+    return HybridSystem(
+        kind="round_hopping",
+        robot=robot,
+        law=law,
+        spring=spring,
+        contact=contact,
+        domains=(
+            Domain("stance", "stance", (PINNED,), stance_law, mounts=(mount,), guards=(lift_off, *fallen)),
+            Domain("flight", "flight", (OPEN,), flight_law, mounts=(mount,), guards=(lands, *fallen, apex)),
+        ),
+        section="touchdown",
+        cyclic=(YAW,),
+        build=round_hopping,
+        guess=lambda: _guess(robot, law, as_ground(contact)),
+        measures=_measures(robot, limb),
+    )
+
+
+def _guess(robot: Robot, law: RoundHoppingLaw, ground: Ground) -> tuple[Any, Any]:
+    """Just after touchdown in the posture of stance, the boom coming down and going round."""
+    q = np.array([0.0, 0.0, law.hip_posture, law.knee_posture])
+    for _ in range(20):  # Newton's method: the tilt that puts the toe on the ground
+        height, jacobian = ground.foot(robot, q, "toe")
+        q[1] -= height / jacobian[-1, 1]
+    v = np.array([0.0, 2.0, 0.0, 0.0])
+    jacobian = robot.toe_jacobian(q, "toe")
+    v[2:] = np.linalg.solve(jacobian[:, 2:], -jacobian @ v)
+    return q, v
+
+
+def _measures(robot: Robot, limb: Limb) -> Mapping[str, Callable[[Run], float]]:
+    """What a hop can be asked for; speeds along the circle of the hip, positive to the left about the post."""
+    return {
+        "flight_time": lambda run: run.durations["flight"],
+        "stance_time": lambda run: run.durations["stance"],
+        "period": lambda run: run.durations["flight"] + run.durations["stance"],
+        "apex_height": lambda run: float(robot.frame_position(run.event("apex").q, HIP)[2]),
+        "mean_speed": lambda run: (
+            limb.reach * (run.state[0][0] - run.start[0][0]) / (run.durations["flight"] + run.durations["stance"])
+        ),
+    }
