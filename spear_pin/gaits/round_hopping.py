@@ -23,6 +23,7 @@ from spear_pin.hybrid.ground import Ground, as_ground, given
 from spear_pin.hybrid.phases import fall, rate, touchdown
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
+from spear_pin.model.motor import Gearbox, geared_constant
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
@@ -34,6 +35,9 @@ Forces = tuple[float, ...]
 @dataclass(frozen=True)
 class RoundHoppingLaw:
     """Parameters of the controller of a leg on a boom; numbers by default are HOPPY's, of its authors' simulator.
+
+    What it commands is torque; `driven` has it as the voltage that gives this torque to a motor at rest, of which the
+    back-EMF takes its share where the motor turns.
 
     In flight a spring and a damper draw the toe to a point below the hip, or before it as the hip moves on; in stance
     the toe pushes with a force along the circle and upward that is a Bézier polynomial over the time since touchdown,
@@ -53,6 +57,8 @@ class RoundHoppingLaw:
         posture_gain: of both in stance, in N·m/rad.
         posture_damping: of both in stance, in N·m·s/rad.
         lift_off_force: normal force at which the toe lifts off as it falls, in N.
+        hip_back_emf: torque of the hip's motor that its rate takes from it, in N·m·s/rad; 0: torque is as commanded.
+        knee_back_emf: the same of the knee's.
 
     Example:
         >>> from spear_pin.gaits.round_hopping import RoundHoppingLaw
@@ -72,12 +78,15 @@ class RoundHoppingLaw:
     posture_gain: float = 0.03
     posture_damping: float = 0.08
     lift_off_force: float = 1.5
+    hip_back_emf: float = 0.0
+    knee_back_emf: float = 0.0
 
     def __post_init__(self) -> None:
         """Check the fields."""
         for name in ("height", "push_time"):
             require(f"RoundHoppingLaw.{name}", getattr(self, name), lambda number: number > 0, "a number > 0")
-        for name in ("stiffness", "damping", "posture_gain", "posture_damping", "lift_off_force"):
+        gains = ("stiffness", "damping", "posture_gain", "posture_damping")
+        for name in (*gains, "lift_off_force", "hip_back_emf", "knee_back_emf"):
             require(f"RoundHoppingLaw.{name}", getattr(self, name), lambda number: number >= 0, "a number >= 0")
         require("RoundHoppingLaw.placement", self.placement, lambda gain: abs(gain) >= 0, "a finite number, in s")
         for name in ("hip_posture", "knee_posture"):
@@ -87,6 +96,25 @@ class RoundHoppingLaw:
                 require(f"RoundHoppingLaw.{name}[{i}]", force, lambda force: abs(force) >= 0, "a finite number, in N")
             if not forces:
                 raise BadValue(f"RoundHoppingLaw.{name}", forces, "one coefficient or more, in N")
+
+    @classmethod
+    @typed
+    def driven(cls, robot: Robot) -> RoundHoppingLaw:
+        """HOPPY's law with motors that are driven by voltage: N² η K_t²/R of back-EMF each; 0 of one that is not known.
+
+        Args:
+            robot: whose settings say its motors, as `load("hoppy")`.
+        """
+        return cls(hip_back_emf=_back_emf(robot, HIP), knee_back_emf=_back_emf(robot, KNEE))
+
+
+def _back_emf(robot: Robot, joint: str) -> float:
+    """Torque that a joint's rate takes from its motor at a given voltage, in N·m·s/rad."""
+    known = robot.settings
+    if known is None or joint not in known.motors:
+        return 0.0
+    motor, gears = known.motors[joint], Gearbox(robot.gear_ratio(joint), known.efficiencies[joint])
+    return gears.efficiency * geared_constant(motor, gears) ** 2 / motor.known("resistance")
 
 
 @dataclass(frozen=True)
@@ -136,6 +164,11 @@ def bezier(coefficients: Sequence[float], s: Any) -> Any:
     return sum(terms, 0.0 * s)
 
 
+def turning(torques: tuple[Any, Any], v: Any, p: RoundHoppingLaw) -> tuple[Any, Any]:
+    """Torques of hip and knee, in N·m, of motors that turn, where they are commanded as those of motors at rest."""
+    return torques[0] - p.hip_back_emf * v[2], torques[1] - p.knee_back_emf * v[3]
+
+
 def laws(limb: Limb) -> tuple[Callable[..., Sequence[Any]], Callable[..., Sequence[Any]]]:
     """The laws of flight and stance, of hip and knee torque in N·m."""
 
@@ -147,15 +180,16 @@ def laws(limb: Limb) -> tuple[Callable[..., Sequence[Any]], Callable[..., Sequen
             p.stiffness * (there - here) - p.damping * speed
             for there, here, speed in zip(wanted, (x, z), speeds, strict=True)
         )
-        return limb.torques(q, (draw[0], draw[1]), ops)
+        return turning(limb.torques(q, (draw[0], draw[1]), ops), v, p)
 
     def stance(t: Any, q: Any, v: Any, held: Any, p: RoundHoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         s = 1.0 - ops.maximum(1.0 - t / p.push_time, 0.0)
         hip, knee = limb.torques(q, (-bezier(p.push_ahead, s), -bezier(p.push_up, s)), ops)
-        return (
+        commanded = (
             hip + p.posture_gain * (p.hip_posture - q[2]) - p.posture_damping * v[2],
             knee + p.posture_gain * (p.knee_posture - q[3]) - p.posture_damping * v[3],
         )
+        return turning(commanded, v, p)
 
     return flight, stance
 
@@ -173,7 +207,7 @@ def round_hopping(
 
     Args:
         robot: `load("hoppy")`.
-        law: parameters of the controller.
+        law: parameters of the controller; by default `RoundHoppingLaw.driven`.
         spring: of the knee, always engaged; by default that of the robot's TOML file.
         contact: as of other gaits; there is no limit of friction.
         ground: level ground, in place of `contact`; its height counts.
@@ -188,7 +222,8 @@ def round_hopping(
         >>> round_hopping(load("hoppy")).cyclic
         ('boom_yaw',)
     """
-    limb, law, contact = limb_of(robot), law or RoundHoppingLaw(), given(contact, ground)
+    limb, contact = limb_of(robot), given(contact, ground)
+    law = law or RoundHoppingLaw.driven(robot)
     own = None if robot.settings is None else robot.settings.springs.get(KNEE)
     spring = spring or own or Spring(0.0, damping=0.0, rest=0.0, unilateral=False)
     if spring.rest is None or spring.unilateral:

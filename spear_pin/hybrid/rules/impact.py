@@ -109,7 +109,7 @@ def caught(D: Array, J: Array, v: Array) -> Impact:
     """
     response = np.linalg.solve(D, J.T)
     before = J @ v
-    impulse = -np.linalg.lstsq(J @ response, before, rcond=None)[0]
+    impulse = np.asarray(-np.linalg.lstsq(J @ response, before, rcond=None)[0], np.float64)
     return Impact(v + response @ impulse, impulse, -0.5 * float(impulse @ before), False)
 
 
