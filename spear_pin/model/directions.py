@@ -11,6 +11,7 @@ A toe that sticks keeps its ψ, wherever it stood when it came down.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import hypot
 from typing import Protocol
@@ -39,8 +40,8 @@ class Directions(Protocol):
     def accelerated(self, model: pin.Model, data: pin.Data, frame: int, acceleration: Array) -> Array:
         """Rate of the components of a frame's velocity, by its acceleration in the world, (3,), in m/s²."""
 
-    def world(self, places: Array, components: Array) -> Array:
-        """Vectors in the world, (..., 3), of components at places, (..., 3)."""
+    def world(self, components: Array, places: Callable[[], Array]) -> Array:
+        """Vectors in the world, (..., 3), of components at places, (..., 3), which are asked for where they count."""
 
 
 @dataclass(frozen=True)
@@ -61,9 +62,9 @@ class Axes:
         """Rows of the acceleration."""
         return acceleration[0 : 3 : 4 - self.dimension]
 
-    def world(self, places: Array, components: Array) -> Array:
-        """The components, with none along y in the plane."""
-        return components if self.dimension == 3 else np.insert(components, 1, 0.0, axis=-1)
+    def world(self, components: Array, places: Callable[[], Array]) -> Array:
+        """The components, with none along y where there are two."""
+        return components if components.shape[-1] == 3 else np.insert(components, 1, 0.0, axis=-1)
 
 
 @dataclass(frozen=True)
@@ -93,9 +94,9 @@ class Round:
         vx, vy, _ = pin.getFrameVelocity(model, data, frame, WORLD_ALIGNED).linear
         return np.array([ahead - (x * vy - y * vx) * (x * vx + y * vy) / radius**3, up])
 
-    def world(self, places: Array, components: Array) -> Array:
+    def world(self, components: Array, places: Callable[[], Array]) -> Array:
         """Vectors of what is along the circles on which places are, and vertical."""
-        arms = places[..., :2] - self.post
+        arms = places()[..., :2] - self.post
         ahead = components[..., 0] / np.linalg.norm(arms, axis=-1)
         return np.stack([-ahead * arms[..., 1], ahead * arms[..., 0], components[..., 1]], axis=-1)
 
