@@ -150,8 +150,8 @@ def limb_of(robot: Robot) -> Limb:
     Raises:
         BadValue: the robot has other coordinates or motors, or no post.
     """
-    round_a_post = robot.dimension == 2 and not robot.planar
-    if not round_a_post or robot.coordinates != COORDINATES or robot.actuated != (HIP, KNEE) or robot.toes != ("toe",):
+    joints = robot.coordinates == COORDINATES and robot.actuated == (HIP, KNEE)
+    if robot.post is None or not joints or robot.toes != ("toe",):
         raise BadValue("robot", robot, "load('hoppy'), or one of the same joints on a post")
     (leg,) = robot.legs
     return Limb(leg.thigh, leg.shank, abs(float(robot.frame_position(np.zeros(4), HIP)[1])))

@@ -96,7 +96,7 @@ class HybridSystem:
             made = {name: getattr(self, name) for name in REPLACED} | {"build": self.build, "builder": self.build}
             object.__setattr__(self, "made", made)
         require("HybridSystem.overlap", self.overlap, lambda seconds: seconds >= 0, "a number >= 0, in s")
-        if self.robot.dimension == 2 and not self.robot.planar and not self.ground.level:
+        if self.robot.post is not None and not self.ground.level:
             raise BadValue("ground", self.contact, "level ground, for a robot that goes round a post")
         check(self.robot, self.domains, self.law, self.guess)
         if self.section:

@@ -51,8 +51,9 @@ class Robot(Shown):
         actuated: names of the joints that have a motor, in the order of u.
         locked: names of the joints that are held at zero.
         planar: whether everything moves in the x-z plane; positions are then two-dimensional.
-        directions: in which the ground acts on its toes: x and z in the plane, x, y and z in space; along a circle and
-            vertically where its settings say that it goes round a post.
+        post: place, x and y in m, of the post about which it goes, if its settings say one.
+        directions: in which the ground acts on its toes: x and z in the plane, x, y and z in space; round a post along
+            a circle about it and vertically.
         dimension: number of these directions, 2 or 3.
         source: what the robot was loaded from, a registered name or a path.
         options: how it was loaded, by the names of `load`'s arguments: base, motors, repair; what was not said is not
@@ -95,7 +96,7 @@ class Robot(Shown):
         self.coordinates, self.configuration = _coordinates(model), _configuration(model)
         self._data = pin.Data(model)
         self._toe_ids = {toe: frame_id(model, toe) for toe in self.toes}
-        post = None if settings is None else settings.post
+        self.post = post = None if settings is None else settings.post
         self.planar = post is None and _is_planar(model, self._data)
         self._rows = np.array([0, 2]) if self.planar else np.array([0, 1, 2])
         self.directions: Directions = Axes(len(self._rows)) if post is None else Round(post)

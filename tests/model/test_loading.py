@@ -38,10 +38,10 @@ class TestShipped:
     def test_shapes(self, name):
         robot = load(name)
         q, v = state(robot)
-        size = 2 if robot.planar else 3
         for toe in robot.toes:
-            assert robot.toe_position(q, toe).shape == robot.toe_drift(q, v, toe).shape == (size,)
-            assert robot.toe_jacobian(q, toe).shape == (size, robot.nv)
+            assert robot.toe_position(q, toe).shape == (2 if robot.planar else 3,)
+            assert robot.toe_drift(q, v, toe).shape == (robot.dimension,)
+            assert robot.toe_jacobian(q, toe).shape == (robot.dimension, robot.nv)
 
     def test_repr(self):
         assert repr(load("spear_ii")) == "Robot('spear_ii', nq=4, nv=4, nu=2, toes=['toe'])"
