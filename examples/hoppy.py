@@ -7,8 +7,8 @@ are; with rotors; and with rotors and back-EMF, as HOPPY's motors are.
 What to notice: reflected by gears of 26.9 and 28.8 the rotors have more inertia than thigh and shank. With them and
 ideal torques it falls from the published start; the back-EMF is a damper that catches it. Each has a periodic hop, a
 relative one: nothing depends on where round the post it is. Contact is the published one: rigid along the circle and
-vertically, free along the boom, with no limit of friction. What friction it uses is printed, and is more than rubber has;
-so are the torques, more than those of 12 A.
+vertically, free along the boom, with no limit of friction. What friction it uses is printed, and is more than rubber
+has; so are the torques, more than those of 12 A.
 
 Run: python examples/hoppy.py [FOLDER]
 """
