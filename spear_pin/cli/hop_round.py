@@ -19,7 +19,6 @@ OTHERS = {
     "stiffness": None,
     "hardening": None,
     "preload": None,
-    "friction": None,
     "slope": 0.0,
     "free_x": False,
     "foot_placement": 0.0,
@@ -42,9 +41,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         BadValue: an option was given that its law does not have.
         NoGait: it has none.
     """
-    from dataclasses import asdict
+    from dataclasses import asdict, replace
 
-    from spear_pin import find_gait, load, simulate
+    from spear_pin import Contact, find_gait, load, simulate
     from spear_pin.gaits.round_hopping import round_hopping
     from spear_pin.studies.joint_limits import doubts, excesses
     from spear_pin.studies.round_hop import summarize_round
@@ -56,15 +55,23 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             expected = "none with a robot that goes round a post, whose law and spring are its own"
             raise BadValue(f"--{name.replace('_', '-')}", value, expected)
     robot = load(arguments.robot, repair=bool(arguments.repair))
+    system = round_hopping(robot)
+    if arguments.friction is not None:
+        contact = Contact(friction=arguments.friction)
+        system = round_hopping(robot, replace(system.law, unlimited_friction=False), contact=contact)
     with iterations() as tell:
-        gait = find_gait(round_hopping(robot), on_iteration=tell)
+        gait = find_gait(system, on_iteration=tell)
     trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol)
     samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
     saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
     excess = excesses(robot, trajectory)
     doubt = doubts(gait, excess)
     summary = summarize_round(gait, trajectory)
-    summary |= {"beyond_limits": [asdict(each) for each in excess], "implausible": doubt}
+    summary |= {
+        "friction": arguments.friction,
+        "beyond_limits": [asdict(each) for each in excess],
+        "implausible": doubt,
+    }
     shown = shortened(robot, trajectory)
     page = arguments.out / "hop.html"
     files = [page, samples, *saved]
@@ -80,12 +87,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
     turn, peaks = math.degrees(summary["turn"]), summary["peak_torque"]
     way = "to the left" if turn > 0 else "to the right"
+    limit = "no limit" if summary["friction"] is None else f"of {summary['friction']:g}, {summary['slips']} slips"
     rows = [
         ("round the post", f"{abs(turn):.2f}° a hop {way}, {abs(summary['speed']):.4f} m/s"),
         ("flight, stance", f"{summary['flight_time']:.4f} s, {summary['stance_time']:.4f} s"),
         *([("apex of the hip", f"{summary['apex_height']:.4f} m")] if summary["apex_height"] is not None else []),
         ("peak ground force", f"{summary['peak_force']:.1f} N"),
-        ("friction used", f"{summary['friction_used']:.2f}, of impacts {summary['friction_of_impact']:.2f}: no limit"),
+        ("friction used", f"{summary['friction_used']:.2f}, of impacts {summary['friction_of_impact']:.2f}; {limit}"),
         ("toe along the boom", f"{1e3 * summary['sway']:.1f} mm in stance, freely"),
         ("peak torques", ", ".join(f"{joint} {torque:.2f} N·m" for joint, torque in peaks.items())),
         ("multipliers", ", ".join(f"{value:.4f}" for value in summary["multipliers"])),

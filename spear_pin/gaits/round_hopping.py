@@ -2,25 +2,25 @@
 
 Contact is what its makers simulate: the toe is pinned to where it strikes along the circle about the post, and
 vertically, whatever that takes; towards the post it yields, as the boom sways. It lifts off where its normal force has
-fallen to a little more than nothing.
+fallen to a little more than nothing. Coulomb's friction along the circle may be had instead.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN, PINNED, Contact
+from spear_pin.hybrid.contact import OPEN, PINNED, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.ground import Ground, as_ground, given
-from spear_pin.hybrid.phases import fall, rate, touchdown
+from spear_pin.hybrid.phases import contact_domains, fall, rate, touchdown
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
 from spear_pin.model.motor import Gearbox, geared_constant
@@ -56,9 +56,11 @@ class RoundHoppingLaw:
         knee_posture: the knee's, in rad.
         posture_gain: of both in stance, in N·m/rad.
         posture_damping: of both in stance, in N·m·s/rad.
-        lift_off_force: normal force at which the toe lifts off as it falls, in N.
+        lift_off_force: normal force at which the toe lifts off as it falls, in N; with a limit of friction it is 0.
         hip_back_emf: torque of the hip's motor that its rate takes from it, in N·m·s/rad; 0: torque is as commanded.
         knee_back_emf: the same of the knee's.
+        unlimited_friction: whether the toe is held whatever friction that takes; else it sticks and slips along the
+            circle by the ground's coefficient.
 
     Example:
         >>> from spear_pin.gaits.round_hopping import RoundHoppingLaw
@@ -80,6 +82,7 @@ class RoundHoppingLaw:
     lift_off_force: float = 1.5
     hip_back_emf: float = 0.0
     knee_back_emf: float = 0.0
+    unlimited_friction: bool = True
 
     def __post_init__(self) -> None:
         """Check the fields."""
@@ -203,13 +206,13 @@ def round_hopping(
     *,
     ground: Ground | None = None,
 ) -> HybridSystem:
-    """The automaton of a leg that hops round a post: stance, its toe pinned, and flight.
+    """The automaton of a leg that hops round a post: stance and flight.
 
     Args:
         robot: `load("hoppy")`.
         law: parameters of the controller; by default `RoundHoppingLaw.driven`.
         spring: of the knee, always engaged; by default that of the robot's TOML file.
-        contact: as of other gaits; there is no limit of friction.
+        contact: friction of level ground, where the law does not take it for unlimited.
         ground: level ground, in place of `contact`; its height counts.
 
     Raises:
@@ -239,9 +242,12 @@ def round_hopping(
         return always
 
     fallen = fall([HIP, KNEE])
-    lift_off = Guard("lift_off", unloaded, Reset(latch=engaged, phase="flight"), patient=True)  # it begins with none
+    into_flight = Reset(latch=engaged, phase="flight")
+    lift_off = Guard("lift_off", unloaded, into_flight, patient=True)  # it begins with less
     lands = touchdown("toe", Reset(impact=("toe",), latch=engaged, phase="stance"))
     apex = Guard("apex", rate(robot.index(TILT), -1.0))
+    stance = Domain("stance", "stance", (PINNED,), stance_law, mounts=(mount,), guards=(lift_off, *fallen))
+    limited = replace(stance, contacts=(STICK,), guards=fallen)
     return HybridSystem(
         kind="round_hopping",
         robot=robot,
@@ -249,7 +255,7 @@ def round_hopping(
         spring=spring,
         contact=contact,
         domains=(
-            Domain("stance", "stance", (PINNED,), stance_law, mounts=(mount,), guards=(lift_off, *fallen)),
+            *((stance,) if law.unlimited_friction else contact_domains(limited, robot.toes, into_flight)),
             Domain("flight", "flight", (OPEN,), flight_law, mounts=(mount,), guards=(lands, *fallen, apex)),
         ),
         section="touchdown",

@@ -27,6 +27,7 @@ def summarize_round(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         - peak_torque: of hip and knee, by joint.
         - friction_used: largest ratio of tangential to normal force, where that is over a fifth of its peak.
         - friction_of_impact: the largest such ratio of a touchdown's impulses.
+        - slips: how often the toe begins to slide along its circle.
         - energy, energy_residual: of the first hop by flow, in J, and the largest imbalance of a hop.
         - cycles, reason: whole hops, and why it ended.
     """
@@ -52,6 +53,7 @@ def summarize_round(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "peak_torque": {joint: float(np.abs(trajectory.u[:, i]).max()) for i, joint in enumerate((HIP, KNEE))},
         "friction_used": float((along[bears] / normal[bears]).max(initial=0.0)),
         "friction_of_impact": float((np.abs(impulses[:, 0]) / impulses[:, 1]).max(initial=0.0)),
+        "slips": len(trajectory.named("slip")),
         "multipliers": gait.multipliers,
         "stable": gait.stable,
         "residual": gait.residual,

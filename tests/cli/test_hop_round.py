@@ -27,6 +27,12 @@ def test_says_so(capsys, tmp_path):
     assert status == 0 and "40.49° a hop to the right, 0.6944 m/s" in out and "torque of the knee 5.95" in out
 
 
+def test_with_a_limit_of_friction(capsys, tmp_path):
+    result = printed(capsys, "hop", "--robot", "hoppy", "--friction", 0.8, "--cycles", 1, "--out", tmp_path)
+    assert result["friction"] == 0.8 and result["friction_used"] == pytest.approx(0.8) and result["slips"] > 0
+    assert result["period"] == pytest.approx(0.6452, abs=1e-4)
+
+
 @pytest.mark.parametrize("option", ["--knee", "--flight-time", "--slope", "--stiffness", "--body", "--noise"])
 def test_options_of_another_law(capsys, tmp_path, option):
     said = refused(capsys, "hop", "--robot", "hoppy", option, "0.3", "--out", tmp_path)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin import Gait, Ground, Spring, find_gait, load, simulate, simulate_many
+from spear_pin import Contact, Gait, Ground, Spring, find_gait, load, simulate, simulate_many
 from spear_pin.errors import BadValue
 from spear_pin.gaits.round_hopping import RoundHoppingLaw, bezier, limb_of, round_hopping
 from spear_pin.hybrid.dynamics import FLOATS
@@ -72,6 +72,13 @@ def hop(gait):
     return simulate(gait.system, gait.state, samples=25)
 
 
+@pytest.fixture(scope="module")
+def slipping(hoppy):
+    law = replace(RoundHoppingLaw.driven(hoppy), unlimited_friction=False)
+    system = round_hopping(hoppy, law, contact=Contact(friction=0.8))
+    return simulate(system, START, cycles=2, samples=25)
+
+
 def azimuth(robot, q):
     x, y, _ = robot.toe_position(q, "toe")
     return np.arctan2(y, x)
@@ -111,10 +118,11 @@ class TestContact:
         np.testing.assert_allclose(np.arctan2(places[:, 1], places[:, 0]), azimuth(gait.system.robot, hop.q[0]), 1e-9)
         assert np.ptp(np.hypot(places[:, 0], places[:, 1])) > 0.01
 
-    def test_equations_of_motion(self, gait, hop):
+    @pytest.mark.parametrize("run", ["hop", "slipping"])
+    def test_equations_of_motion(self, request, gait, run):
         """Forces act on the toe's azimuth, over its distance, and on its height, told by differences of its place."""
-        robot, spring = gait.system.robot, gait.system.spring
-        for q, v, a, u, (ahead, up) in zip(hop.q, hop.v, hop.a, hop.u, hop.force[:, 0], strict=True):
+        robot, spring, run = gait.system.robot, gait.system.spring, request.getfixturevalue(run)
+        for q, v, a, u, (ahead, up) in zip(run.q, run.v, run.a, run.u, run.force[:, 0], strict=True):
             x, y, _ = robot.toe_position(q, "toe")
             along = np.hypot(x, y) * slopes(lambda q: azimuth(robot, q), q)
             vertical = slopes(lambda q: robot.toe_position(q, "toe")[2], q)
@@ -134,6 +142,35 @@ class TestContact:
         np.testing.assert_allclose(D @ (touch.v - touch.v_before), J.T @ touch.impulse[0], atol=1e-12)
         lost = 0.5 * (touch.v @ D @ touch.v - touch.v_before @ D @ touch.v_before)
         assert hop.ledger["impact"][0] == pytest.approx(lost) and lost < -0.5
+
+
+class TestFriction:
+    def test_slips_along_the_circle_alone(self, hoppy, slipping):
+        """By Coulomb's law; with it the toe goes round while it slides, and towards the post it is as free as ever."""
+        seen = set()
+        for domain, q, v, a, force in zip(
+            slipping.domain, slipping.q, slipping.v, slipping.a, slipping.force[:, 0], strict=True
+        ):
+            J, drift = hoppy.toe_jacobian(q, "toe"), hoppy.toe_drift(q, v, "toe")
+            if domain.startswith("stance"):
+                seen.add(domain)
+                side = {"stance": 0.0, "stance slip+": 1.0, "stance slip-": -1.0}[domain]
+                assert (J @ a + drift)[1] == pytest.approx(0.0, abs=1e-7)
+                if side:
+                    assert force[0] == pytest.approx(-side * 0.8 * force[1]) and side * (J @ v)[0] > -1e-6
+                else:
+                    assert (J @ a + drift)[0] == pytest.approx(0.0, abs=1e-7)
+                    assert abs(force[0]) <= 0.8 * force[1] + 1e-4
+        assert {"stance", "stance slip+"} <= seen
+        assert slipping.ledger["slip"].max() < -0.03
+        np.testing.assert_allclose(slipping.ledger.residual, 0.0, atol=1e-8)
+
+    def test_it_hops_on(self, slipping, hoppy, tmp_path):
+        law = replace(RoundHoppingLaw.driven(hoppy), unlimited_friction=False)
+        found = find_gait(round_hopping(hoppy, law, contact=Contact(friction=0.8)))
+        assert found.residual < 1e-10 and found.period == pytest.approx(0.6452, abs=1e-4)
+        again = Gait.load(found.save(tmp_path / "slips.json"))
+        assert len(again.system.domains) == 4 and again.system.contact == Contact(friction=0.8)
 
 
 class TestGait:
