@@ -2,8 +2,8 @@
 
 Parts are moving, hop, bench, compare, biped, hoppy, another, space, attraction, robust, design, push, hardware,
 drivetrain and sweep. The first eight need Chromium, moving, which films what moves on top of the README, also ffmpeg,
-another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain take some minutes; the
-latter print the table of docs/motors.md.
+another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain take some minutes;
+the latter print the table of docs/motors.md.
 """
 
 from __future__ import annotations
