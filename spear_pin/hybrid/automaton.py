@@ -66,6 +66,8 @@ class HybridSystem:
         overlap: how long an impact in space lasts, in s: those of several toes that overlap are one, see
             `spear_pin.hybrid.rules.spatial_impact`.
         section_toes: where the section lies before the impact, of which toes it is the first touchdown.
+        mirrored_toes: where a cycle is half a stride, and the other half its mirror image, of which toes the section is
+            the first touchdown in between.
         hardware: between law and joints, see `spear_pin.hybrid.hardware`; None: ideal motors.
         changes: what was made of the system that `build` makes of other numbers, too; see `parameters.changed`.
         made: fields as they were when it was made, by which those are known that were replaced in it; and by whom,
@@ -87,6 +89,7 @@ class HybridSystem:
     shortest_flight: float = SHORTEST_FLIGHT
     overlap: float = 0.0
     section_toes: tuple[str, ...] = ()
+    mirrored_toes: tuple[str, ...] = ()
     hardware: Hardware | None = None
     changes: tuple[Callable[[HybridSystem], HybridSystem], ...] = field(default=(), repr=False)
     made: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
