@@ -139,7 +139,7 @@ class BoundingLaw:
             "flight_2_span": (lambda span: span > 0, "a number > 0, in m"),
         }
         for name, shape in SHAPES.items():
-            if not _has_shape(getattr(self, name), shape):
+            if not has_shape(getattr(self, name), shape):
                 expected = f"{' x '.join(map(str, shape))} finite numbers, as tuples"
                 raise BadValue(f"BoundingLaw.{name}", getattr(self, name), expected)
         for field in fields(self):
@@ -152,19 +152,19 @@ class BoundingLaw:
             raise BadValue("BoundingLaw.lift_off", self.lift_off, "'knee' or 'force'")
         if min(self.feedback_limits) < 0:
             raise BadValue("BoundingLaw.feedback_limits", self.feedback_limits, "numbers >= 0")
-        if self.nominal != () and not _has_shape(self.nominal, (STATES,)):
+        if self.nominal != () and not has_shape(self.nominal, (STATES,)):
             raise BadValue("BoundingLaw.nominal", self.nominal, f"{STATES} finite numbers, or ()")
-        if self.feedback != () and not (self.nominal and _has_shape(self.feedback, (len(INPUTS), STATES))):
+        if self.feedback != () and not (self.nominal and has_shape(self.feedback, (len(INPUTS), STATES))):
             expected = f"{len(INPUTS)} x {STATES} finite numbers, and `nominal` given, or ()"
             raise BadValue("BoundingLaw.feedback", self.feedback, expected)
 
 
-def _has_shape(value: Any, shape: tuple[int, ...]) -> bool:
+def has_shape(value: Any, shape: tuple[int, ...]) -> bool:
     """Whether these are nested tuples of so many finite numbers."""
     if not shape:
         return isinstance(value, Real) and math.isfinite(value)
     fits = isinstance(value, tuple) and len(value) == shape[0]
-    return fits and all(_has_shape(item, shape[1:]) for item in value)
+    return fits and all(has_shape(item, shape[1:]) for item in value)
 
 
 def leg_angle(

@@ -72,6 +72,12 @@ class Mirror:
         return even, odd
 
 
+def asymmetry(robot: Robot, state: State) -> float:
+    """How far a state is from its mirror image: the largest difference, in SI units."""
+    mirror = mirror_of(robot)
+    return max(float(np.abs(mirror(part) - part).max()) for part in headed(*state))
+
+
 def mirror_of(robot: Robot) -> Mirror:
     """The mirror of a robot on a chain.
 

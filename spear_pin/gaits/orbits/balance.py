@@ -15,15 +15,17 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.spatial.law import ACROSS, INPUTS
+from spear_pin.gaits.spatial.law import ACROSS, INPUTS, is_angle
 from spear_pin.hybrid.newton import STEP
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import chart, eigenvalues, return_map
+from spear_pin.hybrid.periodic import chart, eigenvalues, multipliers, return_map
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import Chart
 from spear_pin.hybrid.spatial_section import SpatialCharts
-from spear_pin.hybrid.symmetry import YAW, mirror_of
+from spear_pin.hybrid.symmetry import YAW, asymmetry
 from spear_pin.kinds import typed
+from spear_pin.model.robot import Robot
+from spear_pin.model.scale import scale_in_space
 
 Array = NDArray[np.float64]
 SCALES = {
@@ -35,8 +37,8 @@ SCALES = {
     "torque": 50.0,
     "touchdown": 0.05,
 }
-"""What counts as one of an input, by how its name ends, in N·m and rad; of a pair's torque twice that of a leg."""
-SYMMETRIC = 1e-9
+"""What counts as one of an input of Q-SPEAR, by how its name ends, in N·m and rad; of a pair's torque twice a leg's."""
+SYMMETRIC, NEARLY = 1e-9, 0.25  # by `asymmetry`: exactly, and so nearly that either parity is a system of its own
 
 
 @dataclass(frozen=True)
@@ -48,11 +50,13 @@ class Linear:
         B: (n, k).
         inputs: names of the k inputs.
         coordinates: of a state (q, v), headed, the n coordinates, (n, 2 nv).
+        scales: what counts as one of each input, (k,).
     """
 
     A: Array
     B: Array
     inputs: tuple[str, ...]
+    scales: tuple[float, ...]
     coordinates: Array
 
 
@@ -61,7 +65,7 @@ def across(gait: Gait, inputs: Sequence[str] = ACROSS, *, heading: bool = False,
     """A and B of antisymmetric motion, by a stride for each column: P(M x) = M P(x) tells the other side.
 
     Args:
-        gait: in space, symmetric.
+        gait: in space, symmetric; or nearly so, which takes two strides for each column.
         inputs: among `spear_pin.gaits.spatial.law.ACROSS`.
         heading: whether the yaw is a coordinate.
         rtol: of the integrator.
@@ -96,17 +100,19 @@ def balanced(
 
     What is across and what is along are regulated apart, each by those of the inputs that act on it: at the section
     w = -K a is added to them for the stride; K minimises Σ aᵀQ a + weight Σ (w / scale)², scales being `SCALES` and Q 1
-    but for the yaw.
+    but for the yaw. Of a gait that is only nearly symmetric, as its robot is, it is the same feedback, and the
+    multipliers are those of all that there is.
 
     Args:
-        gait: in space, symmetric, without such feedback.
+        gait: in space, symmetric or nearly so, without such feedback.
         inputs: among `spear_pin.gaits.spatial.law.INPUTS`; one of those across suffices to stay upright.
         heading: weight of the yaw, to keep the heading too; 0: it goes on to wherever it was pushed.
         weight: of the inputs; the larger, the gentler.
         rtol: of the integrator.
 
     Returns:
-        the gait with feedback; its multipliers are those of what is regulated, the heading's among them if it is kept.
+        the gait with feedback; its multipliers are those of what is regulated, the heading's among them if it is kept;
+        of one that is only nearly symmetric all of them, without the heading's.
 
     Raises:
         BadValue: the gait has feedback already, is not in space or not symmetric, a weight is not valid, or
@@ -141,18 +147,21 @@ def balanced(
     zero = [0.0] * len(nominal)
     feedback = tuple(tuple(rows.get(name, zero)) for name in INPUTS)
     closed = gait.with_law(feedback=feedback, nominal=tuple(nominal.tolist()))
-    multipliers = np.concatenate([values for _, _, values in regulations])
-    return replace(closed, multipliers=multipliers[np.argsort(-np.abs(multipliers), kind="stable")])
+    if asymmetry(gait.system.robot, gait.state) > SYMMETRIC:
+        return replace(closed, multipliers=multipliers(closed.system, closed.state, rtol))
+    values = np.concatenate([values for _, _, values in regulations])
+    return replace(closed, multipliers=values[np.argsort(-np.abs(values), kind="stable")])
 
 
-def scale_of(name: str) -> float:
-    """What counts as one of an input, in N·m or rad."""
-    return next(scale for end, scale in SCALES.items() if name.endswith(end))
+def unit_of(name: str, robot: Robot) -> float:
+    """What counts as one of an input, in N·m or rad; torques go by m g l."""
+    one = next(scale for end, scale in SCALES.items() if name.endswith(end))
+    return one if is_angle(name) else one * scale_in_space(robot).torque
 
 
 def regulated(linear: Linear, Q: Array | None = None, weight: float = 0.2) -> tuple[Array, NDArray[np.complex128]]:
     """Gains K of w = -K a, (k, n), and multipliers of the closed loop; arguments as of `balanced`, Q 1 by default."""
-    R = weight * np.diag([scale_of(name) ** -2 for name in linear.inputs])
+    R = weight * np.diag([scale**-2 for scale in linear.scales])
     P = scipy.linalg.solve_discrete_are(linear.A, linear.B, np.eye(len(linear.A)) if Q is None else Q, R)
     K = np.linalg.solve(R + linear.B.T @ P @ linear.B, linear.B.T @ P @ linear.A)
     return np.asarray(K, np.float64), eigenvalues(linear.A - linear.B @ K)
@@ -166,10 +175,11 @@ def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool,
     local = chart(gait.system, gait.state)
     if not isinstance(local.lane, SpatialCharts):
         raise BadValue("gait", gait, "one in space")
-    mirror = mirror_of(gait.system.robot)
-    off = max(np.abs(mirror(part) - part).max() for part in local.state(np.zeros(local.dimension)))
-    if off > SYMMETRIC:
-        raise BadValue("gait", gait, "a symmetric one")
+    robot = gait.system.robot
+    off = asymmetry(robot, local.state(np.zeros(local.dimension)))
+    if off > NEARLY:
+        raise BadValue("gait", gait, "a symmetric one, or nearly so")
+    scales = tuple(unit_of(name, robot) for name in inputs)
     own = np.flatnonzero(local.lane.even == even)
 
     def after(state: State, values: dict[str, float]) -> Array:
@@ -187,18 +197,18 @@ def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool,
 
     def slope(function: object, of: int | str, step: float) -> Array:
         ahead: Array = function(of, step)  # type: ignore[operator]
-        if not even:
+        if not even and off <= SYMMETRIC:
             return ahead / step
         return (ahead - function(of, -step)) / (2.0 * step)  # type: ignore[operator,no-any-return]
 
     columns = [slope(by_state, int(i), STEP) for i in own]
-    columns += [slope(by_input, name, STEP * scale_of(name)) for name in inputs]
+    columns += [slope(by_input, name, STEP * scale) for name, scale in zip(inputs, scales, strict=True)]
     whole, n = np.array(columns).T, len(own)
     size = len(whole)
     A = np.zeros((size, size))
     A[:, :n] = whole[:, :n]
     A[n:, n:] = 1.0  # the heading, of which nothing depends on where it is
-    return Linear(A, whole[:, n:], tuple(inputs), _rows(local, own, size))
+    return Linear(A, whole[:, n:], tuple(inputs), scales, _rows(local, own, size))
 
 
 def _rows(local: Chart, own: NDArray[np.int64], size: int) -> Array:

@@ -12,6 +12,8 @@ from functools import cached_property
 from itertools import product
 from typing import Any
 
+import numpy as np
+
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_guards import OVERLOAD, knee_back, mount, overload
 from spear_pin.gaits.bounding_law import PAIR
@@ -27,6 +29,7 @@ from spear_pin.hybrid.ground import Ground, as_ground, given
 from spear_pin.hybrid.phases import contact_domains, fall, height, spring_switches
 from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.rules.guards import ON_GROUND, struck_together, touchdown
+from spear_pin.hybrid.symmetry import mirror_of
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_in_space
 from spear_pin.model.spring import PAIR_STIFFNESS, Spring
@@ -87,7 +90,8 @@ class Automaton:
         robot: the robot.
         pairs: the legs that bear together.
         section: name of the event that closes a cycle.
-        closing: the pairs whose touchdown does: the first, or where half a stride is the other's mirror image both.
+        closing: the pairs whose touchdown does: one, or where half a stride is the other's mirror image both, first the
+            one that lands in the first flight.
         lift_off: as of the law, "knee" or "force".
     """
 
@@ -177,10 +181,12 @@ class Automaton:
     def _closing(self, pair: Pair, phase: str) -> list[Guard]:
         """The section, just before a pair's touchdown: from there on all depends on (q, v) alone."""
         others = self._others(pair.legs[0])
+        mirror = None if pair is self.closing[0] else mirror_of(self.robot)
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: LegLaw) -> Held:
             waiting = {name: each for leg in pair for name, each in waits(leg, others, q, p).items()}
-            return waiting | {ADJUSTED: p.adjustment(q, v)}
+            state = (q, v) if mirror is None else (mirror(np.array(q)), mirror(np.array(v)))
+            return waiting | {ADJUSTED: p.adjustment(*state)}
 
         reset = Reset(latch=latch, phase=_before(phase))
         return [Guard(self.section, height(leg.toe), reset, tolerance=ON_GROUND) for leg in pair]

@@ -56,12 +56,12 @@ def bears(leg: Leg, pair: Pair, q: Numbers, v: Numbers, held: Held, p: LegLaw, a
 
 def trails(leg: Leg, own: Pair, others: Pair, q: Numbers, v: Numbers, held: Held, p: LegLaw) -> dict[str, Any]:
     """A leg trails, over the travel along the heading that it has now."""
-    return _begins(leg, others, _along(q), p.trailing(leg), q, v, p.flight_span(own), held, p, 0.0)
+    return _begins(leg, others, _along(q), p.trailing(leg), q, v, p.span_of_flight(own), held, p, 0.0)
 
 
 def swings(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: LegLaw) -> dict[str, Any]:
     """A leg swings while the other pair bears, over the mean leg angle of that."""
-    whole = p.stance_span(others)
+    whole = p.span_of_stance(others)
     angle = mean_angle(others, q)
     left = 1.0 - (angle - held.get(f"{others.name}_leg", angle)) / whole
     span = whole * np.maximum(left, SHORTEST_SPAN)
@@ -70,7 +70,7 @@ def swings(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: LegLaw
 
 def lands(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: LegLaw) -> dict[str, Any]:
     """A leg is brought to its touchdown angles after the other pair has lifted off."""
-    return _begins(leg, others, _along(q), p.landing(leg, held), q, v, p.flight_span(others), held, p, 1.0)
+    return _begins(leg, others, _along(q), p.landing(leg, held), q, v, p.span_of_flight(others), held, p, 1.0)
 
 
 def waits(leg: Leg, others: Pair, q: Numbers, p: LegLaw) -> dict[str, Any]:
@@ -78,7 +78,7 @@ def waits(leg: Leg, others: Pair, q: Numbers, p: LegLaw) -> dict[str, Any]:
     weights = _along(q)
     outputs = leg.outputs(others, weights)
     stays = tuple(5 * (float(value(row, q)),) for row in outputs.rows)
-    origin, span = float(value(outputs.phase, q)), p.flight_span(others)
+    origin, span = float(value(outputs.phase, q)), p.span_of_flight(others)
     return _named(leg, weights, stays, origin, span, 1.0) | {f"{leg.name}_lands_at": q[leg.adduction]}
 
 

@@ -12,9 +12,8 @@ import numpy as np
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.bounding_law import INPUTS as SAGITTAL
 from spear_pin.gaits.bounding_law import LEGS, PAIR, BoundingLaw, Shape
-from spear_pin.gaits.spatial.legs import FLIGHTS, YAW, Leg, Pair
-from spear_pin.gaits.spatial.torques import ADJUSTED
-from spear_pin.hybrid.symmetry import headed
+from spear_pin.gaits.spatial.legs import FLIGHTS, Leg, Pair
+from spear_pin.gaits.spatial.torques import ADJUSTED, adjusted
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_in_space
@@ -193,11 +192,11 @@ class SpatialLaw:
         target = self._of_pair(leg, "leg_touchdown", held) + self._of(leg, "leg_difference", held)
         return (angle, *3 * (target,)), (knee, *3 * (leg.bends * self.plane.knee_touchdown,))
 
-    def stance_span(self, pair: Pair) -> float:
+    def span_of_stance(self, pair: Pair) -> float:
         """Δ of (5.10), of the mean leg angle of a pair that bears, in rad."""
         return float(getattr(self.plane, f"{pair.name}_stance_span"))
 
-    def flight_span(self, pair: Pair) -> float:
+    def span_of_flight(self, pair: Pair) -> float:
         """Δ of (5.19), in the flight after the stance of a pair, in m."""
         return float(getattr(self.plane, f"{_FLIGHTS[pair.name]}_span"))
 
@@ -220,13 +219,7 @@ class SpatialLaw:
 
     def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]:
         """Adjustment of `INPUTS` for a stride by event feedback, within its limits, from a state on the section."""
-        if not self.feedback:
-            return ()
-        at, moving = headed(np.array(q, dtype=float), np.array(v, dtype=float))
-        at[YAW] = q[YAW] - self.heading
-        wanted = np.array(self.feedback) @ (np.concatenate([at, moving]) - self.nominal)
-        limits = np.array(self.feedback_limits)
-        return tuple(np.clip(wanted, -limits, limits).tolist())
+        return adjusted(self.feedback, self.nominal, self.feedback_limits, q, v, self.heading)
 
 
 def is_angle(name: str) -> bool:

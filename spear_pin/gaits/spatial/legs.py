@@ -148,6 +148,16 @@ def pairs_of(robot: Robot) -> Pairs:
     return posterior, anterior
 
 
+def diagonals_of(robot: Robot) -> Pairs:
+    """The pair of the posterior right leg and that of the posterior left one, each with the anterior leg across.
+
+    Raises:
+        BadValue: as of `pairs_of`.
+    """
+    (left, right), (across, other) = (pair.legs for pair in pairs_of(robot))
+    return Pair("diagonal_right", (right, across), FLIGHTS[0]), Pair("diagonal_left", (left, other), FLIGHTS[1])
+
+
 def _leg(robot: Robot, leg: RobotLeg, end: str, side: str) -> Leg:
     joints = (leg.abduction, leg.hip, leg.knee)
     if leg.abduction is None or not {*joints} <= {*robot.actuated}:

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
+import numpy as np
+
 from spear_pin.gaits.bounding_law import Shape
-from spear_pin.gaits.spatial.legs import Leg, Pair
+from spear_pin.gaits.spatial.legs import YAW, Leg, Pair
 from spear_pin.gaits.virtual_constraints import demanded
 from spear_pin.hybrid.domain import Held, Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations, Row
+from spear_pin.hybrid.symmetry import headed
 
 ADJUSTED = "adjusted"  # name in what is held of what event feedback adds to a law's inputs
 
@@ -35,10 +38,37 @@ class LegLaw(Protocol):
     def swing(self, leg: Leg) -> Shape: ...  # noqa: D102
     def trailing(self, leg: Leg) -> Shape: ...  # noqa: D102
     def landing(self, leg: Leg, held: Held) -> Shape: ...  # noqa: D102
-    def stance_span(self, pair: Pair) -> float: ...  # noqa: D102
-    def flight_span(self, pair: Pair) -> float: ...  # noqa: D102
+    def span_of_stance(self, pair: Pair) -> float: ...  # noqa: D102
+    def span_of_flight(self, pair: Pair) -> float: ...  # noqa: D102
     def adduction_touchdown(self, leg: Leg, held: Held) -> float: ...  # noqa: D102
     def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]: ...  # noqa: D102
+
+
+def adjusted(
+    feedback: Shape,
+    nominal: Sequence[float],
+    limits: Sequence[float],
+    q: Sequence[float],
+    v: Sequence[float],
+    heading: float = 0.0,
+) -> tuple[float, ...]:
+    """What event feedback adds to a law's inputs, within limits, by a state on the section; () without feedback.
+
+    Args:
+        feedback: one row for each input, one column for each of `nominal`.
+        nominal: the state (q, v) of the gait, x = y = yaw = 0.
+        limits: of each input.
+        q: configuration.
+        v: velocity.
+        heading: to which feedback of the yaw steers, in rad.
+    """
+    if not feedback:
+        return ()
+    at, moving = headed(np.array(q, dtype=float), np.array(v, dtype=float))
+    at[YAW] = q[YAW] - heading
+    wanted = np.array(feedback) @ (np.concatenate([at, moving]) - nominal)
+    bounds = np.array(limits)
+    return tuple(np.clip(wanted, -bounds, bounds).tolist())
 
 
 def support(leg: Leg, q: Any, v: Any, held: Mapping[str, Any], p: LegLaw, dyn: Dynamics) -> list[tuple[int, Any]]:
