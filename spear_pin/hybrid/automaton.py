@@ -125,18 +125,31 @@ class HybridSystem:
                     return guard.reset
         raise UnknownName("phase", phase, self.phases)
 
-    @cached_property
+    @property
     def landing(self) -> tuple[str, Reset]:
-        """The flight phase that ends at the section, and the reset there."""
-        for domain in self.domains:
-            if all(mode == OPEN for mode in domain.contacts):
-                for guard in domain.guards:
-                    if guard.name == self.section and guard.reset is not None:
-                        return domain.phase, guard.reset
-        raise UnknownName("section", self.section, [g.name for d in self.domains for g in d.guards])
+        """The flight phase that ends at the section, and the reset there; where halves are mirror images the first's."""
+        return self._landings[0]
+
+    @cached_property
+    def _landings(self) -> list[tuple[str, Reset]]:
+        found = [
+            (domain.phase, guard.reset)
+            for domain in self.domains
+            if all(mode == OPEN for mode in domain.contacts)
+            for guard in domain.guards
+            if guard.name == self.section and guard.reset is not None
+        ]
+        if not found:
+            raise UnknownName("section", self.section, [g.name for d in self.domains for g in d.guards])
+        return found
 
     @property
     def section_phase(self) -> str:
         """The phase that begins at the section."""
         flight, reset = self.landing
         return reset.phase or flight
+
+    @cached_property
+    def section_phases(self) -> frozenset[str]:
+        """The phases that begin at the section: several where halves of a stride are mirror images."""
+        return frozenset(reset.phase or flight for flight, reset in self._landings)
