@@ -1,7 +1,8 @@
 """Balance: what keeps a symmetric gait in space upright, on its speed and on its heading, by feedback once a stride.
 
 By the mirror a symmetric gait's return map is block diagonal to first order: what is symmetric, the plane's motion, and
-what is antisymmetric, with the heading, are systems of their own, with inputs of their own.
+what is antisymmetric, with the heading, are systems of their own, with inputs of their own. A trot's, half a stride
+seen in the mirror, is one system.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.spatial.law import ACROSS, INPUTS, is_angle
+from spear_pin.gaits.spatial.trot_law import TROT_INPUTS
 from spear_pin.hybrid.newton import STEP
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, eigenvalues, multipliers, return_map
@@ -35,7 +37,9 @@ SCALES = {
     "leg_difference": 0.05,
     "adduction": 0.05,
     "torque": 50.0,
+    "squeeze": 10.0,
     "touchdown": 0.05,
+    "spread": 0.05,
 }
 """What counts as one of an input of Q-SPEAR, by how its name ends, in N·m and rad; of a pair's torque twice a leg's."""
 SYMMETRIC, NEARLY = 1e-9, 0.25  # by `asymmetry`: exactly, and so nearly that either parity is a system of its own
@@ -43,7 +47,7 @@ SYMMETRIC, NEARLY = 1e-9, 0.25  # by `asymmetry`: exactly, and so nearly that ei
 
 @dataclass(frozen=True)
 class Linear:
-    """First-order motion: a⁺ = A a + B w over coordinates of one parity, the heading, if it is one, last.
+    """First-order motion: a⁺ = A a + B w over coordinates of one parity or all, the heading, if it is one, last.
 
     Attributes:
         A: (n, n).
@@ -88,15 +92,21 @@ def along(gait: Gait, inputs: Sequence[str] = INPUTS[len(ACROSS) :], *, rtol: fl
 
 
 @typed
+def halved(gait: Gait, inputs: Sequence[str] = TROT_INPUTS, *, rtol: float = 1e-10) -> Linear:
+    """A and B of half a stride of a trot, seen in the mirror, by central differences; arguments as of `across`."""
+    return _linear(gait, inputs, TROT_INPUTS, None, rtol)
+
+
+@typed
 def balanced(
     gait: Gait,
-    inputs: Sequence[str] = ("posterior_adduction",),
+    inputs: Sequence[str] | None = None,
     *,
     heading: float = 0.0,
     weight: float = 0.2,
     rtol: float = 1e-10,
 ) -> Gait:
-    """The gait with linear-quadratic feedback of its section state to some inputs, once a stride.
+    """The gait with linear-quadratic feedback of its section state to some inputs, once a stride; of a trot twice.
 
     What is across and what is along are regulated apart, each by those of the inputs that act on it: at the section
     w = -K a is added to them for the stride; K minimises Σ aᵀQ a + weight Σ (w / scale)², scales being `SCALES` and Q 1
@@ -105,8 +115,9 @@ def balanced(
 
     Args:
         gait: in space, symmetric or nearly so, without such feedback.
-        inputs: among `spear_pin.gaits.spatial.law.INPUTS`; one of those across suffices to stay upright.
-        heading: weight of the yaw, to keep the heading too; 0: it goes on to wherever it was pushed.
+        inputs: among `spear_pin.gaits.spatial.law.INPUTS`; one of those across suffices to stay upright, by default
+            "posterior_adduction". Of a trot among `TROT_INPUTS`, by default all.
+        heading: weight of the yaw, to keep the heading too; 0: it goes on to wherever it was pushed, as a trot does.
         weight: of the inputs; the larger, the gentler.
         rtol: of the integrator.
 
@@ -124,19 +135,28 @@ def balanced(
         raise BadValue("gait", "one with event feedback", "one without")
     require("weight", weight, lambda w: w > 0, "a number > 0")
     require("heading", heading, lambda w: w >= 0, "a number >= 0")
+    trots = bool(gait.system.mirrored_toes)
+    valid = TROT_INPUTS if trots else INPUTS
+    if inputs is None:
+        inputs = TROT_INPUTS if trots else ("posterior_adduction",)
+    if trots and heading:
+        raise BadValue("heading", heading, "0 for a trot")
     for name in inputs:
-        if name not in INPUTS:
-            raise UnknownName("input", name, INPUTS)
+        if name not in valid:
+            raise UnknownName("input", name, valid)
     if not inputs or len(set(inputs)) < len(inputs):
         raise BadValue("inputs", inputs, "at least one, none of them twice")
     regulations: list[tuple[Linear, Array, NDArray[np.complex128]]] = []
     sides = [name for name in inputs if name in ACROSS], [name for name in inputs if name not in ACROSS]
+    if trots:
+        linear = halved(gait, inputs, rtol=rtol)
+        regulations.append((linear, *regulated(linear, None, weight)))
     if sides[0]:
         linear = across(gait, sides[0], heading=heading > 0, rtol=rtol)
         Q = np.eye(len(linear.A))
         Q[-1, -1] = heading if heading > 0 else 1.0
         regulations.append((linear, *regulated(linear, Q, weight)))
-    if sides[1]:
+    if sides[1] and not trots:
         linear = along(gait, sides[1], rtol=rtol)
         regulations.append((linear, *regulated(linear, None, weight)))
     rows: dict[str, list[float]] = {}
@@ -145,9 +165,9 @@ def balanced(
     local = chart(gait.system, gait.state)
     nominal = np.concatenate(local.state(np.zeros(local.dimension)))
     zero = [0.0] * len(nominal)
-    feedback = tuple(tuple(rows.get(name, zero)) for name in INPUTS)
+    feedback = tuple(tuple(rows.get(name, zero)) for name in valid)
     closed = gait.with_law(feedback=feedback, nominal=tuple(nominal.tolist()))
-    if asymmetry(gait.system.robot, gait.state) > SYMMETRIC:
+    if not trots and asymmetry(gait.system.robot, gait.state) > SYMMETRIC:
         return replace(closed, multipliers=multipliers(closed.system, closed.state, rtol))
     values = np.concatenate([values for _, _, values in regulations])
     return replace(closed, multipliers=values[np.argsort(-np.abs(values), kind="stable")])
@@ -167,8 +187,8 @@ def regulated(linear: Linear, Q: Array | None = None, weight: float = 0.2) -> tu
     return np.asarray(K, np.float64), eigenvalues(linear.A - linear.B @ K)
 
 
-def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool, rtol: float) -> Linear:
-    """A and B over the coordinates of one parity, those across with the heading."""
+def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool | None, rtol: float) -> Linear:
+    """A and B over the coordinates of one parity, those across with the heading; None: over all, without."""
     for name in inputs:
         if name not in valid:
             raise UnknownName("input", name, valid)
@@ -177,16 +197,18 @@ def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool,
         raise BadValue("gait", gait, "one in space")
     robot = gait.system.robot
     off = asymmetry(robot, local.state(np.zeros(local.dimension)))
-    if off > NEARLY:
+    if (even is None) != bool(gait.system.mirrored_toes):
+        raise BadValue("gait", gait, "a bound" if gait.system.mirrored_toes else "a trot")
+    if off > NEARLY and even is not None:
         raise BadValue("gait", gait, "a symmetric one, or nearly so")
     scales = tuple(unit_of(name, robot) for name in inputs)
-    own = np.flatnonzero(local.lane.even == even)
+    own = np.arange(local.dimension) if even is None else np.flatnonzero(local.lane.even == even)
 
     def after(state: State, values: dict[str, float]) -> Array:
         run = return_map(with_parameters(gait.system, values), state, rtol)
         if not run.cycles:
             raise NoGait(f"a perturbed stride does not close: {run.message}", gait.residual)
-        turn = [] if even else [run.state[0][YAW] - state[0][YAW]]
+        turn = [] if even is not False else [run.state[0][YAW] - state[0][YAW]]
         return np.append(local.coordinates(run.state)[own], turn)
 
     def by_state(i: int, step: float) -> Array:
@@ -197,7 +219,7 @@ def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool,
 
     def slope(function: object, of: int | str, step: float) -> Array:
         ahead: Array = function(of, step)  # type: ignore[operator]
-        if not even and off <= SYMMETRIC:
+        if even is False and off <= SYMMETRIC:
             return ahead / step
         return (ahead - function(of, -step)) / (2.0 * step)  # type: ignore[operator,no-any-return]
 

@@ -223,8 +223,8 @@ class SpatialLaw:
 
 
 def is_angle(name: str) -> bool:
-    """Whether one of `INPUTS` is an angle; the others are torques."""
-    return name.endswith(("leg_difference", "adduction", "touchdown"))
+    """Whether one of `INPUTS`, or of a trot's, is an angle; the others are torques."""
+    return name.endswith(("leg_difference", "adduction", "spread", "touchdown"))
 
 
 def _other(end: str) -> str:
