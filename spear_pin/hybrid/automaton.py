@@ -127,7 +127,7 @@ class HybridSystem:
 
     @property
     def landing(self) -> tuple[str, Reset]:
-        """The flight phase that ends at the section, and the reset there; of halves that mirror each other the first."""
+        """The flight phase that ends at the section, and the reset there; of mirrored halves the first."""
         return self._landings[0]
 
     @cached_property
