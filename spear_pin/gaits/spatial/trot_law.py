@@ -65,6 +65,11 @@ class TrotLaw:
         nominal: section state (q, v) of the gait, x = y = yaw = 0; what feedback compares with.
         feedback: event feedback, one row for each of `TROT_INPUTS`, one column for each of `nominal`.
         feedback_limits: largest adjustment of each of `TROT_INPUTS`, in N·m and rad.
+
+    Example:
+        >>> from spear_pin import Gait
+        >>> round(Gait.load("trot").system.law.posterior_leg_touchdown, 3)  # rad
+        0.267
     """
 
     posterior_hip_torque: float

@@ -44,6 +44,12 @@ def trotting(
 
     Raises:
         BadValue: as of `bounding_in_space`.
+
+    Example:
+        >>> from spear_pin import Gait, trotting
+        >>> trot = Gait.load("trot").system
+        >>> trotting(trot.robot, trot.law).section
+        'diagonal_touchdown'
     """
     pairs = diagonals_of(robot)
     return in_pairs(
