@@ -82,8 +82,8 @@ def limbs_of(robot: Robot) -> dict[str, Limb]:
         name = f"{'anterior' if place[0] > middle[0] else 'posterior'}_{'left' if place[1] > middle[1] else 'right'}"
         sided(simple(leg))
         assert leg.abduction is not None
-        rows = (robot.index(joint) for joint in (leg.abduction, leg.hip, leg.knee))
-        found[name] = Limb(name, leg, *rows, place)
+        adduction, hip, knee = (robot.index(joint) for joint in (leg.abduction, leg.hip, leg.knee))
+        found[name] = Limb(name, leg, adduction, hip, knee, place)
     if set(found) != set(LEGS):
         raise BadValue("robot", robot, f"a quadruped with a leg at each corner: {', '.join(LEGS)}")
     return {name: found[name] for name in LEGS}

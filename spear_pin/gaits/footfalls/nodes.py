@@ -23,7 +23,7 @@ from spear_pin.model.spatial import Spatial
 Array = NDArray[np.float64]
 BASE = len(CHAIN)
 FARTHEST, LOWEST, HIGHEST = 3.0, -0.3, 0.9  # m of Q-SPEAR: along, aside; of the torso above the ground
-LEANING, TURNED, STEEPEST = 0.6, 1.5, 1.9  # rad: pitch and roll; yaw; a hip from straight down
+TURNED, STEEPEST = 1.5, 1.9  # rad: yaw; a hip from straight down
 STRAIGHT, FLEXED = 0.15, 2.4  # rad: flexion of a knee
 FASTEST = (10.0, 20.0)  # m/s and rad/s of Q-SPEAR
 HARDEST, STRONGEST = 2000.0, 4000.0  # m/s² or rad/s², N of Q-SPEAR
@@ -77,9 +77,9 @@ class Room:
     @cached_property
     def configurations(self) -> tuple[Array, Array]:
         """Least and largest q, (nv,), in SI units."""
-        length = self.scale.length
-        most = np.array([FARTHEST * length, FARTHEST * length, HIGHEST * length, TURNED, LEANING, LEANING])
-        least = np.array([-FARTHEST * length, -FARTHEST * length, LOWEST * length, -TURNED, -LEANING, -LEANING])
+        length, tilt = self.scale.length, self.request.tilt
+        most = np.array([FARTHEST * length, FARTHEST * length, HIGHEST * length, TURNED, tilt, tilt])
+        least = np.array([-FARTHEST * length, -FARTHEST * length, LOWEST * length, -TURNED, -tilt, -tilt])
         least, most = (np.concatenate([part, np.zeros(self.robot.nv - BASE)]) for part in (least, most))
         for limb in self.limbs.values():
             knee = sorted(limb.leg.knee_zero + limb.leg.side * angle for angle in (STRAIGHT, FLEXED))
@@ -163,15 +163,15 @@ class Mechanics:
         return {leg: (toes[3 * i], toes[3 * i + 1], toes[3 * i + 2]) for i, leg in enumerate(self.limbs)}
 
     def _function(self, bearing: tuple[str, ...], gravity: bool) -> Any:
-        """Of q, v, v̇ and the forces on the feet: what the motion needs; position, velocity, acceleration of each toe."""
+        """What a motion of q, v, v̇ and forces on feet needs; position, velocity, acceleration of each toe."""
         if (bearing, gravity) not in self._functions:
             ca, nv = casadi(), self.spatial.nv
             q, v, a = (ca.SX.sym(name, nv) for name in ("q", "v", "a"))
             F = ca.SX.sym("F", 3 * len(bearing))
             motion, parts = [ca.vertsplit(each) for each in (q, v, a)], ca.vertsplit(F) if bearing else []
             pushes = {self.limbs[leg].leg.toe: tuple(parts[3 * i : 3 * i + 3]) for i, leg in enumerate(bearing)}
-            feet = self.spatial.feet(*motion, ca)
-            rows = [ca.vertcat(*self.spatial.forces(*motion, ca, pushes, gravity=gravity))]
+            feet = self.spatial.feet(motion[0], motion[1], motion[2], ca)
+            rows = [ca.vertcat(*self.spatial.forces(motion[0], motion[1], motion[2], ca, pushes, gravity=gravity))]
             rows += [ca.vertcat(*part) for limb in self.limbs.values() for part in feet[limb.leg.toe]]
             self._functions[bearing, gravity] = ca.Function("mechanics", [q, v, a, F], rows, {"cse": True})
         return self._functions[bearing, gravity]

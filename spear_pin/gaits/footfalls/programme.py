@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
@@ -14,17 +14,18 @@ from numpy.typing import NDArray
 from spear_pin.gaits.collocation import Guess, Programme, casadi, hermite_simpson, quadrature
 from spear_pin.gaits.footfalls.limbs import Limb, limbs_of
 from spear_pin.gaits.footfalls.nodes import BASE, Mechanics, Node, Room
-from spear_pin.gaits.footfalls.plan import X, Y, YAW, Plan
+from spear_pin.gaits.footfalls.plan import YAW, Plan, X, Y
 from spear_pin.gaits.footfalls.request import FootfallRequest
 from spear_pin.gaits.footfalls.sequence import Bearing, opposite
 from spear_pin.hybrid.symmetry import mirror_of
 from spear_pin.model.robot import Robot
-from spear_pin.model.scale import scale_in_space
+from spear_pin.model.scale import Scale, scale_in_space
 
 Array = NDArray[np.float64]
 CONE = 0.98  # of the friction asked for: what the collocation's error may use up
 OF_EFFORT = 1e-3  # what the effort is multiplied by to be of order ten
 FALLS = 0.1  # m/s of Q-SPEAR: at least, of a foot that lands
+HITS = 30.0  # of 10 N·s of Q-SPEAR: at most
 RISES = 1.0  # m/s² of Q-SPEAR: at least, of one that lifts off
 ROUND = 1e-6  # rad²: about which a spring that pulls only is smooth
 CONSTANTS = ("hip", "knee", "adduction")
@@ -37,22 +38,22 @@ class Transcription:
     Attributes:
         request: what is asked.
         programme: to be solved.
-        limbs: the robot's legs.
+        scale: the robot's size.
+        names: of the phases among the unknowns.
         phases: the nodes of each phase.
         torques: of the motors at each of them, nv - 6.
         durations: of the phases.
         constants: of the stance law, of each leg: hip, knee and adduction.
-        stride: distance of all phases.
     """
 
     request: FootfallRequest
     programme: Programme
-    limbs: Mapping[str, Limb]
+    scale: Scale
+    names: list[str]
     phases: list[list[Node]] = field(default_factory=list)
     torques: list[list[Any]] = field(default_factory=list)
     durations: list[Any] = field(default_factory=list)
     constants: dict[str, tuple[Any, Any, Any]] = field(default_factory=dict)
-    stride: Any = 0.0
 
 
 def transcribe(robot: Robot, request: FootfallRequest, *, start: Guess | None = None) -> Transcription:
@@ -76,8 +77,18 @@ def transcribe(robot: Robot, request: FootfallRequest, *, start: Guess | None = 
     return writer.result
 
 
-def name_of(phase: int, bearing: Sequence[str]) -> str:
-    """Name of a phase among the unknowns, in words."""
+def impulse_name(phase: str, leg: str) -> str:
+    """Name of the impulse on a leg's foot as a phase begins."""
+    return f"impulse of {leg} into {phase}"
+
+
+def constant_name(leg: str, name: str) -> str:
+    """Name of a constant of the stance law of a leg, one of `CONSTANTS`."""
+    return f"{leg} {name}"
+
+
+def _named(phase: int, bearing: Sequence[str]) -> str:
+    """Name of a phase, in words."""
     return f"phase {phase + 1}, {' and '.join(each.replace('_', ' ') for each in bearing) or 'flight'}"
 
 
@@ -91,9 +102,9 @@ class _Writer:
         gravity = float(np.linalg.norm(robot.model.gravity.linear))
         self.plan = Plan(self.limbs, request, self.scale, robot.mass * gravity)
         self.unit, self.force = self.room.units
-        self.names = [name_of(i, phase) for i, phase in enumerate(request.footfalls.phases)]
+        self.names = [_named(i, phase) for i, phase in enumerate(request.footfalls.phases)]
         self.landed: dict[str, Node] = {}
-        self.result = Transcription(request, programme, self.limbs)
+        self.result = Transcription(request, programme, self.scale, self.names)
 
     # phases
 
@@ -131,8 +142,8 @@ class _Writer:
         if law is None:
             return
         most = law.most
-        self.result.constants[leg] = tuple(  # type: ignore[assignment]
-            self.programme.variable(f"{leg} {name}", 0.0, -most, most, 0.2 * most) for name in CONSTANTS
+        self.result.constants[leg] = tuple(
+            self.programme.variable(constant_name(leg, name), 0.0, -most, most, 0.2 * most) for name in CONSTANTS
         )
         flexion = self.limbs[leg].flexion(node.q)
         self.programme.require(f"knee of {leg} at touchdown", flexion, law.knee_rest, law.knee_rest)
@@ -208,46 +219,48 @@ class _Writer:
     # between phases
 
     def join(self, i: int) -> None:
-        """A phase follows another: feet lift off, and others land by an impact."""
+        """A phase follows another."""
         last, first, label = self.result.phases[i - 1][-1], self.result.phases[i][0], f"motion in {self.names[i]}"
         before, after = (self.request.footfalls.phases[j] for j in (i - 1, i))
         self.programme.require(label, first.q - last.q, 0.0, 0.0, scale=self.unit)
         for leg in before:
             if leg not in after:
-                self.lifts(i, leg, last, first)
-        if landing := [leg for leg in after if leg not in before]:
-            self.strike(i, last, first.v, after, landing)
-        else:
-            self.programme.require(label, first.v - last.v, 0.0, 0.0, scale=self.unit / self.scale.time)
+                self.lifts(f"{leg} lifts off into {self.names[i]}", self.limbs[leg], last, first.toes[leg])
+        self.strike(i, last, first.v, after, before)
 
-    def lifts(self, i: int, leg: str, last: Node, first: Node) -> None:
-        """A foot leaves the ground."""
-        law, unit = self.request.law, 10.0 * self.scale.length / self.scale.time**2
-        _, _, acceleration = first.toes[leg]
-        label = f"{leg} lifts off into {self.names[i]}"
-        self.programme.require(label, acceleration[2], 0.1 * RISES * unit, scale=unit)
-        if law is not None:
-            self.programme.require(label, self.limbs[leg].flexion(last.q), law.knee_rest, law.knee_rest)
+    def lifts(self, label: str, limb: Limb, last: Node, toe: tuple[Any, Any, Any]) -> None:
+        """A foot leaves the ground, rising, by the law as its knee is back."""
+        unit = 10.0 * self.scale.length / self.scale.time**2
+        self.programme.require(label, toe[2][2], RISES * 0.1 * unit, scale=unit)
+        if (law := self.request.law) is not None:
+            self.programme.require(label, limb.flexion(last.q), law.knee_rest, law.knee_rest)
 
-    def strike(self, i: int, before: Node, v: Any, bearing: Sequence[str], landing: Sequence[str]) -> None:
-        """Feet land: those that bear then are at rest, by impulses within the cone."""
+    def strike(self, i: int, before: Node, v: Any, bearing: Sequence[str], bore: Sequence[str]) -> None:
+        """Feet land: those that bear then are at rest, by impulses within the cone; where none lands nothing happens.
+
+        Args:
+            i: number of the phase that begins.
+            before: the last node before it.
+            v: velocity after it.
+            bearing: the legs on the ground then.
+            bore: those that were.
+        """
         programme, scale, label = self.programme, self.scale, f"touchdown into {self.names[i]}"
+        landing = [leg for leg in bearing if leg not in bore]
+        if not landing:
+            programme.require(f"motion in {self.names[i]}", v - before.v, 0.0, 0.0, scale=self.unit / scale.time)
+            return
         unit, speed = 10.0 * scale.force * scale.time, scale.speed
+        least, most = [-HITS, -HITS, 1e-3], [HITS, HITS, 2.0 * HITS]
         impulses = {
-            leg: programme.variable(
-                f"{label}, impulse of {leg}",
-                [0.0, 0.0, unit],
-                [-30.0 * unit, -30.0 * unit, 1e-3 * unit],
-                60.0 * unit,
-                unit,
-            )
+            leg: programme.variable(impulse_name(self.names[i], leg), [0.0, 0.0, 1.0], least, most, unit=unit)
             for leg in bearing
         }
         missed = self.mechanics.struck(before.q, v - before.v, impulses)
         programme.require(label, missed, 0.0, 0.0, scale=10.0 * self.force * scale.time)
-        resting = self.mechanics.moving(before.q, v)
+        after = self.mechanics.moving(before.q, v)
         for leg in bearing:
-            programme.require(label, resting[leg][1], 0.0, 0.0, scale=speed)
+            programme.require(label, after[leg][1], 0.0, 0.0, scale=speed)
             self.cone(f"friction at {label}", impulses[leg], unit)
         for leg in landing:
             position, velocity, _ = before.toes[leg]
@@ -259,35 +272,31 @@ class _Writer:
     def close(self) -> None:
         """The last state is the first one, moved on, turned or mirrored; the speed; what is minimised."""
         programme, request, scale, result = self.programme, self.request, self.scale, self.result
-        first, last = result.phases[0][0], result.phases[-1][-1]
-        period, bearing = sum(result.durations), request.footfalls.phases[0]
-        advance = request.speed * period * float(np.sinc(0.5 * request.turn / math.pi))
-        q, v = self.image(first.q), self.moved(first.v)
-        along, aside = (advance * part(0.5 * request.turn) for part in (math.cos, math.sin))
-        q[X], q[Y], q[YAW] = along, q[Y] + aside, q[YAW] + request.turn
+        first, last, mirrored = result.phases[0][0], result.phases[-1][-1], request.footfalls.mirrored
+        period, half_turn = sum(result.durations), 0.5 * request.turn
+        advance = request.speed * period * float(np.sinc(half_turn / math.pi))
+        q = self.image(first.q)
+        q[X], q[Y], q[YAW] = advance * math.cos(half_turn), q[Y] + advance * math.sin(half_turn), q[YAW] + request.turn
         programme.require("origin", first.q[X], 0.0, 0.0, scale=scale.length)
-        if request.footfalls.mirrored:
-            bearing = tuple(map(opposite, bearing))
-        else:
+        if not mirrored:  # a mirrored stride is in the middle, and heads along its path, as it is
             programme.require("origin", first.q[Y], 0.0, 0.0, scale=scale.length)
+            phases = zip(result.durations, result.phases, strict=True)
+            turned = sum(quadrature(time, [node.q[YAW] for node in nodes]) for time, nodes in phases)
+            programme.require("heading", turned - half_turn * period, 0.0, 0.0, scale=scale.time)
         programme.require("closing", last.q - q, 0.0, 0.0, scale=self.unit)
-        for leg in self.request.footfalls.phases[-1]:
+        images = {opposite(leg) if mirrored else leg: leg for leg in self.limbs}
+        bearing = tuple(leg for leg in self.limbs if images[leg] in request.footfalls.phases[0])
+        bore = request.footfalls.phases[-1]
+        for leg in bore:
             if leg not in bearing:
-                self.lifts_at_closing(leg, last)
-        self.strike(0, last, v, bearing, [leg for leg in bearing if leg not in request.footfalls.phases[-1]])
-        times = 2.0 if request.footfalls.mirrored else 1.0
-        programme.require("duration of the stride", times * period, 0.0, request.longest_stride, scale=scale.time)
-        phases = zip(result.durations, result.torques, strict=True)
-        effort = sum(quadrature(time, [casadi().dot(u, u) for u in torques]) for time, torques in phases)
-        result.stride = request.speed * period
+                self.lifts(f"{leg} lifts off as the stride ends", self.limbs[leg], last, first.toes[images[leg]])
+        self.strike(0, last, self.turned(self.image(first.v)), bearing, bore)
+        whole = (2.0 if mirrored else 1.0) * period
+        programme.require("duration of the stride", whole, 0.0, request.longest_stride, scale=scale.time)
+        torques = zip(result.durations, result.torques, strict=True)
+        effort = sum(quadrature(time, [casadi().dot(u, u) for u in each]) for time, each in torques)
         unit = scale.torque**2 * scale.time / scale.length
-        programme.objective = OF_EFFORT * effort / (result.stride * unit)
-
-    def lifts_at_closing(self, leg: str, last: Node) -> None:
-        """A foot leaves the ground as a stride ends."""
-        if self.request.law is not None:
-            rest = self.request.law.knee_rest
-            self.programme.require(f"{leg} lifts off", self.limbs[leg].flexion(last.q), rest, rest)
+        programme.objective = OF_EFFORT * effort / (request.speed * period * unit)
 
     def image(self, vector: Any) -> Any:
         """A configuration or velocity of the first node where the stride closes, mirrored if it is then."""
@@ -298,10 +307,8 @@ class _Writer:
             seen[of] = sign * vector[i]
         return seen
 
-    def moved(self, v: Any) -> Any:
-        """A velocity of the first node where the stride closes."""
-        seen, turn = self.image(v), self.request.turn
-        x, y = seen[X], seen[Y]
-        seen[X] = math.cos(turn) * x - math.sin(turn) * y
-        seen[Y] = math.sin(turn) * x + math.cos(turn) * y
+    def turned(self, v: Any) -> Any:
+        """A velocity turned by the turn of a stride."""
+        cosine, sine, seen = math.cos(self.request.turn), math.sin(self.request.turn), +v
+        seen[X], seen[Y] = cosine * v[X] - sine * v[Y], sine * v[X] + cosine * v[Y]
         return seen

@@ -62,6 +62,7 @@ class FootfallRequest:
         minimum_force: least normal force on a foot on the ground, in N.
         clearance: height that a foot has at least in the middle of its way through the air, in m.
         adduction: largest angle of the adduction joints, in rad: nothing else keeps them from their limits in the air.
+        tilt: largest pitch and roll of the torso, in rad.
         shortest: least durations of a phase on the ground and of a flight, in s.
         longest: of any phase, in s.
         longest_stride: of the stride, in s; of least effort is often the longest one.
@@ -81,6 +82,7 @@ class FootfallRequest:
     minimum_force: float = 20.0
     clearance: float = 0.05
     adduction: float = 0.35
+    tilt: float = 0.35
     shortest: tuple[float, float] = (0.03, 0.02)
     longest: float = 0.4
     longest_stride: float = 0.8
@@ -123,7 +125,8 @@ class FootfallRequest:
         require("friction", self.friction, lambda mu: mu > 0, "a number > 0")
         for name, unit in (("minimum_force", "N"), ("clearance", "m")):
             require(name, getattr(self, name), lambda number: number >= 0, f"a number >= 0, in {unit}")
-        require("adduction", self.adduction, lambda angle: 0 < angle < math.pi / 2, "between 0 and π/2 rad")
+        for name in ("adduction", "tilt"):
+            require(name, getattr(self, name), lambda angle: 0 < angle < math.pi / 2, "between 0 and π/2 rad")
         if len(self.shortest) != 2 or not 0 < min(self.shortest) <= max(self.shortest) < self.longest:
             raise BadValue("shortest", self.shortest, f"two durations > 0, below the longest, {self.longest:g} s")
         require("longest_stride", self.longest_stride, lambda time: time > 0, "a number > 0, in s")
