@@ -146,10 +146,10 @@ def load(
     if wanted_base in ("free", "chain"):
         check_floating(draft.place, model)
     model, mended = with_inertia(draft.place, model, repair)
-    model = on_chain(model) if wanted_base == "chain" else model
     asked = "all" if motors == "all" else None if motors is None else _names(motors)
     wanted = driven if asked is None else asked
     model, actuated = with_motors(model, draft.motors if wanted is None else wanted, locked)
+    model = on_chain(model) if wanted_base == "chain" else model
     notes = [*draft.notes, *mended]
     if wanted is None and not draft.motors and drivable(model):
         notes.append('no joint has a motor: motors="all" gives one to each, motors=[...] to those that it names')
