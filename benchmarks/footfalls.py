@@ -1,6 +1,6 @@
 """Gaits in space by collocation, from cold: `python -m benchmarks.footfalls [--write]`.
 
-Of each: how it closes, unknowns, iterations, CPU time to build and to solve the programme, the stride, its effort and cost
+Of each: how it closes, unknowns, iterations, CPU time to build and to solve, the stride, its effort and cost
 of transport, and how well it obeys mechanics between its nodes. With `--write` the table goes into docs/space.md. It
 takes some minutes on one core; needs the extra `optimize`.
 """
@@ -15,7 +15,7 @@ from spear_pin import load
 from spear_pin.gaits.footfalls.checking import violations
 from spear_pin.gaits.footfalls.collocate import collocated
 from spear_pin.gaits.footfalls.course import CollocatedGait
-from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw
+from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 
 PAGE = Path(__file__).parents[1] / "docs" / "space.md"
@@ -32,6 +32,7 @@ REQUESTS = {
         footfalls=TROT.unfolded, speed=2.0, turn=math.radians(15.0)
     ),
     "trot, 2 m/s, law on the ground": FootfallRequest(footfalls=TROT, speed=2.0, law=StanceLaw()),
+    "trot, 2 m/s, law in the air too": FootfallRequest(footfalls=TROT, speed=2.0, law=StanceLaw(), swing=SwingLaw()),
     "pace, 2 m/s": FootfallRequest(footfalls=FOOTFALLS["pace"], speed=2.0),
     "pace, 2 m/s, law on the ground": FootfallRequest(footfalls=FOOTFALLS["pace"], speed=2.0, law=StanceLaw()),
     "pronk, 2 m/s": FootfallRequest(footfalls=FOOTFALLS["pronk"], speed=2.0),

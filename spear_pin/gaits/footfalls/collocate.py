@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.collocation import Progress, Solution, casadi, resampled
-from spear_pin.gaits.footfalls.course import CollocatedGait, Stretch
+from spear_pin.gaits.footfalls.course import CollocatedGait, Stretch, Swing
 from spear_pin.gaits.footfalls.programme import (
     CONSTANTS,
     OF_EFFORT,
@@ -115,6 +115,7 @@ def _read(
                 needed=needed,
                 forces=dict(zip(bearing, forces, strict=False)),
                 impulses={leg: impulse for leg, impulse in struck.items() if impulse is not None},
+                evolutions=_swings(transcription, i, solution),
             )
         )
         begun += lasting
@@ -126,3 +127,12 @@ def _read(
     unit = transcription.scale.torque**2 * transcription.scale.time / transcription.scale.length
     effort = solution.objective / OF_EFFORT * unit
     return CollocatedGait(robot, request, tuple(stretches), constants, effort, solution, seconds)
+
+
+def _swings(transcription: Transcription, phase: int, solution: Solution) -> dict[str, Swing]:
+    found: dict[str, Swing] = {}
+    for leg, (evolution, aim) in (transcription.evolutions[phase] if transcription.evolutions else {}).items():
+        parts = casadi().vertcat(*evolution.alpha[0], *evolution.alpha[1], evolution.origin, evolution.span, aim)
+        *alpha, origin, span, adduction = transcription.programme.read(parts, solution).tolist()
+        found[leg] = Swing(np.array(alpha).reshape(2, -1), origin, span, adduction)
+    return found

@@ -16,6 +16,23 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class Swing:
+    """What the law does with a leg in the air in a phase.
+
+    Attributes:
+        alpha: Bézier coefficients of leg angle and knee, (2, 6), in rad.
+        origin: of the phase variable: the mean leg angle of the legs on the ground, in rad, or the torso's x, in m.
+        span: change of it from s = 0 to s = 1.
+        adduction: angle to which the adduction is brought, in rad.
+    """
+
+    alpha: Array
+    origin: float
+    span: float
+    adduction: float
+
+
+@dataclass(frozen=True)
 class Stretch:
     """A phase of a collocated gait. Of n intervals it has 2 n + 1 nodes, their ends and middles.
 
@@ -28,6 +45,7 @@ class Stretch:
         u: torques of the motors, in the order of the coordinates, (nodes, nv - 6), in N·m.
         needed: torques of the joints with those of the knee springs, (nodes, nv - 6), in N·m.
         forces: of the ground on the foot of each leg on it, x, y and z of the world, (nodes, 3), in N.
+        evolutions: of the swing law if one was asked for, of each leg in the air.
         impulses: on the feet of the legs on the ground, of the impact that the phase begins with, (3,), in N·s; of the
             first phase where the stride closes, mirrored and turned as the gait then is.
     """
@@ -41,6 +59,7 @@ class Stretch:
     needed: Array
     forces: Mapping[str, Array]
     impulses: Mapping[str, Array]
+    evolutions: Mapping[str, Swing]
 
     @property
     def duration(self) -> float:

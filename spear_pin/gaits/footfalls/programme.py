@@ -17,6 +17,8 @@ from spear_pin.gaits.footfalls.nodes import BASE, Mechanics, Node, Room
 from spear_pin.gaits.footfalls.plan import YAW, Plan, X, Y
 from spear_pin.gaits.footfalls.request import FootfallRequest
 from spear_pin.gaits.footfalls.sequence import Bearing, opposite
+from spear_pin.gaits.footfalls.swing import Air, Swings
+from spear_pin.gaits.virtual_constraints import Evolution
 from spear_pin.hybrid.symmetry import mirror_of
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import Scale, scale_in_space
@@ -44,6 +46,7 @@ class Transcription:
         torques: of the motors at each of them, nv - 6.
         durations: of the phases.
         constants: of the stance law, of each leg: hip, knee and adduction.
+        evolutions: of the swing law in each phase, of each leg in the air, and where its adduction lands.
     """
 
     request: FootfallRequest
@@ -54,6 +57,7 @@ class Transcription:
     torques: list[list[Any]] = field(default_factory=list)
     durations: list[Any] = field(default_factory=list)
     constants: dict[str, tuple[Any, Any, Any]] = field(default_factory=dict)
+    evolutions: list[dict[str, tuple[Evolution, Any]]] = field(default_factory=list)
 
 
 def transcribe(robot: Robot, request: FootfallRequest, *, start: Guess | None = None) -> Transcription:
@@ -104,6 +108,9 @@ class _Writer:
         self.unit, self.force = self.room.units
         self.names = [_named(i, phase) for i, phase in enumerate(request.footfalls.phases)]
         self.landed: dict[str, Node] = {}
+        self.aims: dict[str, Any] = {}
+        law, swing = request.law, request.swing
+        self.swings = Swings(programme, self.limbs, swing, self.scale, law.knee_rest) if law and swing else None
         self.result = Transcription(request, programme, self.scale, self.names)
 
     # phases
@@ -130,10 +137,29 @@ class _Writer:
             self.keep(label, node, bearing)
             time = plan.begins(i) + plan.durations[i] * k / count
             self.clear(label, node, [(leg, plan.swung(leg, time)) for leg in self.limbs if leg not in bearing])
+        if self.swings is not None:
+            self.swing(i, self.swings)
         speed = self.unit / self.scale.time
         for part, slope, unit in (("q", "v", self.unit), ("v", "a", speed)):
             x, f = ([getattr(node, name) for node in nodes] for name in (part, slope))
             hermite_simpson(programme, f"motion in {label}", duration, x, f, unit)
+
+    def swing(self, i: int, swings: Swings) -> None:
+        """Legs in the air follow the law."""
+        phases, nodes = self.request.footfalls.whole, self.result.phases[i]
+        landing = tuple(leg for leg in phases[(i + 1) % len(phases)] if leg not in phases[i])
+        air, begins, lasts = Air(self.names[i], phases[i], landing, nodes), self.plan.begins(i), self.plan.durations[i]
+        aims = {leg: self.aim(leg) for leg in self.limbs if leg not in phases[i]}
+        found = swings.follow(air, lambda s: self.plan.q(begins + s * lasts, self.robot.nv), aims)
+        self.result.evolutions.append({leg: (evolution, aims[leg]) for leg, evolution in found.items()})
+
+    def aim(self, leg: str) -> Any:
+        """Angle at which a leg's adduction lands; of mirrored footfalls a right leg's is that of the left one."""
+        own = opposite(leg) if self.request.footfalls.mirrored and leg.endswith("right") else leg
+        if own not in self.aims:
+            most = self.request.adduction
+            self.aims[own] = self.programme.variable(f"{own} adduction lands at", 0.0, -most, most)
+        return self.aims[own] if own == leg else -self.aims[own]
 
     def lands(self, leg: str, node: Node) -> None:
         """A leg begins to bear: its spring is latched, and its law's constants hold from here on."""

@@ -51,6 +51,26 @@ class StanceLaw:
 
 @typed
 @dataclass(frozen=True)
+class SwingLaw:
+    """What legs do in the air, in the form of `SpatialLaw`: coefficients are left free.
+
+    In each phase leg angle and knee follow Bézier polynomials over a phase variable, which begin as the leg is, (5.22):
+    the mean leg angle of the legs on the ground, or the travel of the torso where there are none. The last three
+    coefficients of a leg that is about to land are where it does. Adductions come to the angle at which they land.
+
+    Attributes:
+        adduction_epsilon: ε of the adduction, in s.
+    """
+
+    adduction_epsilon: float = 0.04
+
+    def __post_init__(self) -> None:
+        """Check the field."""
+        require("SwingLaw.adduction_epsilon", self.adduction_epsilon, lambda e: e > 0, "a number > 0, in s")
+
+
+@typed
+@dataclass(frozen=True)
 class FootfallRequest:
     """Request for a gait in space. Defaults are for Q-SPEAR; for another robot see `scaled`.
 
@@ -68,6 +88,7 @@ class FootfallRequest:
         longest_stride: of the stride, in s; of least effort is often the longest one.
         spring: of each knee, engaged from touchdown to lift-off; None: there is none.
         law: what torques are on the ground; None: whatever they have to be.
+        swing: what legs do in the air, where there is a law on the ground; None: whatever they have to.
 
     Example:
         >>> from spear_pin.gaits.footfalls.request import FootfallRequest
@@ -88,6 +109,7 @@ class FootfallRequest:
     longest_stride: float = 0.8
     spring: Spring | None = SPRING
     law: StanceLaw | None = None
+    swing: SwingLaw | None = None
 
     @classmethod
     @typed
@@ -130,5 +152,7 @@ class FootfallRequest:
         if len(self.shortest) != 2 or not 0 < min(self.shortest) <= max(self.shortest) < self.longest:
             raise BadValue("shortest", self.shortest, f"two durations > 0, below the longest, {self.longest:g} s")
         require("longest_stride", self.longest_stride, lambda time: time > 0, "a number > 0, in s")
+        if self.swing is not None and self.law is None:
+            raise BadValue("swing", self.swing, "None without a law on the ground")
         if self.spring is not None and self.spring.rest is not None:
             raise BadValue("spring.rest", self.spring.rest, "None: springs are switched")

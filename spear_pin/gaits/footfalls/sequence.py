@@ -93,6 +93,6 @@ FOOTFALLS: Mapping[str, Footfalls] = {
     "pace": _of((5, 3), "pl al", "", mirrored=True),
     "pronk": _of((5, 4), "pl pr al ar", ""),
     "bound": _of((5, 3, 5, 3), "pl pr", "", "al ar", ""),
-    "gallop": _of((3, 3, 3, 2, 3, 3, 3, 2), "pl", "pl pr", "pr", "", "al", "al ar", "ar", ""),
+    "gallop": _of((2, 4, 2, 2, 2, 4, 2, 2), "pl", "pl pr", "pr", "", "al", "al ar", "ar", ""),
 }
 """Footfalls of gaits by name, on meshes that are coarse."""

@@ -14,8 +14,10 @@ from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.footfalls.checking import violations
 from spear_pin.gaits.footfalls.collocate import collocated
 from spear_pin.gaits.footfalls.limbs import limbs_of
-from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw
+from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, opposite
+from spear_pin.gaits.spatial.legs import pairs_of
+from spear_pin.gaits.virtual_constraints import Evolution, Outputs, Sum, errors, value
 from spear_pin.hybrid.symmetry import mirror_of, turned
 
 pytestmark = pytest.mark.extra("casadi")
@@ -121,6 +123,34 @@ class TestLaw:
             np.testing.assert_allclose(stretch.needed[:, limb.knee - 6], total, atol=1e-5)
             np.testing.assert_allclose(stretch.u[:, limb.adduction - 6], held, atol=1e-5)
             np.testing.assert_allclose(flexed[[0, -1]], 0.0, atol=1e-7)
+
+
+@pytest.mark.slow
+class TestLawInTheAir:
+    def test_outputs_are_zero(self, robot):
+        """What the law controls in the air is where it is to be, by the functions that simulation runs."""
+        request = FootfallRequest(speed=2.0, law=StanceLaw(), swing=SwingLaw())
+        gait = collocated(robot, request)
+        legs = {leg.name: leg for pair in pairs_of(robot) for leg in pair}
+        for stretch in gait.stretches:
+            bearing = [legs[name] for name in stretch.bearing]
+            for name, swing in stretch.evolutions.items():
+                phase = Sum(tuple((0.5, leg.angle) for leg in bearing)) if bearing else ((0, 1.0),)
+                outputs = Outputs(legs[name].rows, phase, ())
+                evolution = Evolution(tuple(map(tuple, swing.alpha)), swing.origin, swing.span)
+                for q, v in zip(stretch.q[:-1], stretch.v[:-1], strict=True):
+                    y, dy = errors(outputs, evolution, q, v)
+                    np.testing.assert_allclose(y, 0.0, atol=2e-3)
+                    np.testing.assert_allclose(dy, 0.0, atol=0.1)
+                i = legs[name].adduction
+                off, rate, epsilon = stretch.q[:, i] - swing.adduction, stretch.v[:, i], request.swing.adduction_epsilon
+                np.testing.assert_allclose(stretch.a[:, i], -off / epsilon**2 - 2.0 * rate / epsilon, atol=1e-4)
+        last = gait.stretches[1]
+        for name in ("posterior_right", "anterior_left"):
+            q, v = last.q[-1].tolist(), last.v[-1].tolist()
+            assert value(legs[name].angle, q) == pytest.approx(last.evolutions[name].alpha[0, -1], abs=2e-3)
+            assert value(legs[name].angle, v) == pytest.approx(0.0, abs=0.1)
+            assert abs(q[legs[name].knee]) == pytest.approx(request.law.knee_rest, abs=1e-6)
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ from spear_pin import Spring, load
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.footfalls.limbs import limbs_of
 from spear_pin.gaits.footfalls.plan import Plan
-from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw
+from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, LEGS, Footfalls
 from spear_pin.model.scale import scale_in_space
 
@@ -56,6 +56,7 @@ class TestRequest:
             ({"turn": 2.0, "footfalls": FOOTFALLS["bound"]}, "turn"),
             ({"shortest": (0.5, 0.02)}, "shortest"),
             ({"tilt": 2.0}, "tilt"),
+            ({"swing": SwingLaw()}, "without a law"),
             ({"spring": Spring(rest=0.5)}, "switched"),
         ],
     )
