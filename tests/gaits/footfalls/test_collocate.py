@@ -140,16 +140,16 @@ class TestLawInTheAir:
                 evolution = Evolution(tuple(map(tuple, swing.alpha)), swing.origin, swing.span)
                 for q, v in zip(stretch.q[:-1], stretch.v[:-1], strict=True):
                     y, dy = errors(outputs, evolution, q, v)
-                    np.testing.assert_allclose(y, 0.0, atol=2e-3)
-                    np.testing.assert_allclose(dy, 0.0, atol=0.1)
+                    np.testing.assert_allclose(y, 0.0, atol=5e-3)
+                    np.testing.assert_allclose(dy, 0.0, atol=0.3)
                 i = legs[name].adduction
                 off, rate, epsilon = stretch.q[:, i] - swing.adduction, stretch.v[:, i], request.swing.adduction_epsilon
                 np.testing.assert_allclose(stretch.a[:, i], -off / epsilon**2 - 2.0 * rate / epsilon, atol=1e-4)
         last = gait.stretches[1]
         for name in ("posterior_right", "anterior_left"):
             q, v = last.q[-1].tolist(), last.v[-1].tolist()
-            assert value(legs[name].angle, q) == pytest.approx(last.evolutions[name].alpha[0, -1], abs=2e-3)
-            assert value(legs[name].angle, v) == pytest.approx(0.0, abs=0.1)
+            assert value(legs[name].angle, q) == pytest.approx(last.evolutions[name].alpha[0, -1], abs=5e-3)
+            assert value(legs[name].angle, v) == pytest.approx(0.0, abs=0.3)
             assert abs(q[legs[name].knee]) == pytest.approx(request.law.knee_rest, abs=1e-6)
 
 
