@@ -19,7 +19,7 @@ from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Row
 from spear_pin.hybrid.engines.sliding import Grounded, Sliding, Ways
 from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
-from spear_pin.hybrid.rules.footing import Rubbing
+from spear_pin.hybrid.rules.footing import Rubbing, along
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.robot import WORLD_ALIGNED
 
@@ -110,6 +110,17 @@ class Flow:
         """Have `u`, `a` and the others at a state, which is not evaluated again if it was in the last call."""
         if self._at is None or self._at[0] != t or self._at[1] is not y:
             self(t, y)
+
+    def arrive(self, t: float, y: Array) -> None:
+        """Motion has come to a state, which is more than to have been tried there."""
+        if not self._sliding.sets_out:
+            return
+        self.visit(t, y)
+        if not self._ways:
+            return  # no value there
+        speeds = {toe: math.hypot(*self.toe_velocity(toe)[:-1]) for toe, _ in self._slips}
+        rates = {toe: along(self._ways[toe], self.toe_acceleration(toe)[:-1]) for toe, _ in self._slips}
+        self._sliding.arrive(speeds, rates, self._ways)
 
     def _derivative(self, t: float, y: Array) -> Array:
         nv = self._nv
