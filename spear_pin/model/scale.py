@@ -64,17 +64,17 @@ def scale_of(robot: Robot) -> Scale:
 
 
 def scale_in_space(robot: Robot) -> Scale:
-    """A quadruped's size against Q-SPEAR's, as of `scale_of`.
+    """A quadruped's size in space against Q-SPEAR's.
 
     Args:
-        robot: in space, with legs of hip and knee.
+        robot: as `load` has it, not in the plane.
 
     Raises:
-        BadValue: it has no legs.
+        BadValue: it has no legs of hip and knee.
     """
     if not robot.legs:
-        raise BadValue("robot", robot, "one with legs")
-    return Scale(*(own / of for own, of in zip(_measured(robot), _measured(q_spear()), strict=True)))
+        raise BadValue("robot", robot, "one with legs of hip and knee")
+    return Scale(*(own / of for own, of in zip(_measured(robot), _measured(q_spear_full()), strict=True)))
 
 
 def touchdown_inertia(robot: Robot, knee: float) -> Array:
@@ -119,6 +119,14 @@ def q_spear() -> Robot:
     from spear_pin.model.loading import load
 
     return load("q_spear")
+
+
+@cache
+def q_spear_full() -> Robot:
+    """Q-SPEAR in space, loaded once."""
+    from spear_pin.model.loading import load
+
+    return load("q_spear_full", base="chain")
 
 
 def _size(robot: Robot) -> tuple[float, float, float]:
