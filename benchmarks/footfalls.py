@@ -65,9 +65,7 @@ def row(name: str, gait: CollocatedGait) -> str:
     closes = "mirrored half" if request.footfalls.mirrored else "turned" if request.turn else "whole"
     unknowns = sum(len(value) for value in solution.values.values())
     built, solved = gait.seconds
-    numbers = (
-        f"{unknowns:,} | {solution.iterations} | {built:.1f} | {solved:.1f} | {gait.period:.3f} | {gait.effort:.0f}"
-    )
+    numbers = f"{unknowns:,} | {gait.iterations} | {built:.1f} | {solved:.1f} | {gait.period:.3f} | {gait.effort:.0f}"
     return f"{name} | {closes} | {numbers} | {gait.cost_of_transport:.3f} | {found.motion:.3f} | {1e3 * found.slip:.1f}"
 
 

@@ -45,7 +45,8 @@ def collocated(
         robot: a quadruped on a chain, such as `load("q_spear_full", base="chain")`, or another whose legs have
             adduction, hip and knee.
         request: what is asked.
-        start: the solution of another request to start from; by default a rough motion of the same footfalls.
+        start: the solution of another request to start from; by default a rough motion of the same footfalls, and of
+            a law in the air the gait without it.
         meshes: how many times the intervals of the footfalls each of several solves has, one after another.
         iterations: at most, of each.
         on_iteration: called with the optimiser's iteration, objective and largest violation.
@@ -64,20 +65,25 @@ def collocated(
     """
     if not meshes or min(meshes) < 1:
         raise BadValue("meshes", meshes, "whole numbers, at least 1")
-    solution, built, solved = start, 0.0, 0.0
-    for times in meshes:
+    solution, taken, built, solved = start, 0, 0.0, 0.0
+    for stage in _stages(request, meshes, cold=start is None):
         begun = time.process_time()
-        footfalls = request.footfalls.finer(times)
-        transcription = transcribe(
-            robot, replace(request, footfalls=footfalls), start=None if solution is None else resampled(solution)
-        )
+        transcription = transcribe(robot, stage, start=None if solution is None else resampled(solution))
         ready = time.process_time()
         solution = transcription.programme.solve(iterations=iterations, on_iteration=on_iteration)
         built, solved = built + ready - begun, solved + time.process_time() - ready
+        taken += solution.iterations
         if not solution.success:
             raise _failure(solution)
     assert solution is not None
-    return _read(robot, transcription, solution, (built, solved))
+    return _read(robot, transcription, solution, taken, (built, solved))
+
+
+def _stages(request: FootfallRequest, meshes: Sequence[int], *, cold: bool) -> list[FootfallRequest]:
+    """Requests one after another: from cold the law in the air comes last, and each mesh after the coarser one."""
+    first = replace(request, footfalls=request.footfalls.finer(meshes[0]), swing=None)
+    wanted = [replace(request, footfalls=request.footfalls.finer(times)) for times in meshes]
+    return [first, *wanted] if cold and request.swing is not None else wanted
 
 
 def _failure(solution: Solution) -> NoGait:
@@ -88,7 +94,7 @@ def _failure(solution: Solution) -> NoGait:
 
 
 def _read(
-    robot: Robot, transcription: Transcription, solution: Solution, seconds: tuple[float, float]
+    robot: Robot, transcription: Transcription, solution: Solution, taken: int, seconds: tuple[float, float]
 ) -> CollocatedGait:
     request, programme, stretches, begun = transcription.request, transcription.programme, [], 0.0
     for i, (nodes, torques) in enumerate(zip(transcription.phases, transcription.torques, strict=True)):
@@ -126,7 +132,7 @@ def _read(
     }
     unit = transcription.scale.torque**2 * transcription.scale.time / transcription.scale.length
     effort = solution.objective / OF_EFFORT * unit
-    return CollocatedGait(robot, request, tuple(stretches), constants, effort, solution, seconds)
+    return CollocatedGait(robot, request, tuple(stretches), constants, effort, solution, taken, seconds)
 
 
 def _swings(transcription: Transcription, phase: int, solution: Solution) -> dict[str, Swing]:

@@ -78,6 +78,7 @@ class CollocatedGait:
         constants: of the stance law if one was asked for, of each leg: hip, knee and adduction, in N·m.
         effort: integral of the squared motor torques over the distance, in N²m²s/m.
         solution: the optimiser's, to start another search from.
+        iterations: of all the programmes solved on the way.
         seconds: that building and solving the programmes took, of CPU.
     """
 
@@ -87,6 +88,7 @@ class CollocatedGait:
     constants: Mapping[str, tuple[float, float, float]]
     effort: float
     solution: Solution
+    iterations: int
     seconds: tuple[float, float]
 
     @property

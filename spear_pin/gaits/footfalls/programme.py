@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.gaits.collocation import Guess, Programme, casadi, hermite_simpson, quadrature
+from spear_pin.gaits.collocation import Guess, Programme, casadi, hermite_simpson, node_name, quadrature
 from spear_pin.gaits.footfalls.limbs import Limb, limbs_of
 from spear_pin.gaits.footfalls.nodes import BASE, Mechanics, Node, Room
 from spear_pin.gaits.footfalls.plan import YAW, Plan, X, Y
@@ -72,7 +72,7 @@ def transcribe(robot: Robot, request: FootfallRequest, *, start: Guess | None = 
         BadValue: the robot is none of these.
         MissingExtra: CasADi is not installed.
     """
-    writer = _Writer(robot, request, Programme(start))
+    writer = _Writer(robot, request, start)
     for i in range(len(request.footfalls.phases)):
         writer.add_phase(i)
         if i:
@@ -99,8 +99,8 @@ def _named(phase: int, bearing: Sequence[str]) -> str:
 class _Writer:
     """Writer of the programme, with what its parts share while they are written."""
 
-    def __init__(self, robot: Robot, request: FootfallRequest, programme: Programme) -> None:
-        self.robot, self.request, self.programme = robot, request, programme
+    def __init__(self, robot: Robot, request: FootfallRequest, start: Guess | None) -> None:
+        self.robot, self.request, self.start, self.programme = robot, request, start, Programme(start)
         self.limbs, self.scale, self.mirror = limbs_of(robot), scale_in_space(robot), mirror_of(robot)
         self.room, self.mechanics = Room(robot, self.limbs, request, self.scale), Mechanics(robot, self.limbs)
         gravity = float(np.linalg.norm(robot.model.gravity.linear))
@@ -110,8 +110,8 @@ class _Writer:
         self.landed: dict[str, Node] = {}
         self.aims: dict[str, Any] = {}
         law, swing = request.law, request.swing
-        self.swings = Swings(programme, self.limbs, swing, self.scale, law.knee_rest) if law and swing else None
-        self.result = Transcription(request, programme, self.scale, self.names)
+        self.swings = Swings(self.programme, self.limbs, swing, self.scale, law.knee_rest) if law and swing else None
+        self.result = Transcription(request, self.programme, self.scale, self.names)
 
     # phases
 
@@ -150,7 +150,12 @@ class _Writer:
         landing = tuple(leg for leg in phases[(i + 1) % len(phases)] if leg not in phases[i])
         air, begins, lasts = Air(self.names[i], phases[i], landing, nodes), self.plan.begins(i), self.plan.durations[i]
         aims = {leg: self.aim(leg) for leg in self.limbs if leg not in phases[i]}
-        found = swings.follow(air, lambda s: self.plan.q(begins + s * lasts, self.robot.nv), aims)
+
+        def guess(s: float) -> Array:
+            given = None if self.start is None else self.start(node_name(self.names[i], s, "q"))
+            return self.plan.q(begins + s * lasts, self.robot.nv) if given is None else given
+
+        found = swings.follow(air, guess, aims)
         self.result.evolutions.append({leg: (evolution, aims[leg]) for leg, evolution in found.items()})
 
     def aim(self, leg: str) -> Any:

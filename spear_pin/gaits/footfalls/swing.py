@@ -19,6 +19,7 @@ from spear_pin.gaits.virtual_constraints import (
     Outputs,
     Sum,
     Variable,
+    bezier,
     desired,
     dot,
     drift,
@@ -35,7 +36,7 @@ END = {
     True: 0.98,
     False: 1.02,
 }  # s at the end of a phase with legs on the ground, where it is not to run out, and of a flight
-FREE = 4  # coefficients from the third on
+FREE, SAMPLES = 4, 13  # coefficients from the third on; points that their guess is fitted to
 STEEPEST, FLEXED = 1.3, 2.4  # rad: of coefficients of leg angles and knees
 SWEEP = (-1.5, -0.05)  # rad: of the bearing legs' mean angle in a phase
 SLOWEST, FASTEST = 0.3, 30.0  # rad/s of Q-SPEAR: of it
@@ -124,9 +125,10 @@ class Swings:
     def _shapes(self, air: Air, limb: Limb, guess: Callable[[float], Array]) -> tuple[tuple[Any, ...], ...]:
         """Coefficients from the third on; of a leg that lands the last three are where it does."""
         lands, name = limb.name in air.landing, f"{air.label}, {limb.name}"
-        rough = [guess((2.0 + i) / (FREE + 1.0)) for i in range(FREE)]
+        gone = np.linspace(0.0, 1.0, SAMPLES)
+        rough = [guess(s).tolist() for s in gone]
         angles, knees = (
-            [float(value(variable, q.tolist())) for q in rough]
+            _fitted(gone, [float(value(variable, q)) for q in rough])
             for variable in (self.angles[limb.name], ((limb.knee, 1.0),))
         )
         flexed = sorted((-0.2 * limb.leg.side, FLEXED * limb.leg.side))
@@ -137,3 +139,11 @@ class Swings:
             angle += 3 * [self.programme.variable(f"{name} lands at", angles[-1], -STEEPEST, STEEPEST)]
             knee += 3 * [limb.leg.side * self.knee + limb.leg.knee_zero]
         return tuple(angle), tuple(knee)
+
+
+def _fitted(s: Array, values: Sequence[float]) -> Array:
+    """Bézier coefficients from the third on of a polynomial through values, nearly."""
+    count = FREE + 2
+    basis = np.transpose([bezier(unit, s)[0] for unit in np.eye(count).tolist()])
+    found: Array = np.linalg.lstsq(basis, np.array(values), rcond=None)[0][2:]
+    return found
