@@ -243,7 +243,7 @@ def round_hopping(
 
     fallen = fall([HIP, KNEE])
     into_flight = Reset(latch=engaged, phase="flight")
-    lift_off = Guard("lift_off", unloaded, into_flight, patient=True)  # it begins with less
+    lift_off = Guard("lift_off", unloaded, into_flight, patience=math.inf)  # it begins with less
     lands = touchdown("toe", Reset(impact=("toe",), latch=engaged, phase="stance"))
     apex = Guard("apex", rate(robot.index(TILT), -1.0))
     stance = Domain("stance", "stance", (PINNED,), stance_law, mounts=(mount,), guards=(lift_off, *fallen))

@@ -256,7 +256,7 @@ def _check_memory(system: HybridSystem, cycle: Run, allowed: float, rtol: float)
     Raises:
         NoGait: something latched before the section acts after it, so that (q, v) is not all that a cycle depends on.
     """
-    moment = Moment(*cycle.state, system.section_phase, cycle.held)
+    moment = Moment(*cycle.state, cycle.domain.phase, cycle.held)
     again = run(system, moment, 1, Options(rtol=rtol, max_evaluations=EVALUATIONS))
     error = float(np.abs(displacement(system, cycle.state, again.state)).max()) if again.cycles else np.inf
     if not error <= allowed:

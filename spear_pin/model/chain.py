@@ -74,10 +74,11 @@ def on_chain(model: pin.Model) -> pin.Model:
         numbers[i] = made.addJoint(parent, model.joints[i], model.jointPlacements[i], model.names[i])
     for i in range(1, model.njoints):
         made.appendBodyToJoint(numbers[i], model.inertias[i], STAY)
-    for frame in list(model.frames)[1:]:
-        parent = made.getFrameId(model.frames[frame.parentFrame].name) if frame.parentFrame else 0
-        carrier = numbers[frame.parentJoint]
-        made.addFrame(pin.Frame(frame.name, carrier, parent, frame.placement, frame.type, pin.Inertia.Zero()), False)
+    frames = {0: 0}  # names do not tell: a joint and a body may have the same
+    for i, frame in list(enumerate(model.frames))[1:]:
+        parent, carrier = frames[int(frame.parentFrame)], numbers[frame.parentJoint]
+        like = pin.Frame(frame.name, carrier, parent, frame.placement, frame.type, pin.Inertia.Zero())
+        frames[i] = int(made.addFrame(like, False))
     for each in OF_VELOCITIES:
         getattr(made, each)[len(CHAIN) :] = getattr(model, each)[FREE_V:]
     for each, none in (("lowerPositionLimit", -math.inf), ("upperPositionLimit", math.inf)):

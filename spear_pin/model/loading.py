@@ -152,7 +152,6 @@ def load(
     if wanted_base in ("free", "chain"):
         check_floating(draft.place, model)
     model, mended = with_inertia(draft.place, model, repair)
-    model = on_chain(model) if wanted_base == "chain" else model
     asked = "all" if motors == "all" else None if motors is None else _names(motors)
     wanted = driven if asked is None else asked
     model, actuated = with_motors(model, draft.motors if wanted is None else wanted, locked)
@@ -161,6 +160,7 @@ def load(
         notes.append('no joint has a motor: motors="all" gives one to each, motors=[...] to those that it names')
     for note in notes:
         warnings.warn(RobotWarning(f"{draft.name}: {note}"), stacklevel=3)
+    model = on_chain(model) if wanted_base == "chain" else model  # whose joints have no motors
     return Robot(
         model,
         name=draft.name,

@@ -63,6 +63,20 @@ def scale_of(robot: Robot) -> Scale:
     return Scale(*(own / of for own, of in zip(_size(robot), _size(reference), strict=True)))
 
 
+def scale_in_space(robot: Robot) -> Scale:
+    """A quadruped's size in space against Q-SPEAR's.
+
+    Args:
+        robot: as `load` has it, not in the plane.
+
+    Raises:
+        BadValue: it has no legs of hip and knee.
+    """
+    if not robot.legs:
+        raise BadValue("robot", robot, "one with legs of hip and knee")
+    return Scale(*(own / of for own, of in zip(_measured(robot), _measured(q_spear_full()), strict=True)))
+
+
 def touchdown_inertia(robot: Robot, knee: float) -> Array:
     """Diagonal entries of D of hip and knee, (2,), in kg·m², the toe below the hip.
 
@@ -107,9 +121,21 @@ def q_spear() -> Robot:
     return load("q_spear")
 
 
+@cache
+def q_spear_full() -> Robot:
+    """Q-SPEAR in space, loaded once."""
+    from spear_pin.model.loading import load
+
+    return load("q_spear_full", base="chain")
+
+
 def _size(robot: Robot) -> tuple[float, float, float]:
     """Mass, in kg, the mean length of the legs, in m, and the time √(l/g), in s."""
     if not robot.planar or not robot.legs:
         raise BadValue("robot", robot, "one with legs, in the plane, as of monopod(...) or sagittal(...)")
+    return _measured(robot)
+
+
+def _measured(robot: Robot) -> tuple[float, float, float]:
     length = sum(leg.thigh + leg.shank for leg in robot.legs) / len(robot.legs)
     return robot.mass, length, math.sqrt(length / float(np.linalg.norm(robot.model.gravity.linear)))
