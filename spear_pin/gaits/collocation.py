@@ -90,7 +90,7 @@ class Programme:
         guess: ArrayLike,
         lower: ArrayLike,
         upper: ArrayLike,
-        scale: float = 1.0,
+        scale: ArrayLike = 1.0,
         *,
         unit: ArrayLike = 1.0,
     ) -> Any:
@@ -123,7 +123,7 @@ class Programme:
         least: ArrayLike,
         most: ArrayLike = np.inf,
         *,
-        scale: float = 1.0,
+        scale: ArrayLike = 1.0,
         unit: ArrayLike = 1.0,
         wish: str = "",
     ) -> None:
@@ -135,7 +135,7 @@ class Programme:
             least: lower bounds.
             most: upper bounds.
             scale: what it has to be divided by to be of order one.
-            unit: in which bounds and scale are; one number if it is a wish.
+            unit: in which bounds and scale are; both one number if it is a wish.
             wish: unit of the expression if this was asked for, and may be given up to find out what is
                 in the way; the laws of motion may not.
         """

@@ -274,7 +274,11 @@ def _settle(system: HybridSystem) -> State:
     for _ in range(SETTLE - 1):
         if not result.cycles:
             break
-        result = run(system, Moment(*result.state, system.section_phase, result.held), 1, SETTLING)
+        moment = Moment(*result.state, system.section_phase, result.held)
+        try:
+            result = run(system, moment, 1, SETTLING)
+        except BadValue:  # so roughly integrated that a toe is below the ground: where it is is as near as it gets
+            break
     if result.reason == "evaluation_cap":
         raise _Hopeless
     if not result.cycles:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from spear_pin.errors import UnknownName, require
+from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.hybrid.contact import OPEN as OPEN
 from spear_pin.hybrid.contact import SLIP_BACKWARD as SLIP_BACKWARD
 from spear_pin.hybrid.contact import SLIP_FORWARD as SLIP_FORWARD
@@ -99,6 +99,8 @@ class HybridSystem:
             made = {name: getattr(self, name) for name in REPLACED} | {"build": self.build, "builder": self.build}
             object.__setattr__(self, "made", made)
         require("HybridSystem.overlap", self.overlap, lambda seconds: seconds >= 0, "a number >= 0, in s")
+        if self.robot.post is not None and not self.ground.level:
+            raise BadValue("ground", self.contact, "level ground, for a robot that goes round a post")
         check(self.robot, self.domains, self.law, self.guess)
         if self.section:
             _ = self.landing  # which says what is valid
@@ -135,7 +137,7 @@ class HybridSystem:
         found = [
             (domain.phase, guard.reset)
             for domain in self.domains
-            if all(mode == OPEN for mode in domain.contacts)
+            if all(mode == OPEN for mode in domain.contacts) and not domain.bouncing
             for guard in domain.guards
             if guard.name == self.section and guard.reset is not None
         ]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from spear_pin.model.scalars import dot, times, vanishes
+
 Matrix = list[list[Any]]
 
 
@@ -18,7 +20,7 @@ def factorize(matrix: Matrix) -> tuple[Matrix, list[Any]]:
         diagonal.append(matrix[j][j] - dot(scaled, lower[j][:j]))
         for i in range(j + 1, n):
             value = matrix[i][j] - dot(scaled, lower[i][:j])
-            lower[i][j] = 0.0 if _zero(value) else value / diagonal[j]
+            lower[i][j] = 0.0 if vanishes(value) else value / diagonal[j]
     return lower, diagonal
 
 
@@ -29,7 +31,7 @@ def substitute(factors: tuple[Matrix, list[Any]], right: Sequence[Any]) -> list[
     x: list[Any] = []
     for i in range(n):
         x.append(right[i] - dot(lower[i][:i], x))
-    x = [0.0 if _zero(value) else value / d for value, d in zip(x, diagonal, strict=True)]
+    x = [0.0 if vanishes(value) else value / d for value, d in zip(x, diagonal, strict=True)]
     for i in reversed(range(n)):
         x[i] = x[i] - dot([lower[j][i] for j in range(i + 1, n)], x[i + 1 :])
     return x
@@ -41,10 +43,10 @@ def solve(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any]:
     n = len(rows)
     for j in range(n):
         # the diagonal, unless it is the number zero
-        pivot = next((i for i in range(j, n) if not _zero(rows[i][j])), j)
+        pivot = next((i for i in range(j, n) if not vanishes(rows[i][j])), j)
         rows[j], rows[pivot] = rows[pivot], rows[j]
         for i in range(j + 1, n):
-            if _zero(rows[i][j]):
+            if vanishes(rows[i][j]):
                 continue
             factor = rows[i][j] / rows[j][j]
             rows[i] = [0.0] * (j + 1) + [a - times(factor, b) for a, b in zip(rows[i], rows[j], strict=True)][j + 1 :]
@@ -59,7 +61,7 @@ def solve_sparse(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[
 
     Of those it is the one whose row and column have the fewest others, which keeps what is zero.
     """
-    rows = [{j: value for j, value in enumerate(row) if not _zero(value)} for row in matrix]
+    rows = [{j: value for j, value in enumerate(row) if not vanishes(value)} for row in matrix]
     right, left, pivots = list(right), list(range(len(rows))), []
     while chosen := _unit(rows, left):
         _, i, j = chosen
@@ -80,7 +82,7 @@ def solve_sparse(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[
 def _eliminate(row: dict[int, Any], pivot: Mapping[int, Any], j: int) -> Any:
     """Take a multiple of another row, whose entry j is 1 or -1, from a row, so that its entry j goes; the factor."""
     factor = times(row.pop(j, 0.0), pivot[j])  # of a unit the inverse is the unit
-    if not _zero(factor):
+    if not vanishes(factor):
         for other, value in pivot.items():
             if other != j:
                 row[other] = _less(row.get(other, 0.0), times(factor, value))
@@ -97,38 +99,7 @@ def _unit(rows: Sequence[dict[int, Any]], left: Sequence[int]) -> tuple[int, int
     return min((((len(rows[i]) - 1) * (counts[j] - 1), i, j) for i, j in units), default=None)
 
 
-def plus(a: Any, b: Any) -> Any:
-    """The sum, leaving out what is zero."""
-    if _zero(b):
-        return a
-    return b if _zero(a) else a + b
-
-
 def _less(a: Any, b: Any) -> Any:
-    if _zero(b):
+    if vanishes(b):
         return a
-    return -b if _zero(a) else a - b
-
-
-def _zero(value: Any) -> bool:
-    return isinstance(value, float) and value == 0.0
-
-
-def times(a: Any, b: Any) -> Any:
-    """The product, zero if a factor is."""
-    return 0.0 if _zero(a) or _zero(b) else a * b
-
-
-def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    """Σ a b, leaving out what is zero."""
-    total: Any = 0.0
-    for x, y in zip(a, b, strict=True):
-        product = times(x, y)
-        if not _zero(product):
-            total = product if _zero(total) else total + product
-    return total
-
-
-def negated(value: Any) -> Any:
-    """The negative, zero of zero."""
-    return 0.0 if _zero(value) else -value
+    return -b if vanishes(a) else a - b

@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dynamics import FLOATS, Operations
-from spear_pin.hybrid.elimination import plus, times
 from spear_pin.kinds import typed
 from spear_pin.model.planar import Feet, Terms
 from spear_pin.model.robot import Robot
+from spear_pin.model.scalars import plus, times
 
 Array = NDArray[np.float64]
 STEEPEST = 1.2  # rad: steeper slopes are walls

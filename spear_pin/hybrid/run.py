@@ -159,6 +159,7 @@ class _Runner:
             if self._gives_up(segment, solver, t0, y0, times):
                 return None
             self.t, self.y = solver.t, solver.y
+            self.flow.arrive(self.t, self.y)
             ends, states = (t0, self.t), (y0, self.y)
             crossings = watch.step(ends, states, (slope, solver.f), solver.dense_output)
             crossings = sorted([*crossings, *bends(self.flow, ends, states, solver.dense_output)])

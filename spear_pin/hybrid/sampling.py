@@ -85,6 +85,7 @@ class Sampler:
             times, states = times[exist], states[exist]
         for t, y in zip(times, states, strict=True):
             flow(t, y)
+            flow.arrive(t, y)
             columns["a"].extend(flow.a)
             columns["u"].extend(flow.u)
             columns["tau"].extend(flow.tau)

@@ -37,6 +37,9 @@ class TestSameRobot:
         assert chain.limits["posterior_left_knee"] == free.limits["posterior_left_knee"]
         assert {*map(chain.gear_ratio, chain.actuated)} == {*map(free.gear_ratio, free.actuated)} == {60.0, 15.0}
 
+    def test_nothing_drives_the_base(self, chain):
+        assert load("q_spear_full", base="chain", motors="all").actuated == chain.actuated
+
     @pytest.mark.parametrize("state", STATES)
     def test_dynamics_after_the_change_of_velocities(self, free, chain, state):
         (q, v), turned = state, from_chain(chain, *state)

@@ -160,8 +160,9 @@ class Automaton:
             return (domain,)
         resets = {leg.toe: self._lifts(leg, bearing) for leg in bearing}
         backs = [guard for leg in bearing for guard in knee_back(leg, resets[leg.toe])]
-        first = tuple(backs) if self.lift_off == "knee" else ()
-        return contact_domains(domain, self.robot.toes, resets, first, WAYS[3])
+        by_knee = self.lift_off == "knee"
+        first = tuple(backs) if by_knee else ()
+        return contact_domains(domain, self.robot.toes, resets, first, WAYS[3], bounces=by_knee)
 
     # touchdown
 

@@ -90,6 +90,9 @@ class Grounded:
 class Sliding:
     """Directions in which the toes of one domain slide, with those in which some set out.
 
+    Those set out that are at rest where it is first asked, until they have arrived at a speed or slow down: what is
+    only tried in between, such as a step that an integrator rejects, changes nothing.
+
     Args:
         modes: of the toes that do.
     """
@@ -97,7 +100,7 @@ class Sliding:
     def __init__(self, modes: Mapping[str, str]) -> None:
         self._fixed = {toe: (SIGN[mode],) for toe, mode in modes.items() if mode in SIGN}
         self._free = [toe for toe in modes if toe not in self._fixed]
-        self._begun: dict[str, tuple[float, ...]] = {}
+        self._begun: dict[str, tuple[float, ...]] | None = None
 
     def __call__(self, grounded: Grounded, velocity: Callable[[str], tuple[float, ...]]) -> Ways:
         """The directions at a state.
@@ -111,21 +114,44 @@ class Sliding:
         for toe in self._free:
             tangential = velocity(toe)[:-1]
             speed = math.hypot(*tangential)
-            if speed <= (SETTING_OUT if toe in self._begun else AT_REST):
+            if speed <= self._slow(toe):
                 slow.append(toe)
             else:
-                self._begun.pop(toe, None)
                 ways[toe] = tuple(each / speed for each in tangential)
-        if slow:
-            self._begun |= self._onset(grounded, slow, ways)
-        return ways | {toe: self._begun[toe] for toe in slow}
+        found = self._onset(grounded, slow, ways) if slow else {}
+        if self._begun is None:
+            self._begun = found
+        return ways | found
+
+    def arrive(self, speeds: Mapping[str, float], accelerations: Mapping[str, float], ways: Ways) -> None:
+        """Motion has come to a state: who sets out no more, and the directions of those who still do.
+
+        Args:
+            speeds: of the toes there, in m/s.
+            accelerations: of each along its direction, in m/s².
+            ways: the directions there.
+        """
+        going = (toe for toe in self._begun or () if speeds[toe] <= SETTING_OUT)
+        self._begun = {toe: ways[toe] for toe in going if accelerations[toe] >= -STARTS_TO_SLIDE}
+
+    @property
+    def sets_out(self) -> bool:
+        """Whether some toe does."""
+        return bool(self._begun)
+
+    def _slow(self, toe: str) -> float:
+        """Speed up to which a toe's velocity does not tell its direction."""
+        if self._begun is None:
+            return AT_REST
+        return SETTING_OUT if toe in self._begun else 0.0
 
     def _onset(self, grounded: Grounded, slow: Sequence[str], moving: Ways) -> dict[str, tuple[float, ...]]:
         """The directions of toes that set out, nearest to those before, or against the force that would hold them.
 
         Of several, which depend on each other, each is found with the others' until none changes.
         """
-        ways = {**moving, **{toe: self._begun[toe] for toe in slow if toe in self._begun}}
+        begun = self._begun or {}
+        ways = {**moving, **{toe: begun[toe] for toe in slow if toe in begun}}
         if new := [toe for toe in slow if toe not in ways]:
             ways |= grounded.against(new, ways)
         for _ in range(SWEEPS):

@@ -16,20 +16,11 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, SIGN, STICK
 from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.dynamics import Row
-from spear_pin.hybrid.elimination import (
-    Matrix,
-    dot,
-    factorize,
-    negated,
-    plus,
-    solve,
-    solve_sparse,
-    substitute,
-    times,
-)
+from spear_pin.hybrid.elimination import Matrix, factorize, solve, solve_sparse, substitute
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.structure import Scalars, with_fields
 from spear_pin.model.planar import Feet, Planar
+from spear_pin.model.scalars import dot, negated, plus, times
 from spear_pin.model.spring import Spring
 
 

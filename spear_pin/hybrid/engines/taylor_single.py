@@ -9,12 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.elimination import dot, factorize, substitute
+from spear_pin.hybrid.elimination import factorize, substitute
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.taylor import FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, operations, require
 from spear_pin.hybrid.rules.entry import AWAY, NONE, bent, clear, falls, stays_on_zero, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness, footing
 from spear_pin.hybrid.rules.impact import routh
+from spear_pin.model.scalars import dot
 
 Array = NDArray[np.float64]
 UNCLEAR = -2  # an event on entering a domain that is, or may be, one only later than `AHEAD`

@@ -1,0 +1,144 @@
+"""Gaits of given footfalls by collocation, from cold or from another one."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, NoGait
+from spear_pin.gaits.collocation import Progress, Solution, casadi, resampled
+from spear_pin.gaits.footfalls.course import CollocatedGait, Stretch, Swing
+from spear_pin.gaits.footfalls.programme import (
+    CONSTANTS,
+    OF_EFFORT,
+    Transcription,
+    constant_name,
+    impulse_name,
+    transcribe,
+)
+from spear_pin.gaits.footfalls.request import FootfallRequest
+from spear_pin.gaits.footfalls.sequence import LEGS
+from spear_pin.kinds import typed
+from spear_pin.model.robot import Robot
+
+Array = NDArray[np.float64]
+PATIENCE = 500  # iterations; one that succeeds takes 40 to 250
+
+
+@typed
+def collocated(
+    robot: Robot,
+    request: FootfallRequest,
+    *,
+    start: Solution | None = None,
+    meshes: Sequence[int] = (1,),
+    iterations: int = PATIENCE,
+    on_iteration: Progress | None = None,
+) -> CollocatedGait:
+    """A gait that meets a request, of locally least effort.
+
+    Args:
+        robot: a quadruped on a chain, such as `load("q_spear_full", base="chain")`, or another whose legs have
+            adduction, hip and knee.
+        request: what is asked.
+        start: the solution of another request to start from; by default a rough motion of the same footfalls, and of
+            a law in the air the gait without it.
+        meshes: how many times the intervals of the footfalls each of several solves has, one after another.
+        iterations: at most, of each.
+        on_iteration: called with the optimiser's iteration, objective and largest violation.
+
+    Raises:
+        NoGait: the optimiser found none.
+        BadValue: the robot is no such quadruped.
+        MissingExtra: CasADi is not installed.
+
+    Example:
+        >>> from spear_pin import load
+        >>> from spear_pin.gaits.footfalls.collocate import collocated
+        >>> from spear_pin.gaits.footfalls.request import FootfallRequest
+        >>> robot = load("q_spear_full", base="chain")
+        >>> trot = collocated(robot, FootfallRequest(speed=2.0))  # some seconds  # doctest: +SKIP
+    """
+    if not meshes or min(meshes) < 1:
+        raise BadValue("meshes", meshes, "whole numbers, at least 1")
+    solution, taken, built, solved = start, 0, 0.0, 0.0
+    for stage in _stages(request, meshes, cold=start is None):
+        begun = time.process_time()
+        transcription = transcribe(robot, stage, start=None if solution is None else resampled(solution))
+        ready = time.process_time()
+        solution = transcription.programme.solve(iterations=iterations, on_iteration=on_iteration)
+        built, solved = built + ready - begun, solved + time.process_time() - ready
+        taken += solution.iterations
+        if not solution.success:
+            raise _failure(solution)
+    assert solution is not None
+    return _read(robot, transcription, solution, taken, (built, solved))
+
+
+def _stages(request: FootfallRequest, meshes: Sequence[int], *, cold: bool) -> list[FootfallRequest]:
+    """Requests one after another: from cold the law in the air comes last, and each mesh after the coarser one."""
+    first = replace(request, footfalls=request.footfalls.finer(meshes[0]), swing=None)
+    wanted = [replace(request, footfalls=request.footfalls.finer(times)) for times in meshes]
+    return [first, *wanted] if cold and request.swing is not None else wanted
+
+
+def _failure(solution: Solution) -> NoGait:
+    worst = max(solution.violations, key=lambda label: solution.violations[label])
+    reason, cause = f"the optimiser ended with {solution.status}", f"its last iterate misses {worst!r} most"
+    remedy = "another speed, a coarser mesh, or start= of a gait that is near"
+    return NoGait(reason, solution.violations[worst], cause, remedy)
+
+
+def _read(
+    robot: Robot, transcription: Transcription, solution: Solution, taken: int, seconds: tuple[float, float]
+) -> CollocatedGait:
+    request, programme, stretches, begun = transcription.request, transcription.programme, [], 0.0
+    for i, (nodes, torques) in enumerate(zip(transcription.phases, transcription.torques, strict=True)):
+        bearing, ca = request.footfalls.phases[i], casadi()
+        columns = [
+            ca.vertcat(node.q, node.v, node.a, u, node.needed[-u.numel() :], *(node.F[leg] for leg in bearing))
+            for node, u in zip(nodes, torques, strict=True)
+        ]
+        values = programme.read(ca.vec(ca.horzcat(*columns)), solution).reshape(len(nodes), -1)
+        n, m = robot.nv, robot.nu
+        q, v, a, u, needed, *forces = np.split(
+            values, np.cumsum([n, n, n, m, m, *3 * np.ones(len(bearing), dtype=int)])[:-1], axis=1
+        )
+        lasting = float(solution.values[f"{transcription.names[i]} lasts"][0])
+        struck = {leg: solution.values.get(impulse_name(transcription.names[i], leg)) for leg in LEGS}
+        stretches.append(
+            Stretch(
+                bearing=bearing,
+                t=begun + lasting * np.linspace(0.0, 1.0, len(nodes)),
+                q=q,
+                v=v,
+                a=a,
+                u=u,
+                needed=needed,
+                forces=dict(zip(bearing, forces, strict=False)),
+                impulses={leg: impulse for leg, impulse in struck.items() if impulse is not None},
+                evolutions=_swings(transcription, i, solution),
+            )
+        )
+        begun += lasting
+    constants = {
+        leg: (float(hip[0]), float(knee[0]), float(upright[0]))
+        for leg in transcription.constants
+        for hip, knee, upright in [[solution.values[constant_name(leg, name)] for name in CONSTANTS]]
+    }
+    unit = transcription.scale.torque**2 * transcription.scale.time / transcription.scale.length
+    effort = solution.objective / OF_EFFORT * unit
+    return CollocatedGait(robot, request, tuple(stretches), constants, effort, solution, taken, seconds)
+
+
+def _swings(transcription: Transcription, phase: int, solution: Solution) -> dict[str, Swing]:
+    found: dict[str, Swing] = {}
+    for leg, (evolution, aim) in (transcription.evolutions[phase] if transcription.evolutions else {}).items():
+        parts = casadi().vertcat(*evolution.alpha[0], *evolution.alpha[1], evolution.origin, evolution.span, aim)
+        *alpha, origin, span, adduction = transcription.programme.read(parts, solution).tolist()
+        found[leg] = Swing(np.array(alpha).reshape(2, -1), origin, span, adduction)
+    return found

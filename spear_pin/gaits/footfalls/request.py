@@ -1,0 +1,158 @@
+"""What is asked of a gait of given footfalls."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+from spear_pin.errors import BadValue, UnknownName, require
+from spear_pin.gaits.footfalls.sequence import FOOTFALLS, Footfalls
+from spear_pin.kinds import typed
+from spear_pin.model.robot import Robot
+from spear_pin.model.scale import scale_in_space
+from spear_pin.model.spring import PAIR_STIFFNESS, Spring
+
+SPRING = Spring(PAIR_STIFFNESS / 2.0, damping=0.0)
+"""Of one knee of Q-SPEAR (source: Table 5.1)."""
+SHARPEST = 1.0  # rad a stride
+
+
+@typed
+@dataclass(frozen=True)
+class StanceLaw:
+    """Torques that a leg has on the ground, in the form of `SpatialLaw`: constants are left free.
+
+    The hip's is constant. The knee's, the spring's share in it, is -side (constant + k flexed), where `flexed` counts
+    from the rest angle, at which it also lands and lifts off. The adduction's is a constant, and a stiffness and a
+    damping about the angle of touchdown.
+
+    Attributes:
+        stiffness: k of a knee, in N·m/rad: half of `BoundingLaw.virtual_stiffness`.
+        knee_rest: flexion at touchdown and at lift-off, in rad.
+        adduction_stiffness: in N·m/rad.
+        adduction_damping: in N·m·s/rad.
+        most: largest constant of hip and knee, in N·m.
+    """
+
+    stiffness: float = 200.0
+    knee_rest: float = math.radians(40.0)
+    adduction_stiffness: float = 300.0
+    adduction_damping: float = 10.0
+    most: float = 200.0
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        for name in ("stiffness", "adduction_stiffness", "adduction_damping"):
+            require(f"StanceLaw.{name}", getattr(self, name), lambda number: number >= 0, "a number >= 0")
+        require("StanceLaw.knee_rest", self.knee_rest, lambda angle: 0 < angle < math.pi, "between 0 and π rad")
+        require("StanceLaw.most", self.most, lambda torque: torque > 0, "a number > 0, in N·m")
+
+
+@typed
+@dataclass(frozen=True)
+class SwingLaw:
+    """What legs do in the air, in the form of `SpatialLaw`: coefficients are left free.
+
+    In each phase leg angle and knee follow Bézier polynomials over a phase variable, which begin as the leg is, (5.22):
+    the mean leg angle of the legs on the ground, or the travel of the torso where there are none. The last three
+    coefficients of a leg that is about to land are where it does. Adductions come to the angle at which they land.
+
+    Attributes:
+        adduction_epsilon: ε of the adduction, in s.
+    """
+
+    adduction_epsilon: float = 0.04
+
+    def __post_init__(self) -> None:
+        """Check the field."""
+        require("SwingLaw.adduction_epsilon", self.adduction_epsilon, lambda e: e > 0, "a number > 0, in s")
+
+
+@typed
+@dataclass(frozen=True)
+class FootfallRequest:
+    """Request for a gait in space. Defaults are for Q-SPEAR; for another robot see `scaled`.
+
+    Attributes:
+        footfalls: which legs bear, and how many intervals of collocation each phase has.
+        speed: along the path, in m/s.
+        turn: to the left in a stride, in rad, of footfalls that are not mirrored.
+        friction: coefficient of friction that forces and impulses may use.
+        minimum_force: least normal force on a foot on the ground, in N.
+        clearance: height that a foot has at least in the middle of its way through the air, in m.
+        adduction: largest angle of the adduction joints, in rad: nothing else keeps them from their limits in the air.
+        tilt: largest pitch and roll of the torso, in rad.
+        shortest: least durations of a phase on the ground and of a flight, in s.
+        longest: of any phase, in s.
+        longest_stride: of the stride, in s; of least effort is often the longest one.
+        spring: of each knee, engaged from touchdown to lift-off; None: there is none.
+        law: what torques are on the ground; None: whatever they have to be.
+        swing: what legs do in the air, where there is a law on the ground; None: whatever they have to.
+
+    Example:
+        >>> from spear_pin.gaits.footfalls.request import FootfallRequest
+        >>> FootfallRequest(speed=2.5).footfalls.mirrored
+        True
+    """
+
+    footfalls: Footfalls = FOOTFALLS["trot"]
+    speed: float = 2.0
+    turn: float = 0.0
+    friction: float = 0.6
+    minimum_force: float = 20.0
+    clearance: float = 0.05
+    adduction: float = 0.35
+    tilt: float = 0.35
+    shortest: tuple[float, float] = (0.03, 0.02)
+    longest: float = 0.4
+    longest_stride: float = 0.8
+    spring: Spring | None = SPRING
+    law: StanceLaw | None = None
+    swing: SwingLaw | None = None
+
+    @classmethod
+    @typed
+    def scaled(cls, robot: Robot, **values: Any) -> FootfallRequest:
+        """Q-SPEAR's request for a robot of another size: forces go by m g, times by √(l/g), speeds by √(g l).
+
+        Args:
+            robot: a quadruped on a chain.
+            **values: fields that are to have others, in SI units.
+
+        Raises:
+            UnknownName: there is no such field.
+            BadValue: the robot is no quadruped, or a value is not valid.
+        """
+        one, scale = cls(), scale_in_space(robot)
+        if unknown := values.keys() - vars(one).keys():
+            raise UnknownName("field of a request", min(unknown), vars(one))
+        numbers: dict[str, Any] = {
+            "speed": one.speed * scale.speed,
+            "minimum_force": one.minimum_force * scale.force,
+            "clearance": one.clearance * scale.length,
+            "shortest": tuple(time * scale.time for time in one.shortest),
+            "longest": one.longest * scale.time,
+            "longest_stride": one.longest_stride * scale.time,
+            "spring": replace(SPRING, stiffness=SPRING.stiffness * scale.torque),
+        }
+        return replace(one, **(numbers | values))
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        require("speed", self.speed, lambda v: v > 0, "a number > 0, in m/s")
+        require("turn", self.turn, lambda angle: abs(angle) <= SHARPEST, f"within ±{SHARPEST:g} rad a stride")
+        if self.turn and self.footfalls.mirrored:
+            raise BadValue("turn", self.turn, "0 of mirrored footfalls; their `unfolded` turn")
+        require("friction", self.friction, lambda mu: mu > 0, "a number > 0")
+        for name, unit in (("minimum_force", "N"), ("clearance", "m")):
+            require(name, getattr(self, name), lambda number: number >= 0, f"a number >= 0, in {unit}")
+        for name in ("adduction", "tilt"):
+            require(name, getattr(self, name), lambda angle: 0 < angle < math.pi / 2, "between 0 and π/2 rad")
+        if len(self.shortest) != 2 or not 0 < min(self.shortest) <= max(self.shortest) < self.longest:
+            raise BadValue("shortest", self.shortest, f"two durations > 0, below the longest, {self.longest:g} s")
+        require("longest_stride", self.longest_stride, lambda time: time > 0, "a number > 0, in s")
+        if self.swing is not None and self.law is None:
+            raise BadValue("swing", self.swing, "None without a law on the ground")
+        if self.spring is not None and self.spring.rest is not None:
+            raise BadValue("spring.rest", self.spring.rest, "None: springs are switched")

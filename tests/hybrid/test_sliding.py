@@ -1,0 +1,60 @@
+"""Directions in which toes in space slide, and what a step that is only tried may do to them: nothing."""
+
+import math
+
+import numpy as np
+import pytest
+
+from spear_pin.hybrid.contact import SETTING_OUT, SLOW
+from spear_pin.hybrid.engines.sliding import Grounded, Sliding
+
+TOE = "toe"
+
+
+def grounded(push):
+    """A point mass of 1 kg pressed to the ground, and pushed along it."""
+    weight = np.array([*push, -10.0])
+    return Grounded(np.eye(3), weight, {TOE: np.eye(3)}, {TOE: np.zeros(3)}, np.zeros((0, 3)), 0.5)
+
+
+def at(*velocity):
+    return lambda toe: (*velocity, 0.0)
+
+
+@pytest.fixture
+def sliding():
+    return Sliding({TOE: "slip"})
+
+
+def test_one_that_moves_slides_along_its_velocity_however_slow_a_rejected_step_was(sliding):
+    pushed = grounded((0.0, 20.0))
+    assert sliding(pushed, at(0.3, 0.4))[TOE] == pytest.approx((0.6, 0.8))
+    sliding(pushed, at(1e-12, 0.0))  # where it would set out sideways
+    assert sliding(pushed, at(3.0 * SLOW, 4.0 * SLOW))[TOE] == pytest.approx((0.6, 0.8))
+
+
+def test_one_at_rest_sets_out_along_the_push(sliding):
+    assert sliding(grounded((3.0, 4.0)), at(0.0, 0.0))[TOE] == pytest.approx((0.6, 0.8))
+    assert sliding(grounded((3.0, 4.0)), at(1e-6, 0.0))[TOE] == pytest.approx((0.6, 0.8))
+
+
+def test_it_does_so_until_it_arrives_at_a_speed(sliding):
+    pushed = grounded((30.0, 40.0))
+    ways = sliding(pushed, at(0.0, 0.0))
+    sliding(pushed, at(1.0, 0.0))  # only tried
+    assert sliding(pushed, at(1e-6, 0.0))[TOE] == pytest.approx((0.6, 0.8))
+    sliding.arrive({TOE: 0.5 * SETTING_OUT}, {TOE: 45.0}, ways)
+    assert sliding.sets_out
+    sliding.arrive({TOE: 2.0 * SETTING_OUT}, {TOE: 45.0}, ways)
+    assert not sliding.sets_out
+    assert sliding(pushed, at(1e-6, 0.0))[TOE] == (1.0, 0.0)
+
+
+def test_one_that_slows_down_sets_out_no_more(sliding):
+    ways = sliding(grounded((30.0, 40.0)), at(0.0, 0.0))
+    sliding.arrive({TOE: 0.5 * SETTING_OUT}, {TOE: -1.0}, ways)
+    assert not sliding.sets_out
+
+
+def test_directions_are_unit_vectors(sliding):
+    assert math.hypot(*sliding(grounded((5.0, -12.0)), at(0.0, 0.0))[TOE]) == pytest.approx(1.0)
