@@ -1,9 +1,9 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
-Parts are moving, hop, bench, compare, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep.
-The first six need Chromium, moving, which films what moves on top of the README, also ffmpeg, another also the extras
-`robots` and `optimize`; those of the design studies and of the drivetrain take some minutes; the latter print the table
-of docs/motors.md.
+Parts are moving, hop, bench, compare, biped, hoppy, another, attraction, robust, design, push, hardware, drivetrain and
+sweep. The first seven need Chromium, moving, which films what moves on top of the README, also ffmpeg, another also the
+extras `robots` and `optimize`; those of the design studies and of the drivetrain take some minutes; the latter print
+the table of docs/motors.md.
 """
 
 from __future__ import annotations
@@ -68,7 +68,22 @@ def main() -> None:
     """Write the pictures asked for, or every one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", help="some of the parts; all if none is named")
-    known = moving, hop, bench, compare, biped, another, attraction, robust, design, push, hardware, drivetrain, sweep
+    known = (
+        moving,
+        hop,
+        bench,
+        compare,
+        biped,
+        hoppy,
+        another,
+        attraction,
+        robust,
+        design,
+        push,
+        hardware,
+        drivetrain,
+        sweep,
+    )
     parts = {part.__name__: part for part in known}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
@@ -133,6 +148,14 @@ def biped() -> None:
         runpy.run_path(str(IMAGES.parents[1] / "examples" / "biped.py"))["main"](Path(folder))
         browser.open(Path(folder) / "biped.html", "#t=0.62&show=-plots")
         browser.screenshot(IMAGES / "biped.png")
+
+
+def hoppy() -> None:
+    """Run the example and show its page at one instant."""
+    with tempfile.TemporaryDirectory() as folder, Browser(1000, 720) as browser:
+        runpy.run_path(str(IMAGES.parents[1] / "examples" / "hoppy.py"))["main"](Path(folder))
+        browser.open(Path(folder) / "hoppy.html", "#t=4.7&show=-plots")
+        browser.screenshot(IMAGES / "hoppy.png")
 
 
 def another() -> None:

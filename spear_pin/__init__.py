@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from spear_pin.gaits.search import find_gait
     from spear_pin.gaits.spatial.bounding import bounding_in_space
     from spear_pin.gaits.spatial.law import SpatialLaw
+    from spear_pin.gaits.spatial.trot_law import TrotLaw
+    from spear_pin.gaits.spatial.trotting import trotting
     from spear_pin.hybrid.batch import simulate_many
     from spear_pin.hybrid.contact import Contact
     from spear_pin.hybrid.ground import Ground
@@ -49,6 +51,7 @@ __all__ = [
     "SpearError",
     "Spring",
     "Trajectory",
+    "TrotLaw",
     "bounding",
     "bounding_in_space",
     "compare",
@@ -62,6 +65,7 @@ __all__ = [
     "simulate",
     "simulate_many",
     "to_chain",
+    "trotting",
     "vary",
 ]
 
@@ -90,6 +94,8 @@ _HOMES = {
     "from_chain": "model.chain",
     "bounding_in_space": "gaits.spatial.bounding",
     "SpatialLaw": "gaits.spatial.law",
+    "trotting": "gaits.spatial.trotting",
+    "TrotLaw": "gaits.spatial.trot_law",
     "in_space": "gaits.orbits.embedding",
     "compare": "viz.compare.comparison",
 }

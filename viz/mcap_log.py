@@ -81,7 +81,8 @@ def write_mcap(robot: Robot, trajectory: Trajectory, path: str | Path) -> Path:
     begin = min(0.0, float(trajectory.t[0]))
     times = [round(1e9 * (time - begin)) for time in trajectory.t.tolist()]
     names, table = trajectory.columns()
-    forces, ground = in_world(trajectory.force, trajectory.ground), trajectory.ground or Ground()
+    forces = in_world(robot, trajectory.q, trajectory.force, trajectory.ground)
+    ground = trajectory.ground or Ground()
     peak = float(np.linalg.norm(np.nan_to_num(forces), axis=2).max(initial=0.0))
     anchors = m.anchors(robot.model)
     messages = merge(

@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     bound_in_space.check(arguments)
     if arguments.space:
         check_simulation(arguments)
-        return bound_in_space.run(arguments)
+        return bound_in_space.run(arguments, *_gait(arguments))
     from dataclasses import asdict
 
     from spear_pin import simulate

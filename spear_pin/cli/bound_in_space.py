@@ -6,7 +6,7 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.gaits import BOUND, bounding_gait
+from spear_pin.cli.legs import called, rests_on
 from spear_pin.cli.output import aligned, listed, progress, shows
 from spear_pin.errors import BadValue
 
@@ -20,7 +20,7 @@ HEADING = 30.0  # weight of the yaw, where the heading is to be kept
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare what goes with --space."""
     group = parser.add_argument_group("in space; kept upright by feedback once a stride")
-    group.add_argument("--space", action="store_true", help="bound in three dimensions, Q-SPEAR's own gaits")
+    group.add_argument("--space", action="store_true", help="bound in three dimensions")
     group.add_argument(
         "--push", type=float, metavar="M/S", help="sideways, to the left, at the begin (default: 0); with --space"
     )
@@ -40,32 +40,44 @@ def check(arguments: argparse.Namespace) -> None:
             if getattr(arguments, name):
                 raise BadValue(f"--{name.replace('_', '-')}", getattr(arguments, name), "none without --space")
         return
-    for name in ("robot", "speed", "save"):
-        if getattr(arguments, name):
-            raise BadValue(f"--{name}", getattr(arguments, name), "none with --space")
+    if arguments.save:
+        raise BadValue("--save", arguments.save, "none with --space")
+    if arguments.speed and not arguments.robot:
+        raise BadValue("--speed", arguments.speed, "none with --space of Q-SPEAR")
     if arguments.push is not None and not math.isfinite(arguments.push):
         raise BadValue("--push", arguments.push, "a finite number, in m/s")
 
 
-def run(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Simulate the gait in space and write its files."""
+def run(arguments: argparse.Namespace, name: str, plane: Gait, notes: list[tuple[str, str]]) -> dict[str, Any]:
+    """Simulate a gait of the plane in space and write its files.
+
+    Args:
+        arguments: of the command.
+        name: of the gait.
+        plane: it.
+        notes: what there is to say of it.
+    """
     import numpy as np
 
-    from spear_pin import SpatialLaw, simulate
+    from spear_pin import in_space, simulate
     from spear_pin.gaits.gait import Gait
     from spear_pin.gaits.orbits.balance import across, balanced
     from spear_pin.gaits.orbits.embedding import embedded
     from spear_pin.gaits.spatial.law import ACROSS
     from spear_pin.hybrid.periodic import eigenvalues, residual
+    from spear_pin.hybrid.symmetry import asymmetry
     from spear_pin.studies.bound.in_space import summarize_in_space
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
 
-    name, plane = bounding_gait(arguments.gait or BOUND, None)
-    system, state = embedded(plane, SpatialLaw(plane.system.law))
-    gait = Gait(system, state, {}, residual(system, state), np.ones(1, complex), {})
     inputs = ACROSS if arguments.keep_heading else ("posterior_adduction",)
     with progress() as show:
+        if plane.system.robot.cut is None:
+            system, state = embedded(plane)
+            gait = Gait(system, state, {}, residual(system, state), np.ones(1, complex), {})
+        else:
+            show("finding the gait in space, which takes some minutes")
+            gait = in_space(plane)
         show("finding out how it falls sideways")
         falls = eigenvalues(across(gait, ()).A)
         show("finding feedback")
@@ -75,20 +87,23 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     summary = {
         "gait": name,
         "push": arguments.push or 0.0,
+        "asymmetry": asymmetry(gait.system.robot, gait.state),
         "inputs": list(inputs),
         "multipliers_without_feedback": falls,
         **summarize_in_space(gait, trajectory),
     }
-    shown = shortened(system.robot, trajectory)
+    robot = gait.system.robot
+    shown = shortened(robot, trajectory)
     page = arguments.out / "bound_in_space.html"
-    title = f"Q-SPEAR bounding in space at {summary['speed']:.2f} m/s"
+    title = f"{called(plane.system.robot)} bounding in space at {summary['speed']:.2f} m/s"
     files = [page, samples]
+    told = [*notes, *rests_on(plane.system.robot), *shows(shown), *listed(arguments.out, "bound_in_space", files)]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
-        "pictures": {page: lambda path: record(system.robot, shown, path, title=title)},
+        "pictures": {page: lambda path: record(robot, shown, path, title=title)},
         "opened": page,
-        "text": _text(summary, [*shows(shown), *listed(arguments.out, "bound_in_space", files)]),
+        "text": _text(summary, told),
     }
 
 
@@ -111,6 +126,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         ("gait", f"{summary['gait']}, in space"),
         ("speed", f"{summary['speed']:.4f} m/s"),
         ("fixed point", f"residual {summary['residual']:.1e}"),
+        ("left and right", f"differ by {summary['asymmetry']:.1e}"),
         ("across", f"largest multiplier {fall:.3f}: {'upright by itself' if fall < 1 else 'falls sideways'}"),
         ("with feedback", f"{held:.3f}, once a stride to {by}"),
         ("push", f"{summary['push']:g} m/s to the left"),

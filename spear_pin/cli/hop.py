@@ -61,7 +61,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from dataclasses import asdict, replace
 
     from spear_pin import Ground, HoppingLaw, Spring, hopping, load, simulate
+    from spear_pin.cli import hop_round
     from spear_pin.hybrid.parameters import with_hardware
+    from spear_pin.model.loading import sidecar_of
     from spear_pin.model.scale import scale_of
     from spear_pin.studies.hop import summarize
     from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
@@ -71,6 +73,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.viz.plots import hop_summary, save_figure
 
     check_simulation(arguments)
+    if arguments.robot is not None and sidecar_of(arguments.robot).post is not None:
+        return hop_round.run(arguments)
     locked = [] if arguments.free_x else ["boom_x"]
     other = one_leg(arguments, locked)
     robot = other or load("spear_ii", locked=locked)

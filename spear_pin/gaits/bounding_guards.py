@@ -14,16 +14,15 @@ SHORTEST_SPAN = 0.2  # of a stance's span: what is left of it when a swing begin
 
 
 class Kneed(Protocol):
-    """A leg, as far as its knee goes: the name of the leg and of the knee, the knee's index, and where it flexes to."""
+    """A leg, as far as its knee goes: the name of the leg and of the knee, and where and how far it flexes."""
 
     @property
     def name(self) -> str: ...  # noqa: D102
     @property
     def joint(self) -> str: ...  # noqa: D102
     @property
-    def knee(self) -> int: ...  # noqa: D102
-    @property
     def side(self) -> float: ...  # noqa: D102
+    def flexion(self, q: Any) -> Any: ...  # noqa: D102
 
 
 def mount(leg: Kneed, spring: Spring) -> Mount:
@@ -36,10 +35,10 @@ def knee_back(leg: Kneed, reset: Reset) -> tuple[Guard, Guard]:
     name = f"{leg.name}_flexed"
 
     def flexes(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return held[name] + (1.0 - held[name]) * (p.knee_rest + BEYOND - leg.side * q[leg.knee])
+        return held[name] + (1.0 - held[name]) * (p.knee_rest + BEYOND - leg.flexion(q))
 
     def returns(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return held[name] * (leg.side * q[leg.knee] - p.knee_rest) + (1.0 - held[name])
+        return held[name] * (leg.flexion(q) - p.knee_rest) + (1.0 - held[name])
 
     flexed = Reset(latch=lambda q, v, held, p: {name: 1.0})
     return Guard(name, flexes, flexed), Guard(f"{leg.name}_lift_off", returns, reset)

@@ -12,7 +12,7 @@ from numbers import Real
 from typing import Any
 
 from spear_pin.errors import BadValue, require
-from spear_pin.gaits.virtual_constraints import Evolution, Leaning, Outputs, Variable, zeroing
+from spear_pin.gaits.virtual_constraints import Evolution, Leaning, Outputs, Shifted, Variable, zeroing
 from spear_pin.hybrid.domain import Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.kinds import typed
@@ -139,7 +139,7 @@ class BoundingLaw:
             "flight_2_span": (lambda span: span > 0, "a number > 0, in m"),
         }
         for name, shape in SHAPES.items():
-            if not _has_shape(getattr(self, name), shape):
+            if not has_shape(getattr(self, name), shape):
                 expected = f"{' x '.join(map(str, shape))} finite numbers, as tuples"
                 raise BadValue(f"BoundingLaw.{name}", getattr(self, name), expected)
         for field in fields(self):
@@ -152,22 +152,29 @@ class BoundingLaw:
             raise BadValue("BoundingLaw.lift_off", self.lift_off, "'knee' or 'force'")
         if min(self.feedback_limits) < 0:
             raise BadValue("BoundingLaw.feedback_limits", self.feedback_limits, "numbers >= 0")
-        if self.nominal != () and not _has_shape(self.nominal, (STATES,)):
+        if self.nominal != () and not has_shape(self.nominal, (STATES,)):
             raise BadValue("BoundingLaw.nominal", self.nominal, f"{STATES} finite numbers, or ()")
-        if self.feedback != () and not (self.nominal and _has_shape(self.feedback, (len(INPUTS), STATES))):
+        if self.feedback != () and not (self.nominal and has_shape(self.feedback, (len(INPUTS), STATES))):
             expected = f"{len(INPUTS)} x {STATES} finite numbers, and `nominal` given, or ()"
             raise BadValue("BoundingLaw.feedback", self.feedback, expected)
 
 
-def _has_shape(value: Any, shape: tuple[int, ...]) -> bool:
+def has_shape(value: Any, shape: tuple[int, ...]) -> bool:
     """Whether these are nested tuples of so many finite numbers."""
     if not shape:
         return isinstance(value, Real) and math.isfinite(value)
     fits = isinstance(value, tuple) and len(value) == shape[0]
-    return fits and all(_has_shape(item, shape[1:]) for item in value)
+    return fits and all(has_shape(item, shape[1:]) for item in value)
 
 
-def leg_angle(pitch: int, hip: int, knee: int, lengths: tuple[float, float]) -> Variable:
+def leg_angle(
+    pitch: int,
+    hip: int,
+    knee: int,
+    lengths: tuple[float, float],
+    signs: Sequence[float] = (1.0, 1.0),
+    zeros: Sequence[float] = (0.0, 0.0),
+) -> Variable:
     """γ, the angle of the line from hip to toe: pitch + hip - knee / 2 where thigh and shank are alike.
 
     Args:
@@ -175,12 +182,25 @@ def leg_angle(pitch: int, hip: int, knee: int, lengths: tuple[float, float]) -> 
         hip: index of the hip.
         knee: index of the knee.
         lengths: of thigh and shank, in m.
+        signs: of the own angles of hip and knee; those of the convention are sign (q - zero).
+        zeros: of these, in rad.
     """
     thigh, shank = lengths
-    above = (pitch, 1.0), (hip, 1.0)
+    above = (pitch, 1.0), (hip, signs[0])
     if abs(thigh - shank) <= ALIKE * thigh:
-        return *above, (knee, -0.5)
-    return Leaning(above, knee, thigh, shank)
+        return shifted((*above, (knee, -0.5 * signs[1])), 0.5 * signs[1] * zeros[1] - signs[0] * zeros[0])
+    turn = None if (signs[1], zeros[1]) == (1.0, 0.0) else (signs[1], zeros[1])
+    return shifted(Leaning(above, knee, thigh, shank, turn), -signs[0] * zeros[0])
+
+
+def turned(index: int, sign: float, zero: float) -> Variable:
+    """An angle of the convention, sign (q - zero)."""
+    return shifted(((index, sign),), -sign * zero)
+
+
+def shifted(variable: Variable, by: float) -> Variable:
+    """A variable and a constant, if that is not zero."""
+    return Shifted(variable, by) if by else variable
 
 
 @dataclass(frozen=True)
@@ -223,6 +243,10 @@ class Leg:
         """Its controlled variables: γ and the knee."""
         return self.angle, ((self.knee, 1.0),)
 
+    def flexion(self, q: Any) -> Any:
+        """How far the knee is flexed, in rad."""
+        return self.side * q[self.knee]
+
 
 @dataclass(frozen=True)
 class Phase:
@@ -251,7 +275,7 @@ def support(leg: Leg, q: Any, held: Mapping[str, Any], p: BoundingLaw, dyn: Dyna
     The virtual spring is shared: the motor gives what the physical one does not.
     """
     hip, knee = leg.motors
-    flexed = leg.side * q[leg.knee] - p.knee_rest
+    flexed = leg.flexion(q) - p.knee_rest
     total = -leg.side * (held[f"{leg.name}_knee_torque"] + p.virtual_stiffness * flexed)
     return [(hip, held[f"{leg.name}_hip_torque"]), (knee, total - dyn.spring_torque(leg.joint))]
 

@@ -17,9 +17,12 @@ from spear_pin.gaits import library
 from spear_pin.gaits.bounding import bounding
 from spear_pin.gaits.bounding_law import BoundingLaw
 from spear_pin.gaits.hopping import HoppingLaw, hopping
+from spear_pin.gaits.round_hopping import RoundHoppingLaw, round_hopping
 from spear_pin.gaits.series_hopping import SeriesHoppingLaw, series_hopping
 from spear_pin.gaits.spatial.bounding import bounding_in_space
 from spear_pin.gaits.spatial.law import SpatialLaw
+from spear_pin.gaits.spatial.trot_law import TrotLaw
+from spear_pin.gaits.spatial.trotting import trotting
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dry_friction import DryFriction
@@ -34,9 +37,11 @@ from spear_pin.showing import Shown
 FORMAT = "spear_pin gait 1"
 KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
     "hopping": (hopping, HoppingLaw),
+    "round_hopping": (round_hopping, RoundHoppingLaw),
     "series_hopping": (series_hopping, SeriesHoppingLaw),
     "bounding": (bounding, BoundingLaw),
     "bounding_in_space": (bounding_in_space, SpatialLaw),
+    "trotting": (trotting, TrotLaw),
 }
 
 

@@ -256,7 +256,7 @@ def _check_memory(system: HybridSystem, cycle: Run, allowed: float, rtol: float)
     Raises:
         NoGait: something latched before the section acts after it, so that (q, v) is not all that a cycle depends on.
     """
-    moment = Moment(*cycle.state, system.section_phase, cycle.held)
+    moment = Moment(*cycle.state, cycle.domain.phase, cycle.held)
     again = run(system, moment, 1, Options(rtol=rtol, max_evaluations=EVALUATIONS))
     error = float(np.abs(displacement(system, cycle.state, again.state)).max()) if again.cycles else np.inf
     if not error <= allowed:
@@ -274,7 +274,11 @@ def _settle(system: HybridSystem) -> State:
     for _ in range(SETTLE - 1):
         if not result.cycles:
             break
-        result = run(system, Moment(*result.state, system.section_phase, result.held), 1, SETTLING)
+        moment = Moment(*result.state, system.section_phase, result.held)
+        try:
+            result = run(system, moment, 1, SETTLING)
+        except BadValue:  # so roughly integrated that a toe is below the ground: where it is is as near as it gets
+            break
     if result.reason == "evaluation_cap":
         raise _Hopeless
     if not result.cycles:

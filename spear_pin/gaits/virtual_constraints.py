@@ -33,16 +33,22 @@ class Leaning:
         knee: index of the knee.
         thigh: its length, in m.
         shank: its length, in m.
+        turn: sign and zero of the knee, whose angle of the convention is sign (q - zero); None: +1 and 0.
     """
 
     row: Row
     knee: int
     thigh: float
     shank: float
+    turn: tuple[float, float] | None = None
 
     def lean(self, q: Sequence[Any], ops: Any) -> tuple[Any, Any, Any]:
-        """What the leg leans, in rad, its slope and its curvature over the knee's angle."""
-        return lean(self.thigh, self.shank, q[self.knee], ops)
+        """What the leg leans, in rad, its slope and its curvature over the knee's own angle."""
+        if self.turn is None:
+            return lean(self.thigh, self.shank, q[self.knee], ops)
+        sign, zero = self.turn
+        leans, slope, curvature = lean(self.thigh, self.shank, sign * (q[self.knee] - zero), ops)
+        return leans, sign * slope, curvature
 
 
 @dataclass(frozen=True)
@@ -56,7 +62,20 @@ class Sum:
     terms: tuple[tuple[Any, Variable], ...]
 
 
-Variable: TypeAlias = "Row | Leaning | Sum"
+@dataclass(frozen=True)
+class Shifted:
+    """A variable and a constant, added up.
+
+    Attributes:
+        variable: the one.
+        by: the other.
+    """
+
+    variable: Variable
+    by: float
+
+
+Variable: TypeAlias = "Row | Leaning | Sum | Shifted"
 """A function of the configuration; a row is linear. `ops` of what reckons with it has sin, cos and atan2."""
 
 
@@ -104,6 +123,8 @@ def value(variable: Variable, q: Sequence[Any], ops: Any = np) -> Any:
     """A variable at a configuration."""
     if isinstance(variable, Sum):
         return sum(weight * value(term, q, ops) for weight, term in variable.terms)
+    if isinstance(variable, Shifted):
+        return value(variable.variable, q, ops) + variable.by
     if isinstance(variable, Leaning):
         return dot(variable.row, q) - variable.lean(q, ops)[0]
     return dot(variable, q)
@@ -114,6 +135,8 @@ def gradient(variable: Variable, q: Sequence[Any], ops: Any = np) -> Row:
     if isinstance(variable, Sum):
         parts = ((weight, gradient(term, q, ops)) for weight, term in variable.terms)
         return tuple((index, weight * slope) for weight, row in parts for index, slope in row)
+    if isinstance(variable, Shifted):
+        return gradient(variable.variable, q, ops)
     if isinstance(variable, Leaning):
         return (*variable.row, (variable.knee, -variable.lean(q, ops)[1]))
     return variable
@@ -123,6 +146,8 @@ def drift(variable: Variable, q: Sequence[Any], v: Sequence[Any], ops: Any = np)
     """Second derivative of a variable in time at v̇ = 0."""
     if isinstance(variable, Sum):
         return sum(weight * drift(term, q, v, ops) for weight, term in variable.terms)
+    if isinstance(variable, Shifted):
+        return drift(variable.variable, q, v, ops)
     if isinstance(variable, Leaning):
         return -variable.lean(q, ops)[2] * (v[variable.knee] * v[variable.knee])
     return 0.0

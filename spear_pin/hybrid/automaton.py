@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from spear_pin.errors import UnknownName, require
+from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.hybrid.contact import OPEN as OPEN
 from spear_pin.hybrid.contact import SLIP_BACKWARD as SLIP_BACKWARD
 from spear_pin.hybrid.contact import SLIP_FORWARD as SLIP_FORWARD
@@ -66,6 +66,8 @@ class HybridSystem:
         overlap: how long an impact in space lasts, in s: those of several toes that overlap are one, see
             `spear_pin.hybrid.rules.spatial_impact`.
         section_toes: where the section lies before the impact, of which toes it is the first touchdown.
+        mirrored_toes: where a cycle is half a stride, and the other half its mirror image, of which toes the section is
+            the first touchdown in between.
         hardware: between law and joints, see `spear_pin.hybrid.hardware`; None: ideal motors.
         changes: what was made of the system that `build` makes of other numbers, too; see `parameters.changed`.
         made: fields as they were when it was made, by which those are known that were replaced in it; and by whom,
@@ -87,6 +89,7 @@ class HybridSystem:
     shortest_flight: float = SHORTEST_FLIGHT
     overlap: float = 0.0
     section_toes: tuple[str, ...] = ()
+    mirrored_toes: tuple[str, ...] = ()
     hardware: Hardware | None = None
     changes: tuple[Callable[[HybridSystem], HybridSystem], ...] = field(default=(), repr=False)
     made: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
@@ -96,6 +99,8 @@ class HybridSystem:
             made = {name: getattr(self, name) for name in REPLACED} | {"build": self.build, "builder": self.build}
             object.__setattr__(self, "made", made)
         require("HybridSystem.overlap", self.overlap, lambda seconds: seconds >= 0, "a number >= 0, in s")
+        if self.robot.post is not None and not self.ground.level:
+            raise BadValue("ground", self.contact, "level ground, for a robot that goes round a post")
         check(self.robot, self.domains, self.law, self.guess)
         if self.section:
             _ = self.landing  # which says what is valid
@@ -122,18 +127,31 @@ class HybridSystem:
                     return guard.reset
         raise UnknownName("phase", phase, self.phases)
 
-    @cached_property
+    @property
     def landing(self) -> tuple[str, Reset]:
-        """The flight phase that ends at the section, and the reset there."""
-        for domain in self.domains:
-            if all(mode == OPEN for mode in domain.contacts):
-                for guard in domain.guards:
-                    if guard.name == self.section and guard.reset is not None:
-                        return domain.phase, guard.reset
-        raise UnknownName("section", self.section, [g.name for d in self.domains for g in d.guards])
+        """The flight phase that ends at the section, and the reset there; of mirrored halves the first."""
+        return self._landings[0]
+
+    @cached_property
+    def _landings(self) -> list[tuple[str, Reset]]:
+        found = [
+            (domain.phase, guard.reset)
+            for domain in self.domains
+            if all(mode == OPEN for mode in domain.contacts) and not domain.bouncing
+            for guard in domain.guards
+            if guard.name == self.section and guard.reset is not None
+        ]
+        if not found:
+            raise UnknownName("section", self.section, [g.name for d in self.domains for g in d.guards])
+        return found
 
     @property
     def section_phase(self) -> str:
         """The phase that begins at the section."""
         flight, reset = self.landing
         return reset.phase or flight
+
+    @cached_property
+    def section_phases(self) -> frozenset[str]:
+        """The phases that begin at the section: several where halves of a stride are mirror images."""
+        return frozenset(reset.phase or flight for flight, reset in self._landings)

@@ -118,7 +118,7 @@ class Guard:
         reset: what happens; None with no `ends` only records the event.
         ends: reason for which the run ends here, if it does.
         tolerance: values this close to zero count as on the guard when a domain is entered.
-        patient: whether it counts only once `value` has been positive in the domain.
+        patience: how far `value` may fall, if it is zero or less where a domain is entered, before it is an event.
     """
 
     name: str
@@ -126,12 +126,12 @@ class Guard:
     reset: Reset | None = None
     ends: str | None = None
     tolerance: float = 1e-9
-    patient: bool = False
+    patience: float = 0.0
 
     @property
     def waits(self) -> bool:
-        """Whether it is no event before it has been positive."""
-        return self.patient or self.observes
+        """Whether it is no event as the domain is entered."""
+        return self.patience > 0.0 or self.observes
 
     @property
     def observes(self) -> bool:
@@ -175,6 +175,7 @@ class Domain:
         switch: the scheduled event, if there is one.
         between: for motion on the switching surface between two domains, those two.
         crossing: for motion on two switching surfaces at once, those two.
+        bouncing: toes of legs that bear, which leave the ground and strike it again within the phase.
     """
 
     name: str
@@ -187,6 +188,7 @@ class Domain:
     switch: Switch | None = None
     between: Alternation | None = None
     crossing: Crossing | None = None
+    bouncing: tuple[str, ...] = ()
 
     @property
     def alternating(self) -> tuple[str, ...]:

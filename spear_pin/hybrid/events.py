@@ -42,6 +42,9 @@ class Watch:
         self._flow, self._guards = flow, flow.domain.guards
         self._values = self._at(t, y)
         self._armed = [value > guard.tolerance for value, guard in zip(self._values, self._guards, strict=True)]
+        self._floors = [
+            min(value, 0.0) - guard.patience for value, guard in zip(self._values, self._guards, strict=True)
+        ]
         self.undefined = any(math.isnan(value) for value in self._values)
         self.at_once = int(at_once(self._guards, np.array([self._values]).T, lambda h: self._later(t, y, h))[0])
 
@@ -71,18 +74,21 @@ class Watch:
             if math.isnan(middle) or math.isnan(end):
                 self.undefined = True
                 continue
+            floor = 0.0
             if self._armed[i]:
                 if min(middle, end) > 0.0 and not _dips(before, middle, end):
                     continue
             elif end > 0.0 or (self._guards[i].waits and middle <= 0.0):
                 self._armed[i] = end > 0.0
-                continue
+                if not self._guards[i].patience or min(middle, end) >= self._floors[i]:
+                    continue
+                floor = self._floors[i]
             elif self._stays(i, middle, end):
                 continue  # it stays on zero
             solution = solution or interpolate()
             nodes = [(t0, self._values[i]), (0.5 * (t0 + t1), middle), (t1, end)]
             try:
-                time = self._locate(i, nodes, solution)
+                time = self._locate(i, nodes, solution, floor)
             except _Undefined:
                 self.undefined = True
                 continue
@@ -103,8 +109,8 @@ class Watch:
     def _later(self, t: float, y: Array, h: float) -> Array:
         return np.array([self._at(t + h, ahead(self._flow, t, y, h))]).T
 
-    def _locate(self, i: int, nodes: list[tuple[float, float]], solution: Interpolant) -> float | None:
-        """When guard i first falls through zero, given (time, value) at both ends and halfway, there an estimate."""
+    def _locate(self, i: int, nodes: list[tuple[float, float]], solution: Interpolant, floor: float) -> float | None:
+        """When guard i first falls through a floor, given (time, value) at both ends and halfway, there an estimate."""
 
         def value(t: float) -> float:
             y = solution(t)
@@ -112,10 +118,11 @@ class Watch:
             result = self._flow.value(self._guards[i], t, y)
             if math.isnan(result):
                 raise _Undefined
-            return result
+            return result - floor
 
+        nodes = [(time, estimate - floor) for time, estimate in nodes]
         begin, end = nodes[0][0], nodes[-1][0]
-        if not self._armed[i]:  # it waits at zero: it may rise and fall again soon after
+        if not self._armed[i] and not floor:  # it waits at zero: it may rise and fall again soon after
             nodes = [nodes[0], *((t, value(t)) for t in begin + (end - begin) * np.geomspace(1e-4, 1.0, 25))]
             if all(g <= 0.0 for _, g in nodes):
                 return begin

@@ -11,14 +11,23 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import PINNED
-from spear_pin.hybrid.domain import Held
+from spear_pin.hybrid.contact import OPEN, PINNED, SLIPS
+from spear_pin.hybrid.domain import Domain, Held
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.result import Moment
-from spear_pin.hybrid.rules.footing import UNFIT, closed_toes, fitness, footing, rate_fits, torn_off
+from spear_pin.hybrid.rules.footing import (
+    STARTS_TO_SLIDE,
+    UNFIT,
+    UNLOADED,
+    closed_toes,
+    fitness,
+    footing,
+    rate_fits,
+    torn_off,
+)
 from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.rules.latching import latched
-from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
+from spear_pin.hybrid.rules.start import STATE_AT_REST, aloft, below_ground, rests, start
 
 Array = NDArray[np.float64]
 F = TypeVar("F", bound=Flow)
@@ -30,8 +39,20 @@ def choose(system: HybridSystem, phase: str, held: Held, t: float, y: Array) -> 
     Where no mode holds, it is the domain whose guard then says why: lift-off where the toe would be
     pulled, Painlevé's paradox where it can neither stick nor slide.
     """
-    flows = (Flow(system, domain, held) for domain in system.of_phase(phase))
+    flows = (Flow(system, domain, held) for domain in system.of_phase(phase) if in_place(system, domain, y))
     return fitting(system, flows, t, y)
+
+
+def in_place(system: HybridSystem, domain: Domain, y: Array) -> bool:
+    """Whether of toes that bounce those in the air are open in a domain."""
+    nq, nv = system.robot.nq, system.robot.nv
+    q, v = y[:nq], y[nq : nq + nv]
+    for toe, mode in zip(system.robot.toes, domain.contacts, strict=True):
+        if toe in domain.bouncing and mode != OPEN:
+            height, jacobian = system.ground.foot(system.robot, q, toe)
+            if aloft(height, float(jacobian[-1] @ v)):
+                return False
+    return True
 
 
 def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
@@ -45,12 +66,24 @@ def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
             closed = closed_toes(system.robot.toes, flow.domain)
             feet = [(mode, footing(flow, toe, mode)) for toe, mode in closed if mode != PINNED]  # a pin bears anything
             fits = fitness(feet, [(rub, flow.rubbing(rub)) for rub, _ in rubs])
+            if not all(_stays(flow, toe) for toe in flow.domain.bouncing):
+                fits = UNFIT
         if fits == math.inf:
             return flow
         if best is None or fits > found:
             best, found = flow, fits
     assert best is not None
     return best
+
+
+def _stays(flow: Flow, toe: str) -> bool:
+    """Whether a toe that bounces stays on the ground, or does not fall back to that which it has just left."""
+    if flow.domain.contacts[flow.system.robot.toes.index(toe)] != OPEN:
+        slips = flow.domain.contacts[flow.system.robot.toes.index(toe)] in SLIPS
+        return flow.force(toe)[-1] * (flow.pivot(toe) if slips else 1.0) > UNLOADED
+    if aloft(flow.height(toe), flow.toe_velocity(toe)[-1]):
+        return True
+    return flow.toe_acceleration(toe)[-1] >= -STARTS_TO_SLIDE
 
 
 def torn(before: Flow, after: Flow, t: float, y: Array) -> list[str]:

@@ -14,7 +14,7 @@ from spear_pin.hybrid.result import Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import chart as chart
 from spear_pin.hybrid.shooting import NOT_FINITE, Cycle, Cycles, Shooting
-from spear_pin.hybrid.symmetry import headed
+from spear_pin.hybrid.spatial_section import seen
 from spear_pin.hybrid.translation import translations, without
 
 Array = NDArray[np.float64]
@@ -27,9 +27,9 @@ def return_map(system: HybridSystem, state: State, rtol: float = 1e-10) -> Run:
 
 
 def displacement(system: HybridSystem, before: State, after: State) -> Array:
-    """P(x) - x over (q, v), without translation along the ground; in space as seen from where the robot heads."""
+    """P(x) - x over (q, v), without translation along the ground; in space as of `spatial_section.seen`."""
     if system.section_toes:
-        (q, v), (q_after, v_after) = headed(*before), headed(*after)
+        (q, v), (q_after, v_after) = seen(system, before), seen(system, after)
         return np.concatenate([q_after - q, v_after - v])
     return np.concatenate([without(translations(system), after[0] - before[0]), after[1] - before[1]])
 

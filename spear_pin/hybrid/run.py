@@ -99,7 +99,7 @@ class _Runner:
         self.instant_events, self.cycle_events, self.last_event = 0, 0, -math.inf
         self.instant: list[Reset] = []  # into other phases, of the present instant
         self.tried: list[Domain] = []  # motion of toes at rest that began in it
-        self.on_section = bool(system.section) and phase == system.section_phase and begun == 0.0
+        self.on_section = bool(system.section) and phase in system.section_phases and begun == 0.0
         self.flow = choose(system, phase, held, self.t, self.y)
         self.run = Run((q, v), (q, v), held, self.flow.domain)
         self.energy, self.inductive = self._energy(), in_inductances(self.system, self.y)

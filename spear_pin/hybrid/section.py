@@ -38,14 +38,14 @@ class Section:
 
     Attributes:
         robot: the robot.
-        planar: its dynamics.
+        planar: its dynamics, if it moves in the plane.
         toes: the closed ones.
         ground: its numbers are arrays where lanes have ground of their own.
         translations: directions along which nothing changes, (k, nv), or (n, k, nv) where lanes have slopes of theirs.
     """
 
     robot: Robot
-    planar: Planar
+    planar: Planar | None
     toes: tuple[str, ...]
     ground: Ground
     translations: Array
@@ -65,8 +65,8 @@ class Section:
 
     def geometry(self, q: Array) -> tuple[Array, Array]:
         """Distances of the closed toes from the ground, (n, k), their Jacobians, (n, k, 2, nv), of configurations."""
-        heights, jacobians = np.empty((len(q), len(self.toes))), np.empty((len(q), len(self.toes), 2, self.planar.nv))
-        if type(self.ground) is not Ground:  # what its shape is may be said of numbers only
+        heights, jacobians = np.empty((len(q), len(self.toes))), np.empty((len(q), len(self.toes), 2, self.robot.nv))
+        if self.planar is None or type(self.ground) is not Ground:  # what its shape is may be said of numbers only
             for lane, configuration in enumerate(q):
                 ground = _of_lane(self.ground, lane)
                 for i, toe in enumerate(self.toes):
@@ -103,7 +103,8 @@ def section(system: HybridSystem, numbers: Mapping[str, Array] | None = None) ->
     ground = with_fields(system.ground, {name: each for name, each in (numbers or {}).items() if name in OF_GROUND})
     domain = system.of_phase(system.section_phase)[0]
     toes = tuple(toe for toe, _ in closed_toes(system.robot.toes, domain))
-    return Section(system.robot, Planar(system.robot), toes, ground, translations(system, ground))
+    planar = Planar(system.robot) if system.robot.planar else None
+    return Section(system.robot, planar, toes, ground, translations(system, ground))
 
 
 @dataclass(frozen=True)

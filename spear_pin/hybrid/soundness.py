@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.hybrid.contact import CONTACTS
+from spear_pin.hybrid.contact import CONTACTS, OPEN, PINNED
 from spear_pin.hybrid.domain import Domain, Latch, Reset
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.model.robot import Robot
@@ -47,6 +47,7 @@ def check(robot: Robot, domains: Sequence[Domain], law: Any, guess: Callable[[],
                 _known("reason of {!r} in domain {!r}", place, [ends], REASONS)
             if reset is not None:
                 _check_reset(robot, domain, reset, phases, place)
+                _check_pinned(reset, domains, place)
     _check_rests(domains, law, guess)
 
 
@@ -74,6 +75,15 @@ def _check_reset(robot: Robot, domain: Domain, reset: Reset, phases: Iterable[st
     _known("toe that strikes by the reset of {!r} in domain {!r}", place, reset.impact, robot.toes)
     engaged = [mount.joint for mount in domain.mounts]
     _known("joint whose spring is released by the reset of {!r} in domain {!r}", place, reset.release, engaged)
+
+
+def _check_pinned(reset: Reset, domains: Sequence[Domain], place: tuple[str, ...]) -> None:
+    """Refuse an impact that pins some toes, and leaves others to friction."""
+    after = next((domain.contacts for domain in domains if domain.phase == reset.phase), ())
+    closed = {mode for mode in after if mode != OPEN}
+    if reset.impact and PINNED in closed and len(closed) > 1:
+        what = "contacts of phase {!r}, which the reset of {!r} in domain {!r} enters by an impact"
+        raise BadValue(what.format(reset.phase, *place), after, "all toes on the ground pinned, or none")
 
 
 def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[Any, Any]]) -> None:

@@ -11,11 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN, SLOW, STICK
+from spear_pin.hybrid.contact import OPEN, PINNED, SLOW, STICK
 from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.rules.guards import ON_GROUND, rise
 from spear_pin.hybrid.rules.guards import struck as told
-from spear_pin.hybrid.rules.impact import Impact, JointImpact, joint_impact, landed, plastic_impact, struck_toes
+from spear_pin.hybrid.rules.impact import (
+    Impact,
+    JointImpact,
+    caught,
+    joint_impact,
+    landed,
+    plastic_impact,
+    struck_toes,
+)
 from spear_pin.hybrid.rules.spatial_impact import spatial_impact
 
 Array = NDArray[np.float64]
@@ -82,9 +90,29 @@ def struck(
         return stopped(system, domain, reset, q, v)
     if not reset.impact:
         return None
-    if not system.robot.planar:
+    entered = system.of_phase(reset.phase or domain.phase)[0]
+    if PINNED in entered.contacts:
+        return pinned(system, struck_toes(system, domain, reset), q, v)
+    if system.robot.dimension == 3:
         return struck_in_space(system, domain, reset, q, v, overlap, now)
     return struck_by(system, struck_toes(system, domain, reset), reset, q, v)
+
+
+def pinned(system: HybridSystem, toes: Sequence[str], q: Array, v: Array) -> Strike:
+    """Effect of an impact by which toes are pinned to where they strike, by `caught`.
+
+    Args:
+        system: the system.
+        toes: all that are on the ground afterwards.
+        q: configuration.
+        v: velocity before.
+    """
+    robot = system.robot
+    jacobian = np.concatenate([system.ground.foot(robot, q, toe)[1] for toe in toes])
+    impact = caught(robot.mass_matrix(q), jacobian, v)
+    impulse = np.zeros((len(robot.toes), robot.dimension))
+    impulse[[robot.toes.index(toe) for toe in toes]] = impact.impulse.reshape(len(toes), -1)
+    return Strike(impact.v, impulse, -impact.loss, {})
 
 
 def struck_in_space(
@@ -112,15 +140,18 @@ def struck_in_space(
     }
     toes = [toe for toe in robot.toes if toe in grounded | striking]
     jacobian = np.concatenate([feet[toe][1] for toe in toes])
-    before = overlap.received(toes, now)
-    impact = spatial_impact(robot.mass_matrix(q), jacobian, v, system.contact.friction, before)
+    mass_matrix, earlier = robot.mass_matrix(q), v
+    v, stopping = landed(mass_matrix, jacobian, v, [toe in reset.impact for toe in toes])
+    impact = spatial_impact(mass_matrix, jacobian, v, system.contact.friction, overlap.received(toes, now))
     overlap.add(toes, striking, impact.impulse, now)
-    impulse = np.zeros((len(robot.toes), 3))
-    impulse[[robot.toes.index(toe) for toe in toes]] = impact.impulse
+    own, impulse = [robot.toes.index(toe) for toe in toes], np.zeros((len(robot.toes), 3))
+    impulse[own] = impact.impulse
+    impulse[own, 2] += stopping
+    work = 0.5 * float(stopping @ (jacobian @ (earlier + v))[2::3]) - impact.loss
     speeds = np.where(impact.leaves, (jacobian @ impact.v)[2::3], 0.0).tolist()
     noted = dict(zip(map(rise, toes), speeds, strict=True))
     noted |= {told(toe): float(toe in striking and toe not in reset.impact) for toe in toes}
-    return Strike(impact.v, impulse, -impact.loss, noted)
+    return Strike(impact.v, impulse, work, noted)
 
 
 def stopped(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array) -> Strike:

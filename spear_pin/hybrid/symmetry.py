@@ -13,12 +13,14 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.result import State
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.robot import Robot
+from spear_pin.model.sagittal import ACROSS, NEAR
+from spear_pin.model.tree import Tree
 
 Array = NDArray[np.float64]
 X, Y, Z, YAW, PITCH, ROLL = range(len(CHAIN))
 ODD = (Y, YAW, ROLL)
 """Coordinates of the base that change sign in the mirror."""
-ALIKE = 1e-9  # m
+ALIKE = 1e-6  # rad: zeros of joints
 
 
 def turned(q: Array, v: Array, yaw: float, place: Sequence[float] = (0.0, 0.0)) -> State:
@@ -70,30 +72,40 @@ class Mirror:
         return even, odd
 
 
+def asymmetry(robot: Robot, state: State) -> float:
+    """How far a state is from its mirror image: the largest difference, in SI units."""
+    mirror = mirror_of(robot)
+    return max(float(np.abs(mirror(part) - part).max()) for part in headed(*state))
+
+
 def mirror_of(robot: Robot) -> Mirror:
     """The mirror of a robot on a chain.
 
-    Joints of the legs on either side correspond as they stand along a leg: adductions, which turn about the direction
-    ahead, change their sign, hips and knees do not.
+    Of joints that correspond on either side, one turns as the other's image does, whatever the sense of their axes;
+    where these are alike, adductions, which turn about the direction ahead, change their sign, hips and knees do not.
+    Of a robot that is not quite symmetric it is that of one which is.
 
     Raises:
-        BadValue: the base is no chain, or a leg has no partner on the other side.
+        BadValue: the base is no chain, a leg has no partner on the other side, or its joints another zero than that.
     """
     if robot.coordinates[: len(CHAIN)] != CHAIN:
         raise BadValue("robot", robot, 'one on a chain, load(..., base="chain")')
     of, signs = list(range(robot.nv)), [-1.0 if i in ODD else 1.0 for i in range(robot.nv)]
-    upright = np.zeros(robot.nq)
+    upright, tree = np.zeros(robot.nq), Tree(robot.model)
     hips = {leg.name: robot.frame_position(upright, leg.hip) for leg in robot.legs}
     for leg in robot.legs:
-        place = hips[leg.name] * (1.0, -1.0, 1.0)
-        partner = next((each for each in robot.legs if np.abs(hips[each.name] - place).max() < ALIKE), None)
-        if partner is None:
+        place = hips[leg.name] * ACROSS
+        partner = min(robot.legs, key=lambda each: float(np.abs(hips[each.name] - place).max()))
+        if np.linalg.norm(hips[partner.name] - place) > NEAR * (leg.thigh + leg.shank):
             raise BadValue("robot", robot, f"one in which {leg.name!r} has a partner on the other side")
-        for own, other, sign in (
-            (leg.abduction, partner.abduction, -1.0),
-            (leg.hip, partner.hip, 1.0),
-            (leg.knee, partner.knee, 1.0),
-        ):
+        joints = (leg.abduction, partner.abduction), (leg.hip, partner.hip), (leg.knee, partner.knee)
+        for own, other in joints:
             if own is not None and other is not None:
-                of[robot.index(own)], signs[robot.index(own)] = robot.index(other), sign
+                axes = [tree.axis(robot.model.getJointId(joint)) for joint in (own, other)]
+                of[robot.index(own)] = robot.index(other)
+                signs[robot.index(own)] = -float(np.sign(axes[1] @ (axes[0] * ACROSS)))
+        zeros = (leg.hip, leg.hip_zero, partner.hip_zero), (leg.knee, leg.knee_zero, partner.knee_zero)
+        for joint, zero, its in zeros:
+            if abs(its - signs[robot.index(joint)] * zero) > ALIKE:
+                raise BadValue(f"zero of {joint}", zero, f"that of its partner's image, {its}, in rad")
     return Mirror(tuple(of), tuple(signs))

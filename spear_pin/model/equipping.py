@@ -19,6 +19,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.settings import Settings
 from spear_pin.model.sidecar import JOINTS, ROLES, Sidecar, blaming
 from spear_pin.model.spring import Spring
+from spear_pin.model.tree import Tree
 
 SAME = 1e-6  # relative difference of two numbers that say the same
 
@@ -60,8 +61,23 @@ def equipped(said: Sidecar, model: pin.Model, name: str, toes: Sequence[str]) ->
         springs=_springs(said, path, legs),
         motors={joint: motor(table["motor"]) for joint, (_, table) in gears.items() if "motor" in table},
         efficiencies={joint: gearbox.efficiency for joint, gearbox in drives.items()},
+        post=_post(said, path, model),
     )
     return settings, tuple(gears) if isinstance(said.motors, Mapping) else said.motors
+
+
+def _post(said: Sidecar, path: Path, model: pin.Model) -> tuple[float, float] | None:
+    """Where the joint that is said to be on a post stands."""
+    if said.post is None:
+        return None
+    with blaming(path, "post"):
+        if said.post not in (names := list(model.names)[1:]):
+            raise UnknownName("joint", said.post, names)
+        tree, joint = Tree(model), int(model.getJointId(said.post))
+        if tree.chain(joint) != [joint] or not tree.yaws(joint):
+            raise BadValue("joint", said.post, "one that turns about a vertical axis, on the world itself")
+    x, y, _ = model.jointPlacements[joint].translation.tolist()
+    return x, y
 
 
 def _legs(said: Sidecar, path: Path, robot: Robot) -> tuple[tuple[NamedLeg, ...], tuple[Leg, ...]]:

@@ -78,6 +78,12 @@ ROBOTS = {
         "biped of two SPEAR-II legs in the sagittal plane",
         "legs as spear_ii; the source suggests it (Section 6.2.4), the torso is an assumption",
     ),
+    "hoppy": Shipped(
+        "hoppy.urdf",
+        ("toe",),
+        "HOPPY, a leg on a boom that turns and tilts about a post, with its knee spring and motors",
+        "arXiv 2010.14580 and its simulator; limits and shapes are assumptions",
+    ),
     "hoppy_leg": Shipped(
         "hoppy_leg.urdf",
         ("toe",),

@@ -18,7 +18,8 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.model.robot import WORLD_ALIGNED, Robot
+from spear_pin.model.directions import WORLD_ALIGNED
+from spear_pin.model.robot import Robot
 
 Vector = tuple[Any, Any]
 ZERO: Vector = (0.0, 0.0)

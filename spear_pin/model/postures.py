@@ -10,6 +10,7 @@ from spear_pin.errors import BadValue
 from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
+NEWTON = 20  # steps, of which a few are enough
 
 
 def home(robot: Robot) -> Array:
@@ -20,10 +21,13 @@ def home(robot: Robot) -> Array:
 def grounded(robot: Robot, q: Array) -> Array:
     """A configuration, (nq,), lifted or lowered until its lowest toe is at height zero.
 
-    It stays as it is if the robot has no toes, or no coordinate that moves them all straight up.
+    It stays as it is if the robot has no toes, or no coordinate that moves them all straight up; one that goes round a
+    post is tilted by the coordinate that lifts its first toe most.
     """
     if not robot.toes:
         return q
+    if robot.post is not None:
+        return _tilted(robot, q)
     jacobians = np.array([robot.toe_jacobian(q, toe) for toe in robot.toes])
     up = np.eye(jacobians.shape[1])[-1]
     lifting = np.flatnonzero(np.abs(jacobians - up[None, :, None]).max(axis=(0, 1)) < 1e-12)
@@ -31,6 +35,15 @@ def grounded(robot: Robot, q: Array) -> Array:
         return q
     height = min(float(robot.toe_position(q, toe)[-1]) for toe in robot.toes)
     return np.asarray(pin.integrate(robot.model, q, -height * np.eye(robot.nv)[lifting[0]]))
+
+
+def _tilted(robot: Robot, q: Array) -> Array:
+    """A configuration, (nq,), with the first toe on the ground by Newton's method, over one coordinate."""
+    row = int(np.abs(robot.toe_jacobian(q, robot.toes[0])[-1]).argmax())
+    for _ in range(NEWTON):
+        height, slope = robot.toe_position(q, robot.toes[0])[-1], robot.toe_jacobian(q, robot.toes[0])[-1, row]
+        q = np.asarray(pin.integrate(robot.model, q, -height / slope * np.eye(robot.nv)[row]))
+    return q
 
 
 def checked(robot: Robot, name: str, q: ArrayLike) -> Array:

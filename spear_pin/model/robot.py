@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.cut import Cut
+from spear_pin.model.directions import WORLD_ALIGNED, Axes, Directions, Round
 from spear_pin.model.elements import MAX_NUMBER
 from spear_pin.model.frames import frame_id
 from spear_pin.model.legs import Leg, find_legs
@@ -23,7 +24,6 @@ from spear_pin.model.settings import Settings
 from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
-WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 UNCHANGED: Mapping[str, Any] = MappingProxyType({})
 Added = Callable[[Array], tuple[int, float, float]]
 """Inertia μ(q) on one coordinate that no body of the model has: its row, μ, and dμ/dq along that coordinate."""
@@ -50,8 +50,11 @@ class Robot(Shown):
         toes: frame names of the points that touch the ground.
         actuated: names of the joints that have a motor, in the order of u.
         locked: names of the joints that are held at zero.
-        planar: whether everything moves in the x-z plane; toe queries are then two-dimensional.
-        dimension: of the space in which toes move, 2 or 3.
+        planar: whether everything moves in the x-z plane; positions are then two-dimensional.
+        post: place, x and y in m, of the post about which it goes, if its settings say one.
+        directions: in which the ground acts on its toes: x and z in the plane, x, y and z in space; round a post along
+            a circle about it and vertically.
+        dimension: number of these directions, 2 or 3.
         source: what the robot was loaded from, a registered name or a path.
         options: how it was loaded, by the names of `load`'s arguments: base, motors, repair; what was not said is not
             there.
@@ -93,9 +96,11 @@ class Robot(Shown):
         self.coordinates, self.configuration = _coordinates(model), _configuration(model)
         self._data = pin.Data(model)
         self._toe_ids = {toe: frame_id(model, toe) for toe in self.toes}
-        self.planar = _is_planar(model, self._data)
+        self.post = post = None if settings is None else settings.post
+        self.planar = post is None and _is_planar(model, self._data)
         self._rows = np.array([0, 2]) if self.planar else np.array([0, 1, 2])
-        self.dimension = len(self._rows)
+        self.directions: Directions = Axes(len(self._rows)) if post is None else Round(post)
+        self.dimension = self.directions.dimension
 
     def __repr__(self) -> str:
         rest = f", locked={list(self.locked)}" if self.locked else ""
@@ -261,17 +266,18 @@ class Robot(Shown):
         return self.frame_position(q, toe)
 
     def toe_jacobian(self, q: ArrayLike, toe: str) -> Array:
-        """J(q) of (3.16), (2, nv) for planar robots, else (3, nv): the toe's velocity is J v."""
+        """J(q) of (3.16), (2, nv) or (3, nv): the toe's velocity along the `directions` of contact is J v."""
         index = self.toe_id(toe)
         jacobian = pin.computeFrameJacobian(self.model, self._data, self._q(q), index, WORLD_ALIGNED)
-        return np.array(jacobian.reshape(6, self.nv)[self._rows])  # of one joint it is a vector
+        rows = jacobian.reshape(6, self.nv)[:3]  # of one joint it is a vector
+        return np.array(self.directions.along(self.model, self._data, index, rows))
 
     def toe_drift(self, q: ArrayLike, v: ArrayLike, toe: str) -> Array:
         """J̇ v of (3.17)-(3.18), in m/s²: the toe's acceleration at v̇ = 0."""
         index = self.toe_id(toe)
         pin.forwardKinematics(self.model, self._data, self._q(q), self._v(v), np.zeros(self.nv))
         acceleration = pin.getFrameClassicalAcceleration(self.model, self._data, index, WORLD_ALIGNED)
-        return np.array(acceleration.linear[self._rows])
+        return np.array(self.directions.accelerated(self.model, self._data, index, acceleration.linear))
 
     def _q(self, q: ArrayLike) -> Array:
         vector = _vector("q", q, self.nq, self.configuration)

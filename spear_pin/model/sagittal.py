@@ -51,9 +51,7 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
         ('posterior_hip', 'posterior_knee', 'anterior_hip', 'anterior_knee')
     """
     source = Source(robot)
-    if pairs is None and robot.settings is not None:
-        pairs = robot.settings.pairs or None
-    found = _found(robot, source) if pairs is None else _given(robot, source, pairs)
+    found = _pairs(robot, source, pairs)
     origin = _origin(robot, source)
     trunk = pin.SE3(np.eye(3), -origin).act(source.lump(source.rest(leg for pair in found for leg in pair.legs)))
     built = _assembled(f"{robot.name}_sagittal", robot, trunk, origin, found)
@@ -116,6 +114,22 @@ class Pair:
         thigh, shank = np.mean([left.lengths, right.lengths], axis=0)
         lengths = float(thigh), float(shank)
         return Limb(left.turns, left.thigh + right.thigh, left.shank + right.shank, lengths, self.hip)
+
+
+def leg_pairs(robot: Robot) -> tuple[tuple[Leg, Leg], tuple[Leg, Leg]]:
+    """The left and the right leg of the posterior and of the anterior pair, as `sagittal` finds them.
+
+    Raises:
+        UnknownName, BadValue: as of `sagittal`.
+    """
+    posterior, anterior = _pairs(robot, Source(robot), None)
+    return posterior.legs, anterior.legs
+
+
+def _pairs(robot: Robot, source: Source, pairs: Sequence[Sequence[str | Leg]] | None) -> list[Pair]:
+    if pairs is None and robot.settings is not None:
+        pairs = robot.settings.pairs or None
+    return _found(robot, source) if pairs is None else _given(robot, source, pairs)
 
 
 def _found(robot: Robot, source: Source) -> list[Pair]:

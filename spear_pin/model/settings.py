@@ -23,6 +23,7 @@ class Settings:
         springs: a `Spring` for each knee that has one, by its joint.
         motors: of joints by name, where they are known.
         efficiencies: of joints' gearboxes, in (0, 1].
+        post: place, x and y in m, of the post about which it goes, if it does.
     """
 
     path: str
@@ -32,6 +33,7 @@ class Settings:
     springs: Mapping[str, Any] = field(default_factory=dict)
     motors: Mapping[str, Motor] = field(default_factory=dict)
     efficiencies: Mapping[str, float] = field(default_factory=dict)
+    post: tuple[float, float] | None = None
 
     def of_cut(self, angles: Mapping[str, Sequence[Turn]]) -> Settings:
         """Those of a robot that is cut out of this one, by the cut's joints.

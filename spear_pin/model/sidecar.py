@@ -45,6 +45,7 @@ class Sidecar:
         legs: tables by the names of legs.
         pairs: names of legs.
         springs: tables by "knee" or a knee's joint.
+        post: joint by which the robot turns about a post, round which its toes go.
     """
 
     source: Any
@@ -56,6 +57,7 @@ class Sidecar:
     legs: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     pairs: Sequence[Sequence[str]] = ()
     springs: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    post: str | None = None
 
     @property
     def own_toes(self) -> Sequence[str] | None:
@@ -100,6 +102,7 @@ KEYS = {
     "legs": TABLES,
     "pairs": Kind(_are_pairs, "two pairs of legs, [[left, right], [left, right]]"),
     "springs": TABLES,
+    "post": TEXT,
 }
 LEG = {
     "side": Kind(lambda value: type(value) is int and value in (-1, 1), "1 or -1"),

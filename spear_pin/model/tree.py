@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 SPLAY = 1e-2  # rad: axes that are off the normal of the sagittal plane by more turn out of it
 SHORTEST = 1e-6  # m: a thigh or a shank that is shorter has no direction
 ARMS = 0.25  # of the height from the lowest toe to the highest hip: what ends higher is no leg
+UPRIGHT = 1.0 - 1e-9  # cosine of what a vertical axis may lean, as much as "1.5708" for a right angle and more
 FLOATING = 6  # velocities of a floating base
 
 
@@ -65,6 +66,10 @@ class Tree:
     def pitches(self, joint: int) -> bool:
         """Whether a joint turns in the sagittal plane."""
         return abs(float(self.axis(joint)[1])) >= math.cos(SPLAY)
+
+    def yaws(self, joint: int) -> bool:
+        """Whether a joint turns about the vertical."""
+        return abs(float(self.axis(joint)[2])) >= UPRIGHT
 
     def ends(self) -> tuple[str, ...]:
         """Frames at the ends of the limbs that may be legs, one each."""

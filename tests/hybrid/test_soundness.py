@@ -46,6 +46,18 @@ CHANGES = {  # of the domain "stance", with what is said to be valid
 }
 
 
+def test_an_impact_that_pins_one_toe_and_leaves_another_to_friction():
+    system = Gait.load("long_stride").system
+    entered = system.section_phase
+    with pytest.raises(BadValue, match="all toes on the ground pinned, or none"):
+        replace(
+            system,
+            domains=tuple(
+                replace(d, contacts=("pinned", "stick")) if d.phase == entered else d for d in system.domains
+            ),
+        )
+
+
 def changed_stance(system, change):
     return replace(system, domains=tuple(change(d) if d.name == "stance" else d for d in system.domains))
 

@@ -4,6 +4,19 @@ from tests.mistakes.mutation import mistakes_in
 
 MUTATIONS = [
     *mistakes_in(
+        "gaits/round_hopping",
+        ["gaits/test_round_hopping"],
+        {
+            "the toe commanded ahead of the wrong side": ("p.placement * (limb.reach", "-p.placement * (limb.reach"),
+            "stance pulls at the ground": ("-bezier(p.push_up, s)", "bezier(p.push_up, s)"),
+            "a push that does not end": ("s = 1.0 - ops.maximum(1.0 - t / p.push_time, 0.0)", "s = t"),
+            "back-EMF drives": ("torques[0] - p.hip_back_emf", "torques[0] + p.hip_back_emf"),
+            "back-EMF of lossless gears": ("return gears.efficiency * geared", "return geared"),
+            "lift-off as soon as it touches": ("unloaded, into_flight, patient=True)", "unloaded, into_flight)"),
+            "a spring in stance only": ("(OPEN,), flight_law, mounts=(mount,),", "(OPEN,), flight_law,"),
+        },
+    ),
+    *mistakes_in(
         "gaits/hopping",
         ["gaits/test_hopping", "hybrid/test_torques", "hybrid/test_endings", "hybrid/test_events"],
         {

@@ -64,8 +64,8 @@ MUTATIONS = [
                 "pin.getFrameAcceleration(model, data",
             ),
             "rows x and y in stance": (
-                "rows.append(pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[self._axes])",
-                "rows.append(pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[0:2])",
+                "rows.append(directions.along(model, data, index, jacobian))",
+                "rows.append(jacobian[0:2])",
             ),
             "work of slip with the wrong sign": ("slipped += force", "slipped -= force"),
             "joint friction left out": (

@@ -20,6 +20,21 @@ MUTATIONS = [
         {"rotors times N, not N²": ("self.gear_ratio**2", "self.gear_ratio")},
     ),
     *mistakes_in(
+        "model/directions",
+        ["model/test_directions", "model/test_dynamics", "hybrid/test_equations_of_motion"],
+        {
+            "rows x and y of a toe": ("return vectors[0 : 3 : 4 - self.dimension]", "return vectors[: self.dimension]"),
+            "drift along x and y": (
+                "return acceleration[0 : 3 : 4 - self.dimension]",
+                "return acceleration[: self.dimension]",
+            ),
+            "round a post the other way": ("(x * vectors[1] - y * vectors[0])", "(y * vectors[0] - x * vectors[1])"),
+            "a circle's direction that does not turn": (" - (x * vy - y * vx) * (x * vx + y * vy) / radius**3", ""),
+            "a circle about the origin": ("float(place[0]) - self.post[0]", "float(place[0])"),
+            "forces round the origin": ("arms = places()[..., :2] - self.post", "arms = places()[..., :2]"),
+        },
+    ),
+    *mistakes_in(
         "model/robot",
         ["model/test_dynamics", "hybrid/test_equations_of_motion"],
         {
@@ -27,9 +42,9 @@ MUTATIONS = [
                 "float(0.5 * rates @ self.mass_matrix(q) @ rates)",
                 "float(0.5 * rates @ (self.mass_matrix(q) - np.diag(self.model.armature)) @ rates)",
             ),
-            "Jacobian in the toe's own frame": ("pin.ReferenceFrame.LOCAL_WORLD_ALIGNED", "pin.ReferenceFrame.LOCAL"),
+            "Jacobian in the toe's own frame": ("self._q(q), index, WORLD_ALIGNED)", "self._q(q), index, pin.LOCAL)"),
             "spatial acceleration for the drift": ("pin.getFrameClassicalAcceleration", "pin.getFrameAcceleration"),
-            "rows x and y of a toe": ("np.array([0, 2]) if self.planar", "np.array([0, 1]) if self.planar"),
+            "a place's x and y": ("np.array([0, 2]) if self.planar", "np.array([0, 1]) if self.planar"),
         },
     ),
     *mistakes_in(

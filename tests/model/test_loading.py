@@ -14,7 +14,7 @@ from tests.model.spatial_arm import ARM, FLYING
 class TestShipped:
     def test_names(self):
         own = {"spear_ii", "spear_ii_series", "q_spear", "q_spear_full", "biped"}
-        assert set(ROBOTS) == own | {"hoppy_leg", "mups_v2"}
+        assert set(ROBOTS) == own | {"hoppy", "hoppy_leg", "mups_v2"}
         for shipped in ROBOTS.values():
             assert shipped.path.is_file() and shipped.summary and shipped.provenance
 
@@ -38,10 +38,10 @@ class TestShipped:
     def test_shapes(self, name):
         robot = load(name)
         q, v = state(robot)
-        size = 2 if robot.planar else 3
         for toe in robot.toes:
-            assert robot.toe_position(q, toe).shape == robot.toe_drift(q, v, toe).shape == (size,)
-            assert robot.toe_jacobian(q, toe).shape == (size, robot.nv)
+            assert robot.toe_position(q, toe).shape == (2 if robot.planar else 3,)
+            assert robot.toe_drift(q, v, toe).shape == (robot.dimension,)
+            assert robot.toe_jacobian(q, toe).shape == (robot.dimension, robot.nv)
 
     def test_repr(self):
         assert repr(load("spear_ii")) == "Robot('spear_ii', nq=4, nv=4, nu=2, toes=['toe'])"

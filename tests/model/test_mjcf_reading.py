@@ -147,9 +147,12 @@ class TestLeftOut:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_what_is_written_is_read_back(write_xml, name):
-    """The robot comes back, but for its velocities' limits, which MJCF lacks."""
+    """The robot comes back, but for its velocities' limits, which MJCF lacks, and what only its TOML file says."""
     robot = load(name)
-    again = load(write_xml(to_mjcf(robot)), toes=robot.toes)
+    path = write_xml(to_mjcf(robot))
+    if robot.post is not None:
+        path.with_suffix(".toml").write_text('post = "boom_yaw"\n')
+    again = load(path, toes=robot.toes)
     q, v = state(robot)
     assert (again.coordinates, again.actuated, again.name) == (robot.coordinates, robot.actuated, robot.name)
     np.testing.assert_allclose(again.mass_matrix(q), robot.mass_matrix(q), rtol=0, atol=1e-13)

@@ -97,6 +97,71 @@ class TestHoppy:
         assert hoppy.limits[joint].velocity == pytest.approx(12.0 / (gears.ratio * 0.0186), rel=1e-3)
 
 
+class TestHoppyOnItsBoom:
+    """Without rotors, in its makers' coordinates: the knee's angle and torque, and x and y of the toe, change."""
+
+    SIGNS = np.diag([1.0, 1.0, 1.0, -1.0])
+
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def robot():
+        return load("hoppy")
+
+    # of arXiv 2010.14580's simulator at three states: q, v, the upper triangle of D row by row, C v + G, the toe
+    @pytest.mark.parametrize(("q", "v", "upper", "bias", "toe"), [
+        (
+            (0.6100058474907604, 0.6158815794729875, 1.030651122084284, -1.9283972398237168),
+            (-1.6288833255286272, 1.741497170688885, -0.5394640076333772, -1.2966493074246412),
+            (0.3962741244337872, 0.01705534041568747, 0.005965971342078395, 0.0014684949350188777)
+            + (0.5979628791935985, -0.013768423004501613, 7.940543172447755e-05)
+            + (0.0033157845512213316, 0.0006968319913901874, 0.0005068641927370313),
+            (1.6864672646275887, -4.000216816474469, 0.2060132583732881, 0.007476526009220388),
+            (0.2988558736142249, 0.21237607593887753, -0.24793611956132103),
+        ),
+        (
+            (-0.8921385952366871, -0.23326223842896354, 0.8169464108399973, -2.4094496121951097),
+            (-1.9999945594970323, -1.758289966205286, -1.141394167187332, -0.3293853898340231),
+            (0.5767919295437481, -0.0033018610116412146, 0.01313101984463623, 0.0017489222906175647)
+            + (0.5982590591025709, -0.010280239056797272, 0.0015252558388923454)
+            + (0.002954009780830992, 0.0005159446061950175, 0.0005068641927370313),
+            (0.910635988315194, -6.361290529024497, 0.17462028846202832, -0.029990482987618357),
+            (0.31357742742485994, -0.4605054376950293, 0.26453558782917785),
+        ),
+        (
+            (-0.9024845785456639, 0.9983522301301428, 1.3047382231759754, -2.030979596660352),
+            (0.40628092495847, 1.9241224695641779, 1.5619088387912434, -1.030983671774254),
+            (0.17950524743391885, 0.024873835122950314, -0.00034533314974526124, 0.0006505156217603958)
+            + (0.5973481117527368, -0.01584751481185597, -0.00031210313438301095)
+            + (0.0032432658745125934, 0.0006605726530358185, 0.0005068641927370313),
+            (-0.38831442642891434, -3.104298289801845, 0.13256138382839427, -0.0013112087999158856),
+            (0.13540089229081556, -0.11926323269932071, -0.3505578116694101),
+        ),
+    ])  # fmt: skip
+    def test_dynamics(self, robot, q, v, upper, bias, toe):
+        q, v = self.SIGNS @ q, self.SIGNS @ v
+        D = self.SIGNS @ (robot.mass_matrix(q) - np.diag(robot.model.armature)) @ self.SIGNS
+        np.testing.assert_allclose(D[np.triu_indices(4)], upper, rtol=0, atol=1e-14)
+        np.testing.assert_allclose(self.SIGNS @ robot.bias(q, v), bias, rtol=0, atol=1e-13)
+        x, y, z = robot.toe_position(q, "toe")
+        np.testing.assert_allclose([-y, x, z], toe, rtol=0, atol=1e-15)
+
+    def test_what_it_shares_with_the_leg_alone(self, robot, hoppy):
+        assert robot.settings.springs == hoppy.settings.springs and robot.settings.motors == hoppy.settings.motors
+        assert robot.settings.efficiencies == hoppy.settings.efficiencies
+        assert [robot.limits[joint] for joint in robot.actuated] == [hoppy.limits[joint] for joint in hoppy.actuated]
+        np.testing.assert_array_equal(robot.model.armature[2:], hoppy.model.armature[1:])
+        for joint in ("hip", "knee"):
+            assert body(robot, joint) == body(hoppy, joint)
+        (own,), (alone,) = robot.legs, hoppy.legs
+        assert (own.thigh, own.side) == (alone.thigh, alone.side) and own.shank == pytest.approx(alone.shank, rel=1e-14)
+
+    def test_it_weighs_less_than_it_resists(self, robot):
+        """Boom, motors and counterweight weigh 0.23 kg at the hip, as the leg alone says of them."""
+        leg = 0.656 * (0.556 + 0.04825821) + 0.149 * (0.556 + 0.00207136)
+        whole = -robot.gravity(np.zeros(4))[1] / 9.81
+        assert (whole - leg) / 0.556 == pytest.approx(0.23, abs=5e-4)
+
+
 KS, L0, L1, L2, L3, L4, L5, L6 = 4115.0, 0.138, 0.03, 0.1, 0.22, 0.02, 0.01, 0.003
 
 

@@ -288,6 +288,8 @@ WRONG = {
     "springs.knee.table = [[0, 0], [1]]": "springs.knee.table is [[0, 0], [1]]; expected points [rad, N·m]",
     "springs.hip.stiffness = 1.0": "springs: unknown knee 'hip'; valid: knee, FL_bend, FR_bend, HL_bend, HR_bend",
     "springs = 3": "springs is 3; expected tables",
+    "post = 3": "post is 3; expected a name",
+    "post = 'mast'": "post: unknown joint 'mast'",
     "urdf = 'cat.urdf'": "names '",
     "robot = 'q_spear'": "names 'q_spear'; expected 'dog.urdf', beside which it is, or no robot",
     "robot = 'dog.urdf'": "robot is 'dog.urdf'; expected the name of a robot; a path is given by urdf or mjcf",
@@ -354,4 +356,6 @@ class TestRefused:
 
 def test_shipped_robots_with_such_a_file_are_those_of_others():
     with_file = {name for name, shipped in ROBOTS.items() if shipped.path.with_suffix(".toml").exists()}
-    assert with_file == {"hoppy_leg", "mups_v2"} == {name for name in ROBOTS if load(name).settings is not None}
+    assert (
+        with_file == {"hoppy", "hoppy_leg", "mups_v2"} == {name for name in ROBOTS if load(name).settings is not None}
+    )

@@ -279,6 +279,11 @@ FUNCTIONS: tuple[tuple[str, Callable[[], Mapping[str, Any]], Mapping[str, tuple[
         {"robot": OBJECT, "law": OPTIONAL, "contact": OPTIONAL},
     ),
     (
+        "gaits.round_hopping:round_hopping",
+        lambda: {"robot": import_module("spear_pin").load("hoppy")},
+        {"robot": OBJECT, "law": OPTIONAL, "spring": OPTIONAL, "contact": OPTIONAL},
+    ),
+    (
         "gaits.feedback:regulated",
         lambda: {"gait": gait()},
         {"gait": OBJECT, "inputs": (5, ["nope"], [5]), "weight": POSITIVE},

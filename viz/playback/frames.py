@@ -82,7 +82,7 @@ def resample(robot: Robot, trajectory: TrajectoryLike, rate: float, name: str = 
     q = _table(f"{name}.q", trajectory.q, [(n, robot.nq)])
     force = _table(f"{name}.force", trajectory.force, [(n, toes, 2), (n, toes, 3)])
     ground = getattr(trajectory, "ground", None) or Ground()
-    force = in_world(force, ground)
+    force = in_world(robot, q, force, ground)
     domain = np.asarray(trajectory.domain, dtype=str)
     if domain.shape != (n,):
         raise BadValue(f"{name}.domain", trajectory.domain, f"{n} names, one for each time")

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.ground import Ground
+from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
 Table = tuple[Sequence[str], Array]
@@ -33,7 +34,7 @@ class TrajectoryLike(Protocol):
         t: (n,) times, in s, nondecreasing; an event has two samples, before and after.
         q: (n, nq) configurations.
         domain: (n,) names of the domains.
-        force: (n, toes, 2), x and z, or (n, toes, 3): ground forces on the toes, in N.
+        force: (n, toes, 2), x and z or round a post and z, or (n, toes, 3): ground forces on the toes, in N.
         events: what happened, for the time bar.
         spring_joints: names of the joints that a spring spans.
         engaged: (n, springs) or, for one spring, (n,): whether each spring is engaged.
@@ -132,17 +133,21 @@ def table_of(trajectory: TrajectoryLike) -> Table | None:
     return columns() if callable(columns) else None
 
 
-def in_world(force: Array, ground: Ground | None) -> Array:
+def in_world(robot: Robot, q: Array, force: Array, ground: Ground | None) -> Array:
     """Ground forces in axes of the world, (n, toes, 3), in N.
 
     Args:
+        robot: on which they act.
+        q: (n, nq) configurations.
         force: (n, toes, 3), as they are; or (n, toes, 2), along the ground and normal to it.
         ground: in whose axes the latter are; None: level.
     """
     if force.shape[2] == 3:
         return force
-    x, z = (ground or Ground()).world(force[:, :, 0], force[:, :, 1])
-    return np.stack((x, np.zeros_like(x), z), axis=2)
+    along = np.stack((ground or Ground()).world(force[:, :, 0], force[:, :, 1]), axis=2)
+    return robot.directions.world(
+        along, lambda: np.array([[robot.toe_position(each, toe) for toe in robot.toes] for each in q])
+    )
 
 
 def read_times(trajectory: TrajectoryLike, name: str = "trajectory") -> Array:

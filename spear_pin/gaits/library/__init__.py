@@ -25,13 +25,13 @@ REQUESTS: Mapping[str, Request] = MappingProxyType(
     }
 )
 """Request for each gait that ships, by name."""
+IN_SPACE = ("trot",)
 
 
 def names() -> tuple[str, ...]:
-    """Names of the gaits that ship."""
-    return tuple(
-        sorted(entry.name.removesuffix(".json") for entry in files(__name__).iterdir() if entry.name.endswith(".json"))
-    )
+    """Names of the gaits of the plane that ship; those of `IN_SPACE` do, too."""
+    stems = (entry.name.removesuffix(".json") for entry in files(__name__).iterdir() if entry.name.endswith(".json"))
+    return tuple(sorted(stem for stem in stems if stem not in IN_SPACE))
 
 
 def path(name: str) -> Path:
@@ -40,8 +40,8 @@ def path(name: str) -> Path:
     Raises:
         UnknownName: there is none of that name.
     """
-    if name not in names():
-        raise UnknownName("gait", name, [*names(), "the path of a saved gait"])
+    if name not in (*names(), *IN_SPACE):
+        raise UnknownName("gait", name, [*names(), *IN_SPACE, "the path of a saved gait"])
     return Path(str(files(__name__).joinpath(f"{name}.json")))
 
 

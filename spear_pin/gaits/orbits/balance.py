@@ -1,7 +1,8 @@
 """Balance: what keeps a symmetric gait in space upright, on its speed and on its heading, by feedback once a stride.
 
 By the mirror a symmetric gait's return map is block diagonal to first order: what is symmetric, the plane's motion, and
-what is antisymmetric, with the heading, are systems of their own, with inputs of their own.
+what is antisymmetric, with the heading, are systems of their own, with inputs of their own. A trot's, half a stride
+seen in the mirror, is one system.
 """
 
 from __future__ import annotations
@@ -15,15 +16,18 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.spatial.law import ACROSS, INPUTS
+from spear_pin.gaits.spatial.law import ACROSS, INPUTS, is_angle
+from spear_pin.gaits.spatial.trot_law import TROT_INPUTS
 from spear_pin.hybrid.newton import STEP
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import chart, eigenvalues, return_map
+from spear_pin.hybrid.periodic import chart, eigenvalues, multipliers, return_map
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import Chart
 from spear_pin.hybrid.spatial_section import SpatialCharts
-from spear_pin.hybrid.symmetry import YAW, mirror_of
+from spear_pin.hybrid.symmetry import YAW, asymmetry
 from spear_pin.kinds import typed
+from spear_pin.model.robot import Robot
+from spear_pin.model.scale import scale_in_space
 
 Array = NDArray[np.float64]
 SCALES = {
@@ -33,26 +37,30 @@ SCALES = {
     "leg_difference": 0.05,
     "adduction": 0.05,
     "torque": 50.0,
+    "squeeze": 10.0,
     "touchdown": 0.05,
+    "spread": 0.05,
 }
-"""What counts as one of an input, by how its name ends, in N·m and rad; of a pair's torque twice that of a leg."""
-SYMMETRIC = 1e-9
+"""What counts as one of an input of Q-SPEAR, by how its name ends, in N·m and rad; of a pair's torque twice a leg's."""
+SYMMETRIC, NEARLY = 1e-9, 0.25  # by `asymmetry`: exactly, and so nearly that either parity is a system of its own
 
 
 @dataclass(frozen=True)
 class Linear:
-    """First-order motion: a⁺ = A a + B w over coordinates of one parity, the heading, if it is one, last.
+    """First-order motion: a⁺ = A a + B w over coordinates of one parity or all, the heading, if it is one, last.
 
     Attributes:
         A: (n, n).
         B: (n, k).
         inputs: names of the k inputs.
         coordinates: of a state (q, v), headed, the n coordinates, (n, 2 nv).
+        scales: what counts as one of each input, (k,).
     """
 
     A: Array
     B: Array
     inputs: tuple[str, ...]
+    scales: tuple[float, ...]
     coordinates: Array
 
 
@@ -61,7 +69,7 @@ def across(gait: Gait, inputs: Sequence[str] = ACROSS, *, heading: bool = False,
     """A and B of antisymmetric motion, by a stride for each column: P(M x) = M P(x) tells the other side.
 
     Args:
-        gait: in space, symmetric.
+        gait: in space, symmetric; or nearly so, which takes two strides for each column.
         inputs: among `spear_pin.gaits.spatial.law.ACROSS`.
         heading: whether the yaw is a coordinate.
         rtol: of the integrator.
@@ -84,29 +92,38 @@ def along(gait: Gait, inputs: Sequence[str] = INPUTS[len(ACROSS) :], *, rtol: fl
 
 
 @typed
+def halved(gait: Gait, inputs: Sequence[str] = TROT_INPUTS, *, rtol: float = 1e-10) -> Linear:
+    """A and B of half a stride of a trot, seen in the mirror, by central differences; arguments as of `across`."""
+    return _linear(gait, inputs, TROT_INPUTS, None, rtol)
+
+
+@typed
 def balanced(
     gait: Gait,
-    inputs: Sequence[str] = ("posterior_adduction",),
+    inputs: Sequence[str] | None = None,
     *,
     heading: float = 0.0,
     weight: float = 0.2,
     rtol: float = 1e-10,
 ) -> Gait:
-    """The gait with linear-quadratic feedback of its section state to some inputs, once a stride.
+    """The gait with linear-quadratic feedback of its section state to some inputs, once a stride; of a trot twice.
 
     What is across and what is along are regulated apart, each by those of the inputs that act on it: at the section
     w = -K a is added to them for the stride; K minimises Σ aᵀQ a + weight Σ (w / scale)², scales being `SCALES` and Q 1
-    but for the yaw.
+    but for the yaw. Of a gait that is only nearly symmetric, as its robot is, it is the same feedback, and the
+    multipliers are those of all that there is.
 
     Args:
-        gait: in space, symmetric, without such feedback.
-        inputs: among `spear_pin.gaits.spatial.law.INPUTS`; one of those across suffices to stay upright.
-        heading: weight of the yaw, to keep the heading too; 0: it goes on to wherever it was pushed.
+        gait: in space, symmetric or nearly so, without such feedback.
+        inputs: among `spear_pin.gaits.spatial.law.INPUTS`; one of those across suffices to stay upright, by default
+            "posterior_adduction". Of a trot among `TROT_INPUTS`, by default all.
+        heading: weight of the yaw, to keep the heading too; 0: it goes on to wherever it was pushed, as a trot does.
         weight: of the inputs; the larger, the gentler.
         rtol: of the integrator.
 
     Returns:
-        the gait with feedback; its multipliers are those of what is regulated, the heading's among them if it is kept.
+        the gait with feedback; its multipliers are those of what is regulated, the heading's among them if it is kept;
+        of one that is only nearly symmetric all of them, without the heading's.
 
     Raises:
         BadValue: the gait has feedback already, is not in space or not symmetric, a weight is not valid, or
@@ -118,19 +135,28 @@ def balanced(
         raise BadValue("gait", "one with event feedback", "one without")
     require("weight", weight, lambda w: w > 0, "a number > 0")
     require("heading", heading, lambda w: w >= 0, "a number >= 0")
+    trots = bool(gait.system.mirrored_toes)
+    valid = TROT_INPUTS if trots else INPUTS
+    if inputs is None:
+        inputs = TROT_INPUTS if trots else ("posterior_adduction",)
+    if trots and heading:
+        raise BadValue("heading", heading, "0 for a trot")
     for name in inputs:
-        if name not in INPUTS:
-            raise UnknownName("input", name, INPUTS)
+        if name not in valid:
+            raise UnknownName("input", name, valid)
     if not inputs or len(set(inputs)) < len(inputs):
         raise BadValue("inputs", inputs, "at least one, none of them twice")
     regulations: list[tuple[Linear, Array, NDArray[np.complex128]]] = []
     sides = [name for name in inputs if name in ACROSS], [name for name in inputs if name not in ACROSS]
+    if trots:
+        linear = halved(gait, inputs, rtol=rtol)
+        regulations.append((linear, *regulated(linear, None, weight)))
     if sides[0]:
         linear = across(gait, sides[0], heading=heading > 0, rtol=rtol)
         Q = np.eye(len(linear.A))
         Q[-1, -1] = heading if heading > 0 else 1.0
         regulations.append((linear, *regulated(linear, Q, weight)))
-    if sides[1]:
+    if sides[1] and not trots:
         linear = along(gait, sides[1], rtol=rtol)
         regulations.append((linear, *regulated(linear, None, weight)))
     rows: dict[str, list[float]] = {}
@@ -139,44 +165,50 @@ def balanced(
     local = chart(gait.system, gait.state)
     nominal = np.concatenate(local.state(np.zeros(local.dimension)))
     zero = [0.0] * len(nominal)
-    feedback = tuple(tuple(rows.get(name, zero)) for name in INPUTS)
+    feedback = tuple(tuple(rows.get(name, zero)) for name in valid)
     closed = gait.with_law(feedback=feedback, nominal=tuple(nominal.tolist()))
-    multipliers = np.concatenate([values for _, _, values in regulations])
-    return replace(closed, multipliers=multipliers[np.argsort(-np.abs(multipliers), kind="stable")])
+    if not trots and asymmetry(gait.system.robot, gait.state) > SYMMETRIC:
+        return replace(closed, multipliers=multipliers(closed.system, closed.state, rtol))
+    values = np.concatenate([values for _, _, values in regulations])
+    return replace(closed, multipliers=values[np.argsort(-np.abs(values), kind="stable")])
 
 
-def scale_of(name: str) -> float:
-    """What counts as one of an input, in N·m or rad."""
-    return next(scale for end, scale in SCALES.items() if name.endswith(end))
+def unit_of(name: str, robot: Robot) -> float:
+    """What counts as one of an input, in N·m or rad; torques go by m g l."""
+    one = next(scale for end, scale in SCALES.items() if name.endswith(end))
+    return one if is_angle(name) else one * scale_in_space(robot).torque
 
 
 def regulated(linear: Linear, Q: Array | None = None, weight: float = 0.2) -> tuple[Array, NDArray[np.complex128]]:
     """Gains K of w = -K a, (k, n), and multipliers of the closed loop; arguments as of `balanced`, Q 1 by default."""
-    R = weight * np.diag([scale_of(name) ** -2 for name in linear.inputs])
+    R = weight * np.diag([scale**-2 for scale in linear.scales])
     P = scipy.linalg.solve_discrete_are(linear.A, linear.B, np.eye(len(linear.A)) if Q is None else Q, R)
     K = np.linalg.solve(R + linear.B.T @ P @ linear.B, linear.B.T @ P @ linear.A)
     return np.asarray(K, np.float64), eigenvalues(linear.A - linear.B @ K)
 
 
-def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool, rtol: float) -> Linear:
-    """A and B over the coordinates of one parity, those across with the heading."""
+def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool | None, rtol: float) -> Linear:
+    """A and B over the coordinates of one parity, those across with the heading; None: over all, without."""
     for name in inputs:
         if name not in valid:
             raise UnknownName("input", name, valid)
     local = chart(gait.system, gait.state)
     if not isinstance(local.lane, SpatialCharts):
         raise BadValue("gait", gait, "one in space")
-    mirror = mirror_of(gait.system.robot)
-    off = max(np.abs(mirror(part) - part).max() for part in local.state(np.zeros(local.dimension)))
-    if off > SYMMETRIC:
-        raise BadValue("gait", gait, "a symmetric one")
-    own = np.flatnonzero(local.lane.even == even)
+    robot = gait.system.robot
+    off = asymmetry(robot, local.state(np.zeros(local.dimension)))
+    if (even is None) != bool(gait.system.mirrored_toes):
+        raise BadValue("gait", gait, "a bound" if gait.system.mirrored_toes else "a trot")
+    if off > NEARLY and even is not None:
+        raise BadValue("gait", gait, "a symmetric one, or nearly so")
+    scales = tuple(unit_of(name, robot) for name in inputs)
+    own = np.arange(local.dimension) if even is None else np.flatnonzero(local.lane.even == even)
 
     def after(state: State, values: dict[str, float]) -> Array:
         run = return_map(with_parameters(gait.system, values), state, rtol)
         if not run.cycles:
             raise NoGait(f"a perturbed stride does not close: {run.message}", gait.residual)
-        turn = [] if even else [run.state[0][YAW] - state[0][YAW]]
+        turn = [] if even is not False else [run.state[0][YAW] - state[0][YAW]]
         return np.append(local.coordinates(run.state)[own], turn)
 
     def by_state(i: int, step: float) -> Array:
@@ -187,18 +219,18 @@ def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool,
 
     def slope(function: object, of: int | str, step: float) -> Array:
         ahead: Array = function(of, step)  # type: ignore[operator]
-        if not even:
+        if even is False and off <= SYMMETRIC:
             return ahead / step
         return (ahead - function(of, -step)) / (2.0 * step)  # type: ignore[operator,no-any-return]
 
     columns = [slope(by_state, int(i), STEP) for i in own]
-    columns += [slope(by_input, name, STEP * scale_of(name)) for name in inputs]
+    columns += [slope(by_input, name, STEP * scale) for name, scale in zip(inputs, scales, strict=True)]
     whole, n = np.array(columns).T, len(own)
     size = len(whole)
     A = np.zeros((size, size))
     A[:, :n] = whole[:, :n]
     A[n:, n:] = 1.0  # the heading, of which nothing depends on where it is
-    return Linear(A, whole[:, n:], tuple(inputs), _rows(local, own, size))
+    return Linear(A, whole[:, n:], tuple(inputs), scales, _rows(local, own, size))
 
 
 def _rows(local: Chart, own: NDArray[np.int64], size: int) -> Array:

@@ -2,45 +2,52 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadValue, RobotWarning
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.spatial.bounding import SECTION, bounding_in_space
 from spear_pin.gaits.spatial.law import SpatialLaw
-from spear_pin.gaits.spatial.legs import pairs_of, placed
+from spear_pin.gaits.spatial.legs import moving, pairs_of, placed
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import replaced
 from spear_pin.hybrid.periodic import multipliers, residual, return_map
 from spear_pin.hybrid.result import State
+from spear_pin.hybrid.spatial_section import lowest
 from spear_pin.kinds import typed
 from spear_pin.model.loading import load
+from spear_pin.model.origin import origin, robot_of, unsaid
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
 Array = NDArray[np.float64]
 PLANAR, SPATIAL = "q_spear", "q_spear_full"
+EXACT = 1e-9  # residual of what is symmetric as it is
 
 
 @typed
 def in_space(gait: Gait, law: SpatialLaw | None = None, *, robot: Robot | None = None, rtol: float = 1e-10) -> Gait:
     """A bounding gait of the plane as one in space: its residual, and multipliers, those of a fall sideways among them.
 
-    Each stride of the some sixty that the multipliers take is about as long as one of the plane: it takes a minute.
+    Where left and right of the robot are not quite each other's mirror images it is close to a gait, which Newton's
+    method finds with the numbers of the law as they are. Each stride of the some sixty that the multipliers take is
+    about as long as one of the plane: it takes a minute, or some with Newton's method.
 
     Args:
-        gait: of Q-SPEAR in the plane, without feedback.
-        law: with other numbers for adduction, its `plane` that of the gait; by default `SpatialLaw(plane)`.
-        robot: a quadruped on a chain; by default `load("q_spear_full", base="chain")`.
+        gait: of Q-SPEAR in the plane, or of a quadruped that `sagittal` cut, without feedback.
+        law: with other numbers for adduction, its `plane` that of the gait; by default those of `SpatialLaw.scaled`.
+        robot: a quadruped on a chain; by default the one that was cut, or `load("q_spear_full", base="chain")`.
         rtol: relative tolerance of the integrator.
 
     Raises:
         BadValue: the gait is not of such a robot, has event feedback, hardware or changes; or the law is
             another gait's.
-        NoGait: a perturbed stride does not close.
+        NoGait: a perturbed stride does not close, or Newton's method does not end in a gait.
 
     Example:
         >>> from spear_pin import Gait, SpatialLaw
@@ -50,29 +57,53 @@ def in_space(gait: Gait, law: SpatialLaw | None = None, *, robot: Robot | None =
         >>> system.robot.coordinates[:6]
         ('torso_x', 'torso_y', 'torso_z', 'yaw', 'pitch', 'roll')
     """
-    system, state = embedded(gait, law or SpatialLaw(gait.system.law), robot)
+    system, state = embedded(gait, law, robot)
+    off = residual(system, state, rtol)
+    if off > max(EXACT, 10.0 * rtol):
+        return gait_beside(system, state, (), {}, rtol)
     cycle = return_map(system, state, rtol)
     durations = {phase: seconds for phase, seconds in cycle.durations.items() if seconds > 0.0}
-    return Gait(system, state, {}, residual(system, state, rtol), multipliers(system, state, rtol), durations)
+    return Gait(system, state, {}, off, multipliers(system, state, rtol), durations)
 
 
-def embedded(gait: Gait, law: SpatialLaw, robot: Robot | None = None) -> tuple[HybridSystem, State]:
+def embedded(gait: Gait, law: SpatialLaw | None = None, robot: Robot | None = None) -> tuple[HybridSystem, State]:
     """The system in space of a gait of the plane, and its state on the section there; arguments as of `in_space`."""
     plane = gait.system
-    if plane.kind != "bounding" or (robot is None and (plane.robot.source != PLANAR or plane.robot.varied)):
-        raise BadValue("gait", gait, f"a bounding gait of {PLANAR!r} as it ships, or give the robot in space")
+    if plane.kind != "bounding":
+        raise BadValue("gait", gait, "a bounding gait of the plane")
     if plane.changes or replaced(plane):
         raise BadValue("gait", gait, "one without hardware, dry friction or other changes: space has none yet")
+    robot = robot or whole(plane.robot)
+    law = law or SpatialLaw.scaled(plane.law, robot)
     if law.plane != plane.law:
         raise BadValue("SpatialLaw.plane", law.plane, "the gait's own")
-    robot = robot or load(SPATIAL, base="chain")
     system = bounding_in_space(robot, law, of_a_leg(plane.spring), plane.contact)
     touchdown = return_map(plane, gait.state, 1e-12).event(SECTION)
     pairs = pairs_of(robot)
-    q, v = placed(robot, pairs, touchdown.q), placed(robot, pairs, touchdown.v_before)
+    q, v = placed(robot, pairs, touchdown.q), moving(robot, pairs, touchdown.v_before)
     q[0] = 0.0
-    q[2] -= min(system.ground.foot(robot, q, toe)[0] for toe in system.section_toes)
+    q[2] -= lowest(system, q, system.section_toes)
     return system, (q, v)
+
+
+def whole(plane: Robot) -> Robot:
+    """The quadruped on a chain of which a robot is the sagittal plane.
+
+    Raises:
+        BadValue: it is not Q-SPEAR as it ships, nor cut out of one that a file says.
+    """
+    if plane.cut is None:
+        if plane.source != PLANAR or plane.varied:
+            raise BadValue("robot", plane, f"{PLANAR!r} as it ships, one of sagittal(...), or give the one in space")
+        return load(SPATIAL, base="chain")
+    if plane.cut.kind != "sagittal" or plane.varied or unsaid(plane.cut.robot):
+        why = ", ".join([*unsaid(plane.cut.robot), *(["a cut that was varied"] if plane.varied else [])]) or "one leg"
+        raise BadValue("robot", plane, f"one that sagittal(...) cut out of a file's, or give the one in space: {why}")
+    said = origin(plane.cut.robot)
+    toes = [leg.toe for pair in plane.cut.legs for leg in pair]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RobotWarning)  # which it told as it was loaded
+        return robot_of({**said, "toes": toes, "options": {**said.get("options", {}), "base": "chain"}})
 
 
 def of_a_leg(spring: Spring) -> Spring:

@@ -11,7 +11,8 @@ from spear_pin.errors import NoGait, require
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.orbits.balance import balanced
 from spear_pin.gaits.search import gait_beside
-from spear_pin.gaits.spatial.law import ADJUSTED, INPUTS
+from spear_pin.gaits.spatial.law import INPUTS
+from spear_pin.gaits.spatial.torques import ADJUSTED
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import displacement, return_map

@@ -13,13 +13,10 @@ from typing import Any
 import numpy as np
 
 from spear_pin.gaits.bounding_guards import SHORTEST_SPAN
-from spear_pin.gaits.bounding_law import PAIR
-from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.legs import YAW, Leg, Pair
+from spear_pin.gaits.spatial.torques import LegLaw
 from spear_pin.gaits.virtual_constraints import begun, value
 from spear_pin.hybrid.domain import Held
-
-FLIGHTS = {"posterior": "flight_1", "anterior": "flight_2"}  # after the stance of a pair
 
 Numbers = Sequence[float]
 
@@ -30,7 +27,7 @@ def mean_angle(pair: Pair, q: Numbers) -> float:
     return float(0.5 * (left + right))
 
 
-def bears(leg: Leg, pair: Pair, q: Numbers, v: Numbers, held: Held, p: SpatialLaw, anew: bool) -> dict[str, Any]:
+def bears(leg: Leg, pair: Pair, q: Numbers, v: Numbers, held: Held, p: LegLaw, anew: bool) -> dict[str, Any]:
     """A leg begins to bear.
 
     Args:
@@ -42,57 +39,46 @@ def bears(leg: Leg, pair: Pair, q: Numbers, v: Numbers, held: Held, p: SpatialLa
         p: the law.
         anew: whether it is the first of its pair, and not just back.
     """
-    plane, i = p.plane, 0 if leg.pair == "posterior" else 1
     ahead = math.cos(q[YAW]) * v[0] + math.sin(q[YAW]) * v[1]
-    faster = plane.speed_gain[i] * (ahead - plane.speed_nominal[i])
-    hip, knee = (p.of_pair(leg, f"{name}_torque", held) for name in ("hip", "knee"))
-    squeeze = float(getattr(p, f"{leg.pair}_squeeze"))
+    adduction, hip, knee = p.torques(leg, held, ahead)
     latched: dict[str, Any] = {
         "rest": q[leg.knee],
         "taut": 1.0,
         "flexed": 0.0,
-        "hip_torque": (hip + faster) / PAIR + p.of(leg, "hip_difference", held),
-        "knee_torque": knee / PAIR + p.of(leg, "knee_difference", held),
+        "hip_torque": leg.signs[1] * hip,
+        "knee_torque": knee,
         "adduction": q[leg.adduction],
-        "adduction_torque": p.of(leg, "adduction_torque", held) - leg.lateral * squeeze,
+        "adduction_torque": leg.signs[0] * adduction,
     }
-    of_pair = {f"{leg.pair}_leg": mean_angle(pair, q)} if anew else {}
+    of_pair = {f"{pair.name}_leg": mean_angle(pair, q)} if anew else {}
     return {f"{leg.name}_{name}": each for name, each in latched.items()} | of_pair
 
 
-def trails(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: SpatialLaw) -> dict[str, Any]:
+def trails(leg: Leg, own: Pair, others: Pair, q: Numbers, v: Numbers, held: Held, p: LegLaw) -> dict[str, Any]:
     """A leg trails, over the travel along the heading that it has now."""
-    flight = FLIGHTS[leg.pair]
-    shapes, span = getattr(p.plane, f"{flight}_trailing"), getattr(p.plane, f"{flight}_span")
-    return _begins(leg, others, _along(q), shapes, q, v, span, held, p, 0.0)
+    return _begins(leg, others, _along(q), p.trailing(leg), q, v, p.span_of_flight(own), held, p, 0.0)
 
 
-def swings(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: SpatialLaw) -> dict[str, Any]:
+def swings(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: LegLaw) -> dict[str, Any]:
     """A leg swings while the other pair bears, over the mean leg angle of that."""
-    bearing = others[0].pair
-    whole = getattr(p.plane, f"{bearing}_stance_span")
+    whole = p.span_of_stance(others)
     angle = mean_angle(others, q)
-    left = 1.0 - (angle - held.get(f"{bearing}_leg", angle)) / whole
+    left = 1.0 - (angle - held.get(f"{others.name}_leg", angle)) / whole
     span = whole * np.maximum(left, SHORTEST_SPAN)
-    shapes = getattr(p.plane, f"{bearing}_stance_swing")
-    return _begins(leg, others, (0.0, 0.0, 0.5), shapes, q, v, span, held, p, 1.0)
+    return _begins(leg, others, (0.0, 0.0, 0.5), p.swing(leg), q, v, span, held, p, 1.0)
 
 
-def lands(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: SpatialLaw) -> dict[str, Any]:
+def lands(leg: Leg, others: Pair, q: Numbers, v: Numbers, held: Held, p: LegLaw) -> dict[str, Any]:
     """A leg is brought to its touchdown angles after the other pair has lifted off."""
-    flight = FLIGHTS[others[0].pair]
-    angle, knee = getattr(p.plane, f"{flight}_landing")
-    target = p.of_pair(leg, "leg_touchdown", held) + p.of(leg, "leg_difference", held)
-    shapes = (angle, *3 * (target,)), (knee, *3 * (leg.side * p.plane.knee_touchdown,))
-    return _begins(leg, others, _along(q), shapes, q, v, getattr(p.plane, f"{flight}_span"), held, p, 1.0)
+    return _begins(leg, others, _along(q), p.landing(leg, held), q, v, p.span_of_flight(others), held, p, 1.0)
 
 
-def waits(leg: Leg, others: Pair, q: Numbers, p: SpatialLaw) -> dict[str, Any]:
+def waits(leg: Leg, others: Pair, q: Numbers, p: LegLaw) -> dict[str, Any]:
     """A leg about to land stays as it is, so that all that it will do depends on the state alone."""
     weights = _along(q)
     outputs = leg.outputs(others, weights)
     stays = tuple(5 * (float(value(row, q)),) for row in outputs.rows)
-    origin, span = float(value(outputs.phase, q)), getattr(p.plane, f"{FLIGHTS[others[0].pair]}_span")
+    origin, span = float(value(outputs.phase, q)), p.span_of_flight(others)
     return _named(leg, weights, stays, origin, span, 1.0) | {f"{leg.name}_lands_at": q[leg.adduction]}
 
 
@@ -114,12 +100,12 @@ def _begins(
     v: Numbers,
     span: float,
     held: Held,
-    p: SpatialLaw,
+    p: LegLaw,
     forward: float,
 ) -> dict[str, Any]:
     evolution = begun(leg.outputs(others, weights), shapes, q, v, span)
     named = _named(leg, weights, evolution.alpha, evolution.origin, evolution.span, forward)
-    return named | {f"{leg.name}_lands_at": p.adduction_touchdown(leg, held)}
+    return named | {f"{leg.name}_lands_at": leg.signs[0] * p.adduction_touchdown(leg, held)}
 
 
 def _named(

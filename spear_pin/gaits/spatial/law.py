@@ -1,23 +1,22 @@
-"""The bounding controller in space: the plane's for each leg, and what the adduction joints do."""
+"""The bounding controller in space: the plane's numbers for each leg, and what the adduction joints do."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.bounding_law import INPUTS as SAGITTAL
-from spear_pin.gaits.bounding_law import PAIR, BoundingLaw, Shape
-from spear_pin.gaits.spatial.legs import YAW, Leg, Pair
-from spear_pin.gaits.virtual_constraints import demanded
-from spear_pin.hybrid.domain import Law
-from spear_pin.hybrid.dynamics import Dynamics, Operations, Row
-from spear_pin.hybrid.symmetry import headed
+from spear_pin.gaits.bounding_law import LEGS, PAIR, BoundingLaw, Shape
+from spear_pin.gaits.spatial.legs import FLIGHTS, Leg, Pair
+from spear_pin.gaits.spatial.torques import ADJUSTED, adjusted
 from spear_pin.kinds import typed
+from spear_pin.model.robot import Robot
+from spear_pin.model.scale import scale_in_space
 
 ANTISYMMETRIC = ("hip_difference", "knee_difference", "leg_difference", "adduction", "adduction_torque")
 SYMMETRIC = ("spread", "squeeze")
@@ -25,7 +24,7 @@ ACROSS = tuple(f"{pair}_{name}" for pair in ("posterior", "anterior") for name i
 """Parameters that are zero in symmetric motion, and change sign in the mirror: what turns and what balances."""
 INPUTS = (*ACROSS, *SAGITTAL)
 """Parameters that event feedback adjusts once a stride: these, and the plane's."""
-ADJUSTED = "adjusted"  # name in what is held
+_FLIGHTS = dict(zip(LEGS, FLIGHTS, strict=True))  # of the plane's law, after the stance of a pair
 
 
 @typed
@@ -109,68 +108,124 @@ class SpatialLaw:
         if len(self.feedback_limits) != len(INPUTS) or min(self.feedback_limits) < 0:
             raise BadValue("SpatialLaw.feedback_limits", self.feedback_limits, f"{len(INPUTS)} numbers >= 0")
 
+    @classmethod
+    @typed
+    def scaled(cls, plane: BoundingLaw, robot: Robot) -> SpatialLaw:
+        """The law with the numbers of Q-SPEAR's adduction for a robot of another size.
+
+        Stiffnesses and torques go by m g l, damping by that times √(l/g), times by √(l/g).
+
+        Args:
+            plane: the sagittal controller.
+            robot: a quadruped, not in the plane.
+
+        Raises:
+            BadValue: the robot has no legs of hip and knee.
+
+        Example:
+            >>> from spear_pin import Gait, SpatialLaw, load
+            >>> plane = Gait.load("long_stride").system.law
+            >>> SpatialLaw.scaled(plane, load("q_spear_full", base="chain")) == SpatialLaw(plane)
+            True
+        """
+        one, scale = cls(plane), scale_in_space(robot)
+        limits = zip(INPUTS, one.feedback_limits, strict=True)
+        return replace(
+            one,
+            adduction_stiffness=one.adduction_stiffness * scale.torque,
+            adduction_damping=one.adduction_damping * scale.torque * scale.time,
+            adduction_epsilon=one.adduction_epsilon * scale.time,
+            feedback_limits=tuple(limit * (1.0 if is_angle(name) else scale.torque) for name, limit in limits),
+        )
+
     @property
     def knee_rest(self) -> float:
         """θ̄ of (5.5)-(5.6), that of the plane's law, in rad."""
         return self.plane.knee_rest
 
-    def of(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
+    @property
+    def epsilon(self) -> float:
+        """ε of (5.16), that of the plane's law, in s."""
+        return self.plane.epsilon
+
+    @property
+    def leg_stiffness(self) -> float:
+        """The virtual stiffness of one knee, in N·m/rad."""
+        return self.plane.virtual_stiffness / PAIR
+
+    @property
+    def lift_off(self) -> str:
+        """What lifts a leg, as of the plane's law."""
+        return self.plane.lift_off
+
+    def torques(self, leg: Leg, held: Mapping[str, Any], ahead: float) -> tuple[float, float, float]:
+        """Torques of a leg that begins to bear, of adduction (to the left), hip and knee (extending), in N·m.
+
+        Args:
+            leg: the leg.
+            held: what is held.
+            ahead: speed of the torso along its heading, in m/s.
+        """
+        i = LEGS.index(leg.end)
+        faster = self.plane.speed_gain[i] * (ahead - self.plane.speed_nominal[i])
+        hip, knee = (self._of_pair(leg, f"{name}_torque", held) for name in ("hip", "knee"))
+        squeeze = float(getattr(self, f"{leg.end}_squeeze"))
+        return (
+            self._of(leg, "adduction_torque", held) - leg.lateral * squeeze,
+            (hip + faster) / PAIR + self._of(leg, "hip_difference", held),
+            knee / PAIR + self._of(leg, "knee_difference", held),
+        )
+
+    def swing(self, leg: Leg) -> Shape:
+        """Coefficients of γ and knee, from the third on, of a leg that swings while the other pair bears."""
+        shape: Shape = getattr(self.plane, f"{_other(leg.end)}_stance_swing")
+        return shape
+
+    def trailing(self, leg: Leg) -> Shape:
+        """The same of a leg that trails after its lift-off."""
+        shape: Shape = getattr(self.plane, f"{_FLIGHTS[leg.end]}_trailing")
+        return shape
+
+    def landing(self, leg: Leg, held: Mapping[str, Any]) -> Shape:
+        """The same of a leg that is brought to its touchdown angles."""
+        angle, knee = getattr(self.plane, f"{_FLIGHTS[_other(leg.end)]}_landing")
+        target = self._of_pair(leg, "leg_touchdown", held) + self._of(leg, "leg_difference", held)
+        return (angle, *3 * (target,)), (knee, *3 * (leg.bends * self.plane.knee_touchdown,))
+
+    def span_of_stance(self, pair: Pair) -> float:
+        """Δ of (5.10), of the mean leg angle of a pair that bears, in rad."""
+        return float(getattr(self.plane, f"{pair.name}_stance_span"))
+
+    def span_of_flight(self, pair: Pair) -> float:
+        """Δ of (5.19), in the flight after the stance of a pair, in m."""
+        return float(getattr(self.plane, f"{_FLIGHTS[pair.name]}_span"))
+
+    def adduction_touchdown(self, leg: Leg, held: Mapping[str, Any]) -> float:
+        """Angle of a leg's adduction at touchdown, to the left, in rad."""
+        return self._of(leg, "adduction", held) + leg.lateral * float(getattr(self, f"{leg.end}_spread"))
+
+    def _of(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
         """One of `ANTISYMMETRIC` for a leg, as adjusted: a difference with its sign, the others of both legs alike."""
-        value = self._adjusted(self, f"{leg.pair}_{name}", held)
+        value = self._adjusted(self, f"{leg.end}_{name}", held)
         return leg.lateral * value if name.endswith("difference") else value
 
-    def of_pair(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
+    def _of_pair(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
         """A number of the plane's law for a leg's pair, as adjusted."""
-        return self._adjusted(self.plane, f"{leg.pair}_{name}", held)
+        return self._adjusted(self.plane, f"{leg.end}_{name}", held)
 
     def _adjusted(self, owner: Any, name: str, held: Mapping[str, Any]) -> float:
         value = float(getattr(owner, name))
         return value + held[ADJUSTED][INPUTS.index(name)] if self.feedback and ADJUSTED in held else value
 
-    def adduction_touchdown(self, leg: Leg, held: Mapping[str, Any]) -> float:
-        """Angle of a leg's adduction at touchdown, in rad."""
-        return self.of(leg, "adduction", held) + leg.lateral * float(getattr(self, f"{leg.pair}_spread"))
-
     def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]:
         """Adjustment of `INPUTS` for a stride by event feedback, within its limits, from a state on the section."""
-        if not self.feedback:
-            return ()
-        at, moving = headed(np.array(q, dtype=float), np.array(v, dtype=float))
-        at[YAW] = q[YAW] - self.heading
-        wanted = np.array(self.feedback) @ (np.concatenate([at, moving]) - self.nominal)
-        limits = np.array(self.feedback_limits)
-        return tuple(np.clip(wanted, -limits, limits).tolist())
+        return adjusted(self.feedback, self.nominal, self.feedback_limits, q, v, self.heading)
 
 
-def support(leg: Leg, q: Any, v: Any, held: Mapping[str, Any], p: SpatialLaw, dyn: Dynamics) -> list[tuple[int, Any]]:
-    """Motor torques of a supporting leg as (column, torque): half of a pair's, (5.4)-(5.6), and the adduction's."""
-    adduction, hip, knee = leg.motors
-    flexed = leg.side * q[leg.knee] - p.knee_rest
-    total = -leg.side * (held[f"{leg.name}_knee_torque"] + p.plane.virtual_stiffness / PAIR * flexed)
-    off = q[leg.adduction] - held[f"{leg.name}_adduction"]
-    upright = held[f"{leg.name}_adduction_torque"] - p.adduction_stiffness * off
-    return [
-        (adduction, upright - p.adduction_damping * v[leg.adduction]),
-        (hip, held[f"{leg.name}_hip_torque"]),
-        (knee, total - dyn.spring_torque(leg.joint)),
-    ]
+def is_angle(name: str) -> bool:
+    """Whether one of `INPUTS`, or of a trot's, is an angle; the others are torques."""
+    return name.endswith(("leg_difference", "adduction", "spread", "touchdown"))
 
 
-def law_of(bearing: Sequence[Leg], airborne: Sequence[tuple[Leg, Pair]]) -> Law:
-    """Torques while some legs bear, and others, each with the other pair, are in the air."""
-    in_the_air = [motor for leg, _ in airborne for motor in (*leg.motors[1:], leg.motors[0])]
-
-    def law(t: Any, q: Any, v: Any, held: Any, p: SpatialLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
-        torques = [torque for leg in bearing for torque in support(leg, q, v, held, p, dyn)]
-        rows: list[Row] = []
-        wanted: list[Any] = []
-        for leg, others in airborne:
-            outputs = leg.outputs(others, held[f"{leg.name}_weights"])
-            demand = demanded(outputs, leg.evolution(held), q, v, p.plane.epsilon, ops)
-            off, rate = q[leg.adduction] - held[f"{leg.name}_lands_at"], v[leg.adduction]
-            rows += [*demand[0], ((leg.adduction, 1.0),)]
-            wanted += [*demand[1], -(off / p.adduction_epsilon + 2.0 * rate) / p.adduction_epsilon]
-        swing = dyn.imposing(rows, wanted, in_the_air, torques)
-        return [torque for _, torque in sorted([*torques, *zip(in_the_air, swing, strict=True)])]
-
-    return law
+def _other(end: str) -> str:
+    return LEGS[1 - LEGS.index(end)]

@@ -1,8 +1,8 @@
-"""Legs of a quadruped in space, and what of each is controlled."""
+"""Legs of a quadruped in space, what of each is controlled, and the pairs that they bear in."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -11,35 +11,42 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.gaits.bounding_law import LEGS, leg_angle
+from spear_pin.gaits.bounding_law import LEGS, leg_angle, turned
 from spear_pin.gaits.virtual_constraints import Evolution, Outputs, Sum, Variable
 from spear_pin.model.chain import CHAIN
-from spear_pin.model.legs import in_convention
+from spear_pin.model.legs import Leg as RobotLeg
+from spear_pin.model.legs import sided, simple
 from spear_pin.model.robot import Robot
+from spear_pin.model.sagittal import leg_pairs
+from spear_pin.model.tree import Tree
 
 Array = NDArray[np.float64]
 X, Y, Z, YAW, PITCH = (CHAIN.index(name) for name in ("torso_x", "torso_y", "torso_z", "yaw", "pitch"))
 SIDES = {"left": 1.0, "right": -1.0}
+FLIGHTS = ("flight_1", "flight_2")  # after the stance of the first pair, and of the second
 
 
 @dataclass(frozen=True)
 class Leg:
-    """A leg in space.
+    """A leg in space. Its numbers in a law are of the convention, see `spear_pin.model.legs`; q is the robot's own.
 
     Attributes:
-        pair: "posterior" or "anterior".
+        end: "posterior" or "anterior".
         lateral: +1 of the left one, -1 of the right one.
-        adduction: index of its adduction joint; > 0 swings the leg to the left.
+        adduction: index of its adduction joint; in the convention > 0 swings the leg to the left.
         hip: index of its hip.
         knee: index of its knee.
-        side: +1 if the knee flexes to positive angles, -1 if to negative.
+        side: +1 if the knee flexes to positive angles of its own, -1 if to negative.
         lengths: of thigh and shank, in m.
         motors: columns of the motors of adduction, hip and knee.
         joint: name of its knee.
+        above: name of its hip.
         toe: name of its toe.
+        signs: +1 or -1 of adduction, hip and knee: their angles of the convention are sign (q - zero).
+        zeros: of adduction, hip and knee, in rad.
     """
 
-    pair: str
+    end: str
     lateral: float
     adduction: int
     hip: int
@@ -48,24 +55,41 @@ class Leg:
     lengths: tuple[float, float]
     motors: tuple[int, int, int]
     joint: str
+    above: str
     toe: str
+    signs: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    zeros: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
     def name(self) -> str:
-        """Such as "posterior_left"."""
-        return f"{self.pair}_{'left' if self.lateral > 0 else 'right'}"
+        """Such as "posterior_left", whatever the robot calls it."""
+        return f"{self.end}_{'left' if self.lateral > 0 else 'right'}"
+
+    @property
+    def rows(self) -> tuple[int, int, int]:
+        """Indices of adduction, hip and knee."""
+        return self.adduction, self.hip, self.knee
+
+    @property
+    def bends(self) -> float:
+        """+1 if the knee flexes to positive angles of the convention, -1 if to negative."""
+        return self.side * self.signs[2]
 
     @cached_property
     def angle(self) -> Variable:
         """Its leg angle γ in the torso's sagittal plane, as of the plane's leg."""
-        return leg_angle(PITCH, self.hip, self.knee, self.lengths)
+        return leg_angle(PITCH, self.hip, self.knee, self.lengths, self.signs[1:], self.zeros[1:])
 
     @cached_property
-    def rows(self) -> tuple[Variable, Variable]:
-        """What the hip's and the knee's motors control in the air: γ and the knee."""
-        return self.angle, ((self.knee, 1.0),)
+    def controlled(self) -> tuple[Variable, Variable]:
+        """What the hip's and the knee's motors control in the air: γ and the knee, of the convention."""
+        return self.angle, turned(self.knee, self.signs[2], self.zeros[2])
 
-    def outputs(self, bearing: tuple[Leg, Leg], weights: tuple[Any, Any, Any]) -> Outputs:
+    def flexion(self, q: Any) -> Any:
+        """How far the knee is flexed, in rad."""
+        return self.side * (q[self.knee] - self.zeros[2])
+
+    def outputs(self, bearing: Pair, weights: tuple[Any, Any, Any]) -> Outputs:
         """What is controlled in the air, over a phase variable.
 
         Args:
@@ -74,59 +98,106 @@ class Leg:
         """
         ahead, aside, angles = weights
         travel = ((X, ahead), (Y, aside))
-        return Outputs(self.rows, Sum(((1.0, travel), *((angles, leg.angle) for leg in bearing))), self.motors[1:])
+        phase = Sum(((1.0, travel), *((angles, leg.angle) for leg in bearing)))
+        return Outputs(self.controlled, phase, self.motors[1:])
 
     def evolution(self, held: Mapping[str, Any]) -> Evolution:
         """The desired evolution of it that is held."""
         return Evolution(*(held[f"{self.name}_{part}"] for part in ("alpha", "origin", "span", "past")))
 
 
-Pair = tuple[Leg, Leg]
+@dataclass(frozen=True)
+class Pair:
+    """Two legs that bear together.
+
+    Attributes:
+        name: such as "posterior".
+        legs: the two.
+        flight: name of the flight after its stance.
+    """
+
+    name: str
+    legs: tuple[Leg, Leg]
+    flight: str
+
+    def __iter__(self) -> Iterator[Leg]:
+        """Its legs."""
+        return iter(self.legs)
 
 
-def pairs_of(robot: Robot) -> tuple[Pair, Pair]:
+Pairs = tuple[Pair, Pair]
+
+
+def pairs_of(robot: Robot) -> Pairs:
     """The posterior and the anterior pair, the left leg first.
 
     Raises:
-        BadValue: the robot has no chain as base, not four legs with adduction, a motor on each joint, named as those of
-            Q-SPEAR, or other axes than these have.
+        BadValue: the robot has no chain as base, not four legs that `spear_pin.sagittal` would pair, its toes are not
+            theirs, or one has no adduction, not a motor on each joint, or a knee that may flex to either side.
     """
-    names = tuple(f"{pair}_{side}" for pair in LEGS for side in SIDES)
-    legs = {leg.name: leg for leg in robot.legs}
-    if robot.coordinates[: len(CHAIN)] != CHAIN or not set(names) <= set(legs):
-        expected = f'a quadruped on a chain, load(..., base="chain"), with the legs {", ".join(names)}'
-        raise BadValue("robot", robot, expected)
-    made = []
-    for name in names:
-        leg = in_convention(legs[name])
-        if leg.abduction is None or not {leg.abduction, leg.hip, leg.knee} <= {*robot.actuated} or leg.side == 0:
-            raise BadValue("robot", robot, f"one whose {name} has motors at adduction, hip and knee, and a side")
-        adduction, hip, knee = (robot.index(joint) for joint in (leg.abduction, leg.hip, leg.knee))
-        columns = tuple(robot.actuated.index(joint) for joint in (leg.abduction, leg.hip, leg.knee))
-        pair, _, side = name.rpartition("_")
-        made.append(
-            Leg(
-                pair=pair,
-                lateral=SIDES[side],
-                adduction=adduction,
-                hip=hip,
-                knee=knee,
-                side=float(leg.side),
-                lengths=(leg.thigh, leg.shank),
-                motors=(columns[0], columns[1], columns[2]),
-                joint=leg.knee,
-                toe=leg.toe,
-            )
-        )
-    posterior_left, posterior_right, anterior_left, anterior_right = made
-    return (posterior_left, posterior_right), (anterior_left, anterior_right)
+    if robot.coordinates[: len(CHAIN)] != CHAIN:
+        raise BadValue("robot", robot, 'a quadruped on a chain, load(..., base="chain")')
+    found = leg_pairs(robot)
+    if {leg.toe for pair in found for leg in pair} != {*robot.toes}:
+        toes = ", ".join(leg.toe for pair in found for leg in pair)
+        raise BadValue("robot.toes", robot.toes, f"those of its four legs, load(..., toes=...): {toes}")
+    posterior, anterior = (
+        Pair(end, (_leg(robot, left, end, "left"), _leg(robot, right, end, "right")), flight)
+        for end, flight, (left, right) in zip(LEGS, FLIGHTS, found, strict=True)
+    )
+    return posterior, anterior
 
 
-def placed(robot: Robot, pairs: tuple[Pair, Pair], planar: Array) -> Array:
-    """Coordinates, or rates, in space of those in the plane: x, z, pitch, then hip and knee of either pair, (nv,)."""
+def diagonals_of(robot: Robot) -> Pairs:
+    """The pair of the posterior right leg and that of the posterior left one, each with the anterior leg across.
+
+    Raises:
+        BadValue: as of `pairs_of`.
+    """
+    (left, right), (across, other) = (pair.legs for pair in pairs_of(robot))
+    return Pair("diagonal_right", (right, across), FLIGHTS[0]), Pair("diagonal_left", (left, other), FLIGHTS[1])
+
+
+def _leg(robot: Robot, leg: RobotLeg, end: str, side: str) -> Leg:
+    joints = (leg.abduction, leg.hip, leg.knee)
+    if leg.abduction is None or not {*joints} <= {*robot.actuated}:
+        raise BadValue("robot", robot, f"one whose leg {leg.name} has motors at adduction, hip and knee")
+    sided(simple(leg))
+    adduction, hip, knee = (robot.index(str(joint)) for joint in joints)
+    columns = tuple(robot.actuated.index(joint) for joint in joints)
+    tree = Tree(robot.model)
+    swings = float(np.sign(tree.axis(robot.model.getJointId(leg.abduction))[0]))
+    return Leg(
+        end=end,
+        lateral=SIDES[side],
+        adduction=adduction,
+        hip=hip,
+        knee=knee,
+        side=float(leg.side),
+        lengths=(leg.thigh, leg.shank),
+        motors=(columns[0], columns[1], columns[2]),
+        joint=leg.knee,
+        above=leg.hip,
+        toe=leg.toe,
+        signs=(swings, float(leg.hip_sign), float(leg.knee_sign)),
+        zeros=(0.0, leg.hip_zero, leg.knee_zero),
+    )
+
+
+def placed(robot: Robot, pairs: Pairs, planar: Array) -> Array:
+    """Configuration in space of one in the plane: x, z, pitch, then hip and knee of either pair, (nv,)."""
+    q = moving(robot, pairs, planar)
+    for pair in pairs:
+        for leg in pair:
+            q[list(leg.rows)] += leg.zeros
+    return q
+
+
+def moving(robot: Robot, pairs: Pairs, planar: Array) -> Array:
+    """Velocity in space of one in the plane, (nv,), the coordinates of which are as of `placed`."""
     whole = np.zeros(robot.nv)
     whole[[X, Z, PITCH]] = planar[:3]
     for i, pair in enumerate(pairs):
         for leg in pair:
-            whole[[leg.hip, leg.knee]] = planar[3 + 2 * i : 5 + 2 * i]
+            whole[[leg.hip, leg.knee]] = planar[3 + 2 * i : 5 + 2 * i] * leg.signs[1:]
     return whole

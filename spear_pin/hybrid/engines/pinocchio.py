@@ -21,7 +21,7 @@ from spear_pin.hybrid.engines.sliding import Grounded, Sliding, Ways
 from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
 from spear_pin.hybrid.rules.footing import Rubbing, along
 from spear_pin.hybrid.soundness import Latched
-from spear_pin.model.robot import WORLD_ALIGNED
+from spear_pin.model.directions import WORLD_ALIGNED
 
 Array = NDArray[np.float64]
 
@@ -76,11 +76,11 @@ class Flow:
         self._frame_ids: dict[str, int] = {}
         self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
         self._slips = [(toe, mode) for toe, mode in self._closed if mode in SLIPS]
-        self._k = robot.dimension
-        self._axes = slice(0, 3, 4 - self._k)  # of the world: x and z, or x, y and z
+        self._k, self._directions = robot.dimension, robot.directions
         self._sliding = Sliding(dict(self._slips))
         self._ways: Ways = {}
-        self._at_rest = [toe for toe, _ in self._closed]  # as a controller sees them
+        bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
+        self._at_rest = [toe for toe in robot.toes if toe in bearing]  # as a controller sees them
         self._forces: dict[str, tuple[float, ...]] = dict.fromkeys(robot.toes, self._k * (0.0,))
         self._pivots: dict[str, float] = {}
         self._accelerate: Callable[[Array], Array] = (
@@ -222,20 +222,24 @@ class Flow:
 
     def jacobian(self, toe: str) -> Array:
         """J of a toe, rows along the ground and normal to it, (2, nv) or (3, nv)."""
-        jacobian = pin.getFrameJacobian(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED)[self._axes]
+        index = self._toe_ids[toe]
+        whole = pin.getFrameJacobian(self._model, self._data, index, WORLD_ALIGNED)[:3]
+        jacobian = self._directions.along(self._model, self._data, index, whole)
         return np.array(jacobian if self._level else self._ground.seen_in(jacobian))
 
     def toe_velocity(self, toe: str) -> tuple[float, ...]:
         """Velocity of a toe, along the ground and normal to it, in m/s."""
-        linear = pin.getFrameVelocity(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED).linear.tolist()
-        velocity = linear[self._axes]
+        index = self._toe_ids[toe]
+        linear = pin.getFrameVelocity(self._model, self._data, index, WORLD_ALIGNED).linear
+        velocity = self._directions.along(self._model, self._data, index, linear).tolist()
         return tuple(velocity) if self._level else self._ground.seen_in(velocity)
 
     def toe_acceleration(self, toe: str) -> tuple[float, ...]:
         """Acceleration of a toe under the last call's `a`, along the ground and normal to it, in m/s²."""
         pin.forwardKinematics(self._model, self._data, self.q, self.v, self.a)
-        linear = pin.getFrameClassicalAcceleration(self._model, self._data, self._toe_ids[toe], WORLD_ALIGNED).linear
-        acceleration = linear.tolist()[self._axes]
+        index = self._toe_ids[toe]
+        linear = pin.getFrameClassicalAcceleration(self._model, self._data, index, WORLD_ALIGNED).linear
+        acceleration = self._directions.accelerated(self._model, self._data, index, linear).tolist()
         return tuple(acceleration) if self._level else self._ground.seen_in(acceleration)
 
     def direction(self, toe: str) -> tuple[float, ...]:
@@ -371,13 +375,15 @@ class Flow:
         return a
 
     def _rows(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
-        model, data = self._model, self._data
+        model, data, directions = self._model, self._data, self._directions
         pin.forwardKinematics(model, data, self.q, self.v, self._zeros)
         rows, drifts = [], []
         for toe in toes:
             index = self._toe_ids[toe]
-            rows.append(pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[self._axes])
-            drifts.append(pin.getFrameClassicalAcceleration(model, data, index, WORLD_ALIGNED).linear[self._axes])
+            jacobian = pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[:3]
+            drift = pin.getFrameClassicalAcceleration(model, data, index, WORLD_ALIGNED).linear
+            rows.append(directions.along(model, data, index, jacobian))
+            drifts.append(directions.accelerated(model, data, index, drift))
         if self._level:
             return rows, drifts
         turn = self._ground.seen_in

@@ -29,6 +29,7 @@ class Impact:
     Attributes:
         v: velocity afterwards, (nv,).
         impulse: Λ = (Λ_x, Λ_z) on the toe, along the ground and normal to it, as all of x and z here, in N·s.
+            Where toes are `caught`, on all of them, in the order of their rows.
         loss: kinetic energy lost, in J: -½ Λᵀ (J v⁺ + J v⁻).
         slides: whether the toe still slides afterwards.
     """
@@ -96,6 +97,20 @@ def plastic_impact(D: Array, J: Array, v: Array, friction: float) -> Impact:
     after = v + response @ Lambda
     loss = -0.5 * float(Lambda @ (before + J @ after))
     return Impact(after, Lambda, loss, slides)
+
+
+def caught(D: Array, J: Array, v: Array) -> Impact:
+    """Impact of toes that come to rest whatever it takes, D (v⁺ - v⁻) = Jᵀ Λ with J v⁺ = 0: no friction limits it.
+
+    Args:
+        D: mass matrix, (nv, nv).
+        J: Jacobians of the toes, all rows of each, (m, nv).
+        v: velocity before, (nv,).
+    """
+    response = np.linalg.solve(D, J.T)
+    before = J @ v
+    impulse = np.asarray(-np.linalg.lstsq(J @ response, before, rcond=None)[0], np.float64)
+    return Impact(v + response @ impulse, impulse, -0.5 * float(impulse @ before), False)
 
 
 def routh(A: Any, before: Any, friction: Any) -> tuple[tuple[Any, Any], Any]:
@@ -188,14 +203,15 @@ def landed(D: Array, J: Array, v: Array, lands: Sequence[bool]) -> tuple[Array, 
 
     Args:
         D: mass matrix, (nv, nv).
-        J: Jacobians of the toes on the ground, rows x and z of each, (2 m, nv).
+        J: Jacobians of the toes on the ground, rows x and z of each, (2 m, nv), or x, y and z, (3 m, nv).
         v: velocity before, (nv,).
         lands: which of them touch down.
 
     Returns:
         the velocity, (nv,), and the normal impulses that took the toes' speed, (m,).
     """
-    normal = J[1::2]
+    each = len(J) // len(lands)
+    normal = J[each - 1 :: each]
     rising = np.where(lands, normal @ v, 0.0)
     if not rises(rising).any():
         return v, np.zeros(len(normal))

@@ -7,7 +7,7 @@ from typing import Any
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Reset
 from spear_pin.hybrid.rules.footing import AT_REST
-from spear_pin.hybrid.rules.guards import ON_GROUND
+from spear_pin.hybrid.rules.guards import NEAR_GROUND, ON_GROUND
 
 STATE_AT_REST = 10.0 * AT_REST  # m/s: of a state that is given
 PLACED = 1e-15  # m: what rounding leaves of the height of a toe that is put on the ground
@@ -21,6 +21,16 @@ def placed(height: Any) -> Any:
 def below_ground(height: Any) -> Any:
     """Whether a toe at a distance from the ground, in m, is below it."""
     return height < -ON_GROUND
+
+
+def aloft(height: Any, rising: Any) -> Any:
+    """Whether a toe that bounces is off the ground, or leaves it.
+
+    Args:
+        height: of the toe above the ground, in m.
+        rising: its speed along the ground's normal, in m/s.
+    """
+    return (height > NEAR_GROUND) | (rising > AT_REST)
 
 
 def rests(height: Any, rising: Any, at_rest: float = AT_REST) -> Any:

@@ -239,7 +239,7 @@ class _Standing:
         self.t = np.array([0.0, 1.0])
         self.q = np.array([q, q])
         self.domain = np.array(["standing", "standing"])
-        self.force = np.zeros((2, len(robot.toes), 2 if robot.planar else 3))
+        self.force = np.zeros((2, len(robot.toes), robot.dimension))
         self.events: tuple[Any, ...] = ()
         self.spring_joints: tuple[str, ...] = ()
         self.engaged = np.zeros((2, 0), dtype=bool)

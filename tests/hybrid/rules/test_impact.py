@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from spear_pin.hybrid.rules.impact import plastic_impact
+from spear_pin.hybrid.rules.impact import caught, plastic_impact
 from tests.hybrid.impacts import impacts, inverse_mass, many, rod
 
 
@@ -177,3 +177,28 @@ class TestKnownImpacts:
             impact = plastic_impact(D, J, v, 3.0)
             assert not impact.slides
             np.testing.assert_allclose(J @ impact.v, 0.0, atol=1e-13)
+
+
+class TestCaught:
+    @many
+    @given(impacts())
+    def test_stops_the_toe_whatever_it_takes(self, case):
+        D, J, v, _ = case
+        impact = caught(D, J, v)
+        np.testing.assert_allclose(J @ impact.v, 0.0, atol=1e-9)
+        np.testing.assert_allclose(D @ (impact.v - v), J.T @ impact.impulse, rtol=0, atol=1e-9)
+        difference = 0.5 * v @ D @ v - 0.5 * impact.v @ D @ impact.v
+        assert impact.loss == pytest.approx(difference, rel=0, abs=1e-9) and impact.loss >= -1e-12
+
+    @many
+    @given(impacts())
+    def test_where_friction_suffices_it_is_a_plastic_impact(self, case):
+        D, J, v, friction = case
+        if comes_to_rest(D, J, v, friction):
+            np.testing.assert_allclose(caught(D, J, v).v, plastic_impact(D, J, v, friction).v, atol=1e-9)
+
+    def test_rows_that_depend_on_each_other(self):
+        D, J, v = rod(0.3)[0], np.array([[0.0, 1.0, 0.2]]), np.array([1.0, -2.0, 0.5])
+        twice = caught(D, np.vstack([J, J]), v)
+        np.testing.assert_allclose(twice.v, caught(D, J, v).v, atol=1e-12)
+        assert twice.impulse[0] == pytest.approx(twice.impulse[1])

@@ -139,3 +139,19 @@ def test_on_a_slope(spear: Robot, hop: SimpleNamespace) -> None:
     shown, before = ((each.pose(arrow, hop.t[sample]) @ [0, 0, 1, 0])[[0, 2]] for each in (record, flat))
     turn = np.array([[np.cos(0.2), -np.sin(0.2)], [np.sin(0.2), np.cos(0.2)]])
     np.testing.assert_allclose(shown, turn @ before, atol=1e-3)
+
+
+def test_an_arrow_round_a_post_is_along_the_circle_that_the_toe_is_on() -> None:
+    robot = load("hoppy")
+    q = np.array([[yaw, 0.05, 0.6, 1.5] for yaw in (0.0, 1.0, 2.0)])
+    force = np.array([[[3.0, 4.0]]] * 3)
+    played = SimpleNamespace(
+        t=np.arange(3.0), q=q, domain=3 * ["stance"], force=force, events=(), spring_joints=(), engaged=np.zeros((3, 0))
+    )
+    record = read(player.page(robot, played))
+    for time, posture in enumerate(q):
+        x, y, _ = robot.toe_position(posture, "toe")
+        ahead = np.array([-y, x, 0.0]) / np.hypot(x, y)
+        expected = 0.6 * ahead + [0.0, 0.0, 0.8]
+        arrow = np.linalg.inv(record.pose(WORLD, time)) @ record.pose(arrow_path("toe"), time) @ [0, 0, 1, 0]
+        np.testing.assert_allclose(arrow[:3], expected, atol=1e-3)

@@ -1,0 +1,105 @@
+"""Motor torques in space: of legs that bear, and of those in the air."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from spear_pin.gaits.bounding_law import Shape
+from spear_pin.gaits.spatial.legs import YAW, Leg, Pair
+from spear_pin.gaits.virtual_constraints import demanded
+from spear_pin.hybrid.domain import Held, Law
+from spear_pin.hybrid.dynamics import Dynamics, Operations, Row
+from spear_pin.hybrid.symmetry import headed
+
+ADJUSTED = "adjusted"  # name in what is held of what event feedback adds to a law's inputs
+
+
+class LegLaw(Protocol):
+    """A law that has numbers for each leg and for each pair; `SpatialLaw` says what they mean."""
+
+    @property
+    def adduction_stiffness(self) -> float: ...  # noqa: D102
+    @property
+    def adduction_damping(self) -> float: ...  # noqa: D102
+    @property
+    def adduction_epsilon(self) -> float: ...  # noqa: D102
+    @property
+    def knee_rest(self) -> float: ...  # noqa: D102
+    @property
+    def epsilon(self) -> float: ...  # noqa: D102
+    @property
+    def leg_stiffness(self) -> float: ...  # noqa: D102
+    @property
+    def lift_off(self) -> str: ...  # noqa: D102
+    def torques(self, leg: Leg, held: Held, ahead: float) -> tuple[float, float, float]: ...  # noqa: D102
+    def swing(self, leg: Leg) -> Shape: ...  # noqa: D102
+    def trailing(self, leg: Leg) -> Shape: ...  # noqa: D102
+    def landing(self, leg: Leg, held: Held) -> Shape: ...  # noqa: D102
+    def span_of_stance(self, pair: Pair) -> float: ...  # noqa: D102
+    def span_of_flight(self, pair: Pair) -> float: ...  # noqa: D102
+    def adduction_touchdown(self, leg: Leg, held: Held) -> float: ...  # noqa: D102
+    def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]: ...  # noqa: D102
+
+
+def adjusted(
+    feedback: Shape,
+    nominal: Sequence[float],
+    limits: Sequence[float],
+    q: Sequence[float],
+    v: Sequence[float],
+    heading: float = 0.0,
+) -> tuple[float, ...]:
+    """What event feedback adds to a law's inputs, within limits, by a state on the section; () without feedback.
+
+    Args:
+        feedback: one row for each input, one column for each of `nominal`.
+        nominal: the state (q, v) of the gait, x = y = yaw = 0.
+        limits: of each input.
+        q: configuration.
+        v: velocity.
+        heading: to which feedback of the yaw steers, in rad.
+    """
+    if not feedback:
+        return ()
+    at, moving = headed(np.array(q, dtype=float), np.array(v, dtype=float))
+    at[YAW] = q[YAW] - heading
+    wanted = np.array(feedback) @ (np.concatenate([at, moving]) - nominal)
+    bounds = np.array(limits)
+    return tuple(np.clip(wanted, -bounds, bounds).tolist())
+
+
+def support(leg: Leg, q: Any, v: Any, held: Mapping[str, Any], p: LegLaw, dyn: Dynamics) -> list[tuple[int, Any]]:
+    """Motor torques of a supporting leg as (column, torque): half of a pair's, (5.4)-(5.6), and the adduction's."""
+    adduction, hip, knee = leg.motors
+    flexed = leg.flexion(q) - p.knee_rest
+    total = -leg.side * (held[f"{leg.name}_knee_torque"] + p.leg_stiffness * flexed)
+    off = q[leg.adduction] - held[f"{leg.name}_adduction"]
+    upright = held[f"{leg.name}_adduction_torque"] - p.adduction_stiffness * off
+    return [
+        (adduction, upright - p.adduction_damping * v[leg.adduction]),
+        (hip, held[f"{leg.name}_hip_torque"]),
+        (knee, total - dyn.spring_torque(leg.joint)),
+    ]
+
+
+def law_of(bearing: Sequence[Leg], airborne: Sequence[tuple[Leg, Pair]]) -> Law:
+    """Torques while some legs bear, and others, each with the other pair, are in the air."""
+    in_the_air = [motor for leg, _ in airborne for motor in (*leg.motors[1:], leg.motors[0])]
+
+    def law(t: Any, q: Any, v: Any, held: Any, p: LegLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
+        torques = [torque for leg in bearing for torque in support(leg, q, v, held, p, dyn)]
+        rows: list[Row] = []
+        wanted: list[Any] = []
+        for leg, others in airborne:
+            outputs = leg.outputs(others, held[f"{leg.name}_weights"])
+            demand = demanded(outputs, leg.evolution(held), q, v, p.epsilon, ops)
+            off, rate = q[leg.adduction] - held[f"{leg.name}_lands_at"], v[leg.adduction]
+            rows += [*demand[0], ((leg.adduction, 1.0),)]
+            wanted += [*demand[1], -(off / p.adduction_epsilon + 2.0 * rate) / p.adduction_epsilon]
+        swing = dyn.imposing(rows, wanted, in_the_air, torques)
+        return [torque for _, torque in sorted([*torques, *zip(in_the_air, swing, strict=True)])]
+
+    return law

@@ -1,0 +1,174 @@
+"""The bound's controller with diagonal pairs: numbers of a hind and of a fore leg, alike on both sides."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from spear_pin.errors import BadValue, require
+from spear_pin.gaits.bounding_law import Shape, has_shape
+from spear_pin.gaits.spatial.legs import Leg, Pair
+from spear_pin.gaits.spatial.torques import ADJUSTED, adjusted
+from spear_pin.kinds import typed
+
+OF_TORQUES = ("hip_torque", "knee_torque", "squeeze")
+OF_ANGLES = ("leg_touchdown", "spread")
+TROT_INPUTS = tuple(f"{end}_{name}" for end in ("posterior", "anterior") for name in (*OF_TORQUES, *OF_ANGLES))
+"""Parameters that event feedback adjusts once in half a stride: torques of the pair that lands, angles of the other."""
+SHAPES = {
+    "posterior_swing": (2, 4),
+    "anterior_swing": (2, 4),
+    "posterior_trailing": (2, 4),
+    "anterior_trailing": (2, 4),
+    "posterior_landing": (2,),
+    "anterior_landing": (2,),
+    "feedback_limits": (len(TROT_INPUTS),),
+}
+
+
+@typed
+@dataclass(frozen=True)
+class TrotLaw:
+    """Parameters of the trotting controller: what `BoundingLaw` and `SpatialLaw` have, of one leg each.
+
+    Attributes:
+        posterior_hip_torque: β of (5.4), in N·m.
+        anterior_hip_torque: as of the posterior leg, as all that follow.
+        posterior_knee_torque: |ū| of (5.5), extending, in N·m.
+        anterior_knee_torque: in N·m.
+        posterior_leg_touchdown: γ that the leg lands with, in rad.
+        anterior_leg_touchdown: in rad.
+        stance_span: Δ of (5.10), of the mean γ of a pair that bears, in rad, negative.
+        flight_span: Δ of (5.19), in m.
+        posterior_swing: Bézier coefficients of γ and knee from the third on, while the other pair bears.
+        anterior_swing: of the anterior leg.
+        posterior_trailing: of the leg just lifted.
+        anterior_trailing: of the anterior leg.
+        posterior_landing: the third coefficient of γ and knee; the last three are the touchdown values.
+        anterior_landing: of the anterior leg.
+        posterior_spread: adduction at touchdown, outward, in rad.
+        anterior_spread: in rad.
+        posterior_squeeze: torque of the adduction in stance, inward, in N·m.
+        anterior_squeeze: in N·m.
+        leg_stiffness: of the virtual spring in a knee, in N·m/rad.
+        knee_rest: θ̄ of (5.5), by magnitude, in rad.
+        knee_touchdown: knee angle of a landing leg, by magnitude, in rad.
+        epsilon: ε of (5.16), in s.
+        adduction_stiffness: in stance, in N·m/rad.
+        adduction_damping: in stance, in N·m·s/rad.
+        adduction_epsilon: ε of the adduction in the air, in s.
+        lift_off: "knee" or "force", as of `BoundingLaw`.
+        nominal: section state (q, v) of the gait, x = y = yaw = 0; what feedback compares with.
+        feedback: event feedback, one row for each of `TROT_INPUTS`, one column for each of `nominal`.
+        feedback_limits: largest adjustment of each of `TROT_INPUTS`, in N·m and rad.
+
+    Example:
+        >>> from spear_pin import Gait
+        >>> round(Gait.load("trot").system.law.posterior_leg_touchdown, 3)  # rad
+        0.267
+    """
+
+    posterior_hip_torque: float
+    anterior_hip_torque: float
+    posterior_knee_torque: float
+    anterior_knee_torque: float
+    posterior_leg_touchdown: float
+    anterior_leg_touchdown: float
+    stance_span: float
+    flight_span: float
+    posterior_swing: Shape
+    anterior_swing: Shape
+    posterior_trailing: Shape
+    anterior_trailing: Shape
+    posterior_landing: tuple[float, ...]
+    anterior_landing: tuple[float, ...]
+    posterior_spread: float = 0.0
+    anterior_spread: float = 0.0
+    posterior_squeeze: float = 0.0
+    anterior_squeeze: float = 0.0
+    leg_stiffness: float = 200.0
+    knee_rest: float = math.radians(40.0)
+    knee_touchdown: float = math.radians(40.0)
+    epsilon: float = 0.015
+    adduction_stiffness: float = 300.0
+    adduction_damping: float = 10.0
+    adduction_epsilon: float = 0.04
+    lift_off: str = "knee"
+    nominal: tuple[float, ...] = ()
+    feedback: Shape = ()
+    feedback_limits: tuple[float, ...] = 2 * (50.0, 50.0, 30.0, 0.2, 0.3)
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+        valid: dict[str, tuple[Callable[[float], bool], str]] = {
+            **dict.fromkeys(("epsilon", "adduction_epsilon"), (lambda e: e > 0, "a number > 0, in s")),
+            **dict.fromkeys(("knee_rest", "knee_touchdown"), (lambda a: 0 < a < math.pi, "between 0 and π rad")),
+            **dict.fromkeys(
+                ("leg_stiffness", "adduction_stiffness", "adduction_damping"), (lambda k: k >= 0, "a number >= 0")
+            ),
+            "stance_span": (lambda span: span < 0, "a number < 0, in rad"),
+            "flight_span": (lambda span: span > 0, "a number > 0, in m"),
+        }
+        for name, shape in SHAPES.items():
+            if not has_shape(getattr(self, name), shape):
+                expected = f"{' x '.join(map(str, shape))} finite numbers, as tuples"
+                raise BadValue(f"TrotLaw.{name}", getattr(self, name), expected)
+        for field in fields(self):
+            if field.name in (*SHAPES, "lift_off", "nominal", "feedback"):
+                continue
+            test, expected = valid.get(field.name, (math.isfinite, "a finite number"))
+            require(f"TrotLaw.{field.name}", getattr(self, field.name), test, expected)
+        if self.lift_off not in ("knee", "force"):
+            raise BadValue("TrotLaw.lift_off", self.lift_off, "'knee' or 'force'")
+        if self.feedback and np.shape(self.feedback) != (len(TROT_INPUTS), len(self.nominal)):
+            expected = f"{len(TROT_INPUTS)} x {len(self.nominal)} numbers, as many columns as `nominal` has, or ()"
+            raise BadValue("TrotLaw.feedback", self.feedback, expected)
+        if min(self.feedback_limits) < 0:
+            raise BadValue("TrotLaw.feedback_limits", self.feedback_limits, f"{len(TROT_INPUTS)} numbers >= 0")
+
+    def torques(self, leg: Leg, held: Mapping[str, Any], ahead: float) -> tuple[float, float, float]:
+        """Torques of a leg that begins to bear, of adduction (to the left), hip and knee (extending), in N·m."""
+        hip, knee, squeeze = (self._of(leg, name, held) for name in OF_TORQUES)
+        return -leg.lateral * squeeze, hip, knee
+
+    def swing(self, leg: Leg) -> Shape:
+        """Coefficients of γ and knee, from the third on, of a leg that swings while the other pair bears."""
+        shape: Shape = getattr(self, f"{leg.end}_swing")
+        return shape
+
+    def trailing(self, leg: Leg) -> Shape:
+        """The same of a leg that trails after its lift-off."""
+        shape: Shape = getattr(self, f"{leg.end}_trailing")
+        return shape
+
+    def landing(self, leg: Leg, held: Mapping[str, Any]) -> Shape:
+        """The same of a leg that is brought to its touchdown angles."""
+        angle, knee = getattr(self, f"{leg.end}_landing")
+        return (angle, *3 * (self._of(leg, "leg_touchdown", held),)), (knee, *3 * (leg.bends * self.knee_touchdown,))
+
+    def span_of_stance(self, pair: Pair) -> float:
+        """Δ of (5.10), of the mean leg angle of a pair that bears, in rad."""
+        return self.stance_span
+
+    def span_of_flight(self, pair: Pair) -> float:
+        """Δ of (5.19), in the flight after the stance of a pair, in m."""
+        return self.flight_span
+
+    def adduction_touchdown(self, leg: Leg, held: Mapping[str, Any]) -> float:
+        """Angle of a leg's adduction at touchdown, to the left, in rad."""
+        return leg.lateral * self._of(leg, "spread", held)
+
+    def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]:
+        """Adjustment of `TROT_INPUTS` for half a stride by event feedback, from a state as of `seen`."""
+        return adjusted(self.feedback, self.nominal, self.feedback_limits, q, v)
+
+    def _of(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
+        """A number of a leg, as adjusted."""
+        value = float(getattr(self, f"{leg.end}_{name}"))
+        if not self.feedback or ADJUSTED not in held:
+            return value
+        return value + float(held[ADJUSTED][TROT_INPUTS.index(f"{leg.end}_{name}")])

@@ -1,0 +1,72 @@
+"""Trotting: diagonal legs bear together, and half a stride is the mirror image of the other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from spear_pin.errors import BadValue
+from spear_pin.gaits.spatial.automaton import Automaton, in_pairs
+from spear_pin.gaits.spatial.legs import Z, diagonals_of
+from spear_pin.gaits.spatial.trot_law import TrotLaw
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.ground import Ground
+from spear_pin.kinds import typed
+from spear_pin.model.robot import Robot
+from spear_pin.model.spring import Spring
+
+SECTION = "diagonal_touchdown"
+
+
+@typed
+def trotting(
+    robot: Robot,
+    law: TrotLaw,
+    spring: Spring | None = None,
+    contact: Contact | None = None,
+    *,
+    ground: Ground | None = None,
+) -> HybridSystem:
+    """The trotting automaton: that of `bounding_in_space` with diagonal pairs, and flights between their stances.
+
+    A cycle is half a stride. The section lies just before the first touchdown of a pair; seen in the mirror where that
+    is the one of the posterior right leg, so that a gait is a fixed point, and the multipliers of a whole stride are
+    the squares of its own.
+
+    Args:
+        robot: as of `bounding_in_space`, as all that follows.
+        law: parameters of the controller.
+        spring: the knee springs, of one leg.
+        contact: friction of level ground.
+        ground: the ground, in place of `contact`.
+
+    Raises:
+        BadValue: as of `bounding_in_space`.
+
+    Example:
+        >>> from spear_pin import Gait, trotting
+        >>> trot = Gait.load("trot").system
+        >>> trotting(trot.robot, trot.law).section
+        'diagonal_touchdown'
+    """
+    pairs = diagonals_of(robot)
+    return in_pairs(
+        "trotting",
+        Automaton(robot, pairs, SECTION, pairs[::-1], law.lift_off),
+        law,
+        spring,
+        contact,
+        ground,
+        build=trotting,
+        guess=lambda: _guess(robot, law),
+    )
+
+
+def _guess(robot: Robot, law: TrotLaw) -> tuple[Any, Any]:
+    if not law.nominal:
+        raise BadValue("TrotLaw.nominal", law.nominal, "the numbers of a section state, or give a state")
+    q, v = np.array(law.nominal[: robot.nv]), np.array(law.nominal[robot.nv :])
+    q[Z] -= min(robot.toe_position(q, leg.toe)[-1] for leg in diagonals_of(robot)[1])
+    return q, v
