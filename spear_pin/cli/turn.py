@@ -123,7 +123,10 @@ def _found(arguments: argparse.Namespace, show: Any) -> tuple[str, Gait]:
     def tell(stride: int, change: float) -> None:
         show(f"leading it into the turn: stride {stride}, changes by {change:.1e}; then it is solved for")
 
-    return name, turning(straight, math.radians(angle), on_stride=tell)
+    def further(reached: float) -> None:
+        show(f"turning by {math.degrees(reached):.3g}° a stride so far")
+
+    return name, turning(straight, math.radians(angle), on_stride=tell, on_turn=further)
 
 
 def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
