@@ -136,7 +136,7 @@ class TestLawInTheAir:
             bearing = [legs[name] for name in stretch.bearing]
             for name, swing in stretch.evolutions.items():
                 phase = Sum(tuple((0.5, leg.angle) for leg in bearing)) if bearing else ((0, 1.0),)
-                outputs = Outputs(legs[name].rows, phase, ())
+                outputs = Outputs(legs[name].controlled, phase, ())
                 evolution = Evolution(tuple(map(tuple, swing.alpha)), swing.origin, swing.span)
                 for q, v in zip(stretch.q[:-1], stretch.v[:-1], strict=True):
                     y, dy = errors(outputs, evolution, q, v)
