@@ -45,7 +45,7 @@ STATEMENTS = (
         "adduction-is-slow",
         "Section 6.2.1",
         "Adduction for banked turns asks for little speed and range.",
-        "largest speed of an adduction over a knee's in turns by 11, 25 and 35°/s, then range in a stride over a knee's",
+        "largest speed of an adduction over a knee's in turns by 11, 25 and 35°/s, then range over a knee's",
         turns.adduction_over_knee,
         criterion=below(0.2),
         remark="The source describes no turn; these are ours, at 2.5 m/s, without torque at the adductions on the "
