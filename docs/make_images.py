@@ -1,9 +1,9 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
-Parts are moving, hop, bench, compare, biped, hoppy, another, attraction, robust, design, push, hardware, drivetrain and
-sweep. The first seven need Chromium, moving, which films what moves on top of the README, also ffmpeg, another also the
-extras `robots` and `optimize`; those of the design studies and of the drivetrain take some minutes; the latter print
-the table of docs/motors.md.
+Parts are moving, hop, bench, compare, biped, hoppy, another, space, attraction, robust, design, push, hardware,
+drivetrain and sweep. The first eight need Chromium, moving, which films what moves on top of the README, also ffmpeg,
+another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain take some minutes;
+the latter print the table of docs/motors.md.
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from spear_pin import Gait, HoppingLaw, Trajectory, find_gait, hopping, load, sagittal, simulate
+from spear_pin import Gait, HoppingLaw, SpatialLaw, Trajectory, find_gait, hopping, load, sagittal, simulate
 from spear_pin.gaits.feedback import regulated
+from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.hybrid.hardware import Sensing
 from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.model.catalogue import gearbox, motor
@@ -48,12 +49,14 @@ from spear_pin.viz.plots import identification as identification_plots
 from spear_pin.viz.plots import push as push_plots
 from spear_pin.viz.plots import robustness as robustness_plots
 from spear_pin.viz.plots import source as source_plots
+from spear_pin.viz.plots import space as space_plots
 from spear_pin.viz.plots import sweep as sweep_plots
 from spear_pin.viz.video import film
 from tests.viz.chromium import Browser
 
 IMAGES = Path(__file__).parent / "images"
 INSTANT = 0.27  # s: the knee extends, spring and motor push
+TURNING, AHEAD = 6.28, "3.2,1.7,1.9,-0.6,-0.1,0"  # s: both anterior feet bear; where the camera is and looks
 WIDTH, HEIGHT = 1280, 800  # of the page, in pixels
 FPS, SLOWER, DRAWN, SHOWN = 16.0, 0.25, (640, 520), 400  # of the films: frames a second, speed, pixels drawn and kept
 # few colours, the same in all frames, and no dither: what does not move takes no room
@@ -68,22 +71,8 @@ def main() -> None:
     """Write the pictures asked for, or every one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", help="some of the parts; all if none is named")
-    known = (
-        moving,
-        hop,
-        bench,
-        compare,
-        biped,
-        hoppy,
-        another,
-        attraction,
-        robust,
-        design,
-        push,
-        hardware,
-        drivetrain,
-        sweep,
-    )
+    seen = moving, hop, bench, compare, biped, hoppy, another, space
+    known = *seen, attraction, robust, design, push, hardware, drivetrain, sweep
     parts = {part.__name__: part for part in known}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
@@ -167,6 +156,21 @@ def another() -> None:
         page = record(plane, strides, Path(folder) / "bound.html", title="solo12 bounding")
         browser.open(page, f"#t={gait.durations['posterior_stance'] / 2}&show=-plots")
         print(browser.screenshot(IMAGES / "solo12.png").shape, gait.parameters, gait.durations)
+
+
+def space() -> None:
+    """Show the page of the turn that an example keeps, and its footfalls beside those of the bound and of a trot."""
+    gait, plane = Gait.load(IMAGES.parents[1] / "examples" / "turn.json"), Gait.load("long_stride")
+    strides = simulate(gait.system, gait.state, 20)
+    straight = simulate(*embedded(plane, SpatialLaw(plane.system.law)), 1)
+    with tempfile.TemporaryDirectory() as folder, Browser(1000, 720) as browser:
+        page = record(gait.system.robot, strides, Path(folder) / "turn.html", title="Q-SPEAR turning")
+        browser.open(page, f"#t={TURNING}&show=-plots,-trails&camera={AHEAD}")
+        print(browser.screenshot(IMAGES / "turn.png").shape)
+    trot = Gait.load("trot")
+    motions = {"bound": straight, "bound, turning to the left by 4° a stride": strides}
+    falls = space_plots.footfall_diagram(motions | {"trot": simulate(trot.system, trot.state, 2)})
+    print(plots.save_figure(falls, IMAGES / "footfalls.svg"))
 
 
 def attraction() -> None:

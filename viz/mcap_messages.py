@@ -81,7 +81,8 @@ def frames(robot: Robot) -> dict[str, int]:
     model = robot.model
     links = {frame.name: number for number, frame in enumerate(model.frames) if frame.type == BODY}
     there = {int(model.frames[number].parentJoint) for number in links.values()}
-    bare = {model.names[joint]: int(model.getFrameId(model.names[joint])) for joint in range(1, model.njoints)}
+    joints = (name for name in list(model.names)[1:] if model.existFrame(name))  # a chain's in space have no frames
+    bare = {name: int(model.getFrameId(name)) for name in joints}
     bare = {name: number for name, number in bare.items() if int(model.frames[number].parentJoint) not in there}
     found = {**bare, **links, **{toe: robot.toe_id(toe) for toe in robot.toes}}
     return {name: number for name, number in found.items() if name != WORLD}

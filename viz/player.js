@@ -8,6 +8,7 @@
   paintScene(viewer, data);
 
   const samples = readSamples(data.samples);
+  addPictures(samples, data);
   const clock = makeClock(data.duration);
   const camera = makeCamera(viewer, at("pane"), data);
   clock.onTime((time) => {
@@ -38,8 +39,12 @@
       apply: visible(data.arrows.flatMap(([path]) => [`${path}/shaft`, `${path}/head`])), when: data.arrows.length },
     { name: "ghost", key: "g", label: "Ghost", title: "The other motion",
       on: true, apply: (on) => visible(data.ghost ? ghostParts() : [])(on), when: data.ghost },
+    { name: "tracks", key: "k", label: "Tracks", title: "Way of the torso and footprints on the ground", on: true,
+      apply: visible(data.tracks), when: data.tracks.length },
     { name: "follow", key: "f", label: "Follow", title: "The camera follows the body", on: true,
       apply: (on) => camera.hold(on ? null : camera.here()), when: data.follows },
+    { name: "turn", key: "h", label: "Turn", title: "The camera turns with the body's heading", on: true,
+      apply: camera.turn, when: data.turns },
   ].filter(({ when = true }) => when));
 
   // whether the ghost itself shows is a matter of time
@@ -53,11 +58,12 @@
   }
 
   let chosen = false; // by the reader
-  plots.choose(data.samples.plotted);
+  plots.choose([FEET, PLAN, ...data.samples.plotted]);
   makeColumnList(samples, plots, at("columnlist"));
   plots.onChange(() => (chosen = true));
 
   function reset() {
+    switches.set("turn", true);
     switches.set("follow", true);
     camera.reset();
   }

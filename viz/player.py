@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,14 +18,17 @@ from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.viz.bench.samples import packed, samples_of, thinned
 from spear_pin.viz.playback import meshcat_commands as c
+from spear_pin.viz.playback.following import base_joint
+from spear_pin.viz.playback.footfalls import footfalls
 from spear_pin.viz.playback.frames import Frames, resample
 from spear_pin.viz.playback.overlays import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
 from spear_pin.viz.playback.scene import GHOST, ROBOT, Scene, moving, still
 from spear_pin.viz.playback.stage import HORIZON, WORLD
+from spear_pin.viz.playback.tracks import WAY_COLOR
 from spear_pin.viz.playback.trajectory import Part, TrajectoryLike, last, read_times
 from spear_pin.viz.template import css, environment
 
-MOST_BYTES = 2_000_000
+MOST_BYTES, IN_SPACE = 2_000_000, 2  # so many times as much in space, where a robot has twice the joints
 # frames per second; more frames than this never fit
 BEST_RATE, WORST_RATE, MOST_FRAMES = 120.0, 10.0, 10_000
 PART_RATE = 30.0  # of what is cut out of a longer trajectory
@@ -58,8 +61,8 @@ def record(
         The path of the file.
 
     Raises:
-        BadValue: the trajectory or the ghost cannot be played or is too long for a file of 2 MB (see `shortened`),
-            or there is no such folder.
+        BadValue: the trajectory or the ghost cannot be played or is too long for a file of 2 MB, in space of 4 MB (see
+            `shortened`), or there is no such folder.
         BadFile: the file cannot be written.
         UnknownName: a spring's joint is not one of the robot's.
     """
@@ -84,7 +87,7 @@ def page(robot: Robot, trajectory: TrajectoryLike, *, title: str = "", ghost: Tr
             break
         rate = max(WORST_RATE, rate * min(0.95 * share, 0.95))
     problem = f"{np.ptp(read_times(trajectory)):.4g} s long"
-    expected = f"a shorter piece, that fits into a page of {MOST_BYTES} bytes: `shortened` makes one"
+    expected = f"a shorter piece, that fits into a page of {_most_bytes(robot)} bytes: `shortened` makes one"
     raise BadValue("trajectory", problem, expected)
 
 
@@ -119,14 +122,25 @@ def _attempt(
     frames = resample(robot, trajectory, rate)
     scene = moving(robot, frames, None if ghost is None else resample(robot, ghost, rate, "ghost"))
     animation = encoded(c.set_animation(scene.clips, frames.duration))
+    feet = footfalls(robot.toes, read_times(trajectory), np.asarray(trajectory.force, dtype=np.float64))
     notes = [f"shown: {trajectory.said}"] if isinstance(trajectory, Part) else []
     data = as_data(frames, replace(scene, notes=(*notes, *scene.notes)), animation, title) | {
         "rate": rate,
         "samples": packed(thinned(samples_of(robot, trajectory))),
         "ghost": None if ghost is None else {"of": ROBOT, "path": GHOST},
+        "footfalls": [[each.label, each.color, _since(each.spans, frames.start)] for each in feet],
+        "prints": scene.prints,
     }
     text = environment().get_template("player.html").render(title=title, data=data)
-    return text, (MOST_BYTES - (len(text.encode()) - len(animation))) / len(animation)
+    return text, (_most_bytes(robot) - (len(text.encode()) - len(animation))) / len(animation)
+
+
+def _since(spans: Sequence[tuple[float, float]], start: float) -> list[list[float]]:
+    return [[round(time - start, 6) for time in span] for span in spans]
+
+
+def _most_bytes(robot: Robot) -> int:
+    return MOST_BYTES * (1 if base_joint(robot.model) is None else IN_SPACE)
 
 
 def live(robot: Robot, trajectory: TrajectoryLike, *, speed: float = 1.0) -> Any:
@@ -174,6 +188,8 @@ def as_data(frames: Frames, scene: Scene, animation: str, title: str) -> dict[st
     if frames.springs:
         legend.insert(0, ["spring engaged", css(COIL_COLOR)])
     legend.append(["toe path", css(TRAIL_COLOR)])
+    if scene.tracks:
+        legend.append(["way of the torso", css(WAY_COLOR)])
     return {
         "title": title,
         "start": frames.start,
@@ -188,6 +204,8 @@ def as_data(frames: Frames, scene: Scene, animation: str, title: str) -> dict[st
         "horizon": css(HORIZON),
         "world": WORLD,
         "follows": scene.follows,
+        "turns": scene.turns,
+        "tracks": scene.tracks,
         "arrows": scene.arrows,
         "newtons": scene.newtons,
         "trails": scene.trails,

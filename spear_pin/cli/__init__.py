@@ -24,6 +24,7 @@ from spear_pin.cli import (
     robots,
     search,
     sweep,
+    turn,
 )
 from spear_pin.cli.arguments import Parser
 from spear_pin.cli.durations import expected
@@ -33,7 +34,7 @@ from spear_pin.errors import RobotWarning, SpearError
 # as the help lists them
 COMMANDS = (
     *(robots.add, dynamics.add, hop.add, explore.add, push_test.add, identify.add),
-    *(bound.add, search.add, payoff.add, sweep.add, compare.add, report.add, export.add),
+    *(bound.add, turn.add, search.add, payoff.add, sweep.add, compare.add, report.add, export.add),
     *(doctor.add, completion.add),
 )
 

@@ -69,6 +69,8 @@ def run(arguments: argparse.Namespace, name: str, plane: Gait, notes: list[tuple
     from spear_pin.studies.bound.in_space import summarize_in_space
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
+    from spear_pin.viz.plots import save_figure
+    from spear_pin.viz.plots.space import space_summary
 
     inputs = ACROSS if arguments.keep_heading else ("posterior_adduction",)
     with progress() as show:
@@ -94,14 +96,17 @@ def run(arguments: argparse.Namespace, name: str, plane: Gait, notes: list[tuple
     }
     robot = gait.system.robot
     shown = shortened(robot, trajectory)
-    page = arguments.out / "bound_in_space.html"
+    page, plots = arguments.out / "bound_in_space.html", arguments.out / "bound_in_space.svg"
     title = f"{called(plane.system.robot)} bounding in space at {summary['speed']:.2f} m/s"
-    files = [page, samples]
+    files = [page, samples, plots]
     told = [*notes, *rests_on(plane.system.robot), *shows(shown), *listed(arguments.out, "bound_in_space", files)]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
-        "pictures": {page: lambda path: record(robot, shown, path, title=title)},
+        "pictures": {
+            page: lambda path: record(robot, shown, path, title=title),
+            plots: lambda path: save_figure(space_summary(trajectory), path),
+        },
         "opened": page,
         "text": _text(summary, told),
     }
@@ -113,12 +118,13 @@ def _pushed(gait: Gait, speed: float) -> State:
     return q, v
 
 
-def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
-    def joint(part: str) -> str:
-        of = summary["joints"][part]
-        angle = math.degrees(of["range"])
-        return f"{angle:.1f}° of range, {of['speed']:.2f} rad/s, {of['torque']:.1f} N·m, {of['power']:.1f} W"
+def joint_in_words(of: dict[str, float]) -> str:
+    """Range, speed, torque and power of a joint, as of `summarize_in_space`."""
+    angle = math.degrees(of["range"])
+    return f"{angle:.1f}° of range, {of['speed']:.2f} rad/s, {of['torque']:.1f} N·m, {of['power']:.1f} W"
 
+
+def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
     fall, held = abs(summary["multipliers_without_feedback"][0]), abs(summary["multipliers"][0])
     inputs = summary["inputs"]
     by = inputs[0].replace("_", " ") if len(inputs) == 1 else f"{len(inputs)} inputs"
@@ -134,7 +140,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         ("largest roll", f"{math.degrees(summary['largest_roll']):.2f}°"),
         ("friction used", f"{summary['friction_used']:.2f}, across {summary['friction_used_across']:.2f}"),
         ("slips", f"{summary['slips']}"),
-        *((part, joint(part)) for part in ("adduction", "hip", "knee")),
+        *((part, joint_in_words(summary["joints"][part])) for part in ("adduction", "hip", "knee")),
         ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a stride"),
         ("simulated", f"{summary['cycles']} strides ({summary['reason']})"),
         *files,

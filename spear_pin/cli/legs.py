@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from spear_pin.model.robot import Robot
 
-NAMES = {"spear_ii": "SPEAR-II", "q_spear": "Q-SPEAR", "hoppy": "HOPPY"}
+NAMES = {"spear_ii": "SPEAR-II", "q_spear": "Q-SPEAR", "q_spear_full": "Q-SPEAR", "hoppy": "HOPPY"}
 OPTIONS = ("leg", "side", "body", "repair")
 ROBOT = "name of a robot, or path of a URDF, MJCF or TOML file"
 SIDE = "1 forward, where the file does not tell"

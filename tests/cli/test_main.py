@@ -13,7 +13,7 @@ from spear_pin import __version__
 from tests.cli.calls import refused, run, words
 
 NAMES = (
-    *("robots", "dynamics", "hop", "explore", "push-test", "identify", "bound"),
+    *("robots", "dynamics", "hop", "explore", "push-test", "identify", "bound", "turn"),
     *("search", "payoff", "sweep", "compare", "report", "export", "doctor", "completion"),
 )
 

@@ -1,4 +1,4 @@
-"""Trajectories made by kinematics alone, a hop in place and a bound, and words that a page has to escape."""
+"""Trajectories made by kinematics alone, a hop, a bound and a turn, and words that a page has to escape."""
 
 from __future__ import annotations
 
@@ -101,3 +101,23 @@ def bound(strides: int = 4, speed: float = 2.5) -> SimpleNamespace:
         spring_joints=("posterior_knee", "anterior_knee"),
         engaged=np.concatenate(engaged),
     )
+
+
+def turn(strides: int = 8, radius: float = 4.0, speed: float = 2.5, bank: float = 0.1) -> SimpleNamespace:
+    """Q-SPEAR on a chain along a circle to the left, leaning inward, its pairs of legs on the ground by turns."""
+    planar = bound(strides, speed)
+    way, n = planar.q[:, 0], len(planar.t)
+    q = np.zeros((n, 18))
+    q[:, 0], q[:, 1] = radius * np.sin(way / radius), radius * (1.0 - np.cos(way / radius))
+    q[:, 2], q[:, 3], q[:, 4], q[:, 5] = planar.q[:, 1], way / radius, planar.q[:, 2], -bank
+    for leg in range(4):
+        q[:, 7 + 3 * leg : 9 + 3 * leg] = planar.q[:, 3 + 2 * (leg // 2) : 5 + 2 * (leg // 2)]
+    along, normal = (0.5 * np.repeat(planar.force[:, :, axis], 2, axis=1) for axis in (0, 1))
+    inward = 0.1 * normal
+    yaw = q[:, 3, None]
+    force = np.stack(
+        (along * np.cos(yaw) - inward * np.sin(yaw), along * np.sin(yaw) + inward * np.cos(yaw), normal), axis=2
+    )
+    knees = tuple(f"{pair}_{side}_knee" for pair in ("posterior", "anterior") for side in ("left", "right"))
+    engaged = np.repeat(planar.engaged, 2, axis=1)
+    return SimpleNamespace(**{**vars(planar), "q": q, "force": force, "spring_joints": knees, "engaged": engaged})

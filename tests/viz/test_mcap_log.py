@@ -3,6 +3,7 @@
 import json
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -229,3 +230,20 @@ def test_without_the_extra(hop, tmp_path, monkeypatch, package):
     with pytest.raises(MissingExtra, match=r"which is not installed: pip install '\.\[logs\]'"):
         write_mcap(*hop, tmp_path / "hop.mcap")
     assert list(tmp_path.iterdir()) == []
+
+
+@needs_mcap
+def test_in_space(tmp_path):
+    """The chain's joints have no frames; forces have three parts."""
+    gait = Gait.load(Path(__file__).parents[2] / "examples" / "turn.json")
+    robot, stride = gait.system.robot, simulate(gait.system, gait.state, progress=False)
+    topics = read(write_mcap(robot, stride, tmp_path / "turn.mcap"))[0]
+    row = int(np.argmax(stride.force[:, 0, 2]))
+    found = {each.child_frame_id: pose(each) for each in topics["/tf"][row][1].transforms}
+    for toe in robot.toes:
+        np.testing.assert_allclose(found[toe].translation, robot.frame_position(stride.q[row], toe), atol=1e-6)
+    arrow = topics["/scene/forces"][row][1].entities[0].arrows[0].pose.orientation
+    ahead = pin.Quaternion(arrow.w, arrow.x, arrow.y, arrow.z).matrix()[:, 0]
+    force = stride.force[row, 0]
+    np.testing.assert_allclose(ahead, force / np.linalg.norm(force), atol=1e-6)
+    assert abs(force[1]) > 10.0

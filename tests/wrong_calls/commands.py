@@ -175,6 +175,12 @@ OPTIONS = {
         "--flight-time": ("1",),
         "--robot": ("q_spear_full",),
     },
+    "turn": {
+        **dict.fromkeys(("--rate", "--angle"), (*NUMBER, "0", "500")),
+        "--cycles": (*COUNT, "9" * 20),
+        "--rtol": RTOL,
+        "--out": FOLDER,
+    },
     "push-test": {
         "--depth": (*NOT_NEGATIVE, "1"),
         "--ratio": (*POSITIVE, "1e300"),
@@ -279,6 +285,10 @@ LINES = (
     "hop --seed 5",
     "hop --hardware --noise nan --json",
     "hop --hardware --save",
+    "turn nope",
+    "turn none.json",
+    "turn a_file",
+    "turn --rate 5 --angle 2",
     "push-test --ratio 15 --no-motor",
     "push-test --ratios 15 --duration nan",
     "push-test --ratios 15 --write-csv x",

@@ -5,6 +5,7 @@ const WRITE_AFTER = 250; // ms
 function makeAddress(parts, start) {
   const { clock, camera, plots, switches } = parts;
   const decimal = (value) => String(Number(value.toFixed(4)));
+  const numbers = (values) => values.map(decimal).join(",");
   // an embedded page has no address of its own
   const own = window.parent === window;
 
@@ -16,7 +17,7 @@ function makeAddress(parts, start) {
       speed: clock.speed === 1 ? "" : decimal(clock.speed),
       loop: clock.loop ? clock.loop.map((time) => decimal(start + time)).join(",") : "",
       camera: camera.read() === "three-quarter" ? "" : camera.read(),
-      held: held === null ? "" : decimal(held),
+      held: held === null ? "" : numbers(held.slice(0, held[1] || held[2] ? 3 : 1)),
       show: switches.read().join(","),
       plot: parts.columnsChosen() ? plots.names().join(",") : "",
     };
@@ -34,6 +35,7 @@ function makeAddress(parts, start) {
   function read() {
     const fields = new URLSearchParams(location.hash.slice(1));
     const number = (name) => (fields.get(name) ? Number(fields.get(name)) : NaN);
+    const held = (fields.get("held") || "").split(",").map((word) => (word ? Number(word) : NaN));
     const { time, playing } = begins();
     switches.write((fields.get("show") || "").split(","));
     if (fields.has("camera")) camera.write(fields.get("camera"));
@@ -43,7 +45,7 @@ function makeAddress(parts, start) {
     clock.setLoop(loop.length === 2 && loop.every(Number.isFinite) ? loop.map((time) => time - start) : null);
     clock.setPlaying(fields.get("play") === "1" || playing);
     clock.seek(time === null ? 0 : time - start);
-    if (Number.isFinite(number("held"))) camera.hold(number("held"));
+    if (held.every(Number.isFinite)) camera.hold([...held, 0, 0].slice(0, 3));
     clearTimeout(waiting); // what was read need not be written
   }
 

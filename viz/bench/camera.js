@@ -1,4 +1,4 @@
-// where the camera stands, and whether it goes with the body
+// where the camera stands, and whether it goes, and turns, with the body
 
 const CAMERA_VIEWS = { // directions in the robot's axes: x forward, z up
   "three-quarter": [0.42, -1, 0.17],
@@ -11,9 +11,11 @@ function makeCamera(viewer, pane, data) {
   const { camera, controls } = viewer;
   const world = nodeAt(viewer, data.world).object; // goes back as the body goes forward
   const stage = world.parent;
-  const middle = stage.position.x;
+  const middle = stage.position.clone();
   const changed = [];
-  const state = { view: "three-quarter", held: null }; // x of the world that stays in view while the body runs off
+  // `held`: x, y and angle of the world, as it is seen, that stay while the body runs off
+  // `facing`: the angle from which the camera looks on while the body turns; null: it turns with it
+  const state = { view: "three-quarter", held: null, facing: null };
   const tell = () => changed.forEach((listener) => listener());
 
   function place(position, target) {
@@ -46,16 +48,38 @@ function makeCamera(viewer, pane, data) {
     tell();
   }
 
-  function hold(x) {
-    state.held = x;
-    keepHeld();
+  const angleOf = ({ quaternion }) => 2 * Math.atan2(quaternion.z, quaternion.w);
+  const swung = (x, y, angle) => [x * Math.cos(angle) - y * Math.sin(angle), x * Math.sin(angle) + y * Math.cos(angle)];
+
+  // x, y and angle of the world as it is seen
+  function here() {
+    const swing = state.facing === null ? 0 : state.facing - angleOf(world);
+    const { x, y } = world.position;
+    return state.held || [...swung(x, y, swing), angleOf(world) + swing];
+  }
+
+  function hold(pose) {
+    state.held = pose;
+    keep();
     viewer.set_dirty();
     tell();
   }
 
-  // not by the world's own place, which the animation sets only when its value changes
-  function keepHeld() {
-    stage.position.x = middle + (state.held === null ? 0 : state.held - world.position.x);
+  // the camera turns with the body, or looks on from where it is
+  function turn(on) {
+    state.facing = on ? null : here()[2];
+    keep();
+    viewer.set_dirty();
+    tell();
+  }
+
+  // by the stage around the world: the animation sets the world's own place, and only when that changes
+  function keep() {
+    const [x, y, angle] = here();
+    const swing = angle - angleOf(world);
+    const [dx, dy] = swung(world.position.x, world.position.y, swing);
+    stage.position.set(middle.x + x - dx, middle.y + y - dy, middle.z);
+    stage.quaternion.set(0, 0, Math.sin(swing / 2), Math.cos(swing / 2));
   }
 
   // the whole robot stays in view, however narrow the pane
@@ -88,10 +112,11 @@ function makeCamera(viewer, pane, data) {
       hold(null);
       setView("three-quarter");
     },
-    here: () => world.position.x,
+    here,
     hold,
+    turn,
     follows: data.follows,
     onChange: (listener) => changed.push(listener),
-    onTime: keepHeld,
+    onTime: keep,
   };
 }

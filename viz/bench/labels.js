@@ -12,6 +12,10 @@ function makeLabels(viewer, pane, layer, data, samples) {
     return element;
   }
 
+  const LINE = 20; // pixels
+  const LETTER = 7.4;
+  let taken = []; // places of what was put so far: what would lie over another goes above it
+
   function put(element, text, object, up) {
     point.set(0, 0, up);
     object.localToWorld(point).project(camera);
@@ -20,14 +24,17 @@ function makeLabels(viewer, pane, layer, data, samples) {
     if (!shown) return;
     if (element.textContent !== text) element.textContent = text;
     const x = ((1 + point.x) / 2) * pane.clientWidth;
-    const y = ((1 - point.y) / 2) * pane.clientHeight;
+    let y = ((1 - point.y) / 2) * pane.clientHeight;
+    const width = LETTER * text.length + 10;
+    while (taken.some((other) => x < other.x + other.width && other.x < x + width && Math.abs(other.y - y) < LINE - 1)) y -= LINE;
+    taken.push({ x, y, width });
     element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
   }
 
   // of the samples, which are exact: arrows go straight from frame to frame
   const arrows = data.arrows.filter(([, toe]) => samples.byName.has(`force_z_${toe}`)).map(([path, toe, share]) => {
     const [whole, shaft, head] = ["", "/shaft", "/head"].map((part) => nodeAt(viewer, path + part).object);
-    const columns = ["force_x_", "force_z_"].map((name) => samples.byName.get(name + toe));
+    const columns = ["x", "y", "z"].map((axis) => samples.byName.get(`force_${axis}_${toe}`)).filter(Boolean);
     const element = make("force");
     return (value) => {
       const length = whole.visible ? shaft.scale.z + head.scale.z : 0;
@@ -39,7 +46,8 @@ function makeLabels(viewer, pane, layer, data, samples) {
     const { object } = nodeAt(viewer, path);
     const column = samples.byName.get(`q_${name}`);
     const element = make("angle");
-    return (value) => put(element, `${name} ${value(column).toFixed(2).replace("-", "−")} rad`, object, 0);
+    const said = column.color ? name.split("_").pop() : name; // of four legs, where it stands says which
+    return (value) => put(element, `${said} ${value(column).toFixed(2).replace("-", "−")} rad`, object, 0);
   });
 
   const shown = { forces: false, angles: false };
@@ -57,6 +65,7 @@ function makeLabels(viewer, pane, layer, data, samples) {
       viewer.scene.updateMatrixWorld();
       camera.updateMatrixWorld();
       const value = samples.at(labels.time);
+      taken = [];
       if (shown.forces) for (const arrow of arrows) arrow(value);
       if (shown.angles) for (const joint of joints) joint(value);
     },

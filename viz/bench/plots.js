@@ -23,36 +23,42 @@ function makePlots(clock, data, samples, panel) {
 
   function draw() {
     for (const plot of plots) plot.destroy();
-    plots = panel.hidden ? [] : grouped().map((columns, i, all) => new Plot(columns, i + 1 === all.length));
+    plots = panel.hidden ? [] : grouped().map((columns, i, all) =>
+      columns[0].plan ? makePlan(columns[0], samples, panel) : new Plot(columns, i + 1 === all.length));
     panel.classList.toggle("empty", !chosen.length);
     fit();
     point(clock.time, true);
   }
 
   function fit() {
-    for (const plot of plots) plot.fit();
+    for (const plot of plots) {
+      plot.fit();
+      plot.point(clock.time);
+    }
   }
 
   class Plot {
     constructor(columns, last) {
-      this.columns = columns;
+      const { bars } = columns[0]; // of feet on the ground, in place of lines
+      this.columns = bars ? [] : columns;
       const style = getComputedStyle(document.documentElement);
       const [soft, line] = ["--soft", "--line"].map((name) => style.getPropertyValue(name).trim());
-      const colors = columns.map((_, i) => LINES[theme][i % LINES[theme].length]);
+      const items = bars || columns;
+      const colors = items.map(({ color }, i) => color || LINES[theme][i % LINES[theme].length]);
       this.figure = document.createElement("figure");
       this.figure.className = "plot";
       const caption = document.createElement("figcaption");
       const head = document.createElement("span");
       head.textContent = columns[0].kind + (columns[0].unit ? ` (${columns[0].unit})` : "");
       caption.append(head);
-      this.values = columns.map((column, i) => {
+      this.values = items.map((column, i) => {
         const item = document.createElement("span");
         const swatch = document.createElement("i");
         swatch.style.background = colors[i];
         const value = document.createElement("output");
         value.setAttribute("aria-live", "off");
-        item.title = column.name;
-        item.append(swatch, column.label + " ", value);
+        item.title = column.name || column.label;
+        item.append(swatch, column.label + " ", ...(bars ? [] : [value]));
         caption.append(item);
         return value;
       });
@@ -68,18 +74,18 @@ function makePlots(clock, data, samples, panel) {
         padding: [6, 8, 0, 0],
         legend: { show: false },
         cursor: { show: false },
-        scales: { x: { time: false, range: [0, duration] } },
+        scales: { x: { time: false, range: [0, duration] }, ...(bars ? { y: { range: [0, bars.length] } } : {}) },
         axes: [
           { ...axis, size: 20, gap: 3, values: (_, ticks) => ticks.map((tick) => Number((start + tick).toFixed(4))),
             ...(last ? { label: across } : {}) },
-          { ...axis, size: 46, gap: 4 },
+          { ...axis, size: 46, gap: 4, ...(bars ? { values: (_, ticks) => ticks.map(() => ""), grid: { show: false } } : {}) },
         ],
-        series: [{}, ...columns.map((_, i) => ({ stroke: colors[i], width: 1.5, points: { show: false } }))],
-        hooks: { drawClear: [shade] },
+        series: [{}, ...columns.map((_, i) => ({ stroke: bars ? "transparent" : colors[i], width: 1.5, points: { show: false } }))],
+        hooks: { drawClear: [bars ? (plot) => lay(plot, bars, colors) : shade] },
       }, [samples.t, ...columns.map((column) => column.values)], this.chart);
       const { over } = this.plot;
       over.setAttribute("role", "img");
-      over.setAttribute("aria-label", `${columns.map((column) => column.title).join(", ")} over time in s`);
+      over.setAttribute("aria-label", `${items.map(({ title, label }) => title || label).join(", ")} over time in s`);
       this.loop = document.createElement("b");
       this.cursor = document.createElement("i");
       over.append(this.loop, this.cursor);
@@ -99,10 +105,25 @@ function makePlots(clock, data, samples, panel) {
       this.loop.style.width = (100 * (clock.loop[1] - clock.loop[0])) / duration + "%";
     }
 
+    point(time) {
+      this.cursor.style.transform = `translateX(${((100 * time) / duration).toFixed(3)}%)`;
+    }
+
     destroy() {
       this.plot.destroy();
       this.figure.remove();
     }
+  }
+
+  // a bar for each time of a foot on the ground, a row for each foot
+  function lay({ ctx, bbox }, bars, colors) {
+    const row = bbox.height / bars.length;
+    bars.forEach(({ spans }, i) => {
+      ctx.fillStyle = colors[i];
+      for (const [begin, end] of spans)
+        ctx.fillRect(bbox.left + (begin / duration) * bbox.width, bbox.top + (i + 0.15) * row,
+          Math.max(1, ((end - begin) / duration) * bbox.width), 0.7 * row);
+    });
   }
 
   // domains that stand on the ground, behind the lines
@@ -145,7 +166,7 @@ function makePlots(clock, data, samples, panel) {
   let told = 0;
   function point(time, surely) {
     if (!plots.length) return;
-    for (const plot of plots) plot.cursor.style.transform = `translateX(${((100 * time) / duration).toFixed(3)}%)`;
+    for (const plot of plots) plot.point(time);
     const now = performance.now();
     if (clock.playing && !surely && now - told < VALUE_EVERY) return;
     told = now;

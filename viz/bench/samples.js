@@ -4,9 +4,9 @@ function readSamples(packed) {
   const t = new Float64Array(bytesOf(packed.times).buffer);
   const values = new Float32Array(bytesOf(packed.values).buffer);
   let used = 0;
-  const columns = packed.columns.map(({ name, label, kind, unit, heading, still }) => {
+  const columns = packed.columns.map(({ name, label, kind, unit, heading, still, color }) => {
     const own = still === undefined ? values.subarray(used, (used += t.length)) : new Float32Array(t.length).fill(still);
-    return { name, kind, unit, label, values: own, title: heading };
+    return { name, kind, unit, label, color, values: own, title: heading };
   });
 
   // the last sample that is not after a time

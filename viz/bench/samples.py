@@ -22,35 +22,13 @@ from spear_pin.hybrid.column_names import (
     unit,
 )
 from spear_pin.model.robot import Robot
+from spear_pin.viz.bench.columns import Column
+from spear_pin.viz.bench.space import by_leg, in_space, plotted_in_space
 from spear_pin.viz.playback.trajectory import TrajectoryLike, read_times, table_of
 
 Array = NDArray[np.float64]
 
 MOST_VALUES = 48_000  # that a page holds, four bytes each
-
-
-@dataclass(frozen=True)
-class Column:
-    """A number over time.
-
-    Attributes:
-        name: as `Trajectory.columns` has it, for instance `q_knee`.
-        label: what has it, of those of its kind: `knee`.
-        kind: what it is, in words; columns of a kind and a unit share a plot.
-        unit: of its values.
-        values: (n,).
-    """
-
-    name: str
-    label: str
-    kind: str
-    unit: str
-    values: Array
-
-    @property
-    def moves(self) -> bool:
-        """Whether its values differ."""
-        return bool(np.any(self.values != self.values[0]))
 
 
 @dataclass(frozen=True)
@@ -62,12 +40,14 @@ class Samples:
         columns: everything else.
         every: of so many samples of the trajectory one is here.
         words: (n,) each, by the name of the column: domain, phase if there is such, and whether springs are engaged.
+        first: names of the columns that a page plots first, where it is not left to `plotted`.
     """
 
     t: Array
     columns: tuple[Column, ...]
     every: float = 1.0
     words: Mapping[str, NDArray[np.str_]] = field(default_factory=dict)
+    first: tuple[str, ...] = ()
 
 
 def samples_of(robot: Robot, trajectory: TrajectoryLike) -> Samples:
@@ -77,11 +57,15 @@ def samples_of(robot: Robot, trajectory: TrajectoryLike) -> Samples:
     # a floating base has more numbers than names there
     names, table = found if found and len(found[0]) == found[1].shape[1] else _plain(robot, trajectory)
     measured = lengths(robot)
-    columns = (
+    columns = tuple(
         _column(name, np.asarray(values, dtype=np.float64), measured)
         for name, values in zip(names, table.T, strict=True)
+        if read_heading(name)[0] != TIME
     )
-    return Samples(t - t[0], tuple(each for each in columns if each.name != TIME), words=_words(trajectory))
+    if in_space(robot):
+        columns = by_leg(robot, columns)
+    first = plotted_in_space(columns) if in_space(robot) else ()
+    return Samples(t - t[0], columns, words=_words(trajectory), first=tuple(first))
 
 
 def thinned(samples: Samples, most: int = MOST_VALUES) -> Samples:
@@ -95,26 +79,28 @@ def thinned(samples: Samples, most: int = MOST_VALUES) -> Samples:
     rows = np.unique(np.r_[sides, np.linspace(0, n - 1, room - len(sides)).astype(int)])
     columns = (replace(column, values=column.values[rows]) for column in samples.columns)
     words = {name: values[rows] for name, values in samples.words.items()}
-    return Samples(samples.t[rows], tuple(columns), n / len(rows), words)
+    return replace(samples, t=samples.t[rows], columns=tuple(columns), every=n / len(rows), words=words)
 
 
 def packed(samples: Samples) -> dict[str, Any]:
     """Samples as the page's script reads them; of a column that stays the same only its value."""
     moving = [column.values for column in samples.columns if column.moves]
+    tabled = [column for column in samples.columns if not column.derived]
     return {
         "times": _base64(samples.t, "<f8"),
         "values": _base64(np.array(moving), "<f4"),
         "columns": [
             {"name": column.name, "label": column.label, "kind": column.kind, "unit": column.unit}
             | {"heading": heading(column.name, column.unit)}
+            | ({"color": column.color} if column.color else {})
             | ({} if column.moves else {"still": float(column.values[0])})
             for column in samples.columns
         ],
         "words": {name: _runs(values) for name, values in samples.words.items()},
-        "order": arranged([TIME, *samples.words, *(column.name for column in samples.columns)]),
+        "order": arranged([TIME, *samples.words, *(column.name for column in tabled)]),
         "time": heading(TIME, unit(TIME, {})),
         "every": round(samples.every, 2),
-        "plotted": plotted(samples),
+        "plotted": list(samples.first) or plotted(samples),
     }
 
 

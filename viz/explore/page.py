@@ -163,6 +163,7 @@ def _opening(subject: Subject, engine: Engine) -> dict[str, Any]:
         "client": CLIENT,
         "world": WORLD,
         "follows": scene.follows,
+        "turns": scene.turns,
         "aspect": scene.view.aspect,
         "distance": scene.view.distance,
         "horizon": css(HORIZON),

@@ -108,9 +108,9 @@ def _(run: Trajectory) -> Card:
         *(
             Row(
                 f"force_z_{toe}{PAIR * of_a_pair(f'force_z_{toe}')}",
-                _range(run.force[:, i, 1]),
+                _range(run.force[:, i, -1]),
                 "N",
-                _line(run, run.force[:, i, 1], toe),
+                _line(run, run.force[:, i, -1], toe),
             )
             for i, toe in list(enumerate(run.toes))[:MOST_ROWS]
         ),

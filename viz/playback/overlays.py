@@ -107,7 +107,7 @@ def trail_path(toe: str) -> str:
 
 def trail_overlay(toe: str, t: Array, position: Array, radius: float, most: int = TRAIL_POINTS) -> Overlay:
     """The path of a toe, (m, 3), in m, as a thin tube, of so many points at most, that grows with time."""
-    keep = _spread(position, most)
+    keep = spread(position, most)
     if len(keep) < 2:
         return Overlay((), {})
     path = trail_path(toe)
@@ -201,7 +201,7 @@ def _visibility(switch: Switch) -> c.Track:
     return c.Track("visible", "bool", switch.times[keep], values[keep])
 
 
-def _spread(position: Array, most: int) -> NDArray[np.intp]:
+def spread(position: Array, most: int) -> NDArray[np.intp]:
     """Indices of points that lie apart along a path, at most so many."""
     along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(position, axis=0), axis=1))]
     step = max(along[-1] / most, 2e-3)

@@ -13,6 +13,7 @@ from spear_pin.hybrid.ground import Ground
 from spear_pin.model.robot import Robot
 from spear_pin.viz.playback import meshcat_commands as c
 from spear_pin.viz.playback.coil import places_across
+from spear_pin.viz.playback.following import base_joint, follow
 from spear_pin.viz.playback.frames import Frames
 from spear_pin.viz.playback.kinematics import center_of_mass, local_poses, quaternions, world_poses
 from spear_pin.viz.playback.looks import read_looks
@@ -27,14 +28,12 @@ from spear_pin.viz.playback.overlays import (
 )
 from spear_pin.viz.playback.shapes import Shape
 from spear_pin.viz.playback.stage import WORLD, View, fit_view, stage
+from spear_pin.viz.playback.tracks import landings, track_overlays
 
 Array = NDArray[np.float64]
 
 ROBOT = f"{WORLD}/robot"
 GHOST = f"{WORLD}/ghost"
-# a motion that stays within this, in m, is played in place
-IN_PLACE = 0.5
-FOLLOW_WINDOW = 0.5
 REVOLUTE = "JointModelR"  # about an axis of the frame or any other; not those without limits, that have two numbers
 
 
@@ -50,9 +49,12 @@ class Scene:
         paired: whether some legs are pairs.
         notes: one line for each thing that is not drawn.
         follows: whether the picture goes with the robot.
+        turns: whether it turns with it.
         arrows: of each arrow of a ground force its path, its toe, and the share of that toe's force that it shows.
         newtons: that a metre of an arrow stands for.
         trails: paths of the paths of toes.
+        tracks: paths of what is left on the ground in space: the way of the torso, the footprints.
+        prints: x and y, in m, and colour of each of these.
         joints: path of each joint with one angle, by its name.
     """
 
@@ -63,9 +65,12 @@ class Scene:
     paired: bool = False
     notes: tuple[str, ...] = ()
     follows: bool = False
+    turns: bool = False
     arrows: tuple[tuple[str, str, float], ...] = ()
     newtons: float = 0.0
     trails: tuple[str, ...] = ()
+    tracks: tuple[str, ...] = ()
+    prints: tuple[tuple[float, float, str], ...] = ()
     joints: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -82,9 +87,11 @@ def still(robot: Robot, q: Array) -> Scene:
     looks, paths = read_looks(robot), joint_paths(robot.model)
     local = local_poses(robot.model, q[None])
     world = world_poses(robot.model, local)
-    origin = center_of_mass(robot.model, world)[:, 0]
-    view = fit_view(*_bounds(robot.model, looks.shapes, world, origin))
-    commands = [*_place(origin[0]), *_body(paths, local[0], looks.shapes), *stage(view, origin[0], origin[0], Ground())]
+    following = follow(robot.model, np.zeros(1), world, center_of_mass(robot.model, world))
+    place, seen = following.place[0], following.poses
+    view = fit_view(*_bounds(robot.model, looks.shapes, world, seen))
+    placed = c.set_transform(WORLD, seen[0])
+    commands = [placed, *_body(paths, local[0], looks.shapes), *stage(view, place, place, Ground())]
     return Scene(tuple(commands), {}, view, notes=looks.notes)
 
 
@@ -101,8 +108,9 @@ def moving(robot: Robot, frames: Frames, ghost: Frames | None = None, newtons: f
     local = local_poses(robot.model, frames.q)
     world = world_poses(robot.model, local)
     center = center_of_mass(robot.model, world)
-    origin = _follow(frames.t, center[:, 0])
-    view = fit_view(*_bounds(robot.model, looks.shapes, world, origin))
+    following = follow(robot.model, frames.t, world, center)
+    seen = following.poses
+    view = fit_view(*_bounds(robot.model, looks.shapes, world, seen))
     springs, brackets = spring_overlays(robot, frames, local, paths, looks.shapes)
     feet = _feet(robot, frames, world, looks.shapes)
     peak = max((float(np.linalg.norm(foot.force, axis=1).max(initial=0.0)) for foot in feet), default=0.0)
@@ -110,19 +118,22 @@ def moving(robot: Robot, frames: Frames, ghost: Frames | None = None, newtons: f
     per_metre = peak / (0.6 * size) if newtons is None else newtons
     trails = [_trail(foot, frames.t, size, len(feet)) for foot in feet]
     arrows = [_arrow(foot, frames.t, size, 1.0 / per_metre) for foot in feet] if peak > 0 else []
-    overlays = [*springs, *trails, *arrows]
-    double, ghost_clips, reach = _ghost(robot.model, ghost) if ghost is not None else ([], {}, origin)
+    toes = {foot.toe: foot.position for foot in feet}
+    tracks = track_overlays(robot, frames, world, toes, size)
+    landed = landings(robot, frames, toes) if tracks else {}
+    overlays = [*springs, *trails, *arrows, *tracks.values()]
+    double, ghost_clips, reach = _ghost(robot.model, ghost) if ghost is not None else ([], {}, following.place)
+    reach = np.concatenate((following.place, reach))
     commands = [
-        *_place(origin[0]),
+        c.set_transform(WORLD, seen[0]),
         *_body(paths, local[0], (*looks.shapes, *brackets)),
         *(command for overlay in overlays for command in overlay.commands),
         *double,
-        *stage(view, float(min(origin.min(), reach.min())), float(max(origin.max(), reach.max())), frames.ground),
+        *stage(view, reach.min(axis=0), reach.max(axis=0), frames.ground),
     ]
     clips = _joint_clips(paths, frames.t, local) | ghost_clips
-    if np.ptp(origin) > 0:
-        shift = np.column_stack((-origin, np.zeros((len(origin), 2))))
-        clips[WORLD] = (c.Track("position", "vector3", frames.t, shift),)
+    if following.moves or following.turns:
+        clips[WORLD] = _pose_tracks(frames.t, seen)
     for overlay in overlays:
         clips.update(overlay.clips)
     return Scene(
@@ -133,9 +144,14 @@ def moving(robot: Robot, frames: Frames, ghost: Frames | None = None, newtons: f
         paired=len(feet) > len(robot.toes),
         notes=looks.notes,
         follows=WORLD in clips,
+        turns=following.turns,
         arrows=tuple((arrow_path(foot.name), foot.toe, foot.share) for foot in feet) if arrows else (),
         newtons=per_metre,
         trails=tuple(trail_path(foot.name) for foot, trail in zip(feet, trails, strict=True) if trail.commands),
+        prints=tuple(
+            (round(float(x), 4), round(float(y), 4), color) for color, _, place in landed.values() for x, y in place
+        ),
+        tracks=tuple(path for path, track in tracks.items() if track.commands),
         joints=_angles(robot.model, paths),
     )
 
@@ -149,13 +165,13 @@ def _angles(model: pin.Model, paths: tuple[str, ...]) -> dict[str, str]:
 
 
 def _ghost(model: pin.Model, frames: Frames) -> tuple[list[c.Command], dict[str, tuple[c.Track, ...]], Array]:
-    """Where the joints of a ghost begin, how they move, and the x that it reaches, in m; it is gone after its end."""
+    """Where the joints of a ghost begin, how they move, and the places, (m, 2), that it passes; it is gone after."""
     paths, local = joint_paths(model, GHOST), local_poses(model, frames.q)
     end = np.nextafter(np.float32(frames.duration), np.float32(np.inf))
     there = c.Track("visible", "bool", np.array([0.0, end]), [True, False])
     center = center_of_mass(model, world_poses(model, local))
     commands = [c.set_transform(path, pose) for path, pose in zip(paths, local[0], strict=True)]
-    return commands, _joint_clips(paths, frames.t, local) | {GHOST: (there,)}, center[:, 0]
+    return commands, _joint_clips(paths, frames.t, local) | {GHOST: (there,)}, center[:, :2]
 
 
 @dataclass(frozen=True)
@@ -191,12 +207,6 @@ def _arrow(foot: _Foot, t: Array, size: float, scale: float) -> Overlay:
     return arrow_overlay(foot.name, t, foot.position, foot.force, scale, 0.022 * size)
 
 
-def _place(x: float) -> list[c.Command]:
-    pose = np.eye(4)
-    pose[0, 3] = -x
-    return [c.set_transform(WORLD, pose)]
-
-
 def _body(paths: tuple[str, ...], local: Array, shapes: tuple[Shape, ...]) -> list[c.Command]:
     commands = [c.set_transform(path, pose) for path, pose in zip(paths, local, strict=True)]
     for number, shape in enumerate(shapes):
@@ -220,43 +230,32 @@ def _geometry(shape: Shape) -> c.Geometry:
 
 
 def _joint_clips(paths: tuple[str, ...], t: Array, local: Array) -> dict[str, tuple[c.Track, ...]]:
-    clips = {}
-    for path, poses in list(zip(paths, local.swapaxes(0, 1), strict=True))[1:]:
-        tracks = []
-        if np.ptp(poses[:, :3, 3], axis=0).max() > 0:
-            tracks.append(c.Track("position", "vector3", t, poses[:, :3, 3]))
-        if np.ptp(poses[:, :3, :3], axis=0).max() > 0:
-            tracks.append(c.Track("quaternion", "quaternion", t, quaternions(poses[:, :3, :3])))
-        clips[path] = tuple(tracks)
-    return clips
+    return {path: _pose_tracks(t, poses) for path, poses in list(zip(paths, local.swapaxes(0, 1), strict=True))[1:]}
 
 
-def _follow(t: Array, x: Array) -> Array:
-    """The x that stays in the middle of the picture, over the frames: smooth, so that strides show."""
-    if np.ptp(x) < IN_PLACE:
-        return np.full(len(x), (x.min() + x.max()) / 2)
-    count = max(3, int(np.ceil(60 * t[-1])) + 1)
-    steady = np.linspace(0.0, t[-1], count)
-    half = min(int(30 * FOLLOW_WINDOW), count - 1)
-    padded = np.pad(np.interp(steady, t, x), half, mode="reflect", reflect_type="odd")
-    smooth = np.convolve(padded, np.full(2 * half + 1, 1 / (2 * half + 1)), mode="valid")
-    return np.interp(t, steady, smooth)
+def _pose_tracks(t: Array, poses: Array) -> tuple[c.Track, ...]:
+    """Tracks of what changes of a pose, (m, 4, 4)."""
+    tracks = []
+    if np.ptp(poses[:, :3, 3], axis=0).max() > 0:
+        tracks.append(c.Track("position", "vector3", t, poses[:, :3, 3]))
+    if np.ptp(poses[:, :3, :3], axis=0).max() > 0:
+        tracks.append(c.Track("quaternion", "quaternion", t, quaternions(poses[:, :3, :3])))
+    return tuple(tracks)
 
 
-def _bounds(model: pin.Model, shapes: tuple[Shape, ...], world: Array, origin: Array) -> tuple[Array, Array]:
-    """Corners, (3,), in m, of a box around the robot wherever it goes, seen from what is followed.
+def _bounds(model: pin.Model, shapes: tuple[Shape, ...], world: Array, seen: Array) -> tuple[Array, Array]:
+    """Corners, (3,), in m, of a box around the robot wherever it goes, in the world as it is seen, (m, 4, 4).
 
     Links without mass, such as the rails of a test stand, may reach out of it.
     """
     some = np.unique(np.linspace(0, len(world) - 1, 60).astype(int))
-    corners = [world[some, 1:, :3, 3].reshape(-1, 3) - np.repeat(origin[some], world.shape[1] - 1)[:, None] * [1, 0, 0]]
+    poses = seen[some, None] @ world[some]
+    corners = [poses[:, base_joint(model) or 1 :, :3, 3].reshape(-1, 3)]
     signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
     heavy = {joint for joint in range(1, model.njoints) if model.inertias[joint].mass > 0}
     for shape in (shape for shape in shapes if shape.joint in heavy):
         local = np.column_stack(((signs * shape.half_extent) @ shape.placement[:3, :3].T + shape.center, np.ones(8)))
-        moved = np.einsum("fab,kb->fka", world[some, shape.joint], local)[:, :, :3]
-        moved[:, :, 0] -= origin[some][:, None]
-        corners.append(moved.reshape(-1, 3))
+        corners.append(np.einsum("fab,kb->fka", poses[:, shape.joint], local)[:, :, :3].reshape(-1, 3))
     points = np.concatenate(corners)
     low, high = points.min(axis=0), points.max(axis=0)
     low[2] = min(low[2], 0.0)

@@ -58,8 +58,8 @@ def fit_view(low: Array, high: Array) -> View:
     return View(target, distance, float((sideways / (slope * (distance - nearness))).max()))
 
 
-def stage(view: View, first: float, last: float, ground: Ground) -> list[c.Command]:
-    """Everything around the robot, for a motion on some ground from one x to another, in m.
+def stage(view: View, first: Array, last: Array, ground: Ground) -> list[c.Command]:
+    """Everything around the robot, for a motion on some ground between two corners, (2,), x and y in m.
 
     The ground moves with the world; lights, background and camera do not.
     """
@@ -93,10 +93,11 @@ def _light() -> list[c.Command]:
     ]
 
 
-def _ground(first: float, last: float) -> list[c.Command]:
+def _ground(first: Array, last: Array) -> list[c.Command]:
     low, high = np.floor(first - REACH), np.ceil(last + REACH)
-    spacing = 0.25 * np.ceil((high - low) / 80.0)
-    corners = np.array([[low, -REACH, 0], [high, -REACH, 0], [high, REACH, 0], [low, REACH, 0]], dtype=float)
+    spacing = 0.25 * np.ceil((high - low).max() / 80.0)
+    (left, near), (right, far) = low, high
+    corners = np.array([[left, near, 0], [right, near, 0], [right, far, 0], [left, far, 0]], dtype=float)
     glow = c.material(GROUND_GLOW)["color"]
     matte = c.material(GROUND, "MeshLambertMaterial", emissive=glow)
     path = f"{WORLD}/ground"
@@ -122,12 +123,13 @@ def _placed(ground: Ground) -> list[c.Command]:
     return [c.set_transform(f"{WORLD}/ground", pose)]
 
 
-def _lines(path: str, low: float, high: float, spacing: float, width: float, color: Sequence[float]) -> c.Command:
+def _lines(path: str, low: Array, high: Array, spacing: float, width: float, color: Sequence[float]) -> c.Command:
     """A grid of flat stripes: lines that pass the camera are not drawn by every browser."""
-    along = np.arange(np.ceil(low / spacing), high / spacing + 1e-9) * spacing
-    across = np.arange(np.ceil(-REACH / spacing), REACH / spacing + 1e-9) * spacing
-    half = width / 2
-    stripes = [(x - half, x + half, -REACH, REACH) for x in along] + [(low, high, y - half, y + half) for y in across]
+    along, across = (
+        np.arange(np.ceil(a / spacing), b / spacing + 1e-9) * spacing for a, b in zip(low, high, strict=True)
+    )
+    (left, near), (right, far), half = low, high, width / 2
+    stripes = [(x - half, x + half, near, far) for x in along] + [(left, right, y - half, y + half) for y in across]
     corners = [[[a, b, 0], [d, b, 0], [d, e, 0], [a, e, 0]] for a, d, b, e in stripes]
     faces = np.array([[0, 1, 2], [0, 2, 3]]) + 4 * np.arange(len(stripes))[:, None, None]
     mesh = c.triangles(np.reshape(corners, (-1, 3)), faces.reshape(-1, 3))

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from spear_pin.errors import require
+from spear_pin.errors import SpearError, require
 from spear_pin.hybrid.column_names import PAIR, of_a_pair, parted
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.hybrid.trajectory_parts import gaps
 from spear_pin.hybrid.trajectory_tables import chosen
 from spear_pin.kinds import typed
+from spear_pin.model.chain import CHAIN
 from spear_pin.viz.plots.panels import label_columns, over
 from spear_pin.viz.plots.paper import Picture, style
 
@@ -29,6 +30,7 @@ QUANTITIES = {
     "A": "Current",
 }
 WIDTH, MARGIN, PANEL = 5.2, 0.4, 1.35  # in
+HANDLE, LETTER = 0.4, 0.065  # in, of a legend
 
 
 @typed
@@ -50,26 +52,46 @@ def over_time(trajectory: Trajectory, columns: Sequence[str] = (), cycles: int |
     names, table = trajectory.columns()
     usual = [group for group in DEFAULT if any(parted(name)[0] == group for name in names)]
     units, wanted = trajectory.units(), chosen(names, tuple(columns or usual))
-    panels = list(dict.fromkeys(units[name] for name in wanted))
+    parts = _parts(trajectory)
+    places = {name: (parts.get(parted(name)[1], ""), units[name]) for name in wanted}
+    panels = list(dict.fromkeys(places.values()))
     breaks = gaps(trajectory) + 1  # a line is not drawn across what is left out
     t = np.insert(trajectory.t, breaks, np.nan)
     with style():
         size = (WIDTH, MARGIN + PANEL * len(panels))
         figure = Picture(figsize=size, layout="constrained")
-        for axes, unit in zip(figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0], panels, strict=True):
-            drawn = [name for name in wanted if units[name] == unit]
+        for axes, place in zip(figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0], panels, strict=True):
+            (part, unit), drawn = place, [name for name in wanted if places[name] == place]
             pairs = [of_a_pair(name) for name in drawn]
-            over(axes, trajectory, f"{QUANTITIES.get(unit, 'Value')}{PAIR * all(pairs)} ({unit})")
+            quantity = f"{part} {QUANTITIES.get(unit, 'Value')}".strip().capitalize()
+            over(axes, trajectory, f"{quantity}{PAIR * all(pairs)} ({unit})")
             axes.set_xlabel("")
             for name, paired in zip(drawn, pairs, strict=True):
                 label = name + PAIR * (paired and not all(pairs))
                 axes.plot(t, np.insert(table[:, names.index(name)], breaks, np.nan), label=label)
-            label_columns(axes)
+            label_columns(axes, _fitting(drawn))
         axes.set_xlabel("Time (s)")
         if left_out:
             figure.suptitle(left_out, x=0.99, horizontalalignment="right", fontsize="x-small", color="0.4")
         figure.align_ylabels()
         return figure
+
+
+def _parts(trajectory: Trajectory) -> dict[str, str]:
+    """What of a leg each joint is, of a robot in space, if that is found: those of all legs are drawn together."""
+    if trajectory.coordinates[: len(CHAIN)] != CHAIN:
+        return {}
+    try:
+        legs = trajectory.load_robot().legs
+    except (SpearError, ValueError):
+        return {}
+    named = [{"adduction": leg.abduction, "hip": leg.hip, "knee": leg.knee} for leg in legs]
+    return {joint: part for joints in named for part, joint in joints.items() if joint is not None}
+
+
+def _fitting(labels: Sequence[str]) -> int:
+    """Columns of a legend of labels, as many as have room."""
+    return max(1, min(4, int((WIDTH - MARGIN) / (HANDLE + LETTER * max(map(len, labels))))))
 
 
 def _beginning(trajectory: Trajectory, cycles: int | None) -> tuple[Trajectory, str]:

@@ -53,8 +53,9 @@ def draw_force(axes: Axes, trajectory: Trajectory) -> None:
     over(axes, trajectory, f"Ground force{PAIR * pairs} (N)")
     for index, toe in enumerate(trajectory.toes):
         of_toe = f" of {toe.replace('_', ' ')}" if len(trajectory.toes) > 1 else ""
-        for column, color, label in ((1, BLUE, "normal"), (0, VERMILLION, "tangential")):
-            force = trajectory.force[:, index, column]
+        *tangential, normal = trajectory.force[:, index].T
+        along = tangential[0] if len(tangential) == 1 else np.hypot(*tangential)
+        for force, color, label in ((normal, BLUE, "normal"), (along, VERMILLION, "tangential")):
             axes.plot(trajectory.t, force, LINES[index % len(LINES)], color=color, label=label + of_toe)
     label_columns(axes, 4 if len(trajectory.toes) == 1 else 2)
 

@@ -43,11 +43,15 @@ def _motion(robot: Robot, run: Trajectory) -> dict[str, Values]:
     cycles = [number for number in np.unique(run.cycle).tolist() if number >= 1][: run.cycles]
     rows = np.isin(run.cycle, cycles) if cycles else np.ones(len(run), dtype=bool)
     t, q, v, u, force = (getattr(run, name)[rows] for name in ("t", "q", "v", "u", "force"))
+    normal = force[:, :, -1]
     count, seconds = max(1, len(cycles)), float(t[-1] - t[0])
-    places = {name: run.coordinates.index(name) for name in run.coordinates if name.endswith(("_x", "_z"))}
-    forward = next((i for name, i in places.items() if name.endswith("_x")), None)
-    upward = next((i for name, i in places.items() if name.endswith("_z")), None)
+    forward, aside, upward = (
+        next((i for i, name in enumerate(run.coordinates) if name.endswith(axis)), None) for axis in ("_x", "_y", "_z")
+    )
     distance = None if forward is None else float(q[-1, forward] - q[0, forward])
+    if forward is not None and aside is not None:
+        ends = [*(int(np.argmax(run.cycle[rows] == number)) for number in cycles or [0]), -1]
+        distance = float(np.linalg.norm(np.diff(q[ends][:, [forward, aside]], axis=0), axis=1).sum())
     motion: Values = {("period", "s"): seconds / count} if cycles else {}
     if distance is not None:
         motion["mean speed", "m/s"] = distance / seconds
@@ -58,13 +62,13 @@ def _motion(robot: Robot, run: Trajectory) -> dict[str, Values]:
             ("least height", "m"): float(q[:, upward].min()),
         }
     for toe, name in enumerate(run.toes):
-        motion[f"time on the ground, {_words(name)}", "%"] = 100 * _share(t, force[:, toe, 1] > 0.0)
+        motion[f"time on the ground, {_words(name)}", "%"] = 100 * _share(t, normal[:, toe] > 0.0)
     rate = v[:, [run.coordinates.index(joint) for joint in run.actuated]]
     forces = {
-        (f"peak normal force, {_effort(f'force_z_{name}')}", "N"): float(force[:, i, 1].max())
+        (f"peak normal force, {_effort(f'force_z_{name}')}", "N"): float(normal[:, i].max())
         for i, name in enumerate(run.toes)
     }
-    total = force[:, :, 1].sum(axis=1)
+    total = normal.sum(axis=1)
     forces["peak normal force, in weights", ""] = float(total.max()) / weight(robot)
     torques: Values = {}
     for i, joint in enumerate(run.actuated):

@@ -80,11 +80,11 @@ class TestMultipliers:
 
 @pytest.mark.slow
 def test_balanced():
-    steady = balanced(trot(), ("anterior_hip_torque",))
-    assert abs(steady.multipliers[0]) <= 0.7
+    steady = balanced(trot())
+    assert abs(steady.multipliers[0]) <= 0.5
     local = chart(steady.system, steady.state)
     q, v = (part.copy() for part in steady.state)
-    v[1] += 0.05
+    v[1] += 0.1
     pushed = run(steady.system, (q, v), 30, Options(rtol=1e-9))
     assert pushed.cycles == 30
     assert abs(local.coordinates(pushed.state)).max() <= 0.1 * abs(local.coordinates((q, v))).max()

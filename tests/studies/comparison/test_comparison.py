@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -37,6 +38,17 @@ def test_measures_are_those_of_the_study_of_bounds(sides):
         peak = row(rows, "peak normal force, posterior toe, a pair").values[i]
         assert peak == pytest.approx(figures["peak_force"]["posterior"], rel=1e-9)
         assert row(rows, "impact").values[i] == pytest.approx(-figures["impact_loss"], rel=1e-9)
+
+
+def test_in_space_forces_are_normal_and_the_way_is_what_it_goes(tmp_path):
+    gait = Gait.load(Path(__file__).parents[3] / "examples" / "turn.json")
+    run = simulate(gait.system, gait.state, 2)
+    rows = measures(sides_of([str(run.save(tmp_path / f"{name}.npz")) for name in "ab"]))
+    chords = 2.0 * 12.339 * np.sin(np.radians(4.0) / 2.0)  # of a circle that the turn goes round
+    assert row(rows, "distance a cycle").values[0] == pytest.approx(chords, rel=1e-4)
+    peak = row(rows, "peak normal force, posterior left toe").values[0]
+    assert peak == run.force[:, 0, 2].max() > 600.0
+    assert 20.0 < row(rows, "time on the ground, anterior right toe").values[0] < 22.0
 
 
 def test_differences_are_from_the_first(sides):

@@ -231,7 +231,7 @@ def test_the_body_may_run_off(browser: chromium.Browser, tmp_path: Path) -> None
     press(browser, "f")
     tree = "player.viewer.scene_tree.find"
     world = f"{tree}(['stage']).object.position.x + {tree}(['stage', 'world']).object.position.x"
-    before, held_at = browser.run(world), browser.run("player.camera.here()")
+    before, held_at = browser.run(world), browser.run("player.camera.here()[0]")
     assert browser.run(f"(player.seek(0.6), {world})") == pytest.approx(before, abs=1e-9)
     held = re.search(r"held=([-.\d]+)&show=-follow", browser.run("player.address.text()"))
     assert held and float(held[1]) == pytest.approx(held_at, abs=1e-4) and abs(held_at) > 0.1

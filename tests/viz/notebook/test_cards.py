@@ -4,12 +4,13 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from lxml import etree, html
 
-from spear_pin import Gait, load
+from spear_pin import Gait, load, simulate
 from spear_pin.gaits.many import GaitTable
 from spear_pin.hybrid.batch import Batch
 from spear_pin.viz.notebook import card
@@ -52,6 +53,11 @@ class TestWhatTheySay:
             "locked": "boom_x",
         }
         assert list(drawings(text)) == ["spear_ii from its side, its knees bent"]
+
+    def test_a_motion_in_space_has_its_normal_forces(self):
+        gait = Gait.load(Path(__file__).parents[3] / "examples" / "turn.json")
+        stride = simulate(gait.system, gait.state, progress=False)
+        assert rows(card(stride))["force_z_posterior_left_toe"] == f"0 to {stride.force[:, 0, 2].max():.4g} N"
 
     @pytest.mark.parametrize("name", ["q_spear", "q_spear_full"])
     def test_other_robots(self, name):

@@ -1,6 +1,7 @@
 """Columns over time: what is drawn is the trajectory."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -66,6 +67,21 @@ def test_what_is_of_a_pair_says_so():
     assert list(lines(mixed)) == ["friction_pitch", "u_posterior_hip, a pair"]
     assert knee_torque(stride, "posterior_knee").axes[0].get_ylabel() == "Posterior knee torque, a pair (N·m)"
     assert ground_force(stride).axes[0].get_ylabel() == "Ground force, a pair (N)"
+
+
+def test_in_space_joints_of_all_legs_are_together():
+    gait = Gait.load(Path(__file__).parents[3] / "examples" / "turn.json")
+    figure = simulate(gait.system, gait.state, progress=False).plot("q", "spring", "force_z")
+    assert [axes.get_ylabel() for axes in figure.axes] == [
+        *("Position (m)", "Angle (rad)", "Adduction angle (rad)", "Hip angle (rad)", "Knee angle (rad)"),
+        *("Knee torque (N·m)", "Force (N)"),
+    ]
+    assert [len(axes.lines) for axes in figure.axes] == [3, 3, 4, 4, 4, 4, 4]
+    figure.canvas.draw()
+    for axes in figure.axes:
+        legend = axes.get_legend().get_window_extent()
+        assert legend.x1 <= figure.bbox.x1 + 1, "what is labelled has room"
+        assert axes.get_window_extent().width > 0.7 * figure.bbox.width
 
 
 def test_nothing_is_drawn_across_what_is_left_out(hops):
