@@ -30,7 +30,8 @@ def add(commands: Commands) -> None:
         "gait",
         nargs="?",
         metavar="GAIT",
-        help=f"a bounding gait that ships, or a saved one (default: {BOUND}); a turn.json is played as it is",
+        help=f"a bounding gait that ships, or a saved one (default: {BOUND}); a turn.json is played as it is, "
+        "and so is turn_9, 9° a stride, of those that ship",
     )
     by = parser.add_mutually_exclusive_group()
     by.add_argument(
@@ -83,11 +84,12 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _saved(arguments: argparse.Namespace) -> Gait | None:
     """A gait in space that was saved, if it is one that is named."""
+    from spear_pin.gaits import library
     from spear_pin.gaits.gait import Gait
     from spear_pin.model.chain import CHAIN
 
     path = arguments.gait
-    if path is None or Path(path).suffix != ".json":
+    if path is None or (Path(path).suffix != ".json" and path not in library.TURNS):
         return None
     gait = Gait.load(path)
     if gait.system.robot.coordinates[: len(CHAIN)] != CHAIN:
