@@ -32,12 +32,13 @@ REQUESTS = {
         footfalls=TROT.unfolded, speed=2.0, turn=math.radians(15.0)
     ),
     "trot, 2 m/s, law on the ground": FootfallRequest(footfalls=TROT, speed=2.0, law=StanceLaw()),
-    "trot, 2 m/s, law in the air too": FootfallRequest(footfalls=TROT, speed=2.0, law=StanceLaw(), swing=SwingLaw()),
+    "trot, 2 m/s, law": FootfallRequest(footfalls=TROT, speed=2.0, law=StanceLaw(), swing=SwingLaw()),
     "pace, 2 m/s": FootfallRequest(footfalls=FOOTFALLS["pace"], speed=2.0),
-    "pace, 2 m/s, law on the ground": FootfallRequest(footfalls=FOOTFALLS["pace"], speed=2.0, law=StanceLaw()),
+    "pace, 2 m/s, law": FootfallRequest(footfalls=FOOTFALLS["pace"], speed=2.0, law=StanceLaw(), swing=SwingLaw()),
     "pronk, 2 m/s": FootfallRequest(footfalls=FOOTFALLS["pronk"], speed=2.0),
+    "pronk, 2 m/s, law": FootfallRequest(footfalls=FOOTFALLS["pronk"], law=StanceLaw(), swing=SwingLaw()),
     "bound, 2.5 m/s": FootfallRequest(footfalls=FOOTFALLS["bound"], speed=2.5),
-    "bound, 2.5 m/s, law on the ground": FootfallRequest(footfalls=FOOTFALLS["bound"], speed=2.5, law=StanceLaw()),
+    "bound, 2.5 m/s, law": FootfallRequest(footfalls=FOOTFALLS["bound"], speed=2.5, law=StanceLaw(), swing=SwingLaw()),
     "gallop, 3 m/s": FootfallRequest(footfalls=FOOTFALLS["gallop"], speed=3.0),
 }
 

@@ -159,7 +159,7 @@ def another() -> None:
 
 
 def space() -> None:
-    """Show the page of the turn that an example keeps, and its footfalls beside those of the straight gait."""
+    """Show the page of the turn that an example keeps, and its footfalls beside those of the bound and of a trot."""
     gait, plane = Gait.load(IMAGES.parents[1] / "examples" / "turn.json"), Gait.load("long_stride")
     strides = simulate(gait.system, gait.state, 20)
     straight = simulate(*embedded(plane, SpatialLaw(plane.system.law)), 1)
@@ -167,8 +167,10 @@ def space() -> None:
         page = record(gait.system.robot, strides, Path(folder) / "turn.html", title="Q-SPEAR turning")
         browser.open(page, f"#t={TURNING}&show=-plots,-trails&camera={AHEAD}")
         print(browser.screenshot(IMAGES / "turn.png").shape)
-    both = space_plots.footfall_diagram({"straight": straight, "turning to the left, 4° a stride": strides})
-    print(plots.save_figure(both, IMAGES / "footfalls.svg"))
+    trot = Gait.load("trot")
+    motions = {"bound": straight, "bound, turning to the left by 4° a stride": strides}
+    falls = space_plots.footfall_diagram(motions | {"trot": simulate(trot.system, trot.state, 2)})
+    print(plots.save_figure(falls, IMAGES / "footfalls.svg"))
 
 
 def attraction() -> None:

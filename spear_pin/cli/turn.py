@@ -30,7 +30,8 @@ def add(commands: Commands) -> None:
         "gait",
         nargs="?",
         metavar="GAIT",
-        help=f"a bounding gait that ships, or a saved one (default: {BOUND}); a turn.json is played as it is",
+        help=f"a bounding gait that ships, or a saved one (default: {BOUND}); a turn.json is played as it is, "
+        "and so is turn_9, 9° a stride, of those that ship",
     )
     by = parser.add_mutually_exclusive_group()
     by.add_argument(
@@ -83,11 +84,12 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _saved(arguments: argparse.Namespace) -> Gait | None:
     """A gait in space that was saved, if it is one that is named."""
+    from spear_pin.gaits import library
     from spear_pin.gaits.gait import Gait
     from spear_pin.model.chain import CHAIN
 
     path = arguments.gait
-    if path is None or Path(path).suffix != ".json":
+    if path is None or (Path(path).suffix != ".json" and path not in library.TURNS):
         return None
     gait = Gait.load(path)
     if gait.system.robot.coordinates[: len(CHAIN)] != CHAIN:
@@ -123,7 +125,10 @@ def _found(arguments: argparse.Namespace, show: Any) -> tuple[str, Gait]:
     def tell(stride: int, change: float) -> None:
         show(f"leading it into the turn: stride {stride}, changes by {change:.1e}; then it is solved for")
 
-    return name, turning(straight, math.radians(angle), on_stride=tell)
+    def further(reached: float) -> None:
+        show(f"turning by {math.degrees(reached):.3g}° a stride so far")
+
+    return name, turning(straight, math.radians(angle), on_stride=tell, on_turn=further)
 
 
 def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:

@@ -32,7 +32,7 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/symmetry",
         ["gaits/orbits/test_embedding"],
-        {"a mirror without adductions": ("partner.abduction, -1.0)", "partner.abduction, 1.0)")},
+        {"a mirror without adductions": ("-float(np.sign(axes[1] @ (axes[0] * ACROSS)))", "1.0")},
     ),
     *mistakes_in(
         "hybrid/domain",
@@ -172,7 +172,12 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/strikes",
         ["hybrid/test_ledger"],
-        {"impact left out of the ledger": (" - impact.loss", "")},
+        {
+            "impact left out of the ledger": (
+                "(jacobian @ (before + v))[1::2]) - impact.loss",
+                "(jacobian @ (before + v))[1::2])",
+            )
+        },
     ),
     *mistakes_in(
         "hybrid/run",

@@ -23,9 +23,8 @@ function addPictures(samples, { footfalls, prints }) {
 
 // the way of the torso, where feet came down, and where it is now; x to the right, y up, one scale for both
 function makePlan({ kind, unit, plan: { x, y, prints } }, samples, panel) {
-  const svgns = "http://www.w3.org/2000/svg";
   const make = (tag, attributes, parent) => {
-    const element = document.createElementNS(svgns, tag);
+    const element = document.createElementNS(parent.namespaceURI, tag);
     for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
     parent.append(element);
     return element;
@@ -40,7 +39,8 @@ function makePlan({ kind, unit, plan: { x, y, prints } }, samples, panel) {
   chart.className = "chart";
   figure.append(caption, chart);
   panel.append(figure);
-  const svg = make("svg", { role: "img", "aria-label": "Way of the torso and footprints from above, in m" }, chart);
+  chart.innerHTML = '<svg role="img" aria-label="Way of the torso and footprints from above, in m"></svg>';
+  const svg = chart.firstChild;
   const reach = (values, others) => {
     const all = [...values, ...others];
     return [all.reduce((a, b) => Math.min(a, b)), all.reduce((a, b) => Math.max(a, b))];

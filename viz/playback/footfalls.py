@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -35,7 +36,7 @@ class Footfall:
 
 def label_of(toe: str) -> str:
     """Which foot a toe is, in words: "posterior left"."""
-    return toe.removesuffix("_toe").removesuffix("_foot").replace("_", " ")
+    return re.sub("_(toe|foot)$", "", toe, flags=re.IGNORECASE).replace("_", " ")
 
 
 def color_of(number: int, feet: int) -> str:

@@ -107,15 +107,19 @@ def draw_footfalls(axes: Axes, trajectory: Trajectory) -> None:
 
 
 def draw_footfalls_of_a_stride(axes: Axes, trajectory: Trajectory, cycle: int = 1) -> None:
-    """The same over the share of one stride.
+    """The same over the share of one stride, from a cycle on: as many cycles as it takes until each foot has been down.
+
+    Where halves of a stride are mirror images, as in a trot, these are two.
 
     Raises:
         BadValue: there is no such stride.
     """
-    if not 1 <= cycle <= trajectory.cycles:
-        raise BadValue("cycle", cycle, f"one of the {trajectory.cycles} whole strides ({trajectory.message})")
-    t = trajectory.t[trajectory.cycle == cycle]
-    _bars(axes, trajectory.in_cycles(cycle), float(t[0]), 100.0 / float(np.ptp(t)))
+    last = next((last for last in range(cycle, trajectory.cycles + 1) if _all_down(trajectory, cycle, last)), None)
+    if cycle < 1 or last is None:
+        expected = f"the first of a whole stride among {trajectory.cycles} cycles ({trajectory.message})"
+        raise BadValue("cycle", cycle, expected)
+    stride = trajectory.in_cycles(cycle, last)
+    _bars(axes, stride, float(stride.t[0]), 100.0 / float(np.ptp(stride.t)))
     axes.set_xlim(0.0, 100.0)
     axes.set_xlabel("Share of the stride (%)")
 
@@ -212,6 +216,11 @@ def _adductions(trajectory: Trajectory) -> list[str]:
     if len(found) < len(trajectory.toes):
         raise BadValue("trajectory.robot", trajectory.robot, "a robot whose legs swing sideways")
     return found
+
+
+def _all_down(trajectory: Trajectory, first: int, last: int) -> bool:
+    rows = (trajectory.cycle >= first) & (trajectory.cycle <= last)
+    return bool((trajectory.force[rows, :, -1] > 0.0).any(axis=0).all())
 
 
 def _bars(axes: Axes, trajectory: Trajectory, begin: float, scale: float) -> None:

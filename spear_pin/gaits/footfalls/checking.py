@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.gaits.footfalls.course import CollocatedGait, Stretch
-from spear_pin.gaits.footfalls.limbs import Limb, limbs_of
+from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.model.chain import CHAIN
 
 Array = NDArray[np.float64]
@@ -46,17 +46,17 @@ def violations(gait: CollocatedGait, finer: int = FINER) -> Violations:
     In an interval forces and accelerations are parabolas through its nodes, and velocities and configurations cubics,
     as Hermite-Simpson collocation has them.
     """
-    robot, limbs = gait.robot, limbs_of(gait.robot)
+    robot, limbs = gait.robot, legs_of(gait.robot)
     weight = robot.mass * float(np.linalg.norm(robot.model.gravity.linear))
-    length = float(np.mean([limb.leg.thigh + limb.leg.shank for limb in limbs.values()]))
+    length = float(np.mean([sum(limb.lengths) for limb in limbs.values()]))
     limits = np.array([robot.limits[name].effort for name in robot.coordinates[BASE:]])
     worst = dict.fromkeys(Violations.__dataclass_fields__, 0.0)
     for stretch in gait.stretches:
-        landed = {leg: robot.toe_position(stretch.q[0], limbs[leg].leg.toe) for leg in stretch.bearing}
+        landed = {leg: robot.toe_position(stretch.q[0], limbs[leg].toe) for leg in stretch.bearing}
         for q, rate, v, a, u, forces in _between(stretch, finer):
             lacking = robot.mass_matrix(q) @ a + robot.bias(q, v)
             for leg, force in forces.items():
-                toe = limbs[leg].leg.toe
+                toe = limbs[leg].toe
                 lacking = lacking - robot.toe_jacobian(q, toe).T @ force
                 off = robot.toe_position(q, toe) - landed[leg]
                 _grow(worst, "slip", float(np.linalg.norm(off)))
@@ -66,17 +66,13 @@ def violations(gait: CollocatedGait, finer: int = FINER) -> Violations:
             _grow(worst, "turning", float(np.abs(lacking[3:BASE]).max()) / (weight * length))
             _grow(worst, "velocity", float(np.abs(rate - v)[3:].max()))
             _grow(worst, "torque", float((np.abs(u) - limits).max()))
-            for limb in _swinging(limbs.values(), stretch):
-                _grow(worst, "depth", -float(robot.toe_position(q, limb.leg.toe)[2]))
+            for limb in (limb for name, limb in limbs.items() if name not in stretch.bearing):
+                _grow(worst, "depth", -float(robot.toe_position(q, limb.toe)[2]))
     return Violations(**worst)
 
 
 def _grow(worst: dict[str, float], name: str, value: float) -> None:
     worst[name] = max(worst[name], value)
-
-
-def _swinging(limbs: object, stretch: Stretch) -> list[Limb]:
-    return [limb for limb in limbs if limb.name not in stretch.bearing]  # type: ignore[attr-defined]
 
 
 def _between(stretch: Stretch, finer: int) -> Iterator[tuple[Array, Array, Array, Array, Array, dict[str, Array]]]:

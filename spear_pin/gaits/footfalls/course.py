@@ -20,7 +20,7 @@ class Swing:
     """What the law does with a leg in the air in a phase.
 
     Attributes:
-        alpha: Bézier coefficients of leg angle and knee, (2, 6), in rad.
+        alpha: Bézier coefficients of leg angle and knee, of the convention, (2, 6), in rad.
         origin: of the phase variable: the mean leg angle of the legs on the ground, in rad, or the torso's x, in m.
         span: change of it from s = 0 to s = 1.
         adduction: angle to which the adduction is brought, in rad.

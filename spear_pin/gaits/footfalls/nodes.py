@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from spear_pin.gaits.bounding_nodes import AWAY, WITHIN
 from spear_pin.gaits.collocation import Programme, casadi, node_name
-from spear_pin.gaits.footfalls.limbs import Limb
 from spear_pin.gaits.footfalls.request import FootfallRequest
+from spear_pin.gaits.spatial.legs import Leg
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.robot import Robot
@@ -60,7 +60,7 @@ class Room:
     """
 
     robot: Robot
-    limbs: Mapping[str, Limb]
+    limbs: Mapping[str, Leg]
     request: FootfallRequest
     scale: Scale
 
@@ -82,8 +82,8 @@ class Room:
         least = np.array([-FARTHEST * length, -FARTHEST * length, LOWEST * length, -TURNED, -tilt, -tilt])
         least, most = (np.concatenate([part, np.zeros(self.robot.nv - BASE)]) for part in (least, most))
         for limb in self.limbs.values():
-            knee = sorted(limb.leg.knee_zero + limb.leg.side * angle for angle in (STRAIGHT, FLEXED))
-            hip = limb.leg.hip_zero - STEEPEST, limb.leg.hip_zero + STEEPEST
+            knee = sorted(limb.zeros[2] + limb.side * angle for angle in (STRAIGHT, FLEXED))
+            hip = limb.zeros[1] - STEEPEST, limb.zeros[1] + STEEPEST
             for i, (low, high) in zip(
                 limb.rows, ((-self.request.adduction, self.request.adduction), hip, knee), strict=True
             ):
@@ -140,7 +140,7 @@ class Room:
 class Mechanics:
     """The dynamics as functions of CasADi's symbols, for sets of feet on the ground."""
 
-    def __init__(self, robot: Robot, limbs: Mapping[str, Limb]) -> None:
+    def __init__(self, robot: Robot, limbs: Mapping[str, Leg]) -> None:
         self.spatial, self.limbs = Spatial(robot), limbs
         self._functions: dict[tuple[tuple[str, ...], bool], Any] = {}
 
@@ -169,9 +169,9 @@ class Mechanics:
             q, v, a = (ca.SX.sym(name, nv) for name in ("q", "v", "a"))
             F = ca.SX.sym("F", 3 * len(bearing))
             motion, parts = [ca.vertsplit(each) for each in (q, v, a)], ca.vertsplit(F) if bearing else []
-            pushes = {self.limbs[leg].leg.toe: tuple(parts[3 * i : 3 * i + 3]) for i, leg in enumerate(bearing)}
+            pushes = {self.limbs[leg].toe: tuple(parts[3 * i : 3 * i + 3]) for i, leg in enumerate(bearing)}
             feet = self.spatial.feet(motion[0], motion[1], motion[2], ca)
             rows = [ca.vertcat(*self.spatial.forces(motion[0], motion[1], motion[2], ca, pushes, gravity=gravity))]
-            rows += [ca.vertcat(*part) for limb in self.limbs.values() for part in feet[limb.leg.toe]]
+            rows += [ca.vertcat(*part) for limb in self.limbs.values() for part in feet[limb.toe]]
             self._functions[bearing, gravity] = ca.Function("mechanics", [q, v, a, F], rows, {"cse": True})
         return self._functions[bearing, gravity]

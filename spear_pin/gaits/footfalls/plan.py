@@ -10,8 +10,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.gaits.footfalls.limbs import Limb
+from spear_pin.gaits.footfalls.limbs import length, reaching
 from spear_pin.gaits.footfalls.request import FootfallRequest
+from spear_pin.gaits.spatial.legs import Leg
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.scale import Scale
 
@@ -28,12 +29,14 @@ class Plan:
 
     Attributes:
         limbs: the robot's legs.
+        hips: height of each hip above the torso's frame, in m.
         request: what is asked.
         scale: the robot's size.
         weight: m g, in N.
     """
 
-    limbs: Mapping[str, Limb]
+    limbs: Mapping[str, Leg]
+    hips: Mapping[str, float]
     request: FootfallRequest
     scale: Scale
     weight: float
@@ -81,8 +84,8 @@ class Plan:
 
     def q(self, time: float, nv: int) -> Array:
         """The configuration, (nv,)."""
-        limbs, request = self.limbs.values(), self.request
-        height = float(np.mean([limb.leg.length(FLEXED) - limb.place[2] for limb in limbs]))
+        request = self.request
+        height = float(np.mean([length(limb, FLEXED) - self.hips[name] for name, limb in self.limbs.items()]))
         turned = request.turn * time / self.stride
         q, along = np.zeros(nv), request.speed * time * float(np.sinc(0.5 * turned / math.pi))
         q[[X, Y, Z, YAW]] = along * math.cos(0.5 * turned), along * math.sin(0.5 * turned), height, turned
@@ -93,7 +96,7 @@ class Plan:
                 ahead, raised = -half * math.cos(math.pi * swung), 1.5 * request.clearance * math.sin(math.pi * swung)
             else:
                 ahead, raised = half - request.speed * ((time - landing) % self.stride), 0.0
-            q[[limb.hip, limb.knee]] = limb.reaching(ahead, height + limb.place[2] - raised)
+            q[[limb.hip, limb.knee]] = reaching(limb, ahead, height + self.hips[name] - raised)
         return q
 
     def v(self, time: float, nv: int) -> Array:

@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.gaits.collocation import Guess, Programme, casadi, hermite_simpson, node_name, quadrature
-from spear_pin.gaits.footfalls.limbs import Limb, limbs_of
+from spear_pin.gaits.footfalls.limbs import hip_heights, legs_of
 from spear_pin.gaits.footfalls.nodes import BASE, Mechanics, Node, Room
 from spear_pin.gaits.footfalls.plan import YAW, Plan, X, Y
 from spear_pin.gaits.footfalls.request import FootfallRequest
 from spear_pin.gaits.footfalls.sequence import Bearing, opposite
 from spear_pin.gaits.footfalls.swing import Air, Swings
+from spear_pin.gaits.spatial.legs import Leg
 from spear_pin.gaits.virtual_constraints import Evolution
 from spear_pin.hybrid.symmetry import mirror_of
 from spear_pin.model.robot import Robot
@@ -101,10 +102,10 @@ class _Writer:
 
     def __init__(self, robot: Robot, request: FootfallRequest, start: Guess | None) -> None:
         self.robot, self.request, self.start, self.programme = robot, request, start, Programme(start)
-        self.limbs, self.scale, self.mirror = limbs_of(robot), scale_in_space(robot), mirror_of(robot)
+        self.limbs, self.scale, self.mirror = legs_of(robot), scale_in_space(robot), mirror_of(robot)
         self.room, self.mechanics = Room(robot, self.limbs, request, self.scale), Mechanics(robot, self.limbs)
         gravity = float(np.linalg.norm(robot.model.gravity.linear))
-        self.plan = Plan(self.limbs, request, self.scale, robot.mass * gravity)
+        self.plan = Plan(self.limbs, hip_heights(robot), request, self.scale, robot.mass * gravity)
         self.unit, self.force = self.room.units
         self.names = [_named(i, phase) for i, phase in enumerate(request.footfalls.phases)]
         self.landed: dict[str, Node] = {}
@@ -195,17 +196,17 @@ class _Writer:
             programme.require(f"torques in {label}", u[rows], -most[rows], most[rows], scale=50.0 * self.scale.torque)
         return u
 
-    def spring(self, limb: Limb, node: Node) -> Any:
+    def spring(self, limb: Leg, node: Node) -> Any:
         """Torque of a knee's spring, which pulls only beyond the angle at touchdown."""
         if self.request.spring is None:
             return 0.0
         deflection = limb.flexion(node.q) - limb.flexion(self.landed[limb.name].q)
         deflection = 0.5 * (deflection + (deflection * deflection + ROUND) ** 0.5)
-        ops, side = SimpleNamespace(maximum=casadi().fmax), limb.leg.side
+        ops, side = SimpleNamespace(maximum=casadi().fmax), limb.side
         rate = side * node.v[limb.knee]
         return side * (self.request.spring.torque(deflection, ops) + self.request.spring.drag(rate))
 
-    def follow(self, label: str, limb: Limb, node: Node, u: Any) -> None:
+    def follow(self, label: str, limb: Leg, node: Node, u: Any) -> None:
         """Torques of a leg on the ground in the form of the law."""
         law, (hip, knee, upright) = self.request.law, self.result.constants[limb.name]
         assert law is not None
@@ -214,7 +215,7 @@ class _Writer:
         held = law.adduction_stiffness * off + law.adduction_damping * node.v[limb.adduction]
         missed = (
             u[limb.hip - BASE] - hip,
-            total + limb.leg.side * (knee + law.stiffness * (limb.flexion(node.q) - law.knee_rest)),
+            total + limb.side * (knee + law.stiffness * (limb.flexion(node.q) - law.knee_rest)),
             u[limb.adduction - BASE] - upright + held,
         )
         self.programme.require(f"law in {label}", casadi().vertcat(*missed), 0.0, 0.0, scale=50.0 * self.scale.torque)
@@ -259,7 +260,7 @@ class _Writer:
                 self.lifts(f"{leg} lifts off into {self.names[i]}", self.limbs[leg], last, first.toes[leg])
         self.strike(i, last, first.v, after, before)
 
-    def lifts(self, label: str, limb: Limb, last: Node, toe: tuple[Any, Any, Any]) -> None:
+    def lifts(self, label: str, limb: Leg, last: Node, toe: tuple[Any, Any, Any]) -> None:
         """A foot leaves the ground, rising, by the law as its knee is back."""
         unit = 10.0 * self.scale.length / self.scale.time**2
         self.programme.require(label, toe[2][2], RISES * 0.1 * unit, scale=unit)

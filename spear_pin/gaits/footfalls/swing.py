@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.gaits.bounding_law import leg_angle
 from spear_pin.gaits.collocation import Programme, casadi
-from spear_pin.gaits.footfalls.limbs import Limb
 from spear_pin.gaits.footfalls.nodes import Node
 from spear_pin.gaits.footfalls.request import SwingLaw
+from spear_pin.gaits.spatial.legs import Leg
 from spear_pin.gaits.virtual_constraints import (
     Evolution,
     Outputs,
@@ -27,8 +26,7 @@ from spear_pin.gaits.virtual_constraints import (
     resume,
     value,
 )
-from spear_pin.hybrid.symmetry import PITCH, X
-from spear_pin.model.legs import in_convention
+from spear_pin.hybrid.symmetry import X
 from spear_pin.model.scale import Scale
 
 Array = NDArray[np.float64]
@@ -63,13 +61,9 @@ class Swings:
     """Writer of what the law does with legs in the air."""
 
     def __init__(
-        self, programme: Programme, limbs: Mapping[str, Limb], law: SwingLaw, scale: Scale, knee: float
+        self, programme: Programme, limbs: Mapping[str, Leg], law: SwingLaw, scale: Scale, knee: float
     ) -> None:
         self.programme, self.limbs, self.law, self.scale, self.knee = programme, limbs, law, scale, knee
-        self.angles: dict[str, Variable] = {}
-        for name, limb in limbs.items():
-            leg = in_convention(limb.leg)
-            self.angles[name] = leg_angle(PITCH, limb.hip, limb.knee, (leg.thigh, leg.shank))
 
     def follow(self, air: Air, guess: Callable[[float], Array], adductions: Mapping[str, Any]) -> dict[str, Evolution]:
         """The legs in the air of a phase follow evolutions that begin as they are; their coefficients.
@@ -82,7 +76,7 @@ class Swings:
         ca, programme, time = casadi(), self.programme, self.scale.time
         bears = bool(air.bearing)
         share = 1.0 / max(len(air.bearing), 1)
-        phase: Variable = Sum(tuple((share, self.angles[leg]) for leg in air.bearing)) if bears else ((X, 1.0),)
+        phase: Variable = Sum(tuple((share, self.limbs[leg].angle) for leg in air.bearing)) if bears else ((X, 1.0),)
         first, last = air.nodes[0], air.nodes[-1]
         span = (value(phase, last.q, ca) - value(phase, first.q, ca)) / END[bears]
         if bears:
@@ -94,7 +88,7 @@ class Swings:
         for name, limb in self.limbs.items():
             if name in air.bearing:
                 continue
-            outputs = Outputs((self.angles[name], ((limb.knee, 1.0),)), phase, ())
+            outputs = Outputs(limb.controlled, phase, ())
             shapes = self._shapes(air, limb, guess)
             found[name] = begun = resume(outputs, shapes, first.q, first.v, span, ca)
             for node in air.nodes:
@@ -114,7 +108,7 @@ class Swings:
             missed = own - slope * second - curvature * rate * rate
             self.programme.require(f"law in {label}", missed, 0.0, 0.0, scale=50.0, unit=unit)
 
-    def _bring(self, label: str, limb: Limb, node: Node, angle: Any) -> None:
+    def _bring(self, label: str, limb: Leg, node: Node, angle: Any) -> None:
         """The adduction comes to an angle."""
         i, epsilon = limb.adduction, self.law.adduction_epsilon
         wanted = -((node.q[i] - angle) / epsilon + 2.0 * node.v[i]) / epsilon
@@ -122,22 +116,19 @@ class Swings:
             f"law in {label}", node.a[i] - wanted, 0.0, 0.0, scale=50.0, unit=1.0 / self.scale.time**2
         )
 
-    def _shapes(self, air: Air, limb: Limb, guess: Callable[[float], Array]) -> tuple[tuple[Any, ...], ...]:
+    def _shapes(self, air: Air, limb: Leg, guess: Callable[[float], Array]) -> tuple[tuple[Any, ...], ...]:
         """Coefficients from the third on; of a leg that lands the last three are where it does."""
         lands, name = limb.name in air.landing, f"{air.label}, {limb.name}"
         gone = np.linspace(0.0, 1.0, SAMPLES)
         rough = [guess(s).tolist() for s in gone]
-        angles, knees = (
-            _fitted(gone, [float(value(variable, q)) for q in rough])
-            for variable in (self.angles[limb.name], ((limb.knee, 1.0),))
-        )
-        flexed = sorted((-0.2 * limb.leg.side, FLEXED * limb.leg.side))
+        angles, knees = (_fitted(gone, [float(value(variable, q)) for q in rough]) for variable in limb.controlled)
+        flexed = sorted((-0.2 * limb.bends, FLEXED * limb.bends))
         count = 1 if lands else FREE
         angle = [self.programme.variable(f"{name} angle {i}", angles[i], -STEEPEST, STEEPEST) for i in range(count)]
         knee = [self.programme.variable(f"{name} knee {i}", knees[i], *flexed) for i in range(count)]
         if lands:
             angle += 3 * [self.programme.variable(f"{name} lands at", angles[-1], -STEEPEST, STEEPEST)]
-            knee += 3 * [limb.leg.side * self.knee + limb.leg.knee_zero]
+            knee += 3 * [limb.bends * self.knee]
         return tuple(angle), tuple(knee)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -10,12 +11,13 @@ from numpy.typing import NDArray
 from spear_pin.errors import NoGait, require
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.orbits.balance import balanced
+from spear_pin.gaits.orbits.steering import STEERED_BY, turned
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.spatial.law import INPUTS
 from spear_pin.gaits.spatial.torques import ADJUSTED
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import displacement, return_map
+from spear_pin.hybrid.periodic import displacement, multipliers, residual, return_map
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.symmetry import headed
 from spear_pin.kinds import typed
@@ -25,6 +27,7 @@ TURNS_BY = ("posterior_adduction", "anterior_adduction")
 STEADIED_BY = tuple(name for name in INPUTS if name.endswith(("hip_torque", "knee_torque", "leg_touchdown")))
 HEADING = 10.0  # weight of the yaw
 RAMP, STRIDES = 20, 120  # strides over which the turn is taken up, and at most
+FIRST, STEP = math.radians(4.0), math.radians(1.0)  # led there by feedback, and then on in steps of at most
 SETTLED = 1e-5  # of the state from stride to stride: Newton's method does the rest
 
 
@@ -35,18 +38,21 @@ def turning(
     *,
     rtol: float = 1e-10,
     on_stride: Callable[[int, float], object] = lambda n, change: None,
+    on_turn: Callable[[float], object] = lambda angle: None,
 ) -> Gait:
-    """A gait that turns, from a symmetric one: led there by feedback, whose inputs are then frozen.
+    """A gait that turns, from a symmetric one: led into a small turn by feedback, whose inputs are then frozen.
 
     The heading that feedback steers to advances each stride; as the motion settles, its inputs become constant. With
     these as parameters and without feedback Newton's method finds the relative periodic orbit, varying the adduction of
-    the posterior pair. It takes some two minutes.
+    the posterior pair. From `FIRST` on it goes on turn by turn, at the speed of the straight gait, by the inputs of
+    `spear_pin.gaits.orbits.steering`. It takes some two minutes, and half a minute for each further degree.
 
     Args:
         gait: in space, symmetric, without feedback.
         turn: of the heading in a stride, to the left, in rad.
         rtol: relative tolerance of the integrator.
         on_stride: called with the number of each stride and the change of the state in it.
+        on_turn: called with each turn that was reached after that, in rad.
 
     Raises:
         BadValue: the gait is not in space, not symmetric or has feedback, or the turn is not within ±1 rad.
@@ -54,8 +60,17 @@ def turning(
     """
     require("turn", turn, lambda angle: abs(angle) <= 1.0, "within ±1 rad a stride")
     led = balanced(gait, (*TURNS_BY, *STEADIED_BY), heading=HEADING, rtol=rtol)
-    system, state = _settled(led, turn, rtol, on_stride)
-    return gait_beside(system, state, TURNS_BY[:1], {"turn": turn}, rtol)
+    first = math.copysign(min(abs(turn), FIRST), turn)
+    system, state = _settled(led, first, rtol, on_stride)
+    if first == turn:
+        return gait_beside(system, state, TURNS_BY[:1], {"turn": turn}, rtol)
+    speed = gait.system.measures["mean_speed"](return_map(gait.system, gait.state, rtol))
+    for angle in np.linspace(first, turn, 1 + math.ceil(abs(turn - first) / STEP)).tolist():
+        system, state = turned(system, state, angle, speed, rtol)
+        on_turn(angle)
+    run, solved = return_map(system, state, rtol), {name: parameter(system, name) for name in STEERED_BY}
+    durations = {phase: seconds for phase, seconds in run.durations.items() if seconds > 0.0}
+    return Gait(system, state, solved, residual(system, state, rtol), multipliers(system, state, rtol), durations)
 
 
 def _settled(

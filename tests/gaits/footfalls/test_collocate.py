@@ -13,7 +13,7 @@ from spear_pin import load
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.footfalls.checking import violations
 from spear_pin.gaits.footfalls.collocate import collocated
-from spear_pin.gaits.footfalls.limbs import limbs_of
+from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, opposite
 from spear_pin.gaits.spatial.legs import pairs_of
@@ -76,9 +76,9 @@ class TestTrot:
         assert all(np.abs(each.q[:, 6::3]).max() <= request.adduction + 1e-6 for each in trot.stretches)
 
     def test_springs_are_between_joints_and_motors(self, robot, trot):
-        stretch, limbs = trot.stretches[0], limbs_of(robot)
+        stretch, limbs = trot.stretches[0], legs_of(robot)
         for leg in stretch.bearing:
-            knee, side = limbs[leg].knee, limbs[leg].leg.side
+            knee, side = limbs[leg].knee, limbs[leg].side
             flexed = np.maximum(side * (stretch.q[:, knee] - stretch.q[0, knee]), 0.0)
             share = (stretch.needed - stretch.u)[:, knee - 6]
             np.testing.assert_allclose(share, -side * 56.0 * flexed, atol=0.05)
@@ -112,14 +112,14 @@ class TestTrot:
 class TestLaw:
     def test_torques_on_the_ground(self, robot, lawful):
         """In the form of `spatial.law.support`."""
-        law, stretch, limbs = lawful.request.law, lawful.stretches[0], limbs_of(robot)
+        law, stretch, limbs = lawful.request.law, lawful.stretches[0], legs_of(robot)
         for leg, (hip, knee, upright) in lawful.constants.items():
             limb = limbs[leg]
-            flexed = limb.leg.side * stretch.q[:, limb.knee] - law.knee_rest
+            flexed = limb.side * stretch.q[:, limb.knee] - law.knee_rest
             off = stretch.q[:, limb.adduction] - stretch.q[0, limb.adduction]
             held = upright - law.adduction_stiffness * off - law.adduction_damping * stretch.v[:, limb.adduction]
             np.testing.assert_allclose(stretch.u[:, limb.hip - 6], hip, atol=1e-5)
-            total = -limb.leg.side * (knee + law.stiffness * flexed)
+            total = -limb.side * (knee + law.stiffness * flexed)
             np.testing.assert_allclose(stretch.needed[:, limb.knee - 6], total, atol=1e-5)
             np.testing.assert_allclose(stretch.u[:, limb.adduction - 6], held, atol=1e-5)
             np.testing.assert_allclose(flexed[[0, -1]], 0.0, atol=1e-7)

@@ -5,7 +5,7 @@ import pytest
 
 from spear_pin import Spring, load
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.footfalls.limbs import limbs_of
+from spear_pin.gaits.footfalls.limbs import hip_heights, legs_of, reaching
 from spear_pin.gaits.footfalls.plan import Plan
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, LEGS, Footfalls
@@ -76,36 +76,36 @@ class TestRequest:
 
 class TestLimbs:
     def test_by_place(self, robot):
-        limbs = limbs_of(robot)
+        limbs = legs_of(robot)
         assert tuple(limbs) == LEGS
-        assert all(limb.leg.name == name for name, limb in limbs.items())
+        assert all(limb.toe == f"{name}_toe" for name, limb in limbs.items())
 
     @pytest.mark.extra("example-robot-data")
     def test_of_another_robot(self):
         robot = load("solo12", base="chain", motors="all", toes=[f"{leg}_FOOT" for leg in ("FL", "FR", "HL", "HR")])
-        limbs = limbs_of(robot)
-        assert {name: limb.leg.name for name, limb in limbs.items()} == dict(
+        limbs = legs_of(robot)
+        assert {name: limb.toe[:2] for name, limb in limbs.items()} == dict(
             zip(LEGS, ("HL", "HR", "FL", "FR"), strict=True)
         )
         for limb in limbs.values():
             q = np.zeros(robot.nq)
-            q[[limb.hip, limb.knee]] = limb.reaching(0.05, 0.25)
-            toe = robot.toe_position(q, limb.leg.toe) - robot.frame_position(q, limb.leg.hip)
+            q[[limb.hip, limb.knee]] = reaching(limb, 0.05, 0.25)
+            toe = robot.toe_position(q, limb.toe) - robot.frame_position(q, limb.above)
             np.testing.assert_allclose(toe[[0, 2]], [0.05, -0.25], atol=1e-6)
 
     def test_refuses_a_quaternion(self):
         with pytest.raises(BadValue, match="chain"):
-            limbs_of(load("q_spear_full"))
+            legs_of(load("q_spear_full"))
 
 
 def test_rough_motion_stands_and_steps(robot):
     """Feet are on the ground while they bear, stay where they are, and are above it in the air."""
-    limbs, request = limbs_of(robot), FootfallRequest(footfalls=FOOTFALLS["gallop"])
-    plan = Plan(limbs, request, scale_in_space(robot), 430.0)
+    limbs, request = legs_of(robot), FootfallRequest(footfalls=FOOTFALLS["gallop"])
+    plan = Plan(limbs, hip_heights(robot), request, scale_in_space(robot), 430.0)
     for name, limb in limbs.items():
         landing, bearing = plan.contacts[name]
-        places = [robot.toe_position(plan.q(landing + s * bearing, 18), limb.leg.toe) for s in (0.01, 0.5, 0.99)]
+        places = [robot.toe_position(plan.q(landing + s * bearing, 18), limb.toe) for s in (0.01, 0.5, 0.99)]
         np.testing.assert_allclose(places, [places[0]] * 3, atol=1e-9)
         assert places[0][2] == pytest.approx(0.0, abs=1e-9)
         middle = landing + bearing + 0.5 * (plan.stride - bearing)
-        assert robot.toe_position(plan.q(middle, 18), limb.leg.toe)[2] > request.clearance
+        assert robot.toe_position(plan.q(middle, 18), limb.toe)[2] > request.clearance

@@ -81,6 +81,16 @@ def test_footfalls_of_pairs_in_the_plane(planar: Trajectory) -> None:
     assert len(axes.patches) == 2
 
 
+def test_a_stride_of_mirrored_halves_has_two_cycles() -> None:
+    gait = Gait.load("trot")
+    trot = simulate(gait.system, gait.state, 3, progress=False)
+    axes = space.footfall_diagram({"trot": trot}).axes[0]
+    begins = {patch.get_gid().removesuffix("_toe"): patch.get_x() for patch in axes.patches}
+    assert begins["posterior_left"] == pytest.approx(begins["anterior_right"], abs=0.5)
+    assert begins["posterior_right"] == pytest.approx(begins["anterior_left"], abs=0.5)
+    assert begins["posterior_right"] - begins["posterior_left"] == pytest.approx(50.0, abs=0.5)
+
+
 def test_speed_and_force_are_across_the_heading(figure: Figure, motion: Trajectory) -> None:
     first = motion.in_cycles(1)
     left = np.column_stack((-np.sin(first.q[:, 3]), np.cos(first.q[:, 3])))
@@ -105,7 +115,7 @@ def test_mistakes(motion: Trajectory, planar: Trajectory) -> None:
         space.space_summary(planar)
     with pytest.raises(BadValue, match="one at least"):
         space.footfall_diagram({})
-    with pytest.raises(BadValue, match="whole strides"):
+    with pytest.raises(BadValue, match="whole stride"):
         space.draw_footfalls_of_a_stride(Figure().subplots(), motion, 3)
     with pytest.raises(UnknownName, match="along"):
         space.draw_forces(Figure().subplots(), motion, "along")

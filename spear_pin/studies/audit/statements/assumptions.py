@@ -132,6 +132,11 @@ ASSUMPTIONS = (
         "an EC 90 flat by a secondary source, on 48 V behind 15:1, and the same scaled to 600 W, which is no real "
         "motor",
     ),
+    Assumption(
+        "turn",
+        "Gaits that turn, friction, roll inertia and distance of left and right hips",
+        "gaits of our own with adductions free on the ground, and the robot's file",
+    ),
     Assumption("biped", "Torso and gait of the biped", "a torso of 4.6 kg, as much as the boom; no gait"),
     Assumption(
         "costs", "The points of Fig. 2.4", "published numbers of other robots, each with how far it is verified"

@@ -1,0 +1,73 @@
+"""How results move with how long impacts last: `python -m benchmarks.overlap [--write]`.
+
+For windows from none to 20 ms: how far a stride of a shipped turn ends from where it began, and what is left after ten
+strides of a push, the motion balanced by ten inputs. With `--write` the table goes into docs/space.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin import Gait, simulate
+from spear_pin.gaits.orbits.balance import balanced
+from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.spatial.law import ACROSS
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.periodic import residual
+from spear_pin.hybrid.symmetry import ROLL, YAW, Y, Z, mirror_of
+
+PAGE = Path(__file__).parents[1] / "docs" / "space.md"
+HEADS = "impacts last, ms | residual of `turn_9` | left of a push after ten strides"
+WINDOWS = (0.0, 0.002, 0.005, 0.010, 0.020)  # s
+STRIDES, HEADING = 10, 30.0
+PUSH = math.radians(5.0), 0.2, math.radians(10.0)  # rad of roll, m/s to the left, rad/s of yaw rate
+Array = NDArray[np.float64]
+
+
+def main() -> None:
+    """Print the table, or write it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--write", action="store_true", help="put the table into docs/space.md")
+    arguments = parser.parse_args()
+    system, state = embedded(Gait.load("long_stride"))
+    straight = Gait(system, state, {}, residual(system, state), np.ones(1, complex), {})
+    steady, turn = balanced(straight, ACROSS, heading=HEADING), Gait.load("turn_9")
+    rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1))]
+    for window in WINDOWS:
+        off = residual(replace(turn.system, overlap=window), turn.state)
+        rows.append(f"{1e3 * window:.0f} | {off:.0e} | {_left(steady, window)}")
+        print(rows[-1], flush=True)
+    if arguments.write:
+        table = "\n".join(f"| {row} |" for row in rows)
+        text = PAGE.read_text(encoding="utf-8")
+        head, _, rest = text.partition("| impacts last, ms |")
+        PAGE.write_text(f"{head}{table}\n\n{rest.partition(chr(10) * 2)[2]}", encoding="utf-8")
+
+
+def _left(gait: Gait, window: float) -> str:
+    q, v = (part.copy() for part in gait.state)
+    q[ROLL], v[Y], v[YAW] = PUSH
+    system = replace(gait.system, overlap=window)
+    q[Z] -= min(system.ground.foot(system.robot, q, toe)[0] for toe in system.section_toes)
+    motion = simulate(system, (q, v), STRIDES, progress=False)
+    if motion.reason != "complete":
+        return f"{motion.reason} after {motion.cycles} strides"
+    return f"{_across(system, motion.q[-1], motion.v[-1]) / _across(system, q, v):.4f}"
+
+
+def _across(system: HybridSystem, q: Array, v: Array) -> float:
+    """Largest antisymmetric part of a state, the heading with it, but not where the robot is."""
+    mirror = mirror_of(system.robot)
+    parts = [(part - mirror(part)) / 2.0 for part in (q, v)]
+    parts[0][Y] = 0.0
+    return float(np.abs(np.concatenate(parts)).max())
+
+
+if __name__ == "__main__":
+    main()

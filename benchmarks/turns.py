@@ -1,0 +1,67 @@
+"""Turns in space that ship, and what they take of the adductions: `python -m benchmarks.turns [--write]`.
+
+Of each that ships: rate, speed, radius, residual and largest multiplier, then range, speed, torque and power of the
+adductions against those of the knees, torque of the hips and friction used, over three strides; and how far the mirror
+image of it is from turning to the right. With `--write` the table goes into docs/space.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+
+from spear_pin import Gait, simulate
+from spear_pin.gaits import library
+from spear_pin.gaits.spatial.law import ACROSS
+from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.periodic import residual
+from spear_pin.hybrid.symmetry import mirror_of
+from spear_pin.studies.bound.turn import summarize_turn
+
+PAGE = Path(__file__).parents[1] / "docs" / "space.md"
+HEADS = (
+    "° a stride | °/s | m/s | radius, m | residual | mirrored | multiplier | adduction: range, ° | rad/s | N·m | W "
+    "| knee: range, ° | rad/s | N·m | W | hip, N·m | friction, all and across"
+)
+STRIDES = 3
+
+
+def main() -> None:
+    """Print the table, or write it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--write", action="store_true", help="put the table into docs/space.md")
+    arguments = parser.parse_args()
+    rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1)), *map(_row, library.TURNS)]
+    print(*rows, sep="\n")
+    if arguments.write:
+        table = "\n".join(f"| {row} |" for row in rows)
+        text = PAGE.read_text(encoding="utf-8")
+        head, _, rest = text.partition("| ° a stride |")
+        after = rest.partition("\n\n")[2]
+        PAGE.write_text(f"{head}{table}\n\n{after}", encoding="utf-8")
+
+
+def _row(name: str) -> str:
+    gait = Gait.load(name)
+    of = summarize_turn(gait, simulate(gait.system, gait.state, STRIDES, progress=False))
+    mirror = mirror_of(gait.system.robot)
+    right = with_parameters(gait.system, {each: -parameter(gait.system, each) for each in ACROSS})
+    mirrored = residual(right, (mirror(gait.state[0]), mirror(gait.state[1])))
+    joints = of["joints"]
+    figures = [
+        f"{math.degrees(of['turn']):.0f} | {math.degrees(of['rate']):.1f} | {of['speed']:.2f} | {of['radius']:.2f}",
+        f"{residual(gait.system, gait.state):.0e} | {mirrored:.0e} | {of['largest_multiplier']:.3f}",
+        *(
+            f"{math.degrees(joints[part]['range']):.1f} | {joints[part]['speed']:.2f} | {joints[part]['torque']:.1f} "
+            f"| {joints[part]['power']:.0f}"
+            for part in ("adduction", "knee")
+        ),
+        f"{joints['hip']['torque']:.0f}",
+        f"{of['friction_used']:.2f}, {of['friction_used_across']:.2f}",
+    ]
+    return " | ".join(figures)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,54 @@
+"""Turns that ship, and steps from one to the next."""
+
+import math
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait
+from spear_pin.gaits import library
+from spear_pin.gaits.orbits.steering import GAP, STEERED_BY, touchdown_gap, turned
+from spear_pin.gaits.spatial.law import ACROSS
+from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.periodic import residual, return_map
+from spear_pin.hybrid.symmetry import mirror_of
+from tests.slow import slow_but
+
+SPEED = 2.5
+
+
+@pytest.mark.parametrize("name", slow_but(library.TURNS, "turn_9"))
+class TestShipped:
+    def test_they_are_orbits_that_turn_as_they_are_called(self, name):
+        gait = Gait.load(name)
+        run = return_map(gait.system, gait.state)
+        assert residual(gait.system, gait.state) < 1e-9
+        assert math.degrees(gait.system.measures["turn"](run)) == pytest.approx(
+            float(name.removeprefix("turn_")), abs=1e-7
+        )
+        assert gait.system.measures["mean_speed"](run) == pytest.approx(SPEED, abs=1e-8)
+        assert abs(run.change[0] - run.work[0].sum()) < 1e-9
+
+    def test_the_mirror_image_turns_to_the_other_side(self, name):
+        gait, mirror = Gait.load(name), mirror_of(Gait.load(name).system.robot)
+        right = with_parameters(gait.system, {each: -parameter(gait.system, each) for each in ACROSS})
+        state = mirror(gait.state[0]), mirror(gait.state[1])
+        assert residual(right, state) < 1e-9
+        turns = [of.measures["turn"](return_map(of, at)) for of, at in ((gait.system, gait.state), (right, state))]
+        assert turns[1] == pytest.approx(-turns[0], abs=1e-9)
+
+    def test_feet_of_a_pair_land_soon_after_each_other(self, name):
+        gait = Gait.load(name)
+        run = return_map(gait.system, gait.state)
+        assert all(abs(touchdown_gap(run, pair)) < GAP + 1e-5 for pair in ("posterior", "anterior"))
+
+
+@pytest.mark.slow
+def test_a_step_to_a_sharper_turn_is_the_shortest():
+    gait = Gait.load("turn_4")
+    system, state = turned(gait.system, gait.state, math.radians(4.2), SPEED, 1e-9)
+    run = return_map(system, state)
+    assert residual(system, state) < 1e-7
+    assert math.degrees(system.measures["turn"](run)) == pytest.approx(4.2, abs=1e-5)
+    changes = [parameter(system, name) - parameter(gait.system, name) for name in STEERED_BY]
+    assert 0.0 < np.abs(changes).max() < 3.0
