@@ -25,6 +25,8 @@ from spear_pin.model.spring import Spring
 def trotted(found: CollocatedGait, contact: Contact | None = None, *, rtol: float = 1e-10) -> Gait:
     """The trot of the event-exact simulation beside a collocated one, by Newton's method; it takes a minute or two.
 
+    Where both feet land within microseconds the return map has a kink, at which the method may stall.
+
     Args:
         found: a trot, flight in it, asked for with `law` and `swing`.
         contact: friction of the ground, more than the collocated gait was to use; by default 0.8 (assumption).
