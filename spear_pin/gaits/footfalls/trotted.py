@@ -15,21 +15,26 @@ from spear_pin.gaits.spatial.trot_law import TrotLaw
 from spear_pin.gaits.spatial.trotting import trotting
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.symmetry import headed, mirror_of
 from spear_pin.kinds import typed
 from spear_pin.model.spring import Spring
 
+ANGLE = "anterior_leg_touchdown"
+
 
 @typed
-def trotted(found: CollocatedGait, contact: Contact | None = None, *, rtol: float = 1e-10) -> Gait:
+def trotted(found: CollocatedGait, contact: Contact | None = None, *, apart: float = 3e-3, rtol: float = 1e-10) -> Gait:
     """The trot of the event-exact simulation beside a collocated one, by Newton's method; it takes a minute or two.
 
-    Where both feet land within microseconds the return map has a kink, at which the method may stall.
+    Feet of a collocated trot land at once, where the return map has a kink in which of them is first, at which the
+    method stalls; so they are asked to land one after the other.
 
     Args:
         found: a trot, flight in it, asked for with `law` and `swing`.
         contact: friction of the ground, more than the collocated gait was to use; by default 0.8 (assumption).
+        apart: by how much less than in the collocated gait the anterior leg's angle at touchdown is to be, in rad.
         rtol: relative tolerance of the integrator.
 
     Raises:
@@ -43,7 +48,9 @@ def trotted(found: CollocatedGait, contact: Contact | None = None, *, rtol: floa
         >>> request = FootfallRequest(law=StanceLaw(), swing=SwingLaw())
         >>> trot = trotted(collocated(load("q_spear_full", base="chain"), request))  # doctest: +SKIP
     """
-    return gait_beside(*under_law(found, contact), (), {}, rtol)
+    system, state = under_law(found, contact)
+    touchdown = parameter(system, ANGLE)
+    return gait_beside(with_parameters(system, {ANGLE: touchdown - apart}), state, (), {}, rtol)
 
 
 def under_law(found: CollocatedGait, contact: Contact | None = None) -> tuple[HybridSystem, State]:

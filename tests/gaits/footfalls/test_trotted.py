@@ -34,6 +34,13 @@ def test_half_a_stride_all_but_closes(found):
 
 
 @pytest.mark.slow
+def test_an_orbit_is_beside_it(found):
+    gait = trotted(found)
+    assert gait.residual <= 1e-9 and abs(gait.multipliers[0]) == pytest.approx(3.68, abs=0.1)
+    assert gait.durations["posterior_left"] == pytest.approx(1.4e-3, abs=5e-4)
+
+
+@pytest.mark.slow
 def test_without_a_law(found):
     with pytest.raises(BadValue, match="law"):
         trotted(replace(found, request=FootfallRequest()))
