@@ -41,7 +41,7 @@ def main() -> None:
     rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1))]
     for window in WINDOWS:
         off = residual(replace(turn.system, overlap=window), turn.state)
-        rows.append(f"{1e3 * window:.0f} | {off:.0e} | {_left(steady, window)}")
+        rows.append(f"{1e3 * window:.0f} | {off:.0e} | {left_of(steady, PUSH, window)}")
         print(rows[-1], flush=True)
     if arguments.write:
         table = "\n".join(f"| {row} |" for row in rows)
@@ -50,14 +50,21 @@ def main() -> None:
         PAGE.write_text(f"{head}{table}\n\n{rest.partition(chr(10) * 2)[2]}", encoding="utf-8")
 
 
-def _left(gait: Gait, window: float) -> str:
+def left_of(gait: Gait, push: tuple[float, float, float], window: float | None = None) -> str:
+    """What is left across after ten strides of a push, of what was there, or why the motion ends.
+
+    Args:
+        gait: balanced.
+        push: roll, in rad, speed to the left, in m/s, and yaw rate, in rad/s.
+        window: how long impacts last, in s; by default as in the gait's system.
+    """
     q, v = (part.copy() for part in gait.state)
-    q[ROLL], v[Y], v[YAW] = PUSH
-    system = replace(gait.system, overlap=window)
+    q[ROLL], v[Y], v[YAW] = push
+    system = gait.system if window is None else replace(gait.system, overlap=window)
     q[Z] -= min(system.ground.foot(system.robot, q, toe)[0] for toe in system.section_toes)
     motion = simulate(system, (q, v), STRIDES, progress=False)
     if motion.reason != "complete":
-        return f"{motion.reason} after {motion.cycles} strides"
+        return f"{motion.reason}, stride {motion.cycles + 1}"
     return f"{_across(system, motion.q[-1], motion.v[-1]) / _across(system, q, v):.4f}"
 
 

@@ -4,6 +4,15 @@ from tests.mistakes.mutation import mistakes_in
 
 MUTATIONS = [
     *mistakes_in(
+        "model/spatial",
+        ["model/test_spatial"],
+        {
+            "half of Coriolis's acceleration of a slide": ("coriolis = _scaled(2.0,", "coriolis = _scaled(1.0,"),
+            "no armature in space": (" + body.armature * a[i]", ""),
+            "a push that acts at the joint": ("_minus(loads[i][1], _cross(offset, own))", "loads[i][1]"),
+        },
+    ),
+    *mistakes_in(
         "model/draft",
         ["model/test_dynamics", "hybrid/test_events", "hybrid/test_periodic"],
         {

@@ -9,16 +9,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin import load
+from spear_pin import load, trotting
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.footfalls.checking import violations
 from spear_pin.gaits.footfalls.collocate import collocated
 from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, opposite
+from spear_pin.gaits.footfalls.trots import law_of_trot
 from spear_pin.gaits.spatial.legs import pairs_of
 from spear_pin.gaits.virtual_constraints import Evolution, Outputs, Sum, errors, value
-from spear_pin.hybrid.symmetry import mirror_of, turned
+from spear_pin.hybrid.periodic import chart, displacement, return_map
+from spear_pin.hybrid.symmetry import headed, mirror_of, turned
 
 pytestmark = pytest.mark.extra("casadi")
 COARSE = replace(FOOTFALLS["trot"], intervals=(3, 2))
@@ -125,12 +127,26 @@ class TestLaw:
             np.testing.assert_allclose(flexed[[0, -1]], 0.0, atol=1e-7)
 
 
+@pytest.fixture(scope="module")
+def controlled(robot):
+    return collocated(robot, FootfallRequest(speed=2.0, law=StanceLaw(), swing=SwingLaw()))
+
+
 @pytest.mark.slow
 class TestLawInTheAir:
-    def test_outputs_are_zero(self, robot):
+    def test_a_half_stride_of_the_event_exact_simulation_leads_nearly_back(self, robot, controlled):
+        last, mirror = controlled.stretches[-1], mirror_of(robot)
+        system = trotting(robot, law_of_trot(controlled), controlled.request.spring)
+        start = chart(system, headed(mirror(last.q[-1]), mirror(last.v[-1]))).state(np.zeros(32))
+        run = return_map(system, start, 1e-8)
+        assert run.durations["diagonal_left_stance"] == pytest.approx(controlled.stretches[0].duration, abs=1e-3)
+        assert run.durations["flight_2"] == pytest.approx(controlled.stretches[1].duration, abs=1e-3)
+        missed = np.abs(displacement(system, start, run.state))
+        assert missed[:18].max() < 0.03 and missed[18:24].max() < 0.1  # rates of knees that trail are worse
+
+    def test_outputs_are_zero(self, robot, controlled):
         """What the law controls in the air is where it is to be, by the functions that simulation runs."""
-        request = FootfallRequest(speed=2.0, law=StanceLaw(), swing=SwingLaw())
-        gait = collocated(robot, request)
+        request, gait = controlled.request, controlled
         legs = {leg.name: leg for pair in pairs_of(robot) for leg in pair}
         for stretch in gait.stretches:
             bearing = [legs[name] for name in stretch.bearing]
@@ -189,6 +205,11 @@ class TestOthers:
         gait = collocated(solo, FootfallRequest.scaled(solo))
         assert gait.request.speed == pytest.approx(1.419, abs=1e-3)
         assert violations(gait).slip < 0.02
+
+
+def test_a_law_of_a_trot_asks_for_one_in_the_air(lawful):
+    with pytest.raises(BadValue, match="SwingLaw"):
+        law_of_trot(lawful)
 
 
 def test_says_what_is_missed(robot):

@@ -1,0 +1,98 @@
+"""From a collocated trot to an orbit of the event-exact simulation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from spear_pin.errors import BadValue
+from spear_pin.gaits.footfalls.course import CollocatedGait, Swing
+from spear_pin.gaits.footfalls.limbs import legs_of
+from spear_pin.gaits.footfalls.sequence import FOOTFALLS
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.search import gait_beside
+from spear_pin.gaits.spatial.trot_law import TrotLaw
+from spear_pin.gaits.spatial.trotting import trotting
+from spear_pin.hybrid.periodic import chart
+from spear_pin.hybrid.symmetry import headed, mirror_of
+from spear_pin.kinds import typed
+
+SPEED_BY = "posterior_hip_torque"
+
+
+@typed
+def trot_beside(gait: CollocatedGait) -> Gait:
+    """The trot of the event-exact simulation beside a collocated one, at the speed that was asked for.
+
+    Args:
+        gait: a mirrored trot with a law on the ground and in the air.
+
+    Raises:
+        BadValue: it is another.
+        NoGait: there is none beside it.
+
+    Example:
+        >>> from spear_pin import load
+        >>> from spear_pin.gaits.footfalls.collocate import collocated
+        >>> from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
+        >>> from spear_pin.gaits.footfalls.trots import trot_beside
+        >>> robot, asked = load("q_spear_full", base="chain"), FootfallRequest(law=StanceLaw(), swing=SwingLaw())
+        >>> trot = trot_beside(collocated(robot, asked))  # half a minute  # doctest: +SKIP
+    """
+    mirror, last = mirror_of(gait.robot), gait.stretches[-1]
+    system = trotting(gait.robot, law_of_trot(gait), gait.request.spring)
+    start = headed(mirror(last.q[-1]), mirror(last.v[-1]))
+    on_section = chart(system, start).state(np.zeros(2 * gait.robot.nv - 4))
+    found = gait_beside(system, on_section, (SPEED_BY,), {"mean_speed": gait.request.speed})
+    q, v = found.state
+    return found.with_law(nominal=(*q.tolist(), *v.tolist()))
+
+
+def law_of_trot(gait: CollocatedGait) -> TrotLaw:
+    """The law of a collocated trot.
+
+    Raises:
+        BadValue: it is no mirrored trot with a law on the ground and in the air.
+    """
+    request, trot = gait.request, FOOTFALLS["trot"]
+    law, swing, footfalls = request.law, request.swing, request.footfalls
+    if law is None or swing is None or (footfalls.phases, footfalls.mirrored) != (trot.phases, trot.mirrored):
+        raise BadValue("gait", request.footfalls.phases, "a mirrored trot with law=StanceLaw(...), swing=SwingLaw(...)")
+    stance, flight = gait.stretches
+    numbers: dict[str, Any] = {}
+    for name, leg in legs_of(gait.robot).items():
+        end = leg.end
+        if name in stance.bearing:
+            hip, knee, upright = gait.constants[name]
+            trailing = flight.evolutions[name]
+            numbers |= {
+                f"{end}_hip_torque": leg.signs[1] * hip,
+                f"{end}_knee_torque": knee,
+                f"{end}_squeeze": -leg.lateral * leg.signs[0] * upright,
+                f"{end}_trailing": _shape(trailing),
+            }
+            continue
+        landing = flight.evolutions[name]
+        numbers |= {
+            f"{end}_swing": _shape(stance.evolutions[name]),
+            f"{end}_landing": tuple(landing.alpha[:, 2].tolist()),
+            f"{end}_leg_touchdown": float(landing.alpha[0, -1]),
+            f"{end}_spread": leg.lateral * leg.signs[0] * landing.adduction,
+            "stance_span": stance.evolutions[name].span,
+            "flight_span": landing.span,
+        }
+    return TrotLaw(
+        leg_stiffness=law.stiffness,
+        knee_rest=law.knee_rest,
+        knee_touchdown=law.knee_rest,
+        adduction_stiffness=law.adduction_stiffness,
+        adduction_damping=law.adduction_damping,
+        adduction_epsilon=swing.adduction_epsilon,
+        **numbers,
+    )
+
+
+def _shape(swing: Swing) -> tuple[tuple[float, ...], ...]:
+    """Coefficients from the third on."""
+    return tuple(tuple(row) for row in swing.alpha[:, 2:].tolist())
