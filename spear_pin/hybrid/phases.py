@@ -23,7 +23,7 @@ def contact_domains(
     first: tuple[Guard, ...] = (),
     ways: Sequence[str] = WAYS[2],
     *,
-    bounces: bool = False,
+    clear: float | None = None,
 ) -> tuple[Domain, ...]:
     """The domains of a phase in which the toes marked "stick" in `domain` are on the ground.
 
@@ -38,29 +38,31 @@ def contact_domains(
             toe, and then the event of "front_toe" is named "front_lift_off".
         first: guards that win a tie with those of the contacts.
         ways: modes in which a toe may slide: in the plane either way, in space along a direction of its own.
-        bounces: whether a toe whose force falls to zero stays in its phase, in the air, until it is clear of the
-            ground: its lift-off is that then.
+        clear: height, in m, up to which a toe whose force fell to zero bounces: it stays in its phase, and its lift-off
+            is where it gets higher. Without it, it lifts off where its force ends.
     """
-    modes = (STICK, *ways, OPEN) if bounces else (STICK, *ways)
+    modes = (STICK, *ways) if clear is None else (STICK, *ways, OPEN)
     choices = [modes if mode == STICK else (mode,) for mode in domain.contacts]
     closed = [toe for toe, mode in zip(toes, domain.contacts, strict=True) if mode == STICK]
     leave = {toe: _lift_off(toe, lift_off) for toe in closed}
-    lifted = [lifted_off(toe, *leave[toe]) for toe in closed if len(closed) > 1 and not bounces]
-    unloads = {toe: (f"{_leg(toe)}_unloads", Reset()) if bounces else leave[toe] for toe in closed}
+    lifted = [lifted_off(toe, *leave[toe]) for toe in closed if len(closed) > 1 and clear is None]
+    unloads = {toe: leave[toe] if clear is None else (f"{_leg(toe)}_unloads", Reset()) for toe in closed}
     domains = []
     for contacts in product(*choices):
         guards: list[Guard] = []
         for toe, mode in zip(toes, contacts, strict=True):
             if toe in closed:
-                own = bounce_guards(toe, _leg(toe), *leave[toe]) if mode == OPEN else []
-                guards += own or contact_guards(toe, mode, *unloads[toe], ways)
+                if clear is not None and mode == OPEN:
+                    guards += bounce_guards(toe, _leg(toe), clear, *leave[toe])
+                else:
+                    guards += contact_guards(toe, mode, *unloads[toe], ways)
         others = [
             mode if len(closed) == 1 else f"{_leg(toe)} {mode}"
             for toe, mode in zip(toes, contacts, strict=True)
             if toe in closed and mode != STICK
         ]
         name, every = " ".join([domain.name, *others]), (*lifted, *first, *guards, *domain.guards)
-        bouncing = tuple(closed) if bounces else ()
+        bouncing = () if clear is None else tuple(closed)
         domains.append(replace(domain, name=name, contacts=contacts, guards=every, bouncing=bouncing))
     return tuple(domains)
 

@@ -35,6 +35,7 @@ from spear_pin.model.scale import scale_in_space
 from spear_pin.model.spring import PAIR_STIFFNESS, Spring
 
 LONGEST = 2.0  # s: a phase of Q-SPEAR
+CLEAR = 5e-3  # m: up to where a toe of Q-SPEAR that bears bounces, and has not lifted off (assumption)
 OVERLAP = 0.010  # s: how long an impact of Q-SPEAR lasts (assumption; not in the source)
 
 
@@ -160,9 +161,10 @@ class Automaton:
             return (domain,)
         resets = {leg.toe: self._lifts(leg, bearing) for leg in bearing}
         backs = [guard for leg in bearing for guard in knee_back(leg, resets[leg.toe])]
-        by_knee = self.lift_off == "knee"
-        first = tuple(backs) if by_knee else ()
-        return contact_domains(domain, self.robot.toes, resets, first, WAYS[3], bounces=by_knee)
+        if self.lift_off != "knee":
+            return contact_domains(domain, self.robot.toes, resets, (), WAYS[3])
+        clear = CLEAR * scale_in_space(self.robot).length
+        return contact_domains(domain, self.robot.toes, resets, tuple(backs), WAYS[3], clear=clear)
 
     # touchdown
 

@@ -14,7 +14,6 @@ from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, UNLOADED, size
 ON_GROUND = 1e-8  # m: more than integration leaves of the constraint, less than any foot clearance
 ON_REST = 1e-9  # rad: more than what an event's time is off by
 NEAR_GROUND = 1e-6  # m: of a toe that bounces, to which integration adds up over many short contacts
-CLEAR = 5e-3  # m: a toe of a leg that bears which is higher has lifted off, and does not bounce (assumption)
 
 
 def height(frame: str) -> GuardValue:
@@ -138,18 +137,19 @@ def contact_guards(toe: str, mode: str, name: str, lift_off: Reset, ways: Sequen
     return [ill_posed, leave, stop]
 
 
-def bounce_guards(toe: str, leg: str, name: str, lift_off: Reset) -> list[Guard]:
+def bounce_guards(toe: str, leg: str, clear: float, name: str, lift_off: Reset) -> list[Guard]:
     """Events of a toe in the air whose leg bears: it strikes again, or is clear of the ground, which is its lift-off.
 
     Args:
         toe: the toe.
         leg: name of its leg.
+        clear: height at which it has lifted off, in m.
         name: of its lift-off.
         lift_off: what happens then.
     """
 
     def near(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return CLEAR - dyn.height(toe)
+        return clear - dyn.height(toe)
 
     strikes = Guard(f"{leg}_bounces", height(toe), Reset(impact=(toe,)), tolerance=NEAR_GROUND, patience=NEAR_GROUND)
     return [strikes, Guard(name, near, lift_off)]

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from spear_pin import Contact, Gait, SpatialLaw, bounding_in_space, simulate
+from spear_pin.gaits.spatial.automaton import CLEAR
 from spear_pin.hybrid.contact import OPEN, STICK
 from spear_pin.hybrid.reasons import REASONS
-from spear_pin.hybrid.rules.guards import CLEAR
 from tests.random_starts import draw_in_space, drop, quadruped
 
 
