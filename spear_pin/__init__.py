@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from spear_pin.gaits.spatial.bounding import bounding_in_space
     from spear_pin.gaits.spatial.law import SpatialLaw
     from spear_pin.gaits.spatial.trot_law import TrotLaw
-    from spear_pin.gaits.spatial.trotting import trotting
+    from spear_pin.gaits.spatial.trotting import pacing, trotting
     from spear_pin.hybrid.batch import simulate_many
     from spear_pin.hybrid.contact import Contact
     from spear_pin.hybrid.ground import Ground
@@ -61,6 +61,7 @@ __all__ = [
     "in_space",
     "load",
     "monopod",
+    "pacing",
     "sagittal",
     "simulate",
     "simulate_many",
@@ -95,6 +96,7 @@ _HOMES = {
     "bounding_in_space": "gaits.spatial.bounding",
     "SpatialLaw": "gaits.spatial.law",
     "trotting": "gaits.spatial.trotting",
+    "pacing": "gaits.spatial.trotting",
     "TrotLaw": "gaits.spatial.trot_law",
     "in_space": "gaits.orbits.embedding",
     "compare": "viz.compare.comparison",

@@ -22,7 +22,7 @@ from spear_pin.gaits.series_hopping import SeriesHoppingLaw, series_hopping
 from spear_pin.gaits.spatial.bounding import bounding_in_space
 from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.trot_law import TrotLaw
-from spear_pin.gaits.spatial.trotting import trotting
+from spear_pin.gaits.spatial.trotting import pacing, trotting
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dry_friction import DryFriction
@@ -42,6 +42,7 @@ KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
     "bounding": (bounding, BoundingLaw),
     "bounding_in_space": (bounding_in_space, SpatialLaw),
     "trotting": (trotting, TrotLaw),
+    "pacing": (pacing, TrotLaw),
 }
 
 

@@ -1,4 +1,4 @@
-"""From a collocated trot to an orbit of the event-exact simulation."""
+"""From a collocated trot or pace to an orbit of the event-exact simulation."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.spatial.trot_law import TrotLaw
-from spear_pin.gaits.spatial.trotting import trotting
+from spear_pin.gaits.spatial.trotting import pacing, trotting
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.symmetry import headed, mirror_of
 from spear_pin.kinds import typed
@@ -23,10 +23,10 @@ SPEED_BY = "posterior_hip_torque"
 
 @typed
 def trot_beside(gait: CollocatedGait) -> Gait:
-    """The trot of the event-exact simulation beside a collocated one, at the speed that was asked for.
+    """The trot, or pace, of the event-exact simulation beside a collocated one, at the speed that was asked for.
 
     Args:
-        gait: a mirrored trot with a law on the ground and in the air.
+        gait: a mirrored trot or pace with a law on the ground and in the air.
 
     Raises:
         BadValue: it is another.
@@ -41,7 +41,9 @@ def trot_beside(gait: CollocatedGait) -> Gait:
         >>> trot = trot_beside(collocated(robot, asked))  # half a minute  # doctest: +SKIP
     """
     mirror, last = mirror_of(gait.robot), gait.stretches[-1]
-    system = trotting(gait.robot, law_of_trot(gait), gait.request.spring)
+    law = law_of_trot(gait)
+    build = trotting if gait.request.footfalls.phases == FOOTFALLS["trot"].phases else pacing
+    system = build(gait.robot, law, gait.request.spring)
     start = headed(mirror(last.q[-1]), mirror(last.v[-1]))
     on_section = chart(system, start).state(np.zeros(2 * gait.robot.nv - 4))
     found = gait_beside(system, on_section, (SPEED_BY,), {"mean_speed": gait.request.speed})
@@ -50,15 +52,17 @@ def trot_beside(gait: CollocatedGait) -> Gait:
 
 
 def law_of_trot(gait: CollocatedGait) -> TrotLaw:
-    """The law of a collocated trot.
+    """The law of a collocated trot or pace.
 
     Raises:
-        BadValue: it is no mirrored trot with a law on the ground and in the air.
+        BadValue: it is no mirrored one with a law on the ground and in the air.
     """
-    request, trot = gait.request, FOOTFALLS["trot"]
+    request = gait.request
     law, swing, footfalls = request.law, request.swing, request.footfalls
-    if law is None or swing is None or (footfalls.phases, footfalls.mirrored) != (trot.phases, trot.mirrored):
-        raise BadValue("gait", request.footfalls.phases, "a mirrored trot with law=StanceLaw(...), swing=SwingLaw(...)")
+    known = footfalls.phases in (FOOTFALLS["trot"].phases, FOOTFALLS["pace"].phases) and footfalls.mirrored
+    if law is None or swing is None or not known:
+        expected = "a mirrored trot or pace with law=StanceLaw(...), swing=SwingLaw(...)"
+        raise BadValue("gait", request.footfalls.phases, expected)
     stance, flight = gait.stretches
     numbers: dict[str, Any] = {}
     for name, leg in legs_of(gait.robot).items():

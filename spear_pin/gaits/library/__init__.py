@@ -27,7 +27,7 @@ REQUESTS: Mapping[str, Request] = MappingProxyType(
 """Request for each gait that ships, by name."""
 TURNS = tuple(f"turn_{angle}" for angle in (4, 6, 9, 10, 13))
 """Names of the turning gaits that ship, by degrees a stride."""
-IN_SPACE = ("trot", *TURNS)
+IN_SPACE = ("trot", "pace", *TURNS)
 
 
 def names() -> tuple[str, ...]:

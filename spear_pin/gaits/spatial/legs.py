@@ -158,6 +158,16 @@ def diagonals_of(robot: Robot) -> Pairs:
     return Pair("diagonal_right", (right, across), FLIGHTS[0]), Pair("diagonal_left", (left, other), FLIGHTS[1])
 
 
+def laterals_of(robot: Robot) -> Pairs:
+    """The pair of the right legs and that of the left ones.
+
+    Raises:
+        BadValue: as of `pairs_of`.
+    """
+    (left, right), (fore_left, fore_right) = (pair.legs for pair in pairs_of(robot))
+    return Pair("lateral_right", (right, fore_right), FLIGHTS[0]), Pair("lateral_left", (left, fore_left), FLIGHTS[1])
+
+
 def _leg(robot: Robot, leg: RobotLeg, end: str, side: str) -> Leg:
     joints = (leg.abduction, leg.hip, leg.knee)
     if leg.abduction is None or not {*joints} <= {*robot.actuated}:

@@ -1,14 +1,15 @@
-"""Trotting: diagonal legs bear together, and half a stride is the mirror image of the other."""
+"""Trotting and pacing: diagonal, or lateral, legs bear together; half a stride is the mirror image of the other."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from spear_pin.errors import BadValue
 from spear_pin.gaits.spatial.automaton import Automaton, in_pairs
-from spear_pin.gaits.spatial.legs import Z, diagonals_of
+from spear_pin.gaits.spatial.legs import Pairs, Z, diagonals_of, laterals_of
 from spear_pin.gaits.spatial.trot_law import TrotLaw
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
@@ -17,7 +18,7 @@ from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
-SECTION = "diagonal_touchdown"
+SECTION, LATERAL = "diagonal_touchdown", "lateral_touchdown"
 
 
 @typed
@@ -51,22 +52,58 @@ def trotting(
         >>> trotting(trot.robot, trot.law).section
         'diagonal_touchdown'
     """
-    pairs = diagonals_of(robot)
+    return _halved("trotting", trotting, diagonals_of(robot), SECTION, robot, law, spring, contact, ground)
+
+
+@typed
+def pacing(
+    robot: Robot,
+    law: TrotLaw,
+    spring: Spring | None = None,
+    contact: Contact | None = None,
+    *,
+    ground: Ground | None = None,
+) -> HybridSystem:
+    """The pacing automaton: that of `trotting` with the legs of a side as a pair; arguments and cycle as of that.
+
+    Raises:
+        BadValue: as of `bounding_in_space`.
+
+    Example:
+        >>> from spear_pin import Gait, pacing
+        >>> pace = Gait.load("pace").system
+        >>> pacing(pace.robot, pace.law).section
+        'lateral_touchdown'
+    """
+    return _halved("pacing", pacing, laterals_of(robot), LATERAL, robot, law, spring, contact, ground)
+
+
+def _halved(
+    kind: str,
+    build: Callable[..., HybridSystem],
+    pairs: Pairs,
+    section: str,
+    robot: Robot,
+    law: TrotLaw,
+    spring: Spring | None,
+    contact: Contact | None,
+    ground: Ground | None,
+) -> HybridSystem:
     return in_pairs(
-        "trotting",
-        Automaton(robot, pairs, SECTION, pairs[::-1], law.lift_off),
+        kind,
+        Automaton(robot, pairs, section, pairs[::-1], law.lift_off),
         law,
         spring,
         contact,
         ground,
-        build=trotting,
-        guess=lambda: _guess(robot, law),
+        build=build,
+        guess=lambda: _guess(robot, law, pairs),
     )
 
 
-def _guess(robot: Robot, law: TrotLaw) -> tuple[Any, Any]:
+def _guess(robot: Robot, law: TrotLaw, pairs: Pairs) -> tuple[Any, Any]:
     if not law.nominal:
         raise BadValue("TrotLaw.nominal", law.nominal, "the numbers of a section state, or give a state")
     q, v = np.array(law.nominal[: robot.nv]), np.array(law.nominal[robot.nv :])
-    q[Z] -= min(robot.toe_position(q, leg.toe)[-1] for leg in diagonals_of(robot)[1])
+    q[Z] -= min(robot.toe_position(q, leg.toe)[-1] for leg in pairs[1])
     return q, v
