@@ -15,10 +15,17 @@ ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 README = PAGES[0].read_text(encoding="utf-8")
 
-EXTRAS = {"mujoco": "mujoco", "pydrake": "pydrake", "dask": "distributed", "studies.sweep": "heyoka"}  # by its text
+# by the text of a block
+EXTRAS = {
+    "mujoco": "mujoco",
+    "pydrake": "pydrake",
+    "dask": "distributed",
+    "studies.sweep": "heyoka",
+    "collocated": "casadi",
+}
 SLOW = {
     *("adding_a_robot.md-6", "compare.md-1", "design.md-1", "export.md-4"),
-    *("hardware.md-1", "hardware.md-2", "motors.md-2", "space.md-1"),
+    *("hardware.md-1", "hardware.md-2", "motors.md-2", "space.md-1", "space.md-2", "space.md-3"),
 }
 QUIET = pytest.mark.filterwarnings("default")  # a cluster's warnings are not ours
 FENCE = r"^```%s\n(.*?)^```$"

@@ -48,8 +48,9 @@ STATEMENTS = (
         "largest speed of an adduction over a knee's in turns by 11, 25 and 35°/s, then range over a knee's",
         turns.adduction_over_knee,
         criterion=below(0.2),
-        remark="The source describes no turn; these are ours, at 2.5 m/s, without torque at the adductions on the "
-        "ground but a constant. Theirs is up to a sixth of a knee's. What pays for a turn is the hip, and friction. "
+        unknown="The source describes no turn. In these, which are ours, at 2.5 m/s and without torque at the "
+        "adductions on the ground but a constant, it holds by a wide margin.",
+        remark="Torque of an adduction is up to a sixth of a knee's. What pays for a turn is the hip, and friction. "
         "The robot hardly banks: its feet land to the outside.",
         assumes=("turn", "torso-length"),
     ),
