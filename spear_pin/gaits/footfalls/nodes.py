@@ -34,7 +34,9 @@ class Node:
     """Unknowns at one node, and what follows from them.
 
     Attributes:
-        q, v, a: configuration, velocity, acceleration.
+        q: configuration.
+        v: velocity.
+        a: acceleration.
         F: force on each foot that bears, three each.
         needed: forces along the coordinates that the motion needs, springs and dampers not taken off.
         toes: position, velocity and acceleration of each leg's toe.
