@@ -13,7 +13,10 @@ from spear_pin.hybrid.run import run
 from spear_pin.hybrid.symmetry import asymmetry
 from spear_pin.studies.bound import bound_of
 
-pytestmark = [pytest.mark.slow, pytest.mark.extra("example-robot-data"), pytest.mark.extra("casadi")]
+pytestmark = [
+    *(pytest.mark.slow, pytest.mark.extra("example-robot-data"), pytest.mark.extra("casadi")),
+    pytest.mark.filterwarnings("ignore:.*repair=True:spear_pin.errors.RobotWarning"),  # of anymal_b's massless base
+]
 
 
 @cache
