@@ -94,8 +94,9 @@ def lopsided(robot: Robot) -> float:
     size = np.sqrt(np.diag(own))
     masses = np.abs(mirror(mirror(image).T) - own) / np.outer(size, size)
     feet = {robot.index(leg.hip): leg.toe for leg in robot.legs}
-    places = ((robot.toe_position(mirror(q), feet[mirror.of[hip]]), robot.toe_position(q, feet[hip])) for hip in feet)
-    return max(float(masses.max()), *(float(np.abs(image * ACROSS - own).max()) for image, own in places))
+    here, there = ({hip: robot.frame_position(at, toe) for hip, toe in feet.items()} for at in (q, mirror(q)))
+    off = [there[mirror.of[hip]] * ACROSS - here[hip] for hip in feet]
+    return max(float(masses.max()), float(np.abs(off).max()))
 
 
 def mirror_of(robot: Robot) -> Mirror:
