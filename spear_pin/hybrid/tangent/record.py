@@ -1,0 +1,64 @@
+"""Run a cycle and keep its arcs: by the fast engine where that can, else by the reference engine."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.arc import Arc
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Reset
+from spear_pin.hybrid.engines.taylor import Code
+from spear_pin.hybrid.engines.structure import flattened
+from spear_pin.hybrid.lanes.lone_runner import LoneRunner
+from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.start import start
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
+
+Array = NDArray[np.float64]
+TOLERANCE = 1e-15  # of the Taylor engine
+UNROLLED = 4
+
+
+class Recorder:
+    """Cycles of a system by the fast engine, as records.
+
+    Args:
+        system: the system.
+    """
+
+    def __init__(self, system: HybridSystem) -> None:
+        self.system, self._nv = system, system.robot.nv
+        self._numbers = Numbers(system, {}, Code(TOLERANCE, observing=True, unrolled=self._nv <= UNROLLED))
+        self.planar = self._numbers.planar
+        self._runner = LoneRunner(self._numbers, 0)
+        self._constants = self._numbers.constants(0)
+        self.end = np.empty(0)
+
+    def start(self, y: Array) -> tuple[str, tuple[Reset, ...]]:
+        """The phase that begins at the section, and the resets that say what is held."""
+        return start(self.system, True)
+
+    def cycle(self, y: Array) -> tuple[str, list[Arc]]:
+        """The phase in which a cycle begins, and its arcs.
+
+        Raises:
+            NotDifferentiable: it does not close, or what happens in it is not plain.
+        """
+        phase, resets = self.start(y)
+        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.system.law)
+        lap = self._runner.lap(phase, y, held, [0.0] * len(self.system.robot.toes))
+        if lap is None:
+            raise NotDifferentiable("the cycle does not close, or events crowd in it")
+        self.end = lap.y
+        return phase, lap.arcs
+
+    def states(self, arc: Arc, times: Array) -> Array:
+        """States at times within an arc, (2 nv, n)."""
+        single = self._numbers.compilation.single(arc.domain, arc.held)
+        parameters: Any = np.array(self._constants + flattened(arc.held.values()))
+        found: Array = single.states(arc.t, arc.y, times, parameters).T
+        return found

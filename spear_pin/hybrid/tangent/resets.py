@@ -1,0 +1,113 @@
+"""Derivatives of what an event does: dual numbers through the rules of impacts and latches."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import SpearError
+from spear_pin.hybrid.elimination import solve
+from spear_pin.hybrid.rules.guards import rise
+from spear_pin.hybrid.rules.impact import joint_impact, routh
+from spear_pin.hybrid.tangent.dual import Dual, value_of
+from spear_pin.hybrid.tangent.fields import Feet
+from spear_pin.model.scalars import dot
+
+Array = NDArray[np.float64]
+DEGENERATE = 1e-9  # of the largest of a joint impact's speeds and impulses: an active set so near to another
+
+
+class NotDifferentiable(SpearError):
+    """A cycle has no derivative, or none that is found here; the text says why."""
+
+
+def struck(feet: Feet, toes: Sequence[str], v: Sequence[Any]) -> tuple[list[Any], dict[str, Any]]:
+    """Velocity after an impact, and what is held of toes that it lifts.
+
+    Args:
+        feet: numbers of the toes, dual.
+        toes: that take part.
+        v: velocity before, dual.
+
+    Raises:
+        NotDifferentiable: the set of sticking, sliding and lifted toes may change with any change.
+    """
+    A = feet.inverse_inertia(toes)
+    rows = [row for toe in toes for row in feet.toes[toe].rows]
+    responses = [response for toe in toes for response in feet.toes[toe].responses]
+    before = [dot(row, v) for row in rows]
+    if len(toes) == 1:
+        impulses, _ = routh(A, before, feet.friction)
+        return _after(v, responses, impulses), {}
+    impulses, speeds = _joint(A, before, feet.friction)
+    lifted = {rise(toe): speed for toe, speed in zip(toes, speeds, strict=True)}
+    return _after(v, responses, impulses), lifted
+
+
+def _after(v: Sequence[Any], responses: Sequence[Sequence[Any]], impulses: Sequence[Any]) -> list[Any]:
+    return [rate + dot([row[i] for row in responses], impulses) for i, rate in enumerate(v)]
+
+
+def _joint(A: list[list[Any]], before: list[Any], friction: Any) -> tuple[list[Any], list[Any]]:
+    """Impulses of a joint impact, and the speeds with which toes are lifted, by the set that the rule finds active."""
+    size = len(before)
+    values = np.array([[value_of(a) for a in row] for row in A]), np.array([value_of(b) for b in before])
+    # in the coordinates of the toes' own velocities the rule wants the inverse of A for a mass matrix
+    impact = joint_impact(np.linalg.inv(values[0]), np.eye(size), values[1], float(value_of(friction)))
+    after, given = impact.v, impact.impulse.ravel()
+    _check_set(impact.slides, impact.leaves, after, given, float(value_of(friction)))
+    rows: list[int] = []
+    directions: list[list[Any]] = []
+    for i, (slides, leaves) in enumerate(zip(impact.slides, impact.leaves, strict=True)):
+        unit = [[1.0 if k == j else 0.0 for k in range(size)] for j in (2 * i, 2 * i + 1)]
+        if slides:
+            grip = -friction if after[2 * i] > 0.0 else friction
+            rows.append(2 * i + 1)
+            directions.append([z + grip * x if x else z for x, z in zip(*unit, strict=True)])
+        elif not leaves:
+            rows += [2 * i, 2 * i + 1]
+            directions += unit
+    matrix = [[dot(A[row], direction) for direction in directions] for row in rows]
+    found = solve(matrix, [-before[row] for row in rows])
+    impulses = [dot([direction[k] for direction in directions], found) for k in range(size)]
+    speeds = [before[k] + dot(A[k], impulses) if impact.leaves[k // 2] else 0.0 for k in range(1, size, 2)]
+    return impulses, speeds
+
+
+def _check_set(slides: Any, leaves: Any, after: Array, impulse: Array, friction: float) -> None:
+    speed, push = np.abs(after).max() + DEGENERATE, np.abs(impulse).max()
+    for i, (slide, leave) in enumerate(zip(slides, leaves, strict=True)):
+        along, up = impulse[2 * i : 2 * i + 2]
+        margin = after[2 * i + 1] / speed if leave else up / push
+        if slide:
+            margin = min(margin, abs(after[2 * i]) / speed)
+        elif not leave:
+            margin = min(margin, (friction * up - abs(along)) / push)
+        if margin < DEGENERATE:
+            raise NotDifferentiable("an impact of several toes is on the border between two outcomes")
+
+
+def flat(held: Mapping[str, Any]) -> list[Any]:
+    """What is held, as numbers in the order of run-time parameters."""
+    return [item for value in held.values() for item in _items(value)]
+
+
+def _items(value: Any) -> list[Any]:
+    return [item for each in value for item in _items(each)] if isinstance(value, tuple) else [value]
+
+
+def duals(values: Sequence[float], derivatives: Array) -> list[Dual]:
+    """Numbers with their derivatives along several directions, (n, c)."""
+    return [Dual(float(x), d) for x, d in zip(values, derivatives, strict=True)]
+
+
+def derivatives(scalars: Sequence[Any], c: int) -> Array:
+    """Derivatives of scalars, dual or not, along c directions, (n, c)."""
+    found = np.zeros((len(scalars), c))
+    for i, scalar in enumerate(scalars):
+        if isinstance(scalar, Dual):
+            found[i] = scalar.d
+    return found

@@ -1,0 +1,60 @@
+"""The numbers of a system that a cycle depends on, and their derivatives with respect to named parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.engines import structure
+from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.model.planar import Planar
+
+Array = NDArray[np.float64]
+STEP = 2.0**-8  # of a parameter: numbers are polynomials in it of the second degree at most, so that no step is too long
+
+
+def numbers(system: HybridSystem, held: Mapping[str, Any] | None = None) -> Array:
+    """Run-time parameters of a system, in the order of `structure.parameters`."""
+    others = list(structure.others(system).values())
+    robot = structure.robot_numbers(system, Planar(system.robot))
+    found: Array = structure.parameters(system.law, others, robot, held or {}, 1)[:, 0]
+    return found
+
+
+def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
+    """Derivatives of `numbers` with respect to parameters, (p, m).
+
+    Raises:
+        UnknownName: there is no parameter of a name.
+        BadValue: a parameter is zero, and with it part of the equations.
+    """
+    found = [_seed(system, name) for name in names]
+    return np.array(found).T.reshape(-1, len(names)) if names else np.empty((len(numbers(system)), 0))
+
+
+def _seed(system: HybridSystem, name: str) -> Array:
+    value = parameter(system, name)
+    beside = {field.name for field in fields(system.law)} - {"friction"}
+    if value == 0.0 and name not in beside:
+        raise BadValue(name, value, "a number other than zero, which leaves no equation out")
+    h = STEP * 2.0 ** round(math.log2(abs(value) if value else 1.0))
+    ends = []
+    for step in (h, -h):
+        try:
+            ends.append((step, numbers(with_parameters(system, {name: value + step}))))
+        except BadValue:
+            continue
+    if len(ends) < 2:  # the value is at the end of its range, where numbers are linear in it
+        ends.append((0.0, numbers(system)))
+    (one, more), (other, less) = ends[:2]
+    if len(more) != len(less):
+        raise BadValue(name, value, "a number that is not at the end of its range")
+    change: Array = (more - less) / (one - other)
+    return change
