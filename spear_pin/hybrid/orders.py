@@ -32,3 +32,13 @@ def said(order: Sequence[tuple[str, str]]) -> str:
         words.append(event if name == domain else f"{name}: {event}")
         domain = name
     return ", ".join(words) or "nothing"
+
+
+def differing(before: Order, after: Order) -> tuple[Order, Order]:
+    """What of two orders is not the same, between what begins and what ends alike."""
+    first = next((i for i, (a, b) in enumerate(zip(before, after, strict=False)) if a != b), min(map(len, (before, after))))
+    rest = before[first:], after[first:]
+    last = 0
+    while last < min(map(len, rest)) and rest[0][-1 - last] == rest[1][-1 - last]:
+        last += 1
+    return rest[0][: len(rest[0]) - last], rest[1][: len(rest[1]) - last]

@@ -7,16 +7,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from spear_pin.gaits.continuation import borders
 from spear_pin.gaits.continuation.borders import Border, approached, border
 from spear_pin.gaits.continuation.problem import NoValue, Problem
 from spear_pin.gaits.continuation.signs import Special, located, specials
-from spear_pin.gaits.continuation.stepping import Point, landed, stepped
+from spear_pin.gaits.continuation.stepping import TOLERANCE, Point, landed, stepped
 
 FINE = 1e-3  # arc length of steps that are not shortened any more: what stops them is a border
 ENTERING = 1e-4  # of the first step behind a border
 FIRST = 0.2  # of the longest step
 STRAIGHT, CURVED = 0.05, 0.3  # rad between tangents: up to the first steps grow, above the second they are shortened
-GROWTH = 1.6
+GROWTH = 2.0
 RANGE, BORDER, LOST, CLOSED, LIMIT = "range", "border", "lost", "closed", "points"
 Met = Border | Special
 
@@ -95,13 +96,14 @@ def _add(problem: Problem, way: Way, point: Point, length: float, bounds: tuple[
     """Add a point, what happens on the step to it, and the end if it is beyond one."""
     base, parameter = way.points[-1], point.local.u[-1]
     if not bounds[0] <= parameter <= bounds[1]:
-        bound = bounds[0] if parameter < bounds[0] else bounds[1]
+        bound, way.end = bounds[0] if parameter < bounds[0] else bounds[1], RANGE
+        if abs(base.local.u[-1] - bound) <= TOLERANCE:
+            return
         length, point = located(problem, base, point, length, lambda each: each.local.u[-1] - bound)
         try:
             point = landed(problem, point, bound)
         except NoValue:
             pass  # it is as near to it as the arc tells
-        way.end = RANGE
     elif _closes(base, point, start, length):
         way.end, point = CLOSED, start
     _mark(problem, way, base, point, length)
@@ -131,6 +133,6 @@ def _meet(problem: Problem, way: Way, base: Point, length: float) -> None:
     met = border(problem, base)
     way.met.append((len(way.points) - 1, met))
     if met.outer is None:
-        way.end = LOST if met.kind == "lost" else BORDER
+        way.end = LOST if met.kind == borders.LOST else BORDER
     else:
         way.points.append(met.outer)

@@ -14,9 +14,11 @@ from spear_pin.gaits.continuation.stepping import Point, stepped
 
 Multipliers = NDArray[np.complex128]
 FOLD, FLIP, TORUS = "fold", "flip", "neimark_sacker"
-SADDLE, CROSSING = "neutral_saddle", "unit_multiplier"
+SADDLE, CROSSING, KINK = "neutral_saddle", "unit_multiplier", "kink"
 EXACT = 1e-9  # of the arc length
 SAME = 1e-3  # of a step: what is closer together is one
+SMALL = 1e-3  # of its larger value beside: a test function that is no smaller where it changes sign jumps there
+NONE: Multipliers = np.empty(0, dtype=np.complex128)
 
 
 @dataclass(frozen=True)
@@ -26,9 +28,10 @@ class Special:
     Attributes:
         kind: `FOLD` (the parameter turns), `FLIP` (a multiplier is -1: the period doubles), `TORUS` (a complex pair is
             on the unit circle), `SADDLE` (two real ones have the product 1, which changes nothing), `CROSSING` (a
-            multiplier is 1 where the parameter does not turn).
+            multiplier is 1 where the parameter does not turn), `KINK` (multipliers or the tangent jump, though the order
+            of events is the same on both sides).
         point: the point.
-        critical: the multipliers that are there, (1,) or (2,).
+        critical: the multipliers that are there, (1,) or (2,); of a kink none.
     """
 
     kind: str
@@ -74,14 +77,21 @@ def specials(problem: Problem, base: Point, end: Point, length: float) -> list[S
     for test in TESTS:
         if test(base) * test(end) < 0.0:
             at, point = located(problem, base, end, length, test)
-            found.append((at, _named(test, point)))
-    folds = [at for at, special in found if special.kind == FOLD]
-    own = [  # a fold's multiplier of 1 is its own
-        (at, special)
-        for at, special in found
-        if special.kind != CROSSING or all(abs(at - fold) > SAME * length for fold in folds)
-    ]
-    return [special for _, special in sorted(own, key=lambda each: each[0])]
+            jumps = abs(test(point)) > SMALL * max(abs(test(base)), abs(test(end)))
+            found.append((at, Special(KINK, point, NONE) if jumps else _named(test, point)))
+    found.sort(key=lambda each: each[0])
+    return [special for i, (at, special) in enumerate(found) if not _said(found[:i], found, at, special, length)]
+
+
+def _said(
+    before: list[tuple[float, Special]], every: list[tuple[float, Special]], at: float, special: Special, length: float
+) -> bool:
+    """Whether something else says it: a fold that a multiplier is 1 there, or another function that there is a kink."""
+    others = {CROSSING: (FOLD, every), KINK: (KINK, before)}
+    if special.kind not in others:
+        return False
+    kind, among = others[special.kind]
+    return any(other.kind == kind and abs(at - where) <= SAME * length for where, other in among)
 
 
 def located(
