@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.gaits.continuation.problem import Local, NoValue, Problem
-from spear_pin.gaits.continuation.stepping import Point, along, corrected, placed, stepped
+from spear_pin.gaits.continuation.stepping import Point, ahead, along, corrected, placed, stepped
 from spear_pin.hybrid.orders import Order
 
 Array = NDArray[np.float64]
@@ -93,7 +93,7 @@ def _straight_on(problem: Problem, inner: Point) -> Point | None:
 
 
 def _turned(problem: Problem, inner: Point) -> Point | None:
-    """The first point of a branch that does not go on to the side to which it came, by the tangent of the other side."""
+    """The first point of a branch that goes on to another side than it came to, by the tangent beyond."""
     for length in BEYOND:
         try:
             there = problem.local(_predicted(problem, inner, length))
@@ -103,7 +103,7 @@ def _turned(problem: Problem, inner: Point) -> Point | None:
         except NoValue:
             continue
         for row in (tangent, -tangent):
-            start = problem.moved(inner.local, length * (inner.local.directions.T @ row))
+            start = ahead(problem, inner, row, length)
             try:
                 found = corrected(problem, start, row, float(row @ inner.local.u) + length, BENT * length)
                 if found.order != inner.local.order:
@@ -122,4 +122,4 @@ def _facing(local: Local, inner: Point) -> Point | None:
 
 
 def _predicted(problem: Problem, inner: Point, length: float) -> Array:
-    return problem.moved(inner.local, length * (inner.local.directions.T @ inner.tangent))
+    return ahead(problem, inner, inner.tangent, length)

@@ -91,10 +91,9 @@ class BorderPoint:
             return "no gait was found beyond, in whatever order of events"
         if self.reason:
             return f"the cycle ends: {REASONS.get(self.reason, self.reason)}"
-        near, far = differing(self.before, self.after)
-        kind = {CONTINUOUS: "border", TURNED: "border, where it turns", DISCONTINUOUS: "border, where it ends"}[self.kind]
+        kind = {CONTINUOUS: "border", TURNED: "border, where it turns", DISCONTINUOUS: "border, where it ends"}
         jump = f"; beyond, the cycle misses its start by {self.jump:.2g}" if self.kind == DISCONTINUOUS else ""
-        return f"{kind}: [{said(near)}] becomes [{said(far)}]{jump}"
+        return f"{kind[self.kind]}: {_change(self.before, self.after)}{jump}"
 
 
 @dataclass(frozen=True)
@@ -272,6 +271,14 @@ class Branch(Shown):
             "ends": [{"parameter": end.parameter, "reason": end.reason, "text": str(end)} for end in self.ends],
         }
         return json.dumps(data, allow_nan=False)
+
+
+def _change(before: Order, after: Order) -> str:
+    """What is another in an order of events."""
+    near, far = differing(before, after)
+    if not near:
+        return f"[{said(far)}] comes in"
+    return f"[{said(near)}] becomes [{said(far)}]" if far else f"[{said(near)}] no longer happens"
 
 
 def _value(number: complex) -> str:

@@ -52,7 +52,7 @@ def continue_gait(
         within: between which values of it.
         vary: numbers to solve for, as of `find_gait`; one more than targets where `over` is a measure.
         target: wanted values of as many measures, by name, which are kept.
-        step: longest along the arc, of a tenth of which each number is: 1 is the whole range, or 1 m, rad, m/s or rad/s.
+        step: longest along the arc: 1 is the whole range, 1 m, rad, m/s or rad/s, or a number solved for itself.
         points: at most so many each way.
         rtol: relative tolerance, as of `simulate_many`; without lanes of the reference engine.
         on_point: called with the parameter's value at each point.
@@ -122,7 +122,9 @@ def _equations(
         own.append(_measured(family, gait, own))
     low, high = within
     if not (np.isfinite(within).all() and low < high and low <= own[-1] <= high):
-        raise BadValue("within", within, f"two numbers, the lower one first, with the gait's {own[-1]:.6g} between them")
+        raise BadValue(
+            "within", within, f"two numbers, the lower one first, with the gait's {own[-1]:.6g} between them"
+        )
     if not measured:
         for value in within:
             family.member([*own[:-1], value])  # it says what is valid
@@ -151,14 +153,14 @@ def _start(problem: Gaits, state: Any, values: Array) -> Point:
             residual = float(np.abs(problem.glance(u)[0]).max())
         except NoValue:
             residual = np.inf
-        raise NoGait(f"the gait cannot be continued from where it is: {WHY.get(nothing.reason, nothing.reason)}", residual) from None
+        raise NoGait(
+            f"the gait cannot be continued from where it is: {WHY.get(nothing.reason, nothing.reason)}", residual
+        ) from None
 
 
-def _branch(
-    problem: Gaits, over: str, vary: tuple[str, ...], target: dict[str, float], back: Way, on: Way
-) -> Branch:
+def _branch(problem: Gaits, over: str, vary: tuple[str, ...], target: dict[str, float], back: Way, on: Way) -> Branch:
     """The branch made of both ways from its start."""
-    start, scale = len(back.points) - 1, float(problem.scale[-1])
+    start = len(back.points) - 1
     turned = [Point(point.local, -point.tangent) for point in back.points[:0:-1]]
     points = [*turned, *on.points]
     states = [problem.read(point.local.u) for point in points]
@@ -172,9 +174,7 @@ def _branch(
             if isinstance(met, Border):
                 beyond = None if met.outer is None else index + sign
                 order = met.inner.local.order
-                borders.append(
-                    BorderPoint(met.kind, index, beyond, value, order, met.after, met.reason, met.jump)
-                )
+                borders.append(BorderPoint(met.kind, index, beyond, value, order, met.after, met.reason, met.jump))
             else:
                 specials.append(SpecialPoint(met.kind, index, value, met.critical))
     borders.sort(key=lambda each: each.index)
@@ -193,9 +193,7 @@ def _branch(
         v=np.array([v for (_, v), _ in states]),
         solved={name: values[:, i] for i, name in enumerate(vary)},
         multipliers=np.array([point.local.multipliers[:width] for point in points]),
-        durations={
-            phase: np.array([each.durations.get(phase, 0.0) for each in about]) for phase in about[0].durations
-        },
+        durations={phase: np.array([each.durations.get(phase, 0.0) for each in about]) for phase in about[0].durations},
         residual=np.array([each.residual for each in about]),
         orders=tuple(point.local.order for point in points),
         tangents=np.array([point.tangent * whole for point in points]),

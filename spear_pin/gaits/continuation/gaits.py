@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from spear_pin.gaits.continuation.cycles import Family
 from spear_pin.gaits.continuation.differences import differentiated
 from spear_pin.gaits.continuation.problem import Local, NoValue
+from spear_pin.hybrid.newton import differentiated as differences
+from spear_pin.hybrid.newton import stencil
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.periodic import chart, eigenvalues
 from spear_pin.hybrid.result import State
@@ -84,7 +86,7 @@ class Gaits:
         durations = {phase: float(seconds[0]) for phase, seconds in seen[0].durations.items()}
         multipliers = eigenvalues(jacobian[:d, :d] + np.eye(d))
         about = About(charts, durations, float(np.abs(residual[:d]).max()))
-        return Local(u, residual, jacobian, self._directions(charts), multipliers, order, about)
+        return Local(u, residual, jacobian, self._directions(charts, values), multipliers, order, about)
 
     def glance(self, u: Array) -> tuple[Array, Order]:
         """F at a point, and the order of events; see `Problem`."""
@@ -115,15 +117,21 @@ class Gaits:
             return replace(charts, section=section(self.family.member(numbers[0].tolist())))
         return charts.on(dict(zip(self.family.names, numbers.T, strict=True)))
 
-    def _residuals(self, charts: Charts | SpatialCharts, xi: Array, values: Array) -> tuple[Array, Cycles]:
-        """F of lanes with coordinates ξ and values of the solved ones and the parameter."""
-        begins, q, v = np.empty_like(xi), *self._empty(len(xi))
+    def _placed(self, charts: Charts | SpatialCharts, xi: Array, values: Array) -> tuple[Array, Array, Array]:
+        """States of lanes on the section, with coordinates ξ and values of solved ones and parameter; their own ξ."""
+        robot = self.family.system.robot
+        begins, q, v = np.empty_like(xi), np.empty((len(xi), robot.nq)), np.empty((len(xi), robot.nv))
         last = values[:, -1] if self.family.of_robot else np.zeros(len(xi))
         for value in np.unique(last):
             lanes = np.flatnonzero(last == value)
             here = self._on(charts.take(np.zeros(len(lanes), dtype=np.int64)), values[lanes])
             q[lanes], v[lanes] = here.states(xi[lanes])
             begins[lanes] = here.coordinates(q[lanes], v[lanes])
+        return q, v, begins
+
+    def _residuals(self, charts: Charts | SpatialCharts, xi: Array, values: Array) -> tuple[Array, Cycles]:
+        """F of lanes with coordinates ξ and values of the solved ones and the parameter."""
+        q, v, begins = self._placed(charts, xi, values)
         after = self.family.run(q, v, self.numbers(values))
         whole = charts.take(np.zeros(len(xi), dtype=np.int64))
         ends = whole.coordinates(after.q, after.v)
@@ -136,14 +144,9 @@ class Gaits:
         reason[(reason == "") & ~np.isfinite(found).all(axis=1)] = "not_finite"
         return found, replace(after, reason=reason)
 
-    def _empty(self, n: int) -> tuple[Array, Array]:
-        robot = self.family.system.robot
-        return np.empty((n, robot.nq)), np.empty((n, robot.nv))
-
-    def _directions(self, charts: Charts | SpatialCharts) -> Array:
-        places, rates = charts.q_bases[0], charts.v_bases[0]
-        (nq, dq), (nv, dv), k = places.shape, rates.shape, len(self.scale)
-        found = np.zeros((nq + nv + k, dq + dv + k))
-        found[:nq, :dq], found[nq : nq + nv, dq : dq + dv] = places, rates
-        found[nq + nv :, dq + dv :] = np.eye(k)
-        return found
+    def _directions(self, charts: Charts | SpatialCharts, values: Array) -> Array:
+        """How a point moves with ξ, the solved ones and the parameter: it stays on the section."""
+        d = charts.dimension
+        offsets = stencil(d + len(values))
+        q, v, _ = self._placed(charts, offsets[:, :d], values + offsets[:, d:] * self.scale)
+        return differences(np.concatenate([q, v, values / self.scale + offsets[:, d:]], axis=1)[None])[0]

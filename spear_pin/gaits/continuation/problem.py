@@ -1,7 +1,7 @@
 """What is continued: equations in unknowns and one parameter, as continuation asks for them.
 
-Unknowns are points u of a manifold embedded in N numbers, each scaled so that 1 is a long way, the parameter last. About
-a point there are n + 1 local coordinates, for n equations; of plain equations they are the numbers themselves.
+Unknowns are points u of a manifold embedded in N numbers, each scaled so that 1 is a long way, the parameter last.
+About a point there are n + 1 local coordinates, for n equations; of plain equations they are the numbers themselves.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Local:
         u: the point, (N,).
         residual: F there, (n,).
         jacobian: dF/dc over the local coordinates, (n, n + 1).
-        directions: du/dc, with orthonormal columns, (N, n + 1).
+        directions: du/dc, (N, n + 1).
         multipliers: Floquet multipliers, by decreasing modulus, (d,).
         order: the order of events.
         more: what else is known of the cycle.
@@ -38,6 +38,10 @@ class Local:
     multipliers: NDArray[np.complex128]
     order: Order
     more: Any = field(default=None, compare=False)
+
+    def coordinates(self, direction: Array) -> Array:
+        """Local coordinates, (n + 1,), of the direction nearest to one, (N,)."""
+        return np.linalg.lstsq(self.directions, direction, rcond=None)[0].astype(np.float64)
 
 
 class NoValue(Exception):

@@ -28,8 +28,8 @@ class Special:
     Attributes:
         kind: `FOLD` (the parameter turns), `FLIP` (a multiplier is -1: the period doubles), `TORUS` (a complex pair is
             on the unit circle), `SADDLE` (two real ones have the product 1, which changes nothing), `CROSSING` (a
-            multiplier is 1 where the parameter does not turn), `KINK` (multipliers or the tangent jump, though the order
-            of events is the same on both sides).
+            multiplier is 1 where the parameter does not turn), `KINK` (multipliers or the tangent jump, though the
+            order of events is the same on both sides).
         point: the point.
         critical: the multipliers that are there, (1,) or (2,); of a kink none.
     """

@@ -45,7 +45,7 @@ def along(local: Local, before: Array) -> Array:
     if not np.isfinite(sizes).all():
         raise NoValue(SINGULAR, local.order)
     tangent = local.directions @ rows[-1]
-    return np.asarray(tangent * (1.0 if tangent @ before >= 0.0 else -1.0))
+    return np.asarray(tangent / np.linalg.norm(tangent) * (1.0 if tangent @ before >= 0.0 else -1.0))
 
 
 def placed(local: Local, before: Array) -> Point:
@@ -65,10 +65,15 @@ def stepped(problem: Problem, base: Point, length: float, reach: float = FARTHES
     Raises:
         NoValue: there is none; the reason says why.
     """
-    row, local = base.tangent, base.local
-    start = problem.moved(local, length * (local.directions.T @ row))
-    found = corrected(problem, start, row, float(row @ local.u) + length, reach * abs(length))
+    row = base.tangent
+    start = ahead(problem, base, row, length)
+    found = corrected(problem, start, row, float(row @ base.local.u) + length, reach * abs(length))
     return placed(found, row)
+
+
+def ahead(problem: Problem, base: Point, direction: Array, length: float) -> Array:
+    """Where a direction leads from a point."""
+    return problem.moved(base.local, length * base.local.coordinates(direction))
 
 
 def landed(problem: Problem, base: Point, parameter: float) -> Point:
@@ -80,7 +85,7 @@ def landed(problem: Problem, base: Point, parameter: float) -> Point:
     row = np.zeros_like(base.tangent)
     row[-1] = 1.0
     length = (parameter - base.local.u[-1]) / base.slope
-    start = problem.moved(base.local, length * (base.local.directions.T @ base.tangent))
+    start = ahead(problem, base, base.tangent, length)
     found = corrected(problem, start, row, parameter, FARTHEST * abs(length) + TOLERANCE)
     return placed(found, base.tangent)
 
@@ -108,7 +113,7 @@ def corrected(problem: Problem, start: Array, row: Array, value: float, reach: f
         last = size
         matrix = np.vstack([local.jacobian, row @ local.directions])
         try:
-            u = problem.moved(local, np.linalg.solve(matrix, -off))
+            u = problem.moved(local, np.linalg.solve(matrix, -off).astype(np.float64))
         except np.linalg.LinAlgError:
             raise NoValue(SINGULAR, local.order) from None
         if not np.linalg.norm(u - start) <= max(reach, 10.0 * TOLERANCE):

@@ -21,7 +21,7 @@ from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT
 from spear_pin.hybrid.engines.taylor_single import UNCLEAR, Entry, Single
 from spear_pin.hybrid.lanes.groups import Held
 from spear_pin.hybrid.lanes.numbers import Numbers
-from spear_pin.hybrid.orders import Order
+from spear_pin.hybrid.orders import Happening, Order, happening, in_order
 from spear_pin.hybrid.rules.cycles import crowded, due, left_at_once, retouches, whole
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes
@@ -74,7 +74,7 @@ class _Now:
         last: time of the last event, in s.
         crowd: events in this instant.
         grounded: when each toe was last on the ground, in s.
-        order: what happened, (domain, event) each.
+        happened: the events so far.
     """
 
     phase: str
@@ -91,7 +91,7 @@ class _Now:
     switches: int = 0
     last: float = -math.inf
     crowd: int = 0
-    order: list[tuple[str, str]] = field(default_factory=list)
+    happened: list[Happening] = field(default_factory=list)
 
 
 class LoneRunner:
@@ -165,7 +165,7 @@ class LoneRunner:
         now.crowd, now.last = crowded(now.crowd, time - now.last), time
         if reset is None or now.crowd == FEW_AT_ONCE:
             raise _Unclear
-        now.order.append((domain.name, event.name))
+        now.happened.append(happening(domain, event, reset, event.name, time))
         for i in domain.on_ground:
             now.grounded[i] = time
         if reset.impact:
@@ -201,7 +201,7 @@ class LoneRunner:
         if reset.phase is None or not whole(now.past):
             raise _Unclear
         ago = [now.past - time for time in now.grounded]
-        return Lap(now.y, now.held, now.spent, now.observed, now.phase, (domain, reset), ago, tuple(now.order))
+        return Lap(now.y, now.held, now.spent, now.observed, now.phase, (domain, reset), ago, in_order(now.happened))
 
     def _enter(self, now: _Now) -> tuple[Single, Entry]:
         """The domain that fits best."""

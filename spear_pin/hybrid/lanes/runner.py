@@ -23,7 +23,7 @@ from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.lanes.modes import away, choose, first_event
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.sliding import Came, slide
-from spear_pin.hybrid.orders import Order, order_of
+from spear_pin.hybrid.orders import Happening, Order, happening, in_order, order_of
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.result import Options
@@ -78,8 +78,8 @@ class Lanes:
         seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and code.observing}
         self.observed = {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
         self._lone = [LoneRunner(self.numbers, lane) for lane in range(n)] if n <= FEW else []
-        self.orders: list[Order] = [()] * n  # of the last whole cycle, and so far of the one under way
-        self._so_far: list[Order] = [()] * n
+        self.orders: list[Order] = [()] * n  # of the last whole cycle
+        self._happened: list[list[Happening]] = [[] for _ in self._lone]  # in the one under way
         self._alone: list[tuple[str, Group, Came | None]] = []
         self._entering: dict[Any, tuple[str, Came | None, list[Group]]] = {}
         self._flying: dict[int, tuple[Ready, list[Group]]] = {}
@@ -283,8 +283,9 @@ class Lanes:
         if reset.phase is not None:
             group = self.new(reset, group)
         if self._lone:
-            for lane in group.lanes:
-                self._so_far[lane] += ((domain.name, RETOUCH if again else guard.name),)
+            name = RETOUCH if again else guard.name
+            for lane, t in zip(group.lanes, group.t, strict=True):
+                self._happened[lane].append(happening(domain, guard, reset, name, self.began[lane] + t))
         struck = struck_toes(self.system, domain, reset)
         if struck and len(group):
             group = self.strike(struck, reset.impact, group)
@@ -344,7 +345,7 @@ class Lanes:
         self.on_section[lanes], self.events[lanes] = True, 0
         if self._lone:
             for lane in lanes:
-                self.orders[lane], self._so_far[lane] = self._so_far[lane], ()
+                self.orders[lane], self._happened[lane] = in_order(self._happened[lane]), []
         if reset is self._fresh:
             self.start[:, lanes], self.before[lanes] = group.y, self.cycles[lanes]
         done = self.cycles[lanes] == self.wanted

@@ -1,9 +1,9 @@
 """A ball on a table that moves as Γ sin θ bounces once a period: its fold and its flip in closed form.
 
-In units of the table's frequency and of gravity, with u just after an impact and restitution e: a period-one bounce has
-u = π, and 1 - e of that over 1 + e is the table's velocity, Γ cos θ = π (1 - e) / (1 + e), so that there is none where Γ
-is less. The Jacobian of the map (θ, u) has the determinant e² and the trace 1 + e² - (1 + e)² Γ sin θ: a multiplier is
--1 where Γ sin θ = 2 (1 + e²) / (1 + e)².
+In units of the table's frequency and of gravity, with u just after an impact and restitution e: a period-one bounce
+has u = π, which is what the impact gives where the table's velocity is Γ cos θ = π (1 - e) / (1 + e), so that there is
+none where Γ is less. The Jacobian of the map (θ, u) has the determinant e² and the trace 1 + e² - (1 + e)² Γ sin θ: a
+multiplier is 1 where sin θ = 0, and -1 where Γ sin θ = 2 (1 + e²) / (1 + e)².
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """The simplest walking model, of Garcia, Chatterjee, Ruina and Coleman (1998): its period doubles at a slope of 0.0151.
 
-In units of leg and gravity: θ'' = sin(θ - γ), φ'' = θ'' + θ'² sin φ - cos(θ - γ) sin φ; the foot strikes where φ = 2 θ, and
-then θ ← -θ, θ' ← cos 2θ θ', φ ← -2θ, φ' ← cos 2θ (1 - cos 2θ) θ'.
+In units of leg and gravity: θ'' = sin(θ - γ), φ'' = θ'' + θ'² sin φ - cos(θ - γ) sin φ; the foot strikes where φ = 2 θ,
+and then θ ← -θ, θ' ← cos 2θ θ', φ ← -2θ, φ' ← cos 2θ (1 - cos 2θ) θ'.
 """
 
 import numpy as np
@@ -49,6 +49,5 @@ def test_its_period_doubles_at_the_published_slope():
     plain = Plain(strides, np.array([1.0, 1.0, 0.02]))
     x = scipy.optimize.fsolve(lambda x: strides(x, 0.009)[0] - x, LONG, xtol=1e-12)
     _, up = plain.both_ways(x, 0.009, (0.008, 0.016))
-    print(kinds(up), [m.point.local.u*plain.scale for _, m in up.met], up.end, len(up.points))
     assert kinds(up) == [FLIP]
     assert up.met[0][1].point.local.u[-1] * 0.02 == pytest.approx(0.0151, abs=5e-5)
