@@ -47,6 +47,7 @@ def family(branch: Branch) -> Figure:
         first.axhline(1.0, color="0.6", linewidth=0.5, gid="circle")
         first.set_ylim(0.0, 1.1 * max(1.0, float(branch.largest.max())))
         _legend(first, branch)
+        shared[-1].margins(x=0.02)
         shared[-1].set_xlabel(label(branch.over))
         return figure
 
@@ -90,7 +91,7 @@ def _panels(branch: Branch) -> list[tuple[str, list[tuple[str, Array, str]]]]:
 
 
 def _parts(stable: NDArray[np.bool_], n: int, gaps: set[frozenset[int]]) -> list[tuple[bool, list[int]]]:
-    """Points that belong together, and whether they are stable; between two of both kinds the step is the unstable's."""
+    """Points that belong together, and whether they are stable; between two of both kinds a step is the unstable's."""
     parts: list[tuple[bool, list[int]]] = [(bool(stable[0]), [0])]
     for i, j in pairwise(range(n)):
         kind = bool(stable[i] and stable[j])
