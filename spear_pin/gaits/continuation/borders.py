@@ -59,7 +59,7 @@ def approached(problem: Problem, base: Point, length: float) -> list[tuple[Point
             point = stepped(problem, base, length)
         except NoValue:
             continue
-        if point.local.order == base.local.order:
+        if point.local.like(base.local):
             base = point
             steps.append((point, length))
     return steps
@@ -87,7 +87,7 @@ def _straight_on(problem: Problem, inner: Point) -> Point | None:
             point = stepped(problem, inner, length, reach=BENT)
         except NoValue:
             continue
-        if point.local.order != inner.local.order:
+        if not point.local.like(inner.local):
             return _facing(point.local, inner)
     return None
 
@@ -97,7 +97,7 @@ def _turned(problem: Problem, inner: Point) -> Point | None:
     for length in BEYOND:
         try:
             there = problem.local(_predicted(problem, inner, length))
-            if there.order == inner.local.order:
+            if there.like(inner.local):
                 continue
             tangent = along(there, inner.tangent)
         except NoValue:
@@ -106,7 +106,7 @@ def _turned(problem: Problem, inner: Point) -> Point | None:
             start = ahead(problem, inner, row, length)
             try:
                 found = corrected(problem, start, row, float(row @ inner.local.u) + length, BENT * length)
-                if found.order != inner.local.order:
+                if not found.like(inner.local):
                     return _facing(found, inner)
             except NoValue:
                 continue

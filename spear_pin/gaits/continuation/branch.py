@@ -128,7 +128,8 @@ class Branch(Shown):
         q: configurations on the section, (n, nq).
         v: velocities there, (n, nv).
         solved: values of what is solved for, by name, (n,) each.
-        multipliers: Floquet multipliers by decreasing modulus, (n, d).
+        multipliers: Floquet multipliers by decreasing modulus, (n, d); NaN beyond the section's dimension, which is one
+            less where no toe slides as it lands.
         durations: seconds in each phase, (n,) each.
         residual: largest component of x - P(x) in the section's coordinates, (n,).
         orders: (domain, event) of each event of the cycle, (n,).
@@ -238,7 +239,7 @@ class Branch(Shown):
             state=(self.q[index].copy(), self.v[index].copy()),
             parameters=solved,
             residual=float(self.residual[index]),
-            multipliers=self.multipliers[index].copy(),
+            multipliers=self.multipliers[index][np.isfinite(self.multipliers[index])],
             durations={phase: float(seconds[index]) for phase, seconds in self.durations.items()},
         )
 
@@ -257,7 +258,7 @@ class Branch(Shown):
             "q": self.q.tolist(),
             "v": self.v.tolist(),
             "solved": {name: values.tolist() for name, values in self.solved.items()},
-            "multipliers": [[[value.real, value.imag] for value in row] for row in self.multipliers.tolist()],
+            "multipliers": [[[value.real, value.imag] for value in row[np.isfinite(row)]] for row in self.multipliers],
             "durations": {phase: seconds.tolist() for phase, seconds in self.durations.items()},
             "residual": self.residual.tolist(),
             "orders": [[list(pair) for pair in order] for order in orders],
@@ -276,6 +277,8 @@ class Branch(Shown):
 def _change(before: Order, after: Order) -> str:
     """What is another in an order of events."""
     near, far = differing(before, after)
+    if before == after:
+        return "a toe begins or ceases to slide as it lands"
     if not near:
         return f"[{said(far)}] comes in"
     return f"[{said(near)}] becomes [{said(far)}]" if far else f"[{said(near)}] no longer happens"

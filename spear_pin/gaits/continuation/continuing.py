@@ -180,7 +180,9 @@ def _branch(problem: Gaits, over: str, vary: tuple[str, ...], target: dict[str, 
     borders.sort(key=lambda each: each.index)
     specials.sort(key=lambda each: each.index)
     about = [point.local.more for point in points]
-    width = len(points[0].local.multipliers)
+    multipliers = np.full((len(points), max(len(point.local.multipliers) for point in points)), np.nan + 0j)
+    for row, point in zip(multipliers, points, strict=True):
+        row[: len(point.local.multipliers)] = point.local.multipliers
     whole = np.concatenate([np.ones(len(points[0].tangent) - len(problem.scale)), problem.scale])
     return Branch(
         family=problem.family,
@@ -192,7 +194,7 @@ def _branch(problem: Gaits, over: str, vary: tuple[str, ...], target: dict[str, 
         q=np.array([q for (q, _), _ in states]),
         v=np.array([v for (_, v), _ in states]),
         solved={name: values[:, i] for i, name in enumerate(vary)},
-        multipliers=np.array([point.local.multipliers[:width] for point in points]),
+        multipliers=multipliers,
         durations={phase: np.array([each.durations.get(phase, 0.0) for each in about]) for phase in about[0].durations},
         residual=np.array([each.residual for each in about]),
         orders=tuple(point.local.order for point in points),

@@ -85,7 +85,7 @@ def _tried(problem: Problem, base: Point, length: float) -> Point | None:
         point = stepped(problem, base, length)
     except NoValue:
         return None
-    return point if point.local.order == base.local.order else None
+    return point if point.local.like(base.local) else None
 
 
 def _angle(one: Point, other: Point) -> float:

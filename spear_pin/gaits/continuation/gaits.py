@@ -74,6 +74,13 @@ class Gaits:
         """The equations about a point; see `Problem`."""
         state, values = self.read(u)
         charts = self._charts(state, values)
+        local, slides = self._local(charts, values)
+        if slides is not None:  # the section's toes land otherwise than they are here
+            local, _ = self._local(self._charts(state, values, slides), values)
+        return local
+
+    def _local(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Local, NDArray[np.bool_] | None]:
+        """The equations about a chart's origin, and which toes slide after the cycle, if those are others."""
         d = charts.dimension
         seen: list[Cycles] = []
 
@@ -86,7 +93,12 @@ class Gaits:
         durations = {phase: float(seconds[0]) for phase, seconds in seen[0].durations.items()}
         multipliers = eigenvalues(jacobian[:d, :d] + np.eye(d))
         about = About(charts, durations, float(np.abs(residual[:d]).max()))
-        return Local(u, residual, jacobian, self._directions(charts, values), multipliers, order, about)
+        (q,), (v,) = charts.states(np.zeros((1, d)))
+        u, slides = self.point((q, v), values), None
+        if isinstance(charts, Charts):
+            after = charts.section.sliding(seen[0].q[:1], seen[0].v[:1])[0]
+            slides = None if (after == charts.slides).all() else after
+        return Local(u, residual, jacobian, self._directions(charts, values), multipliers, order, about), slides
 
     def glance(self, u: Array) -> tuple[Array, Order]:
         """F at a point, and the order of events; see `Problem`."""
@@ -105,10 +117,15 @@ class Gaits:
         q, v = self._on(charts, values[None]).states(step[None, : charts.dimension])
         return self.point((q[0], v[0]), values)
 
-    def _charts(self, state: State, values: Array) -> Charts | SpatialCharts:
+    def _charts(self, state: State, values: Array, slides: NDArray[np.bool_] | None = None) -> Charts | SpatialCharts:
+        """The chart around a state, in which the toes slide that do there, or others, (ntoes,)."""
         if not all(np.isfinite(part).all() for part in state):
             raise NoValue("not_finite")
-        return chart(self.family.member(self.numbers(values).tolist()), state).lane
+        system = self.family.member(self.numbers(values).tolist())
+        if slides is None:
+            return chart(system, state).lane
+        q, v = state
+        return section(system).charts(q[None], v[None], slides)
 
     def _on(self, charts: Charts | SpatialCharts, values: Array) -> Charts | SpatialCharts:
         """Charts with the same directions, of the sections with values of the solved ones and the parameter."""

@@ -39,6 +39,10 @@ class Local:
     order: Order
     more: Any = field(default=None, compare=False)
 
+    def like(self, other: Local) -> bool:
+        """Whether the order of events is that of another, and there are as many multipliers."""
+        return self.order == other.order and len(self.multipliers) == len(other.multipliers)
+
     def coordinates(self, direction: Array) -> Array:
         """Local coordinates, (n + 1,), of the direction nearest to one, (N,)."""
         return np.linalg.lstsq(self.directions, direction, rcond=None)[0].astype(np.float64)

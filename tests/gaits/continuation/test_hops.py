@@ -6,7 +6,7 @@ import pytest
 from spear_pin import HoppingLaw, continue_gait, find_gait, hopping
 from spear_pin.errors import BadValue, NoGait, UnknownName
 from spear_pin.hybrid.orders import differing, order_of
-from spear_pin.hybrid.periodic import residual, return_map
+from spear_pin.hybrid.periodic import multipliers, residual, return_map
 
 pytestmark = pytest.mark.extra("heyoka")
 SLACK = ("stance slip-", "spring_switch")
@@ -65,6 +65,21 @@ def test_the_first_kind_crosses_a_border_where_the_toe_slips_as_it_lands(first):
     assert differing(border.before, border.after) == ((), (("stance slip-", "stick"),))
     assert first.orders[border.index] == border.before and first.orders[border.beyond] == border.after
     assert first.parameter[border.beyond] == pytest.approx(border.parameter, abs=1e-3)
+
+
+def test_on_ice_it_slides_as_it_lands_and_its_period_doubles(robot, given):
+    branch = continue_gait(given, "friction", (0.0255, 0.9))
+    (slides,) = [border for border in branch.borders if border.before == border.after]
+    assert slides.parameter == pytest.approx(0.216434, abs=1e-5)
+    assert "slide as it lands" in str(slides)
+    here, beyond = (np.isfinite(branch.multipliers[i]).sum() for i in (slides.index, slides.beyond))
+    assert (here, beyond) == (3, 4)
+    (flip,) = branch.flips
+    gait = branch.gait(flip.index)
+    assert residual(gait.system, gait.state) < 1e-8
+    assert multipliers(gait.system, gait.state)[0] == pytest.approx(-1.0, abs=1e-4)
+    assert flip.critical == pytest.approx([-1.0], abs=1e-6)
+    assert branch.stable[flip.index + 1] and not branch.stable[flip.index - 1]
 
 
 @pytest.mark.slow
