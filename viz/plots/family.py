@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from spear_pin.errors import BadValue
 from spear_pin.gaits.continuation.branch import Branch
 from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Picture, style
 from spear_pin.viz.plots.sweep import label
@@ -31,24 +32,34 @@ MARKS = {
 """Name, marker and colour of what is marked."""
 
 
-def family(branch: Branch) -> Figure:
-    """Moduli of the multipliers, durations of the phases and what is solved for, over the parameter."""
-    panels = _panels(branch)
+def family(*branches: Branch) -> Figure:
+    """Moduli of the multipliers, durations of the phases and what is solved for, over the parameter.
+
+    Args:
+        *branches: one, or several of the same system over the same parameter, with the same numbers solved for.
+
+    Raises:
+        BadValue: there is none, or they are of different parameters.
+    """
+    if len({(branch.over, branch.vary) for branch in branches}) != 1:
+        raise BadValue("branches", [branch.over for branch in branches], "some over the same parameter")
+    parts = [_panels(branch) for branch in branches]
     with style():
-        figure = Picture(figsize=(7.0, 2.6 + 1.6 * (len(panels) - 1)), layout="constrained")
-        shared = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-        for panel, (title, lines) in zip(shared, panels, strict=True):
-            for name, values, color in lines:
-                draw(panel, branch, values, color, name)
-            panel.set_ylabel(title)
-            if len(lines) > 1:
-                panel.legend()
+        figure = Picture(figsize=(7.0, 2.6 + 1.6 * (len(parts[0]) - 1)), layout="constrained")
+        shared = figure.subplots(len(parts[0]), 1, sharex=True, squeeze=False)[:, 0]
+        for i, (branch, panels) in enumerate(zip(branches, parts, strict=True)):
+            for panel, (title, lines) in zip(shared, panels, strict=True):
+                for name, values, color in lines:
+                    draw(panel, branch, values, color, "" if i else name)
+                panel.set_ylabel(title)
+                if len(lines) > 1:
+                    panel.legend()
         first = shared[0]
         first.axhline(1.0, color="0.6", linewidth=0.5, gid="circle")
-        first.set_ylim(0.0, 1.1 * max(1.0, float(branch.largest.max())))
-        _legend(first, branch)
+        first.set_ylim(0.0, 1.1 * max(1.0, *(float(branch.largest.max()) for branch in branches)))
+        _legend(first, branches)
         shared[-1].margins(x=0.02)
-        shared[-1].set_xlabel(label(branch.over))
+        shared[-1].set_xlabel(label(branches[0].over))
         return figure
 
 
@@ -110,13 +121,15 @@ def _marked(branch: Branch) -> list[tuple[str, int]]:
     return marks + [("end" if border.beyond is None else "border", border.index) for border in branch.borders]
 
 
-def _legend(axes: Axes, branch: Branch) -> None:
+def _legend(axes: Axes, branches: Sequence[Branch]) -> None:
     """What lines and marks mean, of those that are there."""
-    kinds: Sequence[str] = [kind for kind in MARKS if kind in {kind for kind, _ in _marked(branch)}]
+    there_are = {kind for branch in branches for kind, _ in _marked(branch)}
+    kinds = [kind for kind in MARKS if kind in there_are]
+    stable = np.concatenate([branch.stable for branch in branches])
     handles = []
     for name, dash, there in (
-        ("stable", "-", branch.stable.any()),
-        ("unstable", (0, (3.0, 1.5)), not branch.stable.all()),
+        ("stable", "-", stable.any()),
+        ("unstable", (0, (3.0, 1.5)), not stable.all()),
     ):
         if there:
             handles += axes.plot([], [], color=BLUE, linestyle=dash, label=name)

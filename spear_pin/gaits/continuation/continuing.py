@@ -20,6 +20,7 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import WHY
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.parameters import parameter
+from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
 from spear_pin.model.variants import parameters_of
 
@@ -70,6 +71,7 @@ def continue_gait(
         >>> branch.why[1]
         'the end of the range'
     """
+    Options(rtol=rtol)  # it says what is valid
     problem, state, values = _equations(gait, over, within, tuple(vary), dict(target or {}), rtol)
     if not LEAST_STEP <= step <= 1.0:
         raise BadValue("step", step, f"a number from {LEAST_STEP:g} to 1")
