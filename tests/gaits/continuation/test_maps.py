@@ -40,12 +40,13 @@ class TestBorders:
         assert border.outer.local.multipliers == pytest.approx([-0.5], abs=1e-6)
         assert up.end == "range" and at(up, -1) == pytest.approx([2.0 / 1.5, 2.0], abs=1e-9)
 
-    def test_it_turns_back_where_the_other_map_has_it_on_the_same_side(self):
-        _, up = along(pieces(0.5, 2.0), -1.0, -0.5)
+    @pytest.mark.parametrize("slope", [2.0, 10.0])  # beyond, ahead of the tangent before, and behind it
+    def test_it_turns_back_where_the_other_map_has_it_on_the_same_side(self, slope):
+        _, up = along(pieces(0.5, slope), -1.0, -0.5)
         ((index, border),) = up.met
         assert border.kind == "turned" and at(up, index) == pytest.approx([0.0, 0.0], abs=1e-7)
-        assert up.end == "range" and at(up, -1) == pytest.approx([1.0, -1.0], abs=1e-9)
-        assert up.points[-1].local.multipliers == pytest.approx([2.0], abs=1e-6)
+        assert up.end == "range" and at(up, -1) == pytest.approx([1.0 / (slope - 1.0), -1.0], abs=1e-9)
+        assert up.points[-1].local.multipliers == pytest.approx([slope], abs=1e-6)
 
     @pytest.mark.parametrize("jump", [0.3, -0.3, 5.0])
     def test_it_ends_where_they_do_not(self, jump):
