@@ -130,7 +130,7 @@ def _hop(arguments: argparse.Namespace, target: dict[str, float]) -> Gait:
     system = hopping(robot) if leg is None else scaled_hopping(robot)
     if arguments.over in system.measures:
         target, at = {**target, **at}, {}
-    return find_gait(with_parameters(system, at), ["stance_torque"] if target else [], target)
+    return find_gait(with_parameters(system, at), ["stance_torque"] if target else [], dict[Any, float](target))
 
 
 def _figures(branch: Branch) -> dict[str, Any]:

@@ -6,6 +6,7 @@ on there, perhaps with a kink, or back to where it came from; if they do not it 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,10 +17,13 @@ from spear_pin.gaits.continuation.stepping import Point, ahead, along, corrected
 from spear_pin.hybrid.orders import Order
 
 Array = NDArray[np.float64]
+Fits = Callable[[Local, Local], bool]
 CLOSEST = 1e-8  # arc length up to which a border is approached
 BEYOND = (1e-7, 1e-6, 1e-5, 1e-4)  # arc lengths at which the other side is looked for
 BENT = 10.0  # lengths of so small a step: how far a branch with a kink may lie from its tangent before
-CONTINUOUS, TURNED, DISCONTINUOUS, LOST = "continuous", "turned", "discontinuous", "lost"
+BACK = -0.999  # cosine between tangents of a branch that would go back on itself
+CONTINUOUS, TURNED, KINKED = "continuous", "turned", "kinked"
+DISCONTINUOUS, LOST = "discontinuous", "lost"
 
 
 @dataclass(frozen=True)
@@ -28,7 +32,8 @@ class Border:
 
     Attributes:
         kind: `CONTINUOUS` (the branch goes on beyond it), `TURNED` (it goes on beyond it, and the parameter back),
-            `DISCONTINUOUS` (it ends: beyond, no fixed point is near), `LOST` (it ends, and no other order is near).
+            `KINKED` (it goes on with a kink, in the same order), `DISCONTINUOUS` (it ends: beyond, no fixed point is
+            near), `LOST` (it ends, and no other order is near).
         inner: the last point before it.
         outer: the first point behind it, if there is one.
         after: the order of events behind it; empty if the cycle does not close there.
@@ -65,9 +70,15 @@ def approached(problem: Problem, base: Point, length: float) -> list[tuple[Point
     return steps
 
 
-def border(problem: Problem, inner: Point) -> Border:
-    """What is behind the last point before a border."""
-    outer = _straight_on(problem, inner) or _turned(problem, inner)
+def border(problem: Problem, inner: Point, came: Array) -> Border:
+    """What is behind the last point before a border.
+
+    Args:
+        problem: the equations.
+        inner: the point.
+        came: tangent of the branch some way before, (N,), where differences do not reach the border.
+    """
+    outer = _straight_on(problem, inner, _other) or _turned(problem, inner, _other, came)
     if outer is not None:
         back = outer.slope * inner.slope < 0.0
         return Border(TURNED if back else CONTINUOUS, inner, outer, outer.local.order)
@@ -78,26 +89,32 @@ def border(problem: Problem, inner: Point) -> Border:
             return Border(DISCONTINUOUS, inner, None, nothing.order, nothing.reason)
         if order != inner.local.order:
             return Border(DISCONTINUOUS, inner, None, order, "", float(np.abs(residual).max()))
-    return Border(LOST, inner, None, inner.local.order)
+    outer = _straight_on(problem, inner, Local.like) or _turned(problem, inner, Local.like, came)
+    return Border(LOST if outer is None else KINKED, inner, outer, inner.local.order)
 
 
-def _straight_on(problem: Problem, inner: Point) -> Point | None:
+def _other(local: Local, inner: Local) -> bool:
+    return not local.like(inner)
+
+
+def _straight_on(problem: Problem, inner: Point, fits: Fits) -> Point | None:
+    """The first point of a branch that goes on to the side to which it came."""
     for length in BEYOND:
         try:
             point = stepped(problem, inner, length, reach=BENT)
         except NoValue:
             continue
-        if not point.local.like(inner.local):
+        if fits(point.local, inner.local):
             return _facing(point.local, inner)
     return None
 
 
-def _turned(problem: Problem, inner: Point) -> Point | None:
+def _turned(problem: Problem, inner: Point, fits: Fits, came: Array) -> Point | None:
     """The first point of a branch that goes on to another side than it came to, by the tangent beyond."""
     for length in BEYOND:
         try:
             there = problem.local(_predicted(problem, inner, length))
-            if there.like(inner.local):
+            if not fits(there, inner.local):
                 continue
             tangent = along(there, inner.tangent)
         except NoValue:
@@ -106,10 +123,11 @@ def _turned(problem: Problem, inner: Point) -> Point | None:
             start = ahead(problem, inner, row, length)
             try:
                 found = corrected(problem, start, row, float(row @ inner.local.u) + length, BENT * length)
-                if not found.like(inner.local):
-                    return _facing(found, inner)
             except NoValue:
                 continue
+            outer = _facing(found, inner) if fits(found, inner.local) else None
+            if outer is not None and outer.tangent @ came > BACK:
+                return outer
     return None
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.gaits.continuation.borders import CONTINUOUS, DISCONTINUOUS, LOST, TURNED
+from spear_pin.gaits.continuation.borders import CONTINUOUS, DISCONTINUOUS, KINKED, LOST, TURNED
 from spear_pin.gaits.continuation.cycles import Family
 from spear_pin.gaits.continuation.signs import CROSSING, FLIP, FOLD, KINK, SADDLE, TORUS
 from spear_pin.gaits.gait import Gait
@@ -66,8 +66,9 @@ class BorderPoint:
     """A point where the order of events changes, or the cycle ends.
 
     Attributes:
-        kind: "continuous" (the branch goes on), "turned" (it goes on, and the parameter back), "discontinuous" (it
-            ends: no gait is near beyond), "lost" (it ends, and no other order was found beyond).
+        kind: "continuous" (the branch goes on), "turned" (it goes on, and the parameter back), "kinked" (it goes on
+            with a kink, in the same order), "discontinuous" (it ends: no gait is near beyond), "lost" (it ends, and no
+            other order was found beyond).
         index: of the last of the branch's points before it, seen from where the continuation began.
         beyond: of the first behind it; None where the branch ends.
         parameter: there.
@@ -87,6 +88,8 @@ class BorderPoint:
     jump: float
 
     def __str__(self) -> str:
+        if self.kind == KINKED:
+            return KINDS[KINK]
         if self.kind == LOST:
             return "no gait was found beyond, in whatever order of events"
         if self.reason:

@@ -25,6 +25,7 @@ from spear_pin.hybrid.shooting import NOT_FINITE, Cycles
 from spear_pin.model.variants import PARAMETERS, parameters_of, vary
 
 Array = NDArray[np.float64]
+KEPT = 16  # systems with other robots: three are asked for again and again
 Measure = str | Callable[[Run], float]
 
 
@@ -58,12 +59,24 @@ class Family:
         given = dict(zip(self.names, map(float, values), strict=True))
         system = self.system
         if self.of_robot:
-            name = self.names[-1]
-            robot = vary(system.robot, **{name: given.pop(name)})
-            parts: dict[str, Any] = {part: getattr(system, part) for part in PARTS}
-            again, kept = system.build(robot, **parts), replaced(system)
-            system = replace(again, **kept) if kept else again
+            system = self._with_robot(given.pop(self.names[-1]))
         return with_parameters(system, given)
+
+    def _with_robot(self, value: float) -> HybridSystem:
+        """The system with another value of the robot's number."""
+        if value not in self._made:
+            if len(self._made) >= KEPT:
+                self._made.clear()
+            robot = vary(self.system.robot, **{self.names[-1]: value})
+            parts: dict[str, Any] = {part: getattr(self.system, part) for part in PARTS}
+            again, kept = self.system.build(robot, **parts), replaced(self.system)
+            self._made[value] = replace(again, **kept) if kept else again
+        return self._made[value]
+
+    @cached_property
+    def _made(self) -> dict[float, HybridSystem]:
+        """Systems with other robots, by the value of their number."""
+        return {}
 
     def values(self) -> list[float]:
         """The numbers of the system itself."""

@@ -125,12 +125,13 @@ def _closes(base: Point, point: Point, start: Point, length: float) -> bool:
 
 def _meet(problem: Problem, way: Way, base: Point, length: float) -> None:
     """Go up to a border, and behind it if the branch goes on."""
+    came = base.tangent
     for point, taken in approached(problem, base, length):
         _mark(problem, way, base, point, taken)
         base = point
     if base is not way.points[-1]:
         way.points.append(base)
-    met = border(problem, base)
+    met = border(problem, base, came)
     way.met.append((len(way.points) - 1, met))
     if met.outer is None:
         way.end = LOST if met.kind == borders.LOST else BORDER

@@ -166,4 +166,5 @@ class Gaits:
         d = charts.dimension
         offsets = stencil(d + len(values))
         q, v, _ = self._placed(charts, offsets[:, :d], values + offsets[:, d:] * self.scale)
-        return differences(np.concatenate([q, v, values / self.scale + offsets[:, d:]], axis=1)[None])[0]
+        points = np.concatenate([q, v, values / self.scale + offsets[:, d:]], axis=1)
+        return np.asarray(differences(points[None])[0])

@@ -17,6 +17,9 @@ FOLD, FLIP, TORUS = "fold", "flip", "neimark_sacker"
 SADDLE, CROSSING, KINK = "neutral_saddle", "unit_multiplier", "kink"
 EXACT = 1e-9  # of the arc length
 SAME = 1e-3  # of a step: what is closer together is one
+BLUR = (5e-5, 2e-4)  # arc lengths: farther than differences reach, and four times that
+BENT = 10.0  # lengths of these: how far a branch with a kink may lie from its tangent
+NOTHING = 1e-3  # change of a test function that is none
 SMALL = 1e-3  # of its larger value beside: a test function that is no smaller where it changes sign jumps there
 NONE: Multipliers = np.empty(0, dtype=np.complex128)
 
@@ -77,7 +80,7 @@ def specials(problem: Problem, base: Point, end: Point, length: float) -> list[S
     for test in TESTS:
         if test(base) * test(end) < 0.0:
             at, point = located(problem, base, end, length, test)
-            jumps = abs(test(point)) > SMALL * max(abs(test(base)), abs(test(end)))
+            jumps = abs(test(point)) > SMALL * max(abs(test(base)), abs(test(end))) or _jumps(problem, point, test)
             found.append((at, Special(KINK, point, NONE) if jumps else _named(test, point)))
     found.sort(key=lambda each: each[0])
     return [special for i, (at, special) in enumerate(found) if not _said(found[:i], found, at, special, length)]
@@ -92,6 +95,16 @@ def _said(
         return False
     kind, among = others[special.kind]
     return any(other.kind == kind and abs(at - where) <= SAME * length for where, other in among)
+
+
+def _jumps(problem: Problem, point: Point, test: Callable[[Point], float]) -> bool:
+    """Whether a function changes as much close to a point as farther off: differences blur what jumps there."""
+    try:
+        sides = [[test(stepped(problem, point, side * far, BENT)) for side in (-1.0, 1.0)] for far in BLUR]
+    except NoValue:
+        return False
+    close, farther = (abs(after - before) for before, after in sides)
+    return close > NOTHING and farther < 2.0 * close
 
 
 def located(
