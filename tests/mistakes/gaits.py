@@ -28,8 +28,8 @@ MUTATIONS = [
         ["gaits/continuation/test_maps"],
         {
             "no way but straight on": (
-                "_straight_on(problem, inner, _other) or _turned(problem, inner, _other, came)",
-                "_straight_on(problem, inner, _other)",
+                "_straight_on(problem, inner) or _turned(problem, inner, came)",
+                "_straight_on(problem, inner)",
             ),
             "a turn that is not told": ("outer.slope * inner.slope < 0.0", "outer.slope * inner.slope < -2.0"),
             "borders approached by half": ("while length > CLOSEST", "while length > 1e-3"),

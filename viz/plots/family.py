@@ -58,7 +58,8 @@ def family(*branches: Branch) -> Figure:
         first.axhline(1.0, color="0.6", linewidth=0.5, gid="circle")
         first.set_ylim(0.0, 1.1 * max(1.0, *(float(branch.largest.max()) for branch in branches)))
         _legend(first, branches)
-        shared[-1].margins(x=0.02)
+        for panel in shared:
+            panel.margins(x=0.02)
         shared[-1].set_xlabel(label(branches[0].over))
         return figure
 

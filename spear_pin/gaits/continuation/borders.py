@@ -6,7 +6,6 @@ on there, perhaps with a kink, or back to where it came from; if they do not it 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,13 +16,12 @@ from spear_pin.gaits.continuation.stepping import Point, ahead, along, corrected
 from spear_pin.hybrid.orders import Order
 
 Array = NDArray[np.float64]
-Fits = Callable[[Local, Local], bool]
 CLOSEST = 1e-8  # arc length up to which a border is approached
 BEYOND = (1e-7, 1e-6, 1e-5, 1e-4)  # arc lengths at which the other side is looked for
 BENT = 10.0  # lengths of so small a step: how far a branch with a kink may lie from its tangent before
+JUMPS = 100.0  # residual by arc length behind a border that says that the map jumps there
 BACK = -0.999  # cosine between tangents of a branch that would go back on itself
-CONTINUOUS, TURNED, KINKED = "continuous", "turned", "kinked"
-DISCONTINUOUS, LOST = "discontinuous", "lost"
+CONTINUOUS, TURNED, DISCONTINUOUS, LOST = "continuous", "turned", "discontinuous", "lost"
 
 
 @dataclass(frozen=True)
@@ -32,8 +30,8 @@ class Border:
 
     Attributes:
         kind: `CONTINUOUS` (the branch goes on beyond it), `TURNED` (it goes on beyond it, and the parameter back),
-            `KINKED` (it goes on with a kink, in the same order), `DISCONTINUOUS` (it ends: beyond, no fixed point is
-            near), `LOST` (it ends, and no other order is near).
+            `DISCONTINUOUS` (it ends: beyond, no fixed point is near), `LOST` (it ends, and why is not known: the map
+            does not jump).
         inner: the last point before it.
         outer: the first point behind it, if there is one.
         after: the order of events behind it; empty if the cycle does not close there.
@@ -78,7 +76,7 @@ def border(problem: Problem, inner: Point, came: Array) -> Border:
         inner: the point.
         came: tangent of the branch some way before, (N,), where differences do not reach the border.
     """
-    outer = _straight_on(problem, inner, _other) or _turned(problem, inner, _other, came)
+    outer = _straight_on(problem, inner) or _turned(problem, inner, came)
     if outer is not None:
         back = outer.slope * inner.slope < 0.0
         return Border(TURNED if back else CONTINUOUS, inner, outer, outer.local.order)
@@ -88,33 +86,29 @@ def border(problem: Problem, inner: Point, came: Array) -> Border:
         except NoValue as nothing:
             return Border(DISCONTINUOUS, inner, None, nothing.order, nothing.reason)
         if order != inner.local.order:
-            return Border(DISCONTINUOUS, inner, None, order, "", float(np.abs(residual).max()))
-    outer = _straight_on(problem, inner, Local.like) or _turned(problem, inner, Local.like, came)
-    return Border(LOST if outer is None else KINKED, inner, outer, inner.local.order)
+            jump = float(np.abs(residual).max())
+            return Border(DISCONTINUOUS if jump > JUMPS * length else LOST, inner, None, order, "", jump)
+    return Border(LOST, inner, None, inner.local.order)
 
 
-def _other(local: Local, inner: Local) -> bool:
-    return not local.like(inner)
-
-
-def _straight_on(problem: Problem, inner: Point, fits: Fits) -> Point | None:
+def _straight_on(problem: Problem, inner: Point) -> Point | None:
     """The first point of a branch that goes on to the side to which it came."""
     for length in BEYOND:
         try:
             point = stepped(problem, inner, length, reach=BENT)
         except NoValue:
             continue
-        if fits(point.local, inner.local):
+        if not point.local.like(inner.local):
             return _facing(point.local, inner)
     return None
 
 
-def _turned(problem: Problem, inner: Point, fits: Fits, came: Array) -> Point | None:
+def _turned(problem: Problem, inner: Point, came: Array) -> Point | None:
     """The first point of a branch that goes on to another side than it came to, by the tangent beyond."""
     for length in BEYOND:
         try:
             there = problem.local(_predicted(problem, inner, length))
-            if not fits(there, inner.local):
+            if there.like(inner.local):
                 continue
             tangent = along(there, inner.tangent)
         except NoValue:
@@ -125,7 +119,7 @@ def _turned(problem: Problem, inner: Point, fits: Fits, came: Array) -> Point | 
                 found = corrected(problem, start, row, float(row @ inner.local.u) + length, BENT * length)
             except NoValue:
                 continue
-            outer = _facing(found, inner) if fits(found, inner.local) else None
+            outer = None if found.like(inner.local) else _facing(found, inner)
             if outer is not None and outer.tangent @ came > BACK:
                 return outer
     return None

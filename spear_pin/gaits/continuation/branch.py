@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.gaits.continuation.borders import CONTINUOUS, DISCONTINUOUS, KINKED, LOST, TURNED
+from spear_pin.gaits.continuation.borders import CONTINUOUS, DISCONTINUOUS, LOST, TURNED
 from spear_pin.gaits.continuation.cycles import Family
 from spear_pin.gaits.continuation.signs import CROSSING, FLIP, FOLD, KINK, SADDLE, TORUS
 from spear_pin.gaits.gait import Gait
@@ -66,9 +66,9 @@ class BorderPoint:
     """A point where the order of events changes, or the cycle ends.
 
     Attributes:
-        kind: "continuous" (the branch goes on), "turned" (it goes on, and the parameter back), "kinked" (it goes on
-            with a kink, in the same order), "discontinuous" (it ends: no gait is near beyond), "lost" (it ends, and no
-            other order was found beyond).
+        kind: "continuous" (the branch goes on), "turned" (it goes on, and the parameter back), "discontinuous" (it
+            ends: no gait is near beyond), "lost" (it ends, and why is not known: no gait was found beyond, though the
+            map does not jump).
         index: of the last of the branch's points before it, seen from where the continuation began.
         beyond: of the first behind it; None where the branch ends.
         parameter: there.
@@ -88,10 +88,9 @@ class BorderPoint:
     jump: float
 
     def __str__(self) -> str:
-        if self.kind == KINKED:
-            return KINDS[KINK]
         if self.kind == LOST:
-            return "no gait was found beyond, in whatever order of events"
+            there = "in whatever order of events" if self.before == self.after else "where "
+            return f"no gait was found beyond, {there}" + _change(self.before, self.after) * (self.before != self.after)
         if self.reason:
             return f"the cycle ends: {REASONS.get(self.reason, self.reason)}"
         kind = {CONTINUOUS: "border", TURNED: "border, where it turns", DISCONTINUOUS: "border, where it ends"}

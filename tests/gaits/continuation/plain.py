@@ -11,25 +11,20 @@ from spear_pin.gaits.continuation.differences import differentiated
 from spear_pin.gaits.continuation.follow import Way, follow
 from spear_pin.gaits.continuation.problem import Local, NoValue
 from spear_pin.gaits.continuation.stepping import placed
-from spear_pin.hybrid.newton import STEP
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.periodic import eigenvalues
 
 
 @dataclass(frozen=True)
 class Plain:
-    """Fixed points of `returned(x, parameter)`, which is the state after a cycle and the order of events.
-
-    A small step of differences, in `step`, makes them exact for maps that are linear in pieces.
-    """
+    """Fixed points of `returned(x, parameter)`, which is the state after a cycle and the order of events."""
 
     returned: Callable[[np.ndarray, float], tuple[np.ndarray, Order]]
     scale: np.ndarray
-    step: float = STEP
 
     def local(self, u):
         x, n = u * self.scale, len(u)
-        _, jacobian, order = differentiated(self._values, u, self.step)
+        _, jacobian, order = differentiated(self._values, u)
         residual = self._values(u[None])[0][0]
         state = jacobian[:, :-1] / self.scale[:-1]
         return Local(u, residual, jacobian, np.eye(n), eigenvalues(state + np.eye(n - 1)), order, x)

@@ -67,15 +67,6 @@ class TestBorders:
         assert up.end == "border" and (border.kind, border.reason, border.after) == ("discontinuous", "fall", LEFT)
         assert at(up, -1) == pytest.approx([0.5, 0.25], abs=1e-5)
 
-    def test_a_sharp_kink_is_passed_where_the_order_stays_the_same(self):
-        def returned(x, parameter):
-            return parameter + np.where(x < 0.0, 0.5, -30.0) * x, LEFT
-
-        plain = Plain(returned, np.ones(2), step=1e-9)
-        _, up = plain.both_ways(np.array([-1.0]), -0.5, BOUNDS, longest=0.02)
-        assert {*kinds(up)} == {"kink", "kinked"} and at(up, up.met[-1][0]) == pytest.approx([0.0, 0.0], abs=1e-4)
-        assert up.end == "range" and at(up, -1) == pytest.approx([2.0 / 31.0, 2.0], abs=1e-6)
-
     def test_what_has_another_name_and_is_the_same_is_crossed(self):
         down, up = along(pieces(0.5, 0.5), 1.0, 0.5)
         assert kinds(down) == ["continuous"] and kinds(up) == []

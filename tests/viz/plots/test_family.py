@@ -90,6 +90,13 @@ def test_it_is_told_in_a_table():
     assert repr(branch()) == "Branch(stance_torque 6 to 8.5: 6 points, 4 stable, 2 borders, 2 special points)"
 
 
+def test_where_it_is_lost_it_says_so():
+    lost = BorderPoint("lost", 5, None, 8.5, BEFORE, AFTER, "", 1e-6)
+    assert str(lost) == "no gait was found beyond, where [stance: slip] comes in"
+    lost = BorderPoint("lost", 5, None, 8.5, BEFORE, BEFORE, "", 0.0)
+    assert str(lost) == "no gait was found beyond, in whatever order of events"
+
+
 @pytest.mark.parametrize(
     ("reason", "text"),
     [("fall", "the cycle ends: a part other than a toe reached the ground"), ("odd", "the cycle ends: odd")],
