@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue, NoGait, UnknownName
+from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.continuation.borders import Border
 from spear_pin.gaits.continuation.branch import BorderPoint, Branch, End, SpecialPoint
 from spear_pin.gaits.continuation.cycles import Family
@@ -72,11 +72,9 @@ def continue_gait(
         'the end of the range'
     """
     Options(rtol=rtol)  # it says what is valid
+    require("step", step, lambda length: LEAST_STEP <= length <= 1.0, f"a number from {LEAST_STEP:g} to 1")
+    require("points", points, lambda n: n >= 2 and n % 1 == 0, "a whole number, at least 2")
     problem, state, values = _equations(gait, over, within, tuple(vary), dict(target or {}), rtol)
-    if not LEAST_STEP <= step <= 1.0:
-        raise BadValue("step", step, f"a number from {LEAST_STEP:g} to 1")
-    if points < 2:
-        raise BadValue("points", points, "a whole number, at least 2")
     scale = problem.scale[-1]
     low, high = within[0] / scale, within[1] / scale
     start = _start(problem, state, values)
