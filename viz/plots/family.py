@@ -27,7 +27,7 @@ MARKS = {
     "unit_multiplier": ("multiplier 1", "^", ORANGE),
     "kink": ("kink", "x", "0.4"),
     "border": ("border", "|", "0.2"),
-    "end": ("end at a border", "X", "0.2"),
+    "end": ("end of the branch", "X", "0.2"),
 }
 """Name, marker and colour of what is marked."""
 

@@ -66,7 +66,7 @@ def test_the_picture_has_units_and_a_legend(tmp_path):
     assert [axes.get_ylabel() for axes in figure.axes] == ["Largest multiplier", "Duration (s)", "Stiffness (N·m/rad)"]
     assert figure.axes[-1].get_xlabel() == "Stance torque (N·m)"
     told = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
-    assert told == ["stable", "unstable", "fold", "flip", "border", "end at a border"]
+    assert told == ["stable", "unstable", "fold", "flip", "border", "end of the branch"]
     assert save_figure(figure, tmp_path / "family.svg").stat().st_size > 1000
 
 
