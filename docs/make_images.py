@@ -1,9 +1,9 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
 Parts are moving, hop, bench, compare, biped, hoppy, another, space, attraction, robust, design, push, hardware,
-drivetrain and sweep. The first eight need Chromium, moving, which films what moves on top of the README, also ffmpeg,
-another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain take some minutes;
-the latter print the table of docs/motors.md.
+drivetrain, sweep and branches. The first eight need Chromium, moving, which films what moves on top of the README,
+also ffmpeg, another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain take
+some minutes; the latter print the table of docs/motors.md.
 """
 
 from __future__ import annotations
@@ -16,7 +16,18 @@ from pathlib import Path
 
 import numpy as np
 
-from spear_pin import Gait, HoppingLaw, SpatialLaw, Trajectory, find_gait, hopping, load, sagittal, simulate
+from spear_pin import (
+    Gait,
+    HoppingLaw,
+    SpatialLaw,
+    Trajectory,
+    continue_gait,
+    find_gait,
+    hopping,
+    load,
+    sagittal,
+    simulate,
+)
 from spear_pin.gaits.feedback import regulated
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.hybrid.hardware import Sensing
@@ -51,6 +62,7 @@ from spear_pin.viz.plots import robustness as robustness_plots
 from spear_pin.viz.plots import source as source_plots
 from spear_pin.viz.plots import space as space_plots
 from spear_pin.viz.plots import sweep as sweep_plots
+from spear_pin.viz.plots.family import family
 from spear_pin.viz.video import film
 from tests.viz.chromium import Browser
 
@@ -72,7 +84,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", help="some of the parts; all if none is named")
     seen = moving, hop, bench, compare, biped, hoppy, another, space
-    known = *seen, attraction, robust, design, push, hardware, drivetrain, sweep
+    known = *seen, attraction, robust, design, push, hardware, drivetrain, sweep, branches
     parts = {part.__name__: part for part in known}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
@@ -216,6 +228,16 @@ def sweep() -> None:
     with tempfile.TemporaryDirectory() as folder:
         dataset = swept(hopping(load("spear_ii", locked=["boom_x"])), points, Path(folder) / "map.zarr")
         print(plots.save_figure(sweep_plots.sweep_map(dataset), IMAGES / "sweep.svg"))
+
+
+def branches() -> None:
+    """Write both kinds of hop over the stance torque; it takes a minute or two."""
+    robot = load("spear_ii", locked=["boom_x"])
+    begins = (find_gait(hopping(robot, HoppingLaw(stance_torque=torque))) for torque in (7.8, 6.5))  # N·m
+    found = [continue_gait(gait, "stance_torque", (5.5, 11.0)) for gait in begins]
+    for branch in found:
+        print(branch)
+    print(plots.save_figure(family(*found), IMAGES / "branches.svg"))
 
 
 def push() -> None:

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from spear_pin.errors import RobotWarning, SpearError
     from spear_pin.gaits.bounding import bounding
     from spear_pin.gaits.bounding_law import BoundingLaw
+    from spear_pin.gaits.continuation.branch import Branch
+    from spear_pin.gaits.continuation.continuing import continue_gait
     from spear_pin.gaits.gait import Gait
     from spear_pin.gaits.hopping import HoppingLaw, hopping
     from spear_pin.gaits.orbits.embedding import in_space
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0.dev0"
 __all__ = [
     "BoundingLaw",
+    "Branch",
     "Contact",
     "Gait",
     "Ground",
@@ -55,6 +58,7 @@ __all__ = [
     "bounding",
     "bounding_in_space",
     "compare",
+    "continue_gait",
     "find_gait",
     "from_chain",
     "hopping",
@@ -91,6 +95,8 @@ _HOMES = {
     "HoppingLaw": "gaits.hopping",
     "Gait": "gaits.gait",
     "find_gait": "gaits.search",
+    "Branch": "gaits.continuation.branch",
+    "continue_gait": "gaits.continuation.continuing",
     "to_chain": "model.chain",
     "from_chain": "model.chain",
     "bounding_in_space": "gaits.spatial.bounding",

@@ -16,6 +16,7 @@ from spear_pin.cli import (
     dynamics,
     explore,
     export,
+    family,
     hop,
     identify,
     payoff,
@@ -35,7 +36,7 @@ from spear_pin.errors import RobotWarning, SpearError
 # as the help lists them
 COMMANDS = (
     *(robots.add, dynamics.add, hop.add, explore.add, push_test.add, identify.add),
-    *(bound.add, turn.add, trot.add, search.add, payoff.add, sweep.add, compare.add, report.add),
+    *(bound.add, turn.add, trot.add, search.add, payoff.add, sweep.add, family.add, compare.add, report.add),
     *(export.add, doctor.add, completion.add),
 )
 

@@ -28,6 +28,7 @@ LASTING = (
     Lasting("trot", "", "half a minute to a minute; of a trot_steady.json, seconds"),
     Lasting("search", "", "half a minute"),
     Lasting("payoff", "", "some 40 searches of 15 s to a minute each, shared by the processors"),
+    Lasting("family", "", "some seconds to a minute of a hop, minutes of a bound"),
     Lasting("report", "", "about a minute, less once its results are kept"),
     Lasting("export", "mp4", "half a second a frame"),
 )

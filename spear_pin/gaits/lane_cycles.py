@@ -60,7 +60,9 @@ class LaneCycles:
         measured = np.column_stack([measure(self.system, q[can], batch) for measure in self.measures] or [q[can, :0]])
         durations = {phase: _spread(seconds, can, n) for phase, seconds in batch.durations.items()}
         q, v, measured = (_spread(part, can, n) for part in (batch.q, batch.v, measured))
-        return Cycles(q, v, measured, durations, reason, _spread(batch.repeated, can, n) == 1.0)
+        orders = dict(zip(can.tolist(), batch.orders, strict=True))
+        reference = _spread(batch.repeated, can, n) == 1.0
+        return Cycles(q, v, measured, durations, reason, reference, [orders.get(i, ()) for i in range(n)])
 
     def reference(self, lane: int, state: State, values: Array) -> NDArray[np.complex128] | None:
         """Multipliers of a lane's fixed point by the reference engine alone; None if there are none."""

@@ -15,7 +15,9 @@ from spear_pin.hybrid.contact import PINNED
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import NONZERO
 from spear_pin.hybrid.lanes.numbers import OTHERS
+from spear_pin.hybrid.lanes.runner import FEW as FEW
 from spear_pin.hybrid.lanes.runner import Lanes
+from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
@@ -42,6 +44,8 @@ class Batch(Shown):
         observed: states (q, v), (n, nq + nv), at the last event of each name that is only recorded, such as the apex;
             empty unless asked for.
         repeated: whether the reference engine had to run the lane, (n,).
+        orders: (domain, event) of each event of the last whole cycle, in order, (n,); empty where more than `FEW`
+            lanes ran together.
     """
 
     q: Array
@@ -52,6 +56,7 @@ class Batch(Shown):
     durations: Mapping[str, Array]
     observed: Mapping[str, Array]
     repeated: NDArray[np.bool_]
+    orders: tuple[Order, ...] = ()
 
     def __len__(self) -> int:
         """Number of lanes."""
@@ -178,6 +183,7 @@ def _result(lanes: Lanes) -> Batch:
         lanes.durations,
         {name: states.T for name, states in lanes.observed.items()},
         lanes.repeated,
+        tuple(lanes.orders),
     )
 
 
@@ -191,4 +197,5 @@ def _joined(parts: list[Batch]) -> Batch:
         {phase: np.concatenate([part.durations[phase] for part in parts]) for phase in parts[0].durations},
         {name: np.concatenate([part.observed[name] for part in parts]) for name in parts[0].observed},
         np.concatenate([part.repeated for part in parts]),
+        tuple(order for part in parts for order in part.orders),
     )

@@ -5,13 +5,14 @@ They are of lanes, whichever engine runs their cycles; one lane is a search for 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.newton import Lanes, OnIterates, Roots, Words, ignored, newton
+from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.section import Charts
 from spear_pin.hybrid.spatial_section import SpatialCharts
 
@@ -31,6 +32,7 @@ class Cycles:
         durations: seconds in each phase, (n,) each.
         reason: why it does not close, "" where it does, (n,).
         reference: whether the reference engine ran it, (n,).
+        orders: of the events, (n,); empty where it is not known, as of many lanes together.
     """
 
     q: Array
@@ -39,6 +41,7 @@ class Cycles:
     durations: Mapping[str, Array]
     reason: Words
     reference: NDArray[np.bool_]
+    orders: Sequence[Order] = ()
 
 
 Cycle = Callable[[Lanes, Array, Array, Array], Cycles]

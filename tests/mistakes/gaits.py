@@ -2,7 +2,52 @@
 
 from tests.mistakes.mutation import mistakes_in
 
+CONTINUED = ["gaits/continuation/test_maps", "gaits/continuation/test_bouncing_ball"]
 MUTATIONS = [
+    *mistakes_in(
+        "gaits/continuation/signs",
+        [*CONTINUED, "gaits/continuation/test_kicked_oscillator"],
+        {
+            "a flip where a multiplier is 1": ("point.local.multipliers + 1.0", "point.local.multipliers - 1.0"),
+            "pairs with themselves": ("np.triu_indices(len(multipliers), 1)", "np.triu_indices(len(multipliers))"),
+            "a saddle taken for a torus": ("TORUS if np.abs(pair.imag).max() > 0.0 else SADDLE", "TORUS"),
+            "a fold told twice": ("{CROSSING: (FOLD, every), KINK: (KINK, before)}", "{KINK: (KINK, before)}"),
+            "a jump taken for a root": ("jumps = abs(test(point)) >", "jumps = -abs(test(point)) >"),
+        },
+    ),
+    *mistakes_in(
+        "gaits/continuation/stepping",
+        CONTINUED,
+        {
+            "tangents turn back": ("if tangent @ before >= 0.0 else -1.0", "if tangent @ before <= 0.0 else -1.0"),
+            "corrections however far": ("<= max(reach, 10.0 * TOLERANCE)", "< np.inf"),
+        },
+    ),
+    *mistakes_in(
+        "gaits/continuation/borders",
+        ["gaits/continuation/test_maps"],
+        {
+            "no way but straight on": (
+                "_straight_on(problem, inner) or _turned(problem, inner, came)",
+                "_straight_on(problem, inner)",
+            ),
+            "a turn that is not told": ("outer.slope * inner.slope < 0.0", "outer.slope * inner.slope < -2.0"),
+            "borders approached by half": ("while length > CLOSEST", "while length > 1e-3"),
+        },
+    ),
+    *mistakes_in(
+        "gaits/continuation/differences",
+        ["gaits/continuation/test_maps"],
+        {"differences across borders": ("not reason and each == order for", "not reason for")},
+    ),
+    *mistakes_in(
+        "gaits/continuation/follow",
+        ["gaits/continuation/test_maps"],
+        {
+            "round and round": ("before < 0.0 <= after", "before < 0.0 <= after < -1.0"),
+            "beyond the range": ("if not bounds[0] <= parameter <= bounds[1]:", "if not bounds[0] <= parameter:"),
+        },
+    ),
     *mistakes_in(
         "gaits/round_hopping",
         ["gaits/test_round_hopping"],

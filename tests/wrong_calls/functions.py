@@ -180,6 +180,21 @@ FUNCTIONS: tuple[tuple[str, Callable[[], Mapping[str, Any]], Mapping[str, tuple[
         },
     ),
     (
+        ":continue_gait",
+        lambda: {"gait": gait(), "over": "stiffness", "within": (100.0, 130.0)},
+        {
+            "gait": OBJECT,
+            "over": NAME,
+            "within": (5, "x", (1.0,), (130.0, 100.0), (1.0, 2.0), (100.0, NAN), ("a", "b"), None),
+            "vary": (5, [5], ["nope"], ["posterior_hip_torque"], None),
+            "target": (5, "x", {"nope": 1.0}, {"mean_speed": 2.5}, [1]),
+            "step": POSITIVE,
+            "points": COUNT,
+            "rtol": RTOL,
+            "on_point": CALL,
+        },
+    ),
+    (
         ":simulate",
         _run,
         {

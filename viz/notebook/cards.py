@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import listed
+from spear_pin.gaits.continuation.branch import Branch
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.many import GaitTable
 from spear_pin.hybrid.batch import Batch
@@ -132,6 +133,23 @@ def _(table: GaitTable) -> Card:
     name, values = next(iter(table.parameters.items()))
     drawn = sketches.scatter(values, table.largest, 1.0, f"largest multiplier over {_words(name)}, and 1")
     return Card("Gaits", f"of {len(table):,} lanes", tuple(rows), drawn)
+
+
+@described.register
+def _(branch: Branch) -> Card:
+    unit = UNITS.get(branch.over, "")
+    happens = branch.rows()
+    rows = [
+        Row(_words(branch.over), _range(branch.parameter), unit),
+        *(Row(_words(name), _range(values), UNITS.get(name, "")) for name, values in branch.solved.items()),
+        Row("stable", f"{branch.stable.sum():,} of {len(branch):,} points"),
+        Row("largest multiplier", _range(branch.largest)),
+        *(Row(f"at {_number(value)}", text, "") for value, text in happens[:MOST_ROWS]),
+        *([Row("", f"and {len(happens) - MOST_ROWS} more")] if len(happens) > MOST_ROWS else []),
+    ]
+    says = f"largest multiplier over {_words(branch.over)}, and 1"
+    drawn = sketches.scatter(branch.parameter, branch.largest, 1.0, says)
+    return Card("Branch of gaits", f"of {branch.family.system.robot.name}", tuple(rows), drawn)
 
 
 @described.register

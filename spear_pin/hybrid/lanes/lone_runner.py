@@ -22,6 +22,7 @@ from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT
 from spear_pin.hybrid.engines.taylor_single import UNCLEAR, Entry, Single
 from spear_pin.hybrid.lanes.groups import Held
 from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.orders import Happening, Order, happening, in_order
 from spear_pin.hybrid.rules.cycles import crowded, due, left_at_once, retouches, whole
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes
@@ -43,6 +44,7 @@ class Lap(NamedTuple):
         phase: the phase that begins there.
         came: the last domain, and the reset by which it was left.
         ago: how long ago each toe was on the ground, in s.
+        order: what happened, (domain, event) each.
         arcs: the motion from event to event.
     """
 
@@ -53,6 +55,7 @@ class Lap(NamedTuple):
     phase: str
     came: tuple[Domain, Reset]
     ago: list[float]
+    order: Order
     arcs: list[Arc]
 
 
@@ -75,6 +78,7 @@ class _Now:
         crowd: events in this instant.
         arcs: the motion so far.
         grounded: when each toe was last on the ground, in s.
+        happened: the events so far.
     """
 
     phase: str
@@ -91,6 +95,7 @@ class _Now:
     switches: int = 0
     last: float = -math.inf
     crowd: int = 0
+    happened: list[Happening] = field(default_factory=list)
     arcs: list[Arc] = field(default_factory=list)
 
 
@@ -172,6 +177,7 @@ class LoneRunner:
         now.crowd, now.last = crowded(now.crowd, time - now.last), time
         if reset is None or now.crowd == FEW_AT_ONCE:
             raise _Unclear
+        now.happened.append(happening(domain, event, reset, event.name, time))
         for i in domain.on_ground:
             now.grounded[i] = time
         if reset.impact:
@@ -207,7 +213,8 @@ class LoneRunner:
         if reset.phase is None or not whole(now.past):
             raise _Unclear
         ago = [now.past - time for time in now.grounded]
-        return Lap(now.y, now.held, now.spent, now.observed, now.phase, (domain, reset), ago, now.arcs)
+        order = in_order(now.happened)
+        return Lap(now.y, now.held, now.spent, now.observed, now.phase, (domain, reset), ago, order, now.arcs)
 
     def _enter(self, now: _Now) -> tuple[Single, Entry]:
         """The domain that fits best."""

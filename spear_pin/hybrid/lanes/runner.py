@@ -23,10 +23,11 @@ from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.lanes.modes import away, choose, first_event
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.sliding import Came, slide
+from spear_pin.hybrid.orders import Happening, Order, happening, in_order, order_of
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.result import Options
-from spear_pin.hybrid.rules.cycles import CYCLE_EVENTS, counts_to, crowded, due, left_at_once, retouches, whole
+from spear_pin.hybrid.rules.cycles import CYCLE_EVENTS, RETOUCH, counts_to, crowded, due, left_at_once, retouches, whole
 from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.impact import joint_impact, rises, routh, struck_toes
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
@@ -77,6 +78,8 @@ class Lanes:
         seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and code.observing}
         self.observed = {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
         self._lone = [LoneRunner(self.numbers, lane) for lane in range(n)] if n <= FEW else []
+        self.orders: list[Order] = [()] * n  # of the last whole cycle
+        self._happened: list[list[Happening]] = [[] for _ in self._lone]  # in the one under way
         self._alone: list[tuple[str, Group, Came | None]] = []
         self._entering: dict[Any, tuple[str, Came | None, list[Group]]] = {}
         self._flying: dict[int, tuple[Ready, list[Group]]] = {}
@@ -139,7 +142,7 @@ class Lanes:
         wanted = self.wanted - int(self.cycles[lane])
         ago = (self.began[lane] - self.grounded[:, lane]).tolist()
         while n < wanted and (lap := self._lone[lane].lap(phase, y, held, ago)) is not None:
-            ago = lap.ago
+            ago, self.orders[lane] = lap.ago, lap.order
             n, y, held, spent, phase, came = n + 1, lap.y, lap.held, lap.spent, lap.phase, lap.came
             if came[1] is self._fresh:
                 start, fresh = y, n
@@ -279,6 +282,10 @@ class Lanes:
         group = self.count(group)
         if reset.phase is not None:
             group = self.new(reset, group)
+        if self._lone:
+            name = RETOUCH if again else guard.name
+            for lane, t in zip(group.lanes, group.t, strict=True):
+                self._happened[lane].append(happening(domain, guard, reset, name, self.began[lane] + t))
         struck = struck_toes(self.system, domain, reset)
         if struck and len(group):
             group = self.strike(struck, reset.impact, group)
@@ -336,6 +343,9 @@ class Lanes:
             self.durations[phase][lanes[counts]] = spent[lanes[counts]]
             spent[lanes] = 0.0
         self.on_section[lanes], self.events[lanes] = True, 0
+        if self._lone:
+            for lane in lanes:
+                self.orders[lane], self._happened[lane] = in_order(self._happened[lane]), []
         if reset is self._fresh:
             self.start[:, lanes], self.before[lanes] = group.y, self.cycles[lanes]
         done = self.cycles[lanes] == self.wanted
@@ -353,6 +363,7 @@ class Lanes:
         crossings = [(event.q, event.v) for event in result.events if event.name == system.section]
         self.end[:, lane] = np.concatenate([state, *crossings][-1])
         self.reason[lane], self.message[lane] = result.reason, result.message
+        self.orders[lane] = order_of(self.system, result)
         for name, states in self.observed.items():
             last = [event for event in result.events if event.name == name][-1:]
             if last or not before:

@@ -1,0 +1,159 @@
+"""`spear family`."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from typing import TYPE_CHECKING, Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
+from spear_pin.cli.gaits import BOUND
+from spear_pin.cli.legs import add_leg, one_leg, rests_on
+from spear_pin.cli.output import aligned, listed, progress
+from spear_pin.errors import BadValue
+
+if TYPE_CHECKING:
+    from spear_pin.gaits.continuation import Branch
+    from spear_pin.gaits.gait import Gait
+
+WHAT = "hop|bound|GAIT"
+STEM = "family"
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    parser = add_command(
+        commands, "family", run, "follow a branch of gaits over a parameter: folds, flips, borders, and why it ends"
+    )
+    parser.add_argument(
+        "what", metavar=WHAT, help=f"SPEAR-II's hop in place or another leg's, {BOUND}, or a gait by name or path"
+    )
+    parser.add_argument("--over", required=True, metavar="NAME", help="the parameter, or a measure such as mean_speed")
+    parser.add_argument("--from", dest="low", type=float, required=True, metavar="VALUE", help="its least value")
+    parser.add_argument("--to", dest="high", type=float, required=True, metavar="VALUE", help="its greatest value")
+    parser.add_argument("--at", type=float, metavar="VALUE", help="of a hop: where to begin (default: its own value)")
+    kept = parser.add_mutually_exclusive_group()
+    kept.add_argument("--flight-time", type=float, metavar="S", help="of a hop: solve the stance torque for it")
+    kept.add_argument("--speed", type=float, metavar="M/S", help="of a bound: solve the posterior hip torque for it")
+    parser.add_argument("--step", type=float, default=0.05, help="longest, of the range (default: 0.05)")
+    parser.add_argument("--points", type=int, default=500, metavar="N", help="at most, each way (default: 500)")
+    parser.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance (default: 1e-9)")
+    add_out(parser, f"{STEM}.json and {STEM}.svg")
+    add_open(parser, f"the picture, {STEM}.svg,")
+    add_leg(parser)
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Follow the branch, write and draw it."""
+    _check(arguments)
+    from spear_pin.files import atomic
+    from spear_pin.gaits.continuation import continue_gait
+    from spear_pin.hybrid.result import Options
+    from spear_pin.viz.plots import save_figure
+    from spear_pin.viz.plots.family import family
+
+    Options(rtol=arguments.rtol)
+    with progress() as show:
+        show("looking for the gait to begin with")
+        gait, vary, target = _begun(arguments)
+        count = 0
+
+        def tell(value: float) -> None:
+            nonlocal count
+            count += 1
+            show(f"following: {arguments.over} {value:.6g}, {count} points")
+
+        branch = continue_gait(
+            gait, arguments.over, (arguments.low, arguments.high), vary, target,
+            step=arguments.step, points=arguments.points, rtol=arguments.rtol, on_point=tell,
+        )  # fmt: skip
+    files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
+    with atomic(files[0]) as temporary:
+        temporary.write_text(branch.to_json() + "\n", encoding="utf-8")
+    save_figure(family(branch), files[1])
+    robot = branch.family.system.robot
+    summary = _figures(branch) | ({"cut": str(robot.cut)} if robot.cut is not None else {})
+    told = [*rests_on(robot), *listed(arguments.out, STEM, files)]
+    text = "\n".join([aligned(_rows(branch)), "", str(branch), "", aligned(told)])
+    return summary | {"files": [str(path) for path in files], "opened": files[1], "text": text}
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    """Refuse what makes no sense, before anything is solved for."""
+    check_out(arguments)
+    for option, value in (("--from", arguments.low), ("--to", arguments.high), ("--at", arguments.at)):
+        if value is not None and not math.isfinite(value):
+            raise BadValue(option, value, "a finite number")
+    if not arguments.low < arguments.high:
+        raise BadValue("--to", arguments.high, f"a number above --from, {arguments.low:g}")
+    if arguments.at is not None and not arguments.low <= arguments.at <= arguments.high:
+        raise BadValue("--at", arguments.at, f"a number from {arguments.low:g} to {arguments.high:g}")
+    if arguments.what != "hop":
+        for option in ("robot", "flight_time", "at"):
+            if getattr(arguments, option) is not None:
+                raise BadValue(f"--{option.replace('_', '-')}", getattr(arguments, option), "to go with hop")
+    if arguments.what == "hop" and arguments.speed is not None:
+        raise BadValue("--speed", arguments.speed, "to go with a bound; a hop takes --flight-time")
+
+
+def _begun(arguments: argparse.Namespace) -> tuple[Gait, list[str], dict[str, float]]:
+    """The gait to begin with, what is solved for, and the target."""
+    from spear_pin.gaits.bounding import SPEED_BY
+    from spear_pin.gaits.gait import Gait
+
+    gait = None if arguments.what == "hop" else Gait.load(BOUND if arguments.what == "bound" else arguments.what)
+    if gait is not None and arguments.speed is not None and gait.system.kind != "bounding":
+        raise BadValue("--speed", arguments.speed, f"to go with a bound; this is of the kind {gait.system.kind!r}")
+    bounds = gait is not None and gait.system.kind == "bounding"
+    solved, measure = (SPEED_BY, "mean_speed") if bounds else ("stance_torque", "flight_time")
+    value = arguments.speed if bounds else arguments.flight_time
+    target = {} if value is None else {measure: value}
+    gait = gait or _hop(arguments, target)
+    measured = arguments.over in gait.system.measures
+    if measured and target:
+        raise BadValue("--over", arguments.over, f"another name, or no --{measure.replace('_', '-')}")
+    return gait, [solved] if measured or target else [], target
+
+
+def _hop(arguments: argparse.Namespace, target: dict[str, float]) -> Gait:
+    """The hop to begin with."""
+    from spear_pin import find_gait, hopping, load
+    from spear_pin.hybrid.parameters import with_parameters
+    from spear_pin.model.variants import parameters_of, vary
+    from spear_pin.studies.hop_of_another import scaled_hopping
+
+    leg = one_leg(arguments, ["boom_x"])
+    robot = load("spear_ii", locked=["boom_x"]) if leg is None else leg
+    at = {} if arguments.at is None else {arguments.over: arguments.at}
+    if at and arguments.over in parameters_of(robot):
+        robot, at = vary(robot, **at), {}
+    system = hopping(robot) if leg is None else scaled_hopping(robot)
+    if arguments.over in system.measures:
+        target, at = {**target, **at}, {}
+    return find_gait(with_parameters(system, at), ["stance_torque"] if target else [], dict[Any, float](target))
+
+
+def _figures(branch: Branch) -> dict[str, Any]:
+    return {
+        "over": branch.over,
+        "points": len(branch),
+        "stable": int(branch.stable.sum()),
+        "from": float(branch.parameter.min()),
+        "to": float(branch.parameter.max()),
+        "folds": [each.parameter for each in branch.folds],
+        "flips": [each.parameter for each in branch.flips],
+        "neimark_sacker": [each.parameter for each in branch.neimark_sacker],
+        "borders": [{"parameter": each.parameter, "kind": each.kind, "text": str(each)} for each in branch.borders],
+        "ends": [{"parameter": each.parameter, "reason": each.reason, "text": str(each)} for each in branch.ends],
+    }
+
+
+def _rows(branch: Branch) -> list[tuple[str, str]]:
+    rows = [
+        ("points", f"{len(branch)}, {branch.stable.sum()} of them stable"),
+        (branch.over.replace("_", " "), f"{branch.parameter.min():.6g} to {branch.parameter.max():.6g}"),
+        ("largest multiplier", f"{branch.largest.min():.4f} to {branch.largest.max():.4f}"),
+    ]
+    for name, values in branch.solved.items():
+        rows.append((name.replace("_", " "), f"{values.min():.4f} to {values.max():.4f}"))
+    return rows

@@ -1,0 +1,137 @@
+"""Borders: where the order of events changes, or the cycle ends.
+
+Beyond, the return map is another one, or the same one made of other pieces. If both agree at the border the branch goes
+on there, perhaps with a kink, or back to where it came from; if they do not it ends.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.gaits.continuation.problem import Local, NoValue, Problem
+from spear_pin.gaits.continuation.stepping import Point, ahead, along, corrected, placed, stepped
+from spear_pin.hybrid.orders import Order
+
+Array = NDArray[np.float64]
+CLOSEST = 1e-8  # arc length up to which a border is approached
+BEYOND = (1e-7, 1e-6, 1e-5, 1e-4)  # arc lengths at which the other side is looked for
+BENT = 10.0  # lengths of so small a step: how far a branch with a kink may lie from its tangent before
+JUMPS = 100.0  # residual by arc length behind a border that says that the map jumps there
+BACK = -0.999  # cosine between tangents of a branch that would go back on itself
+CONTINUOUS, TURNED, DISCONTINUOUS, LOST = "continuous", "turned", "discontinuous", "lost"
+
+
+@dataclass(frozen=True)
+class Border:
+    """A border that a branch meets.
+
+    Attributes:
+        kind: `CONTINUOUS` (the branch goes on beyond it), `TURNED` (it goes on beyond it, and the parameter back),
+            `DISCONTINUOUS` (it ends: beyond, no fixed point is near), `LOST` (it ends, and why is not known: the map
+            does not jump).
+        inner: the last point before it.
+        outer: the first point behind it, if there is one.
+        after: the order of events behind it; empty if the cycle does not close there.
+        reason: why the cycle does not close there, in a word; empty if it does.
+        jump: largest component of the residual just behind it, where the branch ends.
+    """
+
+    kind: str
+    inner: Point
+    outer: Point | None
+    after: Order
+    reason: str = ""
+    jump: float = 0.0
+
+
+def approached(problem: Problem, base: Point, length: float) -> list[tuple[Point, float]]:
+    """Points ever closer to a border, and the steps that led there.
+
+    Args:
+        problem: the equations.
+        base: the last point of the branch.
+        length: of a step from it that leads to no point of the same order.
+    """
+    steps: list[tuple[Point, float]] = []
+    while length > CLOSEST:
+        length *= 0.5
+        try:
+            point = stepped(problem, base, length)
+        except NoValue:
+            continue
+        if point.local.like(base.local):
+            base = point
+            steps.append((point, length))
+    return steps
+
+
+def border(problem: Problem, inner: Point, came: Array) -> Border:
+    """What is behind the last point before a border.
+
+    Args:
+        problem: the equations.
+        inner: the point.
+        came: tangent of the branch some way before, (N,), where differences do not reach the border.
+    """
+    outer = _straight_on(problem, inner) or _turned(problem, inner, came)
+    if outer is not None:
+        back = outer.slope * inner.slope < 0.0
+        return Border(TURNED if back else CONTINUOUS, inner, outer, outer.local.order)
+    for length in BEYOND:
+        try:
+            residual, order = problem.glance(_predicted(problem, inner, length))
+        except NoValue as nothing:
+            return Border(DISCONTINUOUS, inner, None, nothing.order, nothing.reason)
+        if order != inner.local.order:
+            jump = float(np.abs(residual).max())
+            return Border(DISCONTINUOUS if jump > JUMPS * length else LOST, inner, None, order, "", jump)
+    return Border(LOST, inner, None, inner.local.order)
+
+
+def _straight_on(problem: Problem, inner: Point) -> Point | None:
+    """The first point of a branch that goes on to the side to which it came."""
+    for length in BEYOND:
+        try:
+            point = stepped(problem, inner, length, reach=BENT)
+        except NoValue:
+            continue
+        if not point.local.like(inner.local):
+            return _facing(point.local, inner)
+    return None
+
+
+def _turned(problem: Problem, inner: Point, came: Array) -> Point | None:
+    """The first point of a branch that goes on to another side than it came to, by the tangent beyond."""
+    for length in BEYOND:
+        try:
+            there = problem.local(_predicted(problem, inner, length))
+            if there.like(inner.local):
+                continue
+            tangent = along(there, inner.tangent)
+        except NoValue:
+            continue
+        for row in (tangent, -tangent):
+            start = ahead(problem, inner, row, length)
+            try:
+                found = corrected(problem, start, row, float(row @ inner.local.u) + length, BENT * length)
+            except NoValue:
+                continue
+            outer = None if found.like(inner.local) else _facing(found, inner)
+            if outer is not None and outer.tangent @ came > BACK:
+                return outer
+    return None
+
+
+def _facing(local: Local, inner: Point) -> Point | None:
+    """A solution with its tangent away from the border."""
+    try:
+        return placed(local, local.u - inner.local.u)
+    except NoValue:
+        return None
+
+
+def _predicted(problem: Problem, inner: Point, length: float) -> Array:
+    return ahead(problem, inner, inner.tangent, length)

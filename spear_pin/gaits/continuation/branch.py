@@ -1,0 +1,292 @@
+"""A branch of periodic gaits over one number: its points, their stability, what happens on it, and why it ends."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.gaits.continuation.borders import CONTINUOUS, DISCONTINUOUS, LOST, TURNED
+from spear_pin.gaits.continuation.cycles import Family
+from spear_pin.gaits.continuation.signs import CROSSING, FLIP, FOLD, KINK, SADDLE, TORUS
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.many import REASONS
+from spear_pin.hybrid.orders import Order, differing, said
+from spear_pin.kinds import typed
+from spear_pin.showing import Shown
+
+Array = NDArray[np.float64]
+FORMAT = "spear_pin branch 1"
+KINDS: Mapping[str, str] = {
+    FOLD: "fold",
+    FLIP: "flip: the period doubles",
+    TORUS: "Neimark-Sacker point",
+    SADDLE: "neutral saddle: two real multipliers have the product 1",
+    CROSSING: "a multiplier is 1",
+    KINK: "kink: multipliers jump in the same order of events",
+}
+"""What special points are, in words."""
+WHY: Mapping[str, str] = {
+    "range": "the end of the range",
+    "border": "a border",
+    "lost": "no gait was found beyond",
+    "closed": "the branch is closed: it is back where it began",
+    "points": "as many points as asked for",
+}
+"""Why branches end."""
+
+
+@dataclass(frozen=True)
+class SpecialPoint:
+    """A point where multipliers meet the unit circle, or jump.
+
+    Attributes:
+        kind: a key of `KINDS`.
+        index: of the branch's point.
+        parameter: there.
+        critical: the multipliers that it is about, (1,) or (2,); of a kink none.
+    """
+
+    kind: str
+    index: int
+    parameter: float
+    critical: NDArray[np.complex128]
+
+    def __str__(self) -> str:
+        values = ", ".join(_value(each) for each in self.critical)
+        return KINDS[self.kind] + (f" ({values})" if values else "")
+
+
+@dataclass(frozen=True)
+class BorderPoint:
+    """A point where the order of events changes, or the cycle ends.
+
+    Attributes:
+        kind: "continuous" (the branch goes on), "turned" (it goes on, and the parameter back), "discontinuous" (it
+            ends: no gait is near beyond), "lost" (it ends, and why is not known: no gait was found beyond, though the
+            map does not jump).
+        index: of the last of the branch's points before it, seen from where the continuation began.
+        beyond: of the first behind it; None where the branch ends.
+        parameter: there.
+        before: (domain, event) of each event on the near side.
+        after: of each on the far side; of a cycle that does not close as far as it is known.
+        reason: why the cycle does not close there, a key of `gaits.many.REASONS`; empty if it does.
+        jump: where the branch ends ‖P(x) - x‖∞ just beyond; else zero.
+    """
+
+    kind: str
+    index: int
+    beyond: int | None
+    parameter: float
+    before: Order
+    after: Order
+    reason: str
+    jump: float
+
+    def __str__(self) -> str:
+        if self.kind == LOST:
+            there = "in whatever order of events" if self.before == self.after else "where "
+            return f"no gait was found beyond, {there}" + _change(self.before, self.after) * (self.before != self.after)
+        if self.reason:
+            return f"the cycle ends: {REASONS.get(self.reason, self.reason)}"
+        kind = {CONTINUOUS: "border", TURNED: "border, where it turns", DISCONTINUOUS: "border, where it ends"}
+        jump = f"; beyond, the cycle misses its start by {self.jump:.2g}" if self.kind == DISCONTINUOUS else ""
+        return f"{kind[self.kind]}: {_change(self.before, self.after)}{jump}"
+
+
+@dataclass(frozen=True)
+class End:
+    """An end of a branch.
+
+    Attributes:
+        parameter: there.
+        reason: a key of `WHY`.
+        border: the border that it is at, if it is at one.
+    """
+
+    parameter: float
+    reason: str
+    border: BorderPoint | None = None
+
+    def __str__(self) -> str:
+        return WHY[self.reason] if self.border is None else str(self.border)
+
+
+@dataclass(frozen=True, repr=False)
+class Branch(Shown):
+    """Gaits along a branch, in the order of the arc; at first the parameter grows from where the continuation began.
+
+    Attributes:
+        family: the systems.
+        over: the parameter.
+        vary: names of what is solved for.
+        target: what it is solved for, by name.
+        start: index of the point where the continuation began.
+        parameter: its values, (n,).
+        q: configurations on the section, (n, nq).
+        v: velocities there, (n, nv).
+        solved: values of what is solved for, by name, (n,) each.
+        multipliers: Floquet multipliers by decreasing modulus, (n, d); NaN beyond the section's dimension, which is one
+            less where no toe slides as it lands.
+        durations: seconds in each phase, (n,) each.
+        residual: largest component of x - P(x) in the section's coordinates, (n,).
+        orders: (domain, event) of each event of the cycle, (n,).
+        tangents: d(q, v, solved, parameter) by the arc length, (n, nq + nv + k + 1).
+        specials: special points, in the order of the arc.
+        borders: borders, in that order.
+        ends: the ends, the first and the last.
+
+    Example:
+        >>> from spear_pin import continue_gait, find_gait, hopping, load
+        >>> gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])))
+        >>> branch = continue_gait(gait, "stance_torque", (7.0, 9.0))
+        >>> [round(end.parameter, 3) for end in branch.ends], len(branch.folds)
+        ([7.598, 9.0], 0)
+    """
+
+    family: Family
+    over: str
+    vary: tuple[str, ...]
+    target: Mapping[str, float]
+    start: int
+    parameter: Array
+    q: Array
+    v: Array
+    solved: Mapping[str, Array]
+    multipliers: NDArray[np.complex128]
+    durations: Mapping[str, Array]
+    residual: Array
+    orders: tuple[Order, ...]
+    tangents: Array
+    specials: tuple[SpecialPoint, ...]
+    borders: tuple[BorderPoint, ...]
+    ends: tuple[End, End]
+
+    def __len__(self) -> int:
+        """Number of points."""
+        return len(self.parameter)
+
+    def __repr__(self) -> str:
+        first, last = (f"{end.parameter:.5g}" for end in self.ends)
+        met = f"{len(self.borders)} borders, {len(self.specials)} special points"
+        return f"Branch({self.over} {first} to {last}: {len(self)} points, {self.stable.sum()} stable, {met})"
+
+    def __str__(self) -> str:
+        lines = [f"{value:12.6g}  {text}" for value, text in self.rows()]
+        return "\n".join([f"{self.over:>12}  what happens", *lines])
+
+    @property
+    def largest(self) -> Array:
+        """Modulus of the largest multiplier, (n,)."""
+        return np.asarray(np.abs(self.multipliers[:, 0]))
+
+    @property
+    def stable(self) -> NDArray[np.bool_]:
+        """Whether every multiplier lies inside the unit circle, (n,)."""
+        return np.asarray(self.largest < 1.0)
+
+    @property
+    def period(self) -> Array:
+        """Seconds of one cycle, (n,)."""
+        return np.asarray(sum(self.durations.values()))
+
+    @property
+    def folds(self) -> tuple[SpecialPoint, ...]:
+        """Where the parameter turns."""
+        return self._of(FOLD)
+
+    @property
+    def flips(self) -> tuple[SpecialPoint, ...]:
+        """Where a multiplier is -1."""
+        return self._of(FLIP)
+
+    @property
+    def neimark_sacker(self) -> tuple[SpecialPoint, ...]:
+        """Where a complex pair of multipliers is on the unit circle."""
+        return self._of(TORUS)
+
+    @property
+    def why(self) -> tuple[str, str]:
+        """Why each end is where it is."""
+        return str(self.ends[0]), str(self.ends[1])
+
+    def _of(self, kind: str) -> tuple[SpecialPoint, ...]:
+        return tuple(special for special in self.specials if special.kind == kind)
+
+    def rows(self) -> list[tuple[float, str]]:
+        """What happens along the arc: the parameter's value and a sentence each, the ends among them."""
+        inner = [(border.index, border.parameter, str(border)) for border in self.borders if border.beyond is not None]
+        inner += [(special.index, special.parameter, str(special)) for special in self.specials]
+        first, last = ((end.parameter, f"end: {end}") for end in self.ends)
+        return [first, *((value, text) for _, value, text in sorted(inner)), last]
+
+    @typed
+    def gait(self, index: int) -> Gait:
+        """The gait at a point, its number from 0.
+
+        Raises:
+            BadValue: there is no such point.
+        """
+        if not -len(self) <= index < len(self):
+            raise BadValue("index", index, f"a whole number from {-len(self)} to {len(self) - 1}")
+        solved = {name: float(values[index]) for name, values in self.solved.items()}
+        known = self.over in self.family.names
+        numbers = {**solved, self.over: float(self.parameter[index])} if known else solved
+        return Gait(
+            system=self.family.member([numbers[name] for name in self.family.names]),
+            state=(self.q[index].copy(), self.v[index].copy()),
+            parameters=solved,
+            residual=float(self.residual[index]),
+            multipliers=self.multipliers[index][np.isfinite(self.multipliers[index])],
+            durations={phase: float(seconds[index]) for phase, seconds in self.durations.items()},
+        )
+
+    def to_json(self) -> str:
+        """All of it as a JSON object: points by column, special points, borders and ends."""
+        orders = list(dict.fromkeys(self.orders))
+        data = {
+            "format": FORMAT,
+            "kind": self.family.system.kind,
+            "robot": self.family.system.robot.source,
+            "over": self.over,
+            "vary": list(self.vary),
+            "target": dict(self.target),
+            "start": self.start,
+            "parameter": self.parameter.tolist(),
+            "q": self.q.tolist(),
+            "v": self.v.tolist(),
+            "solved": {name: values.tolist() for name, values in self.solved.items()},
+            "multipliers": [[[value.real, value.imag] for value in row[np.isfinite(row)]] for row in self.multipliers],
+            "durations": {phase: seconds.tolist() for phase, seconds in self.durations.items()},
+            "residual": self.residual.tolist(),
+            "orders": [[list(pair) for pair in order] for order in orders],
+            "order": [orders.index(order) for order in self.orders],
+            "tangents": self.tangents.tolist(),
+            "specials": [
+                {**vars(each), "critical": [[value.real, value.imag] for value in each.critical.tolist()]}
+                for each in self.specials
+            ],
+            "borders": [vars(each) | {"text": str(each)} for each in self.borders],
+            "ends": [{"parameter": end.parameter, "reason": end.reason, "text": str(end)} for end in self.ends],
+        }
+        return json.dumps(data, allow_nan=False)
+
+
+def _change(before: Order, after: Order) -> str:
+    """What is another in an order of events."""
+    near, far = differing(before, after)
+    if before == after:
+        return "a toe begins or ceases to slide as it lands"
+    if not near:
+        return f"[{said(far)}] comes in"
+    return f"[{said(near)}] becomes [{said(far)}]" if far else f"[{said(near)}] no longer happens"
+
+
+def _value(number: complex) -> str:
+    if abs(number.imag) < 1e-9:
+        return f"{number.real:.5g}"
+    return f"{number.real:.5g} {'+' if number.imag > 0 else '-'} {abs(number.imag):.5g}i"

@@ -1,0 +1,209 @@
+"""`continue_gait`: the branch of gaits through a given one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, NoGait, UnknownName, require
+from spear_pin.gaits.continuation.borders import Border
+from spear_pin.gaits.continuation.branch import BorderPoint, Branch, End, SpecialPoint
+from spear_pin.gaits.continuation.cycles import Family
+from spear_pin.gaits.continuation.follow import BORDER, CLOSED, LOST, Way, follow
+from spear_pin.gaits.continuation.gaits import Gaits
+from spear_pin.gaits.continuation.problem import NoValue
+from spear_pin.gaits.continuation.stepping import Point, corrected, placed
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.search import WHY
+from spear_pin.gaits.targets import check_wanted
+from spear_pin.hybrid.parameters import parameter
+from spear_pin.hybrid.result import Options
+from spear_pin.kinds import typed
+from spear_pin.model.variants import parameters_of
+
+Array = NDArray[np.float64]
+NEAR = 0.1  # how far, scaled, the first point may be from the gait that is given
+LEAST_STEP = 1e-4
+
+
+@typed
+def continue_gait(
+    gait: Gait,
+    over: str,
+    within: tuple[float, float],
+    vary: Sequence[str] = (),
+    target: Mapping[str, float] | None = None,
+    *,
+    step: float = 0.05,
+    points: int = 500,
+    rtol: float = 1e-9,
+    on_point: Callable[[float], object] = lambda value: None,
+) -> Branch:
+    """Follow the branch of gaits through a given one over a parameter, both ways, by pseudo-arclength continuation.
+
+    It goes round folds, and over borders, where the order of events changes, as far as the gaits on both sides meet.
+    Folds, flips, Neimark-Sacker points and borders are located.
+
+    Args:
+        gait: where it begins.
+        over: the parameter: a number of law, spring, contact or robot, or a measure as a target.
+        within: between which values of it.
+        vary: numbers to solve for, as of `find_gait`; one more than targets where `over` is a measure.
+        target: wanted values of as many measures, by name, which are kept.
+        step: longest along the arc: 1 is the whole range, 1 m, rad, m/s or rad/s, or a number solved for itself.
+        points: at most so many each way.
+        rtol: relative tolerance, as of `simulate_many`; without lanes of the reference engine.
+        on_point: called with the parameter's value at each point.
+
+    Raises:
+        UnknownName: unknown parameter or measure.
+        BadValue: the range does not hold the gait's own value, or is none, there are not as many targets as numbers to
+            solve for, or a number is not valid.
+        NoGait: the gait is none of the equations', to begin with.
+
+    Example:
+        >>> from spear_pin import continue_gait, find_gait, hopping, load
+        >>> gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])))
+        >>> branch = continue_gait(gait, "stance_torque", (7.0, 9.0))
+        >>> branch.why[1]
+        'the end of the range'
+    """
+    Options(rtol=rtol)  # it says what is valid
+    require("step", step, lambda length: LEAST_STEP <= length <= 1.0, f"a number from {LEAST_STEP:g} to 1")
+    require("points", points, lambda n: n >= 2 and n % 1 == 0, "a whole number, at least 2")
+    problem, state, values = _equations(gait, over, within, tuple(vary), dict(target or {}), rtol)
+    scale = problem.scale[-1]
+    low, high = within[0] / scale, within[1] / scale
+    start = _start(problem, state, values)
+
+    def tell(point: Point) -> None:
+        on_point(float(point.local.u[-1] * scale))
+
+    ways = []
+    for sign in (-1.0, 1.0):
+        way = follow(problem, Point(start.local, sign * start.tangent), (low, high), step, points, tell)
+        ways.append(way)
+        if way.end == CLOSED:
+            ways = [Way([start], [], CLOSED), way][:: int(sign)]
+            break
+    return _branch(problem, over, tuple(vary), dict(target or {}), ways[0], ways[1])
+
+
+def _equations(
+    gait: Gait, over: str, within: tuple[float, float], vary: tuple[str, ...], target: dict[str, float], rtol: float
+) -> tuple[Gaits, Any, Array]:
+    """The equations, the gait's state, and its values of what is solved for and the parameter."""
+    system = gait.system
+    measured = over in system.measures
+    for name in target:
+        if name not in system.measures:
+            raise UnknownName("target", name, system.measures)
+    if len(vary) != len(target) + measured:
+        count = f"{len(target) + measured}" + (f", one for {over} too" if measured else "")
+        raise BadValue("vary", list(vary), f"as many numbers as targets, {count}")
+    if over in vary or over in target:
+        raise BadValue("over", over, "what is neither solved for nor kept")
+    robots = parameters_of(system.robot)
+    for name in vary:
+        parameter(system, name)  # it says what there is
+    if not measured and over not in robots:
+        try:
+            parameter(system, over)
+        except UnknownName as error:
+            raise UnknownName("parameter", over, (*error.valid, *robots, *system.measures)) from None
+    check_wanted(system, {**target, **({over: within} if measured else {})})
+    names = vary if measured else (*vary, over)
+    family = Family(system, names, (*target, *([over] if measured else [])), rtol)
+    own = family.values()
+    if measured:
+        own.append(_measured(family, gait, own))
+    low, high = within
+    if not (np.isfinite(within).all() and low < high and low <= own[-1] <= high):
+        raise BadValue(
+            "within", within, f"two numbers, the lower one first, with the gait's {own[-1]:.6g} between them"
+        )
+    if not measured:
+        for value in within:
+            family.member([*own[:-1], value])  # it says what is valid
+    scale = np.array([abs(value) or 1.0 for value in own[:-1]] + [high - low])
+    return Gaits(family, np.array([*target.values()], dtype=float), measured, scale), gait.state, np.array(own)
+
+
+def _measured(family: Family, gait: Gait, own: list[float]) -> float:
+    """The gait's value of the last measure."""
+    q, v = gait.state
+    cycles = family.run(q[None], v[None], np.array([own]))
+    if cycles.reason[0]:
+        raise NoGait(f"the gait's cycle does not close: {cycles.reason[0]}", np.inf)
+    return float(cycles.measured[0, -1])
+
+
+def _start(problem: Gaits, state: Any, values: Array) -> Point:
+    """The point of the branch beside the gait, its tangent towards greater values of the parameter."""
+    u = problem.point(state, values)
+    row = np.zeros_like(u)
+    row[-1] = 1.0
+    try:
+        return placed(corrected(problem, u, row, float(u[-1]), NEAR), row)
+    except NoValue as nothing:
+        try:
+            residual = float(np.abs(problem.glance(u)[0]).max())
+        except NoValue:
+            residual = np.inf
+        raise NoGait(
+            f"the gait cannot be continued from where it is: {WHY.get(nothing.reason, nothing.reason)}", residual
+        ) from None
+
+
+def _branch(problem: Gaits, over: str, vary: tuple[str, ...], target: dict[str, float], back: Way, on: Way) -> Branch:
+    """The branch made of both ways from its start."""
+    start = len(back.points) - 1
+    turned = [Point(point.local, -point.tangent) for point in back.points[:0:-1]]
+    points = [*turned, *on.points]
+    states = [problem.read(point.local.u) for point in points]
+    values = np.array([each for _, each in states])
+    specials: list[SpecialPoint] = []
+    borders: list[BorderPoint] = []
+    for way, sign in ((back, -1), (on, 1)):
+        for i, met in way.met:
+            index = start + sign * i
+            value = float(values[index, -1])
+            if isinstance(met, Border):
+                beyond = None if met.outer is None else index + sign
+                order = met.inner.local.order
+                borders.append(BorderPoint(met.kind, index, beyond, value, order, met.after, met.reason, met.jump))
+            else:
+                specials.append(SpecialPoint(met.kind, index, value, met.critical))
+    borders.sort(key=lambda each: each.index)
+    specials.sort(key=lambda each: each.index)
+    about = [point.local.more for point in points]
+    multipliers = np.full((len(points), max(len(point.local.multipliers) for point in points)), np.nan + 0j)
+    for row, point in zip(multipliers, points, strict=True):
+        row[: len(point.local.multipliers)] = point.local.multipliers
+    whole = np.concatenate([np.ones(len(points[0].tangent) - len(problem.scale)), problem.scale])
+    return Branch(
+        family=problem.family,
+        over=over,
+        vary=vary,
+        target=target,
+        start=start,
+        parameter=values[:, -1],
+        q=np.array([q for (q, _), _ in states]),
+        v=np.array([v for (_, v), _ in states]),
+        solved={name: values[:, i] for i, name in enumerate(vary)},
+        multipliers=multipliers,
+        durations={phase: np.array([each.durations.get(phase, 0.0) for each in about]) for phase in about[0].durations},
+        residual=np.array([each.residual for each in about]),
+        orders=tuple(point.local.order for point in points),
+        tangents=np.array([point.tangent * whole for point in points]),
+        specials=tuple(specials),
+        borders=tuple(borders),
+        ends=(_end(back, borders[:1], values[0]), _end(on, borders[-1:], values[-1])),
+    )
+
+
+def _end(way: Way, nearest: list[BorderPoint], values: Array) -> End:
+    return End(float(values[-1]), way.end, nearest[0] if way.end in (BORDER, LOST) else None)

@@ -1,0 +1,169 @@
+"""Cycles of a family of gaits, from states and with numbers of their own: by lanes, or by the reference engine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, MissingExtra, SpearError
+from spear_pin.gaits.lane_cycles import LaneCycles
+from spear_pin.gaits.many import MEASURES, OBSERVED
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.batch import FEW, check_lanes
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.lanes.numbers import OTHERS
+from spear_pin.hybrid.orders import Order, order_of
+from spear_pin.hybrid.parameters import PARTS, parameter, replaced, with_parameters
+from spear_pin.hybrid.periodic import return_map
+from spear_pin.hybrid.result import Run
+from spear_pin.hybrid.shooting import NOT_FINITE, Cycles
+from spear_pin.model.variants import PARAMETERS, parameters_of, vary
+
+Array = NDArray[np.float64]
+KEPT = 16  # systems with other robots: three are asked for again and again
+Measure = str | Callable[[Run], float]
+
+
+@dataclass(frozen=True)
+class Family:
+    """Systems that differ in a few numbers, and what is measured of their cycles.
+
+    Attributes:
+        system: one of them.
+        names: of the numbers, as `with_parameters` and `vary` have them; of the robot's at most the last.
+        measures: names among `system.measures`, or functions of a cycle's run.
+        rtol: relative tolerance of the integration.
+    """
+
+    system: HybridSystem
+    names: tuple[str, ...]
+    measures: tuple[Measure, ...]
+    rtol: float
+
+    @property
+    def of_robot(self) -> bool:
+        """Whether the last number is one of the robot's."""
+        return bool(self.names) and self.names[-1] in parameters_of(self.system.robot)
+
+    def member(self, values: Sequence[float]) -> HybridSystem:
+        """The system with values of the numbers.
+
+        Raises:
+            BadValue: one is not valid.
+        """
+        given = dict(zip(self.names, map(float, values), strict=True))
+        system = self.system
+        if self.of_robot:
+            system = self._with_robot(given.pop(self.names[-1]))
+        return with_parameters(system, given)
+
+    def _with_robot(self, value: float) -> HybridSystem:
+        """The system with another value of the robot's number."""
+        if value not in self._made:
+            if len(self._made) >= KEPT:
+                self._made.clear()
+            robot = vary(self.system.robot, **{self.names[-1]: value})
+            parts: dict[str, Any] = {part: getattr(self.system, part) for part in PARTS}
+            again, kept = self.system.build(robot, **parts), replaced(self.system)
+            self._made[value] = replace(again, **kept) if kept else again
+        return self._made[value]
+
+    @cached_property
+    def _made(self) -> dict[float, HybridSystem]:
+        """Systems with other robots, by the value of their number."""
+        return {}
+
+    def values(self) -> list[float]:
+        """The numbers of the system itself."""
+        return [self._value(name) for name in self.names]
+
+    def _value(self, name: str) -> float:
+        robot = self.system.robot
+        if name in parameters_of(robot):
+            return float(robot.varied.get(name, PARAMETERS[name].default))
+        return parameter(self.system, name)
+
+    def run(self, q: Array, v: Array, values: Array) -> Cycles:
+        """One cycle each from states with values of the numbers, (m, k)."""
+        return self._runner(q, v, values)
+
+    @cached_property
+    def _runner(self) -> Callable[[Array, Array, Array], Cycles]:
+        return self._by_lanes if self._has_lanes() else self._by_reference
+
+    def _has_lanes(self) -> bool:
+        """Whether lanes can run it, which are faster."""
+        try:
+            taylor.require()
+            check_lanes(self.system)
+        except (BadValue, MissingExtra):
+            return False
+        own = self.names[:-1] if self.of_robot else self.names
+        known = {*vars(self.system.law), *OTHERS}
+        return known.issuperset(own) and all(measure in MEASURES for measure in self.measures)
+
+    def _by_lanes(self, q: Array, v: Array, values: Array) -> Cycles:
+        parts: list[tuple[NDArray[np.int64], Cycles]] = []
+        last = values[:, -1] if self.of_robot else np.zeros(len(q))
+        for value in np.unique(last):
+            chosen = np.flatnonzero(last == value)
+            for first in range(0, len(chosen), FEW):  # of more, nobody keeps the order of events
+                lanes = chosen[first : first + FEW]
+                parts.append((lanes, self._few(q[lanes], v[lanes], values[lanes])))
+        return _joined(parts, len(q))
+
+    def _few(self, q: Array, v: Array, values: Array) -> Cycles:
+        names, system = self.names, self.system
+        if self.of_robot:
+            names, own = names[:-1], [*map(float, (*self.values()[:-1], values[0, -1]))]
+            system, values = self.member(own), values[:, :-1]
+        measures = [MEASURES[str(name)] for name in self.measures]
+        observe = any(name in OBSERVED for name in self.measures)
+        run = LaneCycles(system, {}, names, measures, self.rtol, observe)
+        return run(np.arange(len(q)), q, v, values)
+
+    def _by_reference(self, q: Array, v: Array, values: Array) -> Cycles:
+        n = len(q)
+        ends, measured = (np.full_like(q, np.nan), np.full_like(v, np.nan)), np.full((n, len(self.measures)), np.nan)
+        durations = {phase: np.zeros(n) for phase in self.system.phases}
+        reason, orders = np.full(n, "", dtype=object), list[Order]([()] * n)
+        measures = [name if callable(name) else self.system.measures[name] for name in self.measures]
+        for i in range(n):
+            if not (np.isfinite(q[i]).all() and np.isfinite(v[i]).all()):
+                reason[i] = NOT_FINITE
+                continue
+            try:
+                system = self.member(values[i].tolist())
+                result = return_map(system, (q[i], v[i]), self.rtol)
+                orders[i] = order_of(system, result)
+                if not result.cycles:
+                    reason[i] = result.reason
+                    continue
+                ends[0][i], ends[1][i] = result.state
+                measured[i] = [measure(result) for measure in measures]
+                for phase, seconds in result.durations.items():
+                    durations[phase][i] = seconds
+            except SpearError as error:  # a parameter out of range, an event that did not happen
+                reason[i] = str(error)
+        return Cycles(*ends, measured, durations, reason, np.ones(n, dtype=bool), orders)
+
+
+def _joined(parts: Sequence[tuple[NDArray[np.int64], Cycles]], n: int) -> Cycles:
+    """Cycles of n lanes, from those of some of them each."""
+    back = np.argsort(np.concatenate([lanes for lanes, _ in parts]))
+    every = [cycles for _, cycles in parts]
+    orders = [order for cycles in every for order in cycles.orders]
+    durations: Mapping[str, Array] = {
+        phase: np.concatenate([cycles.durations[phase] for cycles in every])[back] for phase in every[0].durations
+    }
+    whole = [
+        np.concatenate([getattr(cycles, name) for cycles in every])[back]
+        for name in ("q", "v", "measured", "reason", "reference")
+    ]
+    q, v, measured, reason, reference = whole
+    return Cycles(q, v, measured, durations, reason, reference, [orders[i] for i in back])

@@ -1,0 +1,46 @@
+"""Derivatives by differences that keep to one order of events: central, or to one side where a border is near."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.gaits.continuation.problem import NoValue
+from spear_pin.hybrid.newton import NO_NEIGHBOUR, STEP, stencil
+from spear_pin.hybrid.orders import Order
+
+Array = NDArray[np.float64]
+STEEPEST = 3e3  # slope: what is steeper jumps
+Values = Callable[[Array], tuple[Array, Sequence[str], Sequence[Order]]]
+"""Values of functions, (m, r), at points, (m, k), why there is none, "" where there is, and the orders of events."""
+
+
+def differentiated(values: Values, x: Array, step: float = STEP) -> tuple[Array, Array, Order]:
+    """Values at a point, (r,), their Jacobian there, (r, k), and the order of events.
+
+    Args:
+        values: the functions.
+        x: the point, (k,).
+        step: of the differences, in each unknown.
+
+    Raises:
+        NoValue: there is no value at the point, or in some direction to neither side one of the same order, or at least
+            one that does not jump.
+    """
+    k = len(x)
+    found, why, orders = values(x + np.concatenate([np.zeros((1, k)), stencil(k, step)]))
+    if why[0]:
+        raise NoValue(why[0], orders[0])
+    centre, order = found[0], orders[0]
+    ahead, behind = found[1 : k + 1] - centre, centre - found[k + 1 :]
+    same = np.array([not reason and each == order for reason, each in zip(why, orders, strict=True)])[1:]
+    sides = np.stack([same[:k], same[k:]])
+    # between two borders there is no other side: what does not jump does for Newton's method
+    smooth = np.abs(np.stack([ahead, behind])).max(axis=2) < STEEPEST * step  # False where there is no value
+    sides |= ~sides.any(axis=0) & smooth
+    if not sides.any(axis=0).all():
+        raise NoValue(NO_NEIGHBOUR, order)
+    slopes = (np.where(sides[0, :, None], ahead, 0.0) + np.where(sides[1, :, None], behind, 0.0)) / step
+    return centre, (slopes / sides.sum(axis=0)[:, None]).T, order

@@ -1,0 +1,139 @@
+"""Follow a branch from one of its points, one way, to where it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from spear_pin.gaits.continuation import borders
+from spear_pin.gaits.continuation.borders import Border, approached, border
+from spear_pin.gaits.continuation.problem import NoValue, Problem
+from spear_pin.gaits.continuation.signs import Special, located, specials
+from spear_pin.gaits.continuation.stepping import TOLERANCE, Point, landed, stepped
+
+FINE = 1e-3  # arc length of steps that are not shortened any more: what stops them is a border
+ENTERING = 1e-4  # of the first step behind a border
+FIRST = 0.2  # of the longest step
+STRAIGHT, CURVED = 0.05, 0.3  # rad between tangents: up to the first steps grow, above the second they are shortened
+GROWTH = 2.0
+RANGE, BORDER, LOST, CLOSED, LIMIT = "range", "border", "lost", "closed", "points"
+Met = Border | Special
+
+
+@dataclass
+class Way:
+    """What was met on the way.
+
+    Attributes:
+        points: of the branch, in order, the start first.
+        met: borders and special points, each with its index in `points`.
+        end: why it ends: `RANGE` (the parameter's range does), `BORDER` (at the last border), `LOST` (no point beyond
+            was found, and no border), `CLOSED` (it is back where it began), `LIMIT` (enough points).
+    """
+
+    points: list[Point]
+    met: list[tuple[int, Met]] = field(default_factory=list)
+    end: str = ""
+
+
+def follow(
+    problem: Problem,
+    start: Point,
+    bounds: tuple[float, float],
+    longest: float,
+    most: int,
+    on_point: Callable[[Point], object] = lambda point: None,
+) -> Way:
+    """Follow a branch along its tangent.
+
+    Args:
+        problem: the equations.
+        start: a point of it, with its tangent in the direction in which it is followed.
+        bounds: of the scaled parameter.
+        longest: step along the arc.
+        most: points.
+        on_point: called with each point.
+    """
+    way, length = Way([start]), FIRST * longest
+    while not way.end:
+        base = way.points[-1]
+        if len(way.points) >= most:
+            way.end = LIMIT
+            break
+        point = _tried(problem, base, length)
+        if point is None:
+            if length > FINE:
+                length *= 0.5
+                continue
+            _meet(problem, way, base, length)
+            length = ENTERING
+        elif _angle(base, point) > CURVED and length > FINE:
+            length *= 0.5
+            continue
+        else:
+            _add(problem, way, point, length, bounds, start)
+            length = min(longest, length * GROWTH) if _angle(base, point) < STRAIGHT else length
+        on_point(way.points[-1])
+    return way
+
+
+def _tried(problem: Problem, base: Point, length: float) -> Point | None:
+    """The next point, if there is one of the same order of events."""
+    try:
+        point = stepped(problem, base, length)
+    except NoValue:
+        return None
+    return point if point.local.like(base.local) else None
+
+
+def _angle(one: Point, other: Point) -> float:
+    return float(np.arccos(np.clip(one.tangent @ other.tangent, -1.0, 1.0)))
+
+
+def _add(problem: Problem, way: Way, point: Point, length: float, bounds: tuple[float, float], start: Point) -> None:
+    """Add a point, what happens on the step to it, and the end if it is beyond one."""
+    base, parameter = way.points[-1], point.local.u[-1]
+    if not bounds[0] <= parameter <= bounds[1]:
+        bound, way.end = bounds[0] if parameter < bounds[0] else bounds[1], RANGE
+        if abs(base.local.u[-1] - bound) <= TOLERANCE:
+            return
+        length, point = located(problem, base, point, length, lambda each: each.local.u[-1] - bound)
+        try:
+            point = landed(problem, point, bound)
+        except NoValue:
+            pass  # it is as near to it as the arc tells
+    elif _closes(base, point, start, length):
+        way.end, point = CLOSED, start
+    _mark(problem, way, base, point, length)
+    way.points.append(point)
+
+
+def _mark(problem: Problem, way: Way, base: Point, point: Point, length: float) -> None:
+    for special in specials(problem, base, point, length):
+        way.points.append(special.point)
+        way.met.append((len(way.points) - 1, special))
+
+
+def _closes(base: Point, point: Point, start: Point, length: float) -> bool:
+    """Whether the start lies on the step, and the branch goes on there as it began."""
+    before, after = (float(start.tangent @ (each.local.u - start.local.u)) for each in (base, point))
+    near = np.linalg.norm(point.local.u - start.local.u) < length
+    return bool(near and base is not start and before < 0.0 <= after and start.tangent @ point.tangent > 0.0)
+
+
+def _meet(problem: Problem, way: Way, base: Point, length: float) -> None:
+    """Go up to a border, and behind it if the branch goes on."""
+    came = base.tangent
+    for point, taken in approached(problem, base, length):
+        _mark(problem, way, base, point, taken)
+        base = point
+    if base is not way.points[-1]:
+        way.points.append(base)
+    met = border(problem, base, came)
+    way.met.append((len(way.points) - 1, met))
+    if met.outer is None:
+        way.end = LOST if met.kind == borders.LOST else BORDER
+    else:
+        way.points.append(met.outer)

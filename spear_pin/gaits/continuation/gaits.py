@@ -1,0 +1,170 @@
+"""Gaits as equations to continue: x = P(x), and targets, over one number or the value of one target.
+
+Derivatives are differences of cycles. `Gaits.local` is the one place that knows; what has exact ones goes there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.gaits.continuation.cycles import Family
+from spear_pin.gaits.continuation.differences import differentiated
+from spear_pin.gaits.continuation.problem import Local, NoValue
+from spear_pin.hybrid.newton import differentiated as differences
+from spear_pin.hybrid.newton import stencil
+from spear_pin.hybrid.orders import Order
+from spear_pin.hybrid.periodic import chart, eigenvalues
+from spear_pin.hybrid.result import State
+from spear_pin.hybrid.section import Charts, section
+from spear_pin.hybrid.shooting import SHORT_CYCLE, SHORTEST_CYCLE, Cycles
+from spear_pin.hybrid.spatial_section import SpatialCharts
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class About:
+    """What is known of a cycle beside its equations.
+
+    Attributes:
+        charts: the chart of the section around its state, ξ = 0.
+        durations: seconds in each phase.
+        residual: P(x) - x in the section's coordinates, the largest.
+    """
+
+    charts: Charts | SpatialCharts
+    durations: Mapping[str, float]
+    residual: float
+
+
+@dataclass(frozen=True)
+class Gaits:
+    """The equations. Points are (q, v, solved parameters, parameter), the last two scaled.
+
+    Attributes:
+        family: the systems, whose numbers are the solved ones and, unless it is a target, the parameter.
+        wanted: the targets.
+        over_target: whether the parameter is the value of one target more, the last.
+        scale: of the solved ones and the parameter, (k + 1,).
+    """
+
+    family: Family
+    wanted: Array
+    over_target: bool
+    scale: Array
+
+    def point(self, state: State, values: Array) -> Array:
+        """The point of a state, with values of the solved ones and the parameter, (k + 1,)."""
+        return np.concatenate([*state, values / self.scale])
+
+    def read(self, u: Array) -> tuple[State, Array]:
+        """State, solved ones and parameter of a point."""
+        nq, nv = self.family.system.robot.nq, self.family.system.robot.nv
+        return (u[:nq], u[nq : nq + nv]), u[nq + nv :] * self.scale
+
+    def numbers(self, values: Array) -> Array:
+        """The family's numbers, of solved ones and parameters, (..., k + 1)."""
+        return values[..., :-1] if self.over_target else values
+
+    def local(self, u: Array) -> Local:
+        """The equations about a point; see `Problem`."""
+        state, values = self.read(u)
+        charts = self._charts(state, values)
+        local, slides = self._local(charts, values)
+        if slides is not None:  # the section's toes land otherwise than they are here
+            local, _ = self._local(self._charts(state, values, slides), values)
+        return local
+
+    def _local(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Local, NDArray[np.bool_] | None]:
+        """The equations about a chart's origin, and which toes slide after the cycle, if those are others."""
+        d = charts.dimension
+        seen: list[Cycles] = []
+
+        def around(points: Array) -> tuple[Array, list[str], list[Order]]:
+            found, cycles = self._residuals(charts, points[:, :d], points[:, d:] * self.scale)
+            seen.append(cycles)
+            return found, list(cycles.reason), list(cycles.orders)
+
+        residual, jacobian, order = differentiated(around, np.concatenate([np.zeros(d), values / self.scale]))
+        durations = {phase: float(seconds[0]) for phase, seconds in seen[0].durations.items()}
+        multipliers = eigenvalues(jacobian[:d, :d] + np.eye(d))
+        about = About(charts, durations, float(np.abs(residual[:d]).max()))
+        (q,), (v,) = charts.states(np.zeros((1, d)))
+        u, slides = self.point((q, v), values), None
+        if isinstance(charts, Charts):
+            after = charts.section.sliding(seen[0].q[:1], seen[0].v[:1])[0]
+            slides = None if (after == charts.slides).all() else after
+        return Local(u, residual, jacobian, self._directions(charts, values), multipliers, order, about), slides
+
+    def glance(self, u: Array) -> tuple[Array, Order]:
+        """F at a point, and the order of events; see `Problem`."""
+        state, values = self.read(u)
+        charts = self._charts(state, values)
+        found, cycles = self._residuals(charts, np.zeros((1, charts.dimension)), values[None])
+        if cycles.reason[0]:
+            raise NoValue(cycles.reason[0], cycles.orders[0])
+        return found[0], cycles.orders[0]
+
+    def moved(self, local: Local, step: Array) -> Array:
+        """The point that local coordinates lead to; see `Problem`."""
+        _, values = self.read(local.u)
+        charts = local.more.charts
+        values = values + step[charts.dimension :] * self.scale
+        q, v = self._on(charts, values[None]).states(step[None, : charts.dimension])
+        return self.point((q[0], v[0]), values)
+
+    def _charts(self, state: State, values: Array, slides: NDArray[np.bool_] | None = None) -> Charts | SpatialCharts:
+        """The chart around a state, in which the toes slide that do there, or others, (ntoes,)."""
+        if not all(np.isfinite(part).all() for part in state):
+            raise NoValue("not_finite")
+        system = self.family.member(self.numbers(values).tolist())
+        if slides is None:
+            return chart(system, state).lane
+        q, v = state
+        return section(system).charts(q[None], v[None], slides)
+
+    def _on(self, charts: Charts | SpatialCharts, values: Array) -> Charts | SpatialCharts:
+        """Charts with the same directions, of the sections with values of the solved ones and the parameter."""
+        numbers = self.numbers(values)
+        if self.family.of_robot and isinstance(charts, Charts):
+            return replace(charts, section=section(self.family.member(numbers[0].tolist())))
+        return charts.on(dict(zip(self.family.names, numbers.T, strict=True)))
+
+    def _placed(self, charts: Charts | SpatialCharts, xi: Array, values: Array) -> tuple[Array, Array, Array]:
+        """States of lanes on the section, with coordinates ξ and values of solved ones and parameter; their own ξ."""
+        robot = self.family.system.robot
+        begins, q, v = np.empty_like(xi), np.empty((len(xi), robot.nq)), np.empty((len(xi), robot.nv))
+        last = values[:, -1] if self.family.of_robot else np.zeros(len(xi))
+        for value in np.unique(last):
+            lanes = np.flatnonzero(last == value)
+            here = self._on(charts.take(np.zeros(len(lanes), dtype=np.int64)), values[lanes])
+            q[lanes], v[lanes] = here.states(xi[lanes])
+            begins[lanes] = here.coordinates(q[lanes], v[lanes])
+        return q, v, begins
+
+    def _residuals(self, charts: Charts | SpatialCharts, xi: Array, values: Array) -> tuple[Array, Cycles]:
+        """F of lanes with coordinates ξ and values of the solved ones and the parameter."""
+        q, v, begins = self._placed(charts, xi, values)
+        after = self.family.run(q, v, self.numbers(values))
+        whole = charts.take(np.zeros(len(xi), dtype=np.int64))
+        ends = whole.coordinates(after.q, after.v)
+        wanted = np.broadcast_to(self.wanted, (len(xi), len(self.wanted)))
+        if self.over_target:
+            wanted = np.column_stack([wanted, values[:, -1]])
+        found = np.concatenate([ends - begins, after.measured - wanted], axis=1)
+        reason = after.reason.copy()
+        reason[(reason == "") & (sum(after.durations.values()) < SHORTEST_CYCLE)] = SHORT_CYCLE
+        reason[(reason == "") & ~np.isfinite(found).all(axis=1)] = "not_finite"
+        return found, replace(after, reason=reason)
+
+    def _directions(self, charts: Charts | SpatialCharts, values: Array) -> Array:
+        """How a point moves with ξ, the solved ones and the parameter: it stays on the section."""
+        d = charts.dimension
+        offsets = stencil(d + len(values))
+        q, v, _ = self._placed(charts, offsets[:, :d], values + offsets[:, d:] * self.scale)
+        points = np.concatenate([q, v, values / self.scale + offsets[:, d:]], axis=1)
+        return np.asarray(differences(points[None])[0])

@@ -1,0 +1,150 @@
+"""Bifurcations of fixed points in one parameter: functions that change sign there, and where along the arc they do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from spear_pin.gaits.continuation.problem import NoValue, Problem
+from spear_pin.gaits.continuation.stepping import Point, stepped
+
+Multipliers = NDArray[np.complex128]
+FOLD, FLIP, TORUS = "fold", "flip", "neimark_sacker"
+SADDLE, CROSSING, KINK = "neutral_saddle", "unit_multiplier", "kink"
+EXACT = 1e-9  # of the arc length
+SAME = 1e-3  # of a step: what is closer together is one
+BLUR = (5e-5, 2e-4)  # arc lengths: farther than differences reach, and four times that
+BENT = 10.0  # lengths of these: how far a branch with a kink may lie from its tangent
+NOTHING = 1e-3  # change of a test function that is none
+SMALL = 1e-3  # of its larger value beside: a test function that is no smaller where it changes sign jumps there
+NONE: Multipliers = np.empty(0, dtype=np.complex128)
+
+
+@dataclass(frozen=True)
+class Special:
+    """A point of a branch where something happens to its multipliers.
+
+    Attributes:
+        kind: `FOLD` (the parameter turns), `FLIP` (a multiplier is -1: the period doubles), `TORUS` (a complex pair is
+            on the unit circle), `SADDLE` (two real ones have the product 1, which changes nothing), `CROSSING` (a
+            multiplier is 1 where the parameter does not turn), `KINK` (multipliers or the tangent jump, though the
+            order of events is the same on both sides).
+        point: the point.
+        critical: the multipliers that are there, (1,) or (2,); of a kink none.
+    """
+
+    kind: str
+    point: Point
+    critical: Multipliers
+
+
+def _turn(point: Point) -> float:
+    return point.slope
+
+
+def _one(point: Point) -> float:
+    return float(np.prod(point.local.multipliers - 1.0).real)
+
+
+def _minus_one(point: Point) -> float:
+    return float(np.prod(point.local.multipliers + 1.0).real)
+
+
+def _pair(point: Point) -> float:
+    return float(np.prod(_products(point.local.multipliers) - 1.0).real)
+
+
+def _products(multipliers: Multipliers) -> Multipliers:
+    """Products of two of them each."""
+    i, j = np.triu_indices(len(multipliers), 1)
+    return np.asarray(multipliers[i] * multipliers[j])
+
+
+TESTS: tuple[Callable[[Point], float], ...] = (_turn, _one, _minus_one, _pair)
+
+
+def specials(problem: Problem, base: Point, end: Point, length: float) -> list[Special]:
+    """What happens between two points of the same order of events, in the order along the arc.
+
+    Args:
+        problem: the equations.
+        base: the first point.
+        end: the point stepped to from there.
+        length: of the step.
+    """
+    found: list[tuple[float, Special]] = []
+    for test in TESTS:
+        if test(base) * test(end) < 0.0:
+            at, point = located(problem, base, end, length, test)
+            jumps = abs(test(point)) > SMALL * max(abs(test(base)), abs(test(end))) or _jumps(problem, point, test)
+            found.append((at, Special(KINK, point, NONE) if jumps else _named(test, point)))
+    found.sort(key=lambda each: each[0])
+    return [special for i, (at, special) in enumerate(found) if not _said(found[:i], found, at, special, length)]
+
+
+def _said(
+    before: list[tuple[float, Special]], every: list[tuple[float, Special]], at: float, special: Special, length: float
+) -> bool:
+    """Whether something else says it: a fold that a multiplier is 1 there, or another function that there is a kink."""
+    others = {CROSSING: (FOLD, every), KINK: (KINK, before)}
+    if special.kind not in others:
+        return False
+    kind, among = others[special.kind]
+    return any(other.kind == kind and abs(at - where) <= SAME * length for where, other in among)
+
+
+def _jumps(problem: Problem, point: Point, test: Callable[[Point], float]) -> bool:
+    """Whether a function changes as much close to a point as farther off: differences blur what jumps there."""
+    try:
+        sides = [[test(stepped(problem, point, side * far, BENT)) for side in (-1.0, 1.0)] for far in BLUR]
+    except NoValue:
+        return False
+    close, farther = (abs(after - before) for before, after in sides)
+    return close > NOTHING and farther < 2.0 * close
+
+
+def located(
+    problem: Problem, base: Point, end: Point, length: float, test: Callable[[Point], float]
+) -> tuple[float, Point]:
+    """Where a function that changes sign on a step is zero, and the point there.
+
+    Args:
+        problem: the equations.
+        base: the first point.
+        end: the point stepped to from there.
+        length: of the step.
+        test: the function.
+    """
+    seen = {0.0: base, length: end}
+
+    def value(at: float) -> float:
+        if at not in seen:
+            seen[at] = stepped(problem, base, at, reach=2.0)
+        return test(seen[at])
+
+    try:
+        root = float(scipy.optimize.brentq(value, 0.0, length, xtol=EXACT * max(length, 1e-3)))
+        value(root)
+    except NoValue:  # beside a border: as near as it came
+        root = min(seen, key=lambda at: abs(test(seen[at])))
+    return root, seen[root]
+
+
+def _named(test: Callable[[Point], float], point: Point) -> Special:
+    values = point.local.multipliers
+    if test is _turn or test is _one:
+        return Special(FOLD if test is _turn else CROSSING, point, _nearest(values, 1.0))
+    if test is _minus_one:
+        return Special(FLIP, point, _nearest(values, -1.0))
+    i, j = np.triu_indices(len(values), 1)
+    k = int(np.argmin(np.abs(values[i] * values[j] - 1.0)))
+    pair = values[[i[k], j[k]]]
+    return Special(TORUS if np.abs(pair.imag).max() > 0.0 else SADDLE, point, pair)
+
+
+def _nearest(values: Multipliers, to: float) -> Multipliers:
+    return values[[int(np.argmin(np.abs(values - to)))]]

@@ -1,0 +1,121 @@
+"""Points of a branch with their tangents, and the way from one to the next: predicted along the tangent, corrected."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.gaits.continuation.problem import Local, NoValue, Problem
+
+Array = NDArray[np.float64]
+TOLERANCE = 1e-10  # of the equations
+ITERATIONS = 8  # of Newton's method
+FARTHEST = 0.5  # of the step: a correction farther than that leads to another branch
+NOISE = 20.0  # tolerances: a residual that no longer falls is as small as rounding allows
+FAR, NO_CONVERGENCE, SINGULAR = "far", "no_convergence", "singular"
+
+
+@dataclass(frozen=True)
+class Point:
+    """A solution.
+
+    Attributes:
+        local: the equations about it.
+        tangent: unit tangent of the branch, in the direction in which it is followed, (N,).
+    """
+
+    local: Local
+    tangent: Array
+
+    @property
+    def slope(self) -> float:
+        """The parameter's part of the tangent: it changes sign at a fold."""
+        return float(self.tangent[-1])
+
+
+def along(local: Local, before: Array) -> Array:
+    """The unit tangent at a solution, (N,), on the side of another direction.
+
+    Raises:
+        NoValue: there is no single one.
+    """
+    _, sizes, rows = np.linalg.svd(local.jacobian)
+    if not np.isfinite(sizes).all():
+        raise NoValue(SINGULAR, local.order)
+    tangent = local.directions @ rows[-1]
+    return np.asarray(tangent / np.linalg.norm(tangent) * (1.0 if tangent @ before >= 0.0 else -1.0))
+
+
+def placed(local: Local, before: Array) -> Point:
+    """A solution with its tangent on the side of another direction."""
+    return Point(local, along(local, before))
+
+
+def stepped(problem: Problem, base: Point, length: float, reach: float = FARTHEST) -> Point:
+    """The point of the branch at an arc length from another, negative ones backward.
+
+    Args:
+        problem: the equations.
+        base: where the step begins.
+        length: of the step along the tangent.
+        reach: how far the correction may lead, in lengths of the step.
+
+    Raises:
+        NoValue: there is none; the reason says why.
+    """
+    row = base.tangent
+    start = ahead(problem, base, row, length)
+    found = corrected(problem, start, row, float(row @ base.local.u) + length, reach * abs(length))
+    return placed(found, row)
+
+
+def ahead(problem: Problem, base: Point, direction: Array, length: float) -> Array:
+    """Where a direction leads from a point."""
+    return problem.moved(base.local, length * base.local.coordinates(direction))
+
+
+def landed(problem: Problem, base: Point, parameter: float) -> Point:
+    """The point of the branch beside another at a value of the (scaled) parameter.
+
+    Raises:
+        NoValue: there is none.
+    """
+    row = np.zeros_like(base.tangent)
+    row[-1] = 1.0
+    length = (parameter - base.local.u[-1]) / base.slope
+    start = ahead(problem, base, base.tangent, length)
+    found = corrected(problem, start, row, parameter, FARTHEST * abs(length) + TOLERANCE)
+    return placed(found, base.tangent)
+
+
+def corrected(problem: Problem, start: Array, row: Array, value: float, reach: float) -> Local:
+    """The solution beside a point, by Newton's method, on the plane where row · u has a value.
+
+    Args:
+        problem: the equations.
+        start: the point, (N,).
+        row: normal of the plane, (N,).
+        value: of row · u on it.
+        reach: how far from the point it may be.
+
+    Raises:
+        NoValue: there is none; the reason says why.
+    """
+    u, last = start, np.inf
+    for _ in range(ITERATIONS):
+        local = problem.local(u)
+        off = np.append(local.residual, row @ u - value)
+        size = float(np.abs(off).max())
+        if size <= TOLERANCE or (size <= NOISE * TOLERANCE and size > 0.5 * last):
+            return local
+        last = size
+        matrix = np.vstack([local.jacobian, row @ local.directions])
+        try:
+            u = problem.moved(local, np.linalg.solve(matrix, -off).astype(np.float64))
+        except np.linalg.LinAlgError:
+            raise NoValue(SINGULAR, local.order) from None
+        if not np.linalg.norm(u - start) <= max(reach, 10.0 * TOLERANCE):
+            raise NoValue(FAR, local.order)
+    raise NoValue(NO_CONVERGENCE, local.order)
