@@ -10,6 +10,9 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import REPLACED, HybridSystem
 from spear_pin.hybrid.hardware import Hardware
 from spear_pin.kinds import typed
+from spear_pin.model.numbers import body_numbers, with_body_numbers
+from spear_pin.model.spring import UNITS
+from spear_pin.model.variants import PARAMETERS, parameters_of, vary
 
 PARTS = ("law", "spring", "contact")
 Change = Callable[[HybridSystem], HybridSystem]
@@ -97,6 +100,56 @@ def parameter(system: HybridSystem, name: str) -> float:
     if value is None:
         raise BadValue(name, value, "a number to begin from: set it first")
     return float(value)
+
+
+def number(system: HybridSystem, name: str) -> float:
+    """Value of a number of the law, the springs, the ground, or the robot.
+
+    Of a robot there are those of `model.variants`, and of its bodies those of `model.numbers`.
+
+    Raises:
+        UnknownName: nothing has a number of that name.
+        BadValue: the field has no number in it to begin from.
+    """
+    robot = system.robot
+    if name in parameters_of(robot):
+        return float(robot.varied.get(name, PARAMETERS[name].default))
+    bodies = body_numbers(robot)
+    try:
+        return parameter(system, name)
+    except UnknownName as error:
+        if name not in bodies:
+            raise UnknownName("parameter", name, [*error.valid, *parameters_of(robot), *bodies]) from None
+        return bodies[name].value
+
+
+def unit(system: HybridSystem, name: str) -> str:
+    """Unit of a number of the springs or the robot, empty where nothing says it."""
+    if name in parameters_of(system.robot):
+        return PARAMETERS[name].unit
+    bodies = body_numbers(system.robot)
+    return bodies[name].unit if name in bodies else UNITS.get(name, "")
+
+
+def with_numbers(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
+    """System with other numbers, by the names of `number`; the given one is left alone.
+
+    Raises:
+        UnknownName: nothing has a number of that name.
+        BadValue: a value is not valid for what it is of.
+    """
+    robot = system.robot
+    varied = {name: float(value) for name, value in values.items() if name in parameters_of(robot)}
+    bodies = {
+        name: float(value) for name, value in values.items() if name not in varied and name in body_numbers(robot)
+    }
+    rest = {name: value for name, value in values.items() if name not in varied and name not in bodies}
+    if varied or bodies:
+        other = with_body_numbers(vary(robot, **varied), bodies) if bodies else vary(robot, **varied)
+        parts, kept = {part: getattr(system, part) for part in PARTS}, replaced(system)
+        again = system.build(other, **parts)
+        system = replace(again, **kept) if kept else again
+    return with_parameters(system, rest)
 
 
 def _parts(system: HybridSystem) -> dict[str, Any]:

@@ -107,7 +107,6 @@ class Single:
             end = self._meaning[-outcome - 1]
         return integrator.time, self._state.copy(), end
 
-
     def states(self, t: float, y: Array, times: Array, parameters: Array) -> Array:
         """States at later times of the same arc, rising, (n, 2 nv)."""
         integrator = self._integrator

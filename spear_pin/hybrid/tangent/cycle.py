@@ -165,9 +165,7 @@ class _Whole:
             after = now.dy
         end, dend, rate = self._end(domain, arc, raw, given, after)
         tau = self._tau(arc, end, dend, rate, values, now)
-        return Stretch(
-            arc, t, weights, y, dy, values, chained, now.tau, tau, arc.after, after, end, dend, rate
-        )
+        return Stretch(arc, t, weights, y, dy, values, chained, now.tau, tau, arc.after, after, end, dend, rate)
 
     def _points(self, arc: Arc) -> tuple[Array, Array, float, Array]:
         """Clocks, weights, length of a panel, and states at the points of as many panels as are needed."""

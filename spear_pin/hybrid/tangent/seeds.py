@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import structure
-from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.model.planar import Planar
 
 Array = NDArray[np.float64]
-STEP = 2.0**-8  # of a parameter: numbers are polynomials in it of the second degree at most, so that no step is too long
+STEP = (
+    2.0**-8
+)  # of a parameter: numbers are polynomials in it of the second degree at most, so that no step is too long
 
 
 def numbers(system: HybridSystem, held: Mapping[str, Any] | None = None) -> Array:
@@ -40,7 +42,7 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
 
 
 def _seed(system: HybridSystem, name: str) -> Array:
-    value = parameter(system, name)
+    value = number(system, name)
     beside = {field.name for field in fields(system.law)} - {"friction"}
     if value == 0.0 and name not in beside:
         raise BadValue(name, value, "a number other than zero, which leaves no equation out")
@@ -48,7 +50,7 @@ def _seed(system: HybridSystem, name: str) -> Array:
     ends = []
     for step in (h, -h):
         try:
-            ends.append((step, numbers(with_parameters(system, {name: value + step}))))
+            ends.append((step, numbers(with_numbers(system, {name: value + step}))))
         except BadValue:
             continue
     if len(ends) < 2:  # the value is at the end of its range, where numbers are linear in it

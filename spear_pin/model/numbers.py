@@ -1,0 +1,128 @@
+"""Numbers of any robot's bodies, each by its name: masses, centres of mass, inertias, lengths, friction.
+
+Names begin with the joint that moves the body. Of a robot's gears, torso and rotors there are names in `variants`, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.model.planar import Planar
+from spear_pin.model.robot import Robot
+
+Array = NDArray[np.float64]
+UNITS: Mapping[str, str] = {
+    "mass": "kg",
+    "com_x": "m",
+    "com_z": "m",
+    "inertia": "kg·m²",
+    "armature": "kg·m²",
+    "viscous": "N·m·s/rad",
+}
+"""What is said of each joint, with its unit: mass, centre of mass in the joint's frame parallel to the world at q = 0,
+inertia about it in the plane, reflected inertia of the rotor, viscous friction."""
+POSITIVE = ("mass", "inertia", "armature", "viscous")
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of a robot.
+
+    Attributes:
+        value: in its unit.
+        unit: the unit.
+    """
+
+    value: float
+    unit: str
+
+
+def body_numbers(robot: Robot) -> dict[str, Number]:
+    """Numbers of a planar robot's bodies by name, without those that are zero.
+
+    "knee_mass" is of the body that the knee moves, "hip_to_knee" and "knee_to_toe" are lengths.
+    """
+    planar, found = Planar(robot), dict[str, Number]()
+    for i, (joint, body) in enumerate(zip(robot.coordinates, planar.bodies, strict=True)):
+        values = body.mass, *body.com, body.inertia, body.armature, float(robot.model.damping[i])
+        for (what, unit), value in zip(UNITS.items(), values, strict=True):
+            found[f"{joint}_{what}"] = Number(
+                value, unit if body.turns else unit.replace("·m²", "").replace("·rad", "")
+            )
+        if body.parent >= 0:
+            above = robot.coordinates[body.parent]
+            found[f"{above}_to_{joint}"] = Number(float(np.hypot(*body.placement)), "m")
+    for toe, (i, offset) in planar.toes.items():
+        found[f"{robot.coordinates[i]}_to_{toe}"] = Number(float(np.hypot(*offset)), "m")
+    return {name: number for name, number in found.items() if number.value != 0.0}
+
+
+def with_body_numbers(robot: Robot, values: Mapping[str, float]) -> Robot:
+    """Robot with other numbers of its bodies; the given one is left alone.
+
+    A body keeps the shape of its inertia, a length its direction.
+
+    Raises:
+        UnknownName: the robot has no number of a name.
+        BadValue: a value is not a finite number, or not > 0 where that is needed.
+    """
+    known = body_numbers(robot)
+    model = robot.model.copy()
+    for name, value in values.items():
+        if name not in known:
+            raise UnknownName("number of the robot", name, known)
+        joint, _, what = _parts(robot, name)
+        if not np.isfinite(value) or ((what in POSITIVE or not what) and not value > 0.0):
+            raise BadValue(
+                name, value, f"a finite number{'' if what.startswith('com') else ' > 0'}, in {known[name].unit}"
+            )
+        if what:
+            _set(model, int(model.getJointId(joint)), what, value, known[name].value)
+        else:
+            _stretch(robot, model, name, value / known[name].value)
+    return robot.with_model(model)
+
+
+def _parts(robot: Robot, name: str) -> tuple[str, str, str]:
+    """Joint, what follows, and what is said of it; of a length nothing."""
+    for joint in robot.coordinates:
+        what = name.removeprefix(f"{joint}_")
+        if what in UNITS and what != name:
+            return joint, name, what
+    return "", name, ""
+
+
+def _set(model: pin.Model, joint: int, what: str, value: float, before: float) -> None:
+    row, body = model.joints[joint].idx_v, model.inertias[joint]
+    if what == "mass":
+        model.inertias[joint] = pin.Inertia(value, body.lever, body.inertia)
+    elif what == "inertia":
+        model.inertias[joint] = pin.Inertia(body.mass, body.lever, body.inertia * (value / before))
+    elif what.startswith("com"):
+        data = pin.Data(model)
+        pin.forwardKinematics(model, data, pin.neutral(model))
+        turn = data.oMi[joint].rotation
+        lever = turn @ body.lever
+        lever[{"com_x": 0, "com_z": 2}[what]] = value
+        model.inertias[joint] = pin.Inertia(body.mass, turn.T @ lever, body.inertia)
+    else:
+        numbers = (model.armature if what == "armature" else model.damping).copy()
+        numbers[row] = value
+        setattr(model, "armature" if what == "armature" else "damping", numbers)
+
+
+def _stretch(robot: Robot, model: pin.Model, name: str, factor: float) -> None:
+    """Put a joint or a toe farther from the joint that it hangs on."""
+    end = next(end for end in (*robot.coordinates, *robot.toes) if name.endswith(f"_to_{end}"))
+    if end in robot.coordinates:
+        place = model.jointPlacements[int(model.getJointId(end))]
+        place.translation = place.translation * factor
+    else:
+        frame = model.frames[int(model.getFrameId(end))]
+        frame.placement = pin.SE3(frame.placement.rotation, frame.placement.translation * factor)
