@@ -24,6 +24,7 @@ from spear_pin.cli import (
     robots,
     search,
     sweep,
+    trot,
     turn,
 )
 from spear_pin.cli.arguments import Parser
@@ -34,8 +35,8 @@ from spear_pin.errors import RobotWarning, SpearError
 # as the help lists them
 COMMANDS = (
     *(robots.add, dynamics.add, hop.add, explore.add, push_test.add, identify.add),
-    *(bound.add, turn.add, search.add, payoff.add, sweep.add, compare.add, report.add, export.add),
-    *(doctor.add, completion.add),
+    *(bound.add, turn.add, trot.add, search.add, payoff.add, sweep.add, compare.add, report.add),
+    *(export.add, doctor.add, completion.add),
 )
 
 

@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace, name: str, plane: Gait, notes: list[tuple
         falls = eigenvalues(across(gait, ()).A)
         show("finding feedback")
         gait = balanced(gait, inputs, heading=HEADING if arguments.keep_heading else 0.0)
-    trajectory = simulate(gait.system, _pushed(gait, arguments.push or 0.0), arguments.cycles, arguments.rtol)
+    trajectory = simulate(gait.system, pushed(gait, arguments.push or 0.0), arguments.cycles, arguments.rtol)
     samples = trajectory.save(arguments.out / "bound_in_space.npz")
     summary = {
         "gait": name,
@@ -112,7 +112,8 @@ def run(arguments: argparse.Namespace, name: str, plane: Gait, notes: list[tuple
     }
 
 
-def _pushed(gait: Gait, speed: float) -> State:
+def pushed(gait: Gait, speed: float) -> State:
+    """The state of a gait, moving to the left besides, by a speed in m/s."""
     q, v = (part.copy() for part in gait.state)
     v[1] += speed
     return q, v

@@ -25,6 +25,7 @@ LASTING = (
     Lasting("bound", "space", "15 to 30 s"),
     Lasting("bound", "speed", "15 s to minutes, the further from a gait's own speed"),
     Lasting("turn", "", "two to five minutes; of a turn.json, seconds"),
+    Lasting("trot", "", "half a minute to a minute; of a trot_steady.json, seconds"),
     Lasting("search", "", "half a minute"),
     Lasting("payoff", "", "some 40 searches of 15 s to a minute each, shared by the processors"),
     Lasting("report", "", "about a minute, less once its results are kept"),

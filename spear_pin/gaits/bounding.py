@@ -228,7 +228,7 @@ def _adjustment(p: BoundingLaw, state: Sequence[float]) -> tuple[float, ...]:
         return NO_ADJUSTMENT
     error = [now - then for now, then in zip(state, p.nominal, strict=True)]
     wanted = [sum(gain * e for gain, e in zip(row, error, strict=True)) for row in p.feedback]
-    return tuple(np.clip(w, -limit, limit) for w, limit in zip(wanted, p.feedback_limits, strict=True))
+    return tuple(np.minimum(np.maximum(w, -limit), limit) for w, limit in zip(wanted, p.feedback_limits, strict=True))
 
 
 def _swing(leg: Leg, phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:

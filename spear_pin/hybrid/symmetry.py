@@ -78,6 +78,27 @@ def asymmetry(robot: Robot, state: State) -> float:
     return max(float(np.abs(mirror(part) - part).max()) for part in headed(*state))
 
 
+def lopsided(robot: Robot) -> float:
+    """How far a robot on a chain is from its mirror image.
+
+    The largest difference of its masses, of D_ij over √(D_ii D_jj), and of the places of its feet, in m, in a posture.
+
+    Example:
+        >>> from spear_pin import load
+        >>> from spear_pin.hybrid.symmetry import lopsided
+        >>> lopsided(load("q_spear_full", base="chain")) < 1e-12
+        True
+    """
+    mirror, q = mirror_of(robot), np.sin(np.arange(1.0, robot.nv + 1.0)) / 2.0
+    own, image = robot.mass_matrix(q), robot.mass_matrix(mirror(q))
+    size = np.sqrt(np.diag(own))
+    masses = np.abs(mirror(mirror(image).T) - own) / np.outer(size, size)
+    feet = {robot.index(leg.hip): leg.toe for leg in robot.legs}
+    here, there = ({hip: robot.frame_position(at, toe) for hip, toe in feet.items()} for at in (q, mirror(q)))
+    off = [there[mirror.of[hip]] * ACROSS - here[hip] for hip in feet]
+    return max(float(masses.max()), float(np.abs(off).max()))
+
+
 def mirror_of(robot: Robot) -> Mirror:
     """The mirror of a robot on a chain.
 

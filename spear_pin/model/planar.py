@@ -9,7 +9,7 @@ Vectors lie in the x-z plane; angles turn x towards z, so that pitch is positive
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -106,10 +106,10 @@ class Planar:
             self.frames.setdefault(frame.name, place)  # of several of a name the first, as Pinocchio finds it
         self.toes = {toe: self.frames[toe] for toe in robot.toes}
 
-    def with_bodies(self, bodies: Sequence[Body]) -> Planar:
-        """This mechanism with other bodies, whose numbers may be symbols."""
+    def with_bodies(self, bodies: Sequence[Body], toes: Mapping[str, tuple[int, Vector]]) -> Planar:
+        """This mechanism with other bodies, and places of toes on them, whose numbers may be symbols."""
         other = copy(self)
-        other.bodies = tuple(bodies)
+        other.bodies, other.toes, other.frames = tuple(bodies), dict(toes), {**self.frames, **toes}
         return other
 
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:

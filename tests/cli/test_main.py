@@ -14,7 +14,7 @@ from tests.cli.calls import refused, run, words
 
 NAMES = (
     *("robots", "dynamics", "hop", "explore", "push-test", "identify", "bound", "turn"),
-    *("search", "payoff", "sweep", "compare", "report", "export", "doctor", "completion"),
+    *("trot", "search", "payoff", "sweep", "compare", "report", "export", "doctor", "completion"),
 )
 
 

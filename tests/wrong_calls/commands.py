@@ -181,6 +181,12 @@ OPTIONS = {
         "--rtol": RTOL,
         "--out": FOLDER,
     },
+    "trot": {
+        "--push": NUMBER,
+        "--cycles": (*COUNT, "9" * 20),
+        "--rtol": RTOL,
+        "--out": FOLDER,
+    },
     "push-test": {
         "--depth": (*NOT_NEGATIVE, "1"),
         "--ratio": (*POSITIVE, "1e300"),

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, Footfalls
@@ -16,6 +17,7 @@ from spear_pin.model.spring import PAIR_STIFFNESS, Spring
 SPRING = Spring(PAIR_STIFFNESS / 2.0, damping=0.0)
 """Of one knee of Q-SPEAR (source: Table 5.1)."""
 SHARPEST = 1.0  # rad a stride
+Made = TypeVar("Made", "StanceLaw", "SwingLaw", "FootfallRequest")
 
 
 @typed
@@ -41,6 +43,34 @@ class StanceLaw:
     adduction_damping: float = 10.0
     most: float = 200.0
 
+    @classmethod
+    @typed
+    def scaled(cls, robot: Robot, **values: float) -> StanceLaw:
+        """Q-SPEAR's for a robot of another size: torques and stiffnesses go by m g l, damping by that times √(l/g).
+
+        Args:
+            robot: a quadruped on a chain.
+            **values: fields that are to have others, in SI units.
+
+        Raises:
+            UnknownName: there is no such field.
+            BadValue: the robot is no quadruped, or a value is not valid.
+
+        Example:
+            >>> from spear_pin import load
+            >>> from spear_pin.gaits.footfalls.request import StanceLaw
+            >>> StanceLaw.scaled(load("q_spear_full", base="chain")) == StanceLaw()
+            True
+        """
+        one, scale = cls(), scale_in_space(robot)
+        numbers = {
+            "stiffness": one.stiffness * scale.torque,
+            "adduction_stiffness": one.adduction_stiffness * scale.torque,
+            "adduction_damping": one.adduction_damping * scale.torque * scale.time,
+            "most": one.most * scale.torque,
+        }
+        return _changed(one, numbers, values)
+
     def __post_init__(self) -> None:
         """Check the fields."""
         for name in ("stiffness", "adduction_stiffness", "adduction_damping"):
@@ -60,13 +90,24 @@ class SwingLaw:
 
     Attributes:
         adduction_epsilon: ε of the adduction, in s.
+        epsilon: ε of (5.16), in s, of leg angle and knee: what the simulation makes up for; a collocated gait has no
+            error of them.
     """
 
     adduction_epsilon: float = 0.04
+    epsilon: float = 0.015
+
+    @classmethod
+    @typed
+    def scaled(cls, robot: Robot, **values: float) -> SwingLaw:
+        """Q-SPEAR's for a robot of another size: times go by √(l/g); arguments as of `StanceLaw.scaled`."""
+        one, scale = cls(), scale_in_space(robot)
+        return _changed(one, {name: time * scale.time for name, time in vars(one).items()}, values)
 
     def __post_init__(self) -> None:
-        """Check the field."""
-        require("SwingLaw.adduction_epsilon", self.adduction_epsilon, lambda e: e > 0, "a number > 0, in s")
+        """Check the fields."""
+        for name, time in vars(self).items():
+            require(f"SwingLaw.{name}", time, lambda e: e > 0, "a number > 0, in s")
 
 
 @typed
@@ -118,15 +159,13 @@ class FootfallRequest:
 
         Args:
             robot: a quadruped on a chain.
-            **values: fields that are to have others, in SI units.
+            **values: fields that are to have others, in SI units, such as `law=StanceLaw.scaled(robot)`.
 
         Raises:
             UnknownName: there is no such field.
             BadValue: the robot is no quadruped, or a value is not valid.
         """
         one, scale = cls(), scale_in_space(robot)
-        if unknown := values.keys() - vars(one).keys():
-            raise UnknownName("field of a request", min(unknown), vars(one))
         numbers: dict[str, Any] = {
             "speed": one.speed * scale.speed,
             "minimum_force": one.minimum_force * scale.force,
@@ -136,7 +175,7 @@ class FootfallRequest:
             "longest_stride": one.longest_stride * scale.time,
             "spring": replace(SPRING, stiffness=SPRING.stiffness * scale.torque),
         }
-        return replace(one, **(numbers | values))
+        return _changed(one, numbers, values)
 
     def __post_init__(self) -> None:
         """Check the fields."""
@@ -156,3 +195,14 @@ class FootfallRequest:
             raise BadValue("swing", self.swing, "None without a law on the ground")
         if self.spring is not None and self.spring.rest is not None:
             raise BadValue("spring.rest", self.spring.rest, "None: springs are switched")
+
+
+def _changed(one: Made, numbers: Mapping[str, Any], values: Mapping[str, Any]) -> Made:
+    """A request, or a law in it, with other numbers, and those that were named.
+
+    Raises:
+        UnknownName: one is no field's.
+    """
+    if unknown := values.keys() - vars(one).keys():
+        raise UnknownName(f"field of {type(one).__name__}", min(unknown), vars(one))
+    return replace(one, **{**numbers, **values})

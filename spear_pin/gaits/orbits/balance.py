@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.spatial.law import ACROSS, INPUTS, is_angle
-from spear_pin.gaits.spatial.trot_law import TROT_INPUTS
+from spear_pin.gaits.spatial.trot_law import TROT_INPUTS, TrotLaw
+from spear_pin.gaits.spatial.trotting import halfway
 from spear_pin.hybrid.newton import STEP
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, eigenvalues, multipliers, return_map
@@ -135,7 +136,7 @@ def balanced(
         raise BadValue("gait", "one with event feedback", "one without")
     require("weight", weight, lambda w: w > 0, "a number > 0")
     require("heading", heading, lambda w: w >= 0, "a number >= 0")
-    trots = bool(gait.system.mirrored_toes)
+    trots = isinstance(gait.system.law, TrotLaw)
     valid = TROT_INPUTS if trots else INPUTS
     if inputs is None:
         inputs = TROT_INPUTS if trots else ("posterior_adduction",)
@@ -167,7 +168,11 @@ def balanced(
     zero = [0.0] * len(nominal)
     feedback = tuple(tuple(rows.get(name, zero)) for name in valid)
     closed = gait.with_law(feedback=feedback, nominal=tuple(nominal.tolist()))
-    if not trots and asymmetry(gait.system.robot, gait.state) > SYMMETRIC:
+    lopsided = not gait.system.mirrored_toes if trots else asymmetry(gait.system.robot, gait.state) > SYMMETRIC
+    if trots and lopsided:
+        between = np.concatenate(halfway(gait.system, return_map(gait.system, gait.state, rtol)))
+        closed = closed.with_law(halfway=tuple(between.tolist()))
+    if lopsided:
         return replace(closed, multipliers=multipliers(closed.system, closed.state, rtol))
     values = np.concatenate([values for _, _, values in regulations])
     return replace(closed, multipliers=values[np.argsort(-np.abs(values), kind="stable")])
@@ -197,8 +202,9 @@ def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool 
         raise BadValue("gait", gait, "one in space")
     robot = gait.system.robot
     off = asymmetry(robot, local.state(np.zeros(local.dimension)))
-    if (even is None) != bool(gait.system.mirrored_toes):
-        raise BadValue("gait", gait, "a bound" if gait.system.mirrored_toes else "a trot")
+    trots = isinstance(gait.system.law, TrotLaw)
+    if (even is None) != trots:
+        raise BadValue("gait", gait, "a bound" if trots else "a trot")
     if off > NEARLY and even is not None:
         raise BadValue("gait", gait, "a symmetric one, or nearly so")
     scales = tuple(unit_of(name, robot) for name in inputs)
@@ -209,7 +215,8 @@ def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool 
         if not run.cycles:
             raise NoGait(f"a perturbed stride does not close: {run.message}", gait.residual)
         turn = [] if even is not False else [run.state[0][YAW] - state[0][YAW]]
-        return np.append(local.coordinates(run.state)[own], turn)
+        end = halfway(gait.system, run) if trots else run.state
+        return np.append(local.coordinates(end)[own], turn)
 
     def by_state(i: int, step: float) -> Array:
         return after(local.state(step * np.eye(local.dimension)[i]), {})

@@ -71,9 +71,9 @@ def in_pairs(
         spring=spring,
         contact=contact,
         domains=tuple(automaton.domains(spring)),
-        section=automaton.section,
+        section=automaton.sections[0],
         section_toes=first,
-        mirrored_toes=second[0] if second else (),
+        mirrored_toes=second[0] if len(set(automaton.sections)) < len(automaton.sections) else (),
         cyclic=("torso_x", "torso_y", "yaw"),
         build=build,
         guess=guess,
@@ -90,15 +90,15 @@ class Automaton:
     Attributes:
         robot: the robot.
         pairs: the legs that bear together.
-        section: name of the event that closes a cycle.
-        closing: the pairs whose touchdown does: one, or where half a stride is the other's mirror image both, first the
-            one that lands in the first flight.
+        sections: names of the events just before the touchdown of the pairs in `closing`. The first closes a cycle; so
+            does the second where it has the same name, half a stride being the other's mirror image.
+        closing: one pair, or both, first the one that lands in the first flight.
         lift_off: as of the law, "knee" or "force".
     """
 
     robot: Robot
     pairs: Pairs
-    section: str
+    sections: Sequence[str]
     closing: Sequence[Pair]
     lift_off: str
 
@@ -108,7 +108,7 @@ class Automaton:
         return *self.pairs[0], *self.pairs[1]
 
     def domains(self, spring: Spring) -> Iterator[Domain]:
-        """Those of all sets of legs that bear; before a touchdown that closes a cycle there is one more.
+        """Those of all sets of legs that bear; before a touchdown of a pair in `closing` there is one more.
 
         Args:
             spring: of each knee.
@@ -182,17 +182,17 @@ class Automaton:
         return guards
 
     def _closing(self, pair: Pair, phase: str) -> list[Guard]:
-        """The section, just before a pair's touchdown: from there on all depends on (q, v) alone."""
-        others = self._others(pair.legs[0])
-        mirror = None if pair is self.closing[0] else mirror_of(self.robot)
+        """Just before a pair's touchdown: from there on all depends on (q, v) alone."""
+        others, halfway = self._others(pair.legs[0]), pair is not self.closing[0]
+        mirror = mirror_of(self.robot)
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: LegLaw) -> Held:
             waiting = {name: each for leg in pair for name, each in waits(leg, others, q, p).items()}
-            state = (q, v) if mirror is None else (mirror(np.array(q)), mirror(np.array(v)))
-            return waiting | {ADJUSTED: p.adjustment(*state)}
+            seen: Any = (mirror(np.array(q)), mirror(np.array(v))) if halfway else (q, v)
+            return waiting | {ADJUSTED: (p.adjustment_halfway if halfway else p.adjustment)(*seen)}
 
         reset = Reset(latch=latch, phase=_before(phase))
-        return [Guard(self.section, height(leg.toe), reset, tolerance=ON_GROUND) for leg in pair]
+        return [Guard(self.sections[halfway], height(leg.toe), reset, tolerance=ON_GROUND) for leg in pair]
 
     def _touches(self, leg: Leg, bearing: tuple[Leg, ...], anew: bool) -> Reset:
         own, others = self._own(leg), self._others(leg)

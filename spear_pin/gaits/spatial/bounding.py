@@ -56,7 +56,7 @@ def bounding_in_space(
     pairs = pairs_of(robot)
     return in_pairs(
         "bounding_in_space",
-        Automaton(robot, pairs, SECTION, pairs[:1], law.lift_off),
+        Automaton(robot, pairs, (SECTION,), pairs[:1], law.lift_off),
         law,
         spring,
         contact,

@@ -42,6 +42,7 @@ class LegLaw(Protocol):
     def span_of_flight(self, pair: Pair) -> float: ...  # noqa: D102
     def adduction_touchdown(self, leg: Leg, held: Held) -> float: ...  # noqa: D102
     def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]: ...  # noqa: D102
+    def adjustment_halfway(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]: ...  # noqa: D102
 
 
 def adjusted(

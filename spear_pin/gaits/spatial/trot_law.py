@@ -63,6 +63,8 @@ class TrotLaw:
         adduction_epsilon: ε of the adduction in the air, in s.
         lift_off: "knee" or "force", as of `BoundingLaw`.
         nominal: section state (q, v) of the gait, x = y = yaw = 0; what feedback compares with.
+        halfway: the same between the halves of a stride, seen in the mirror, of a robot whose left and right differ;
+            () is `nominal`.
         feedback: event feedback, one row for each of `TROT_INPUTS`, one column for each of `nominal`.
         feedback_limits: largest adjustment of each of `TROT_INPUTS`, in N·m and rad.
 
@@ -99,6 +101,7 @@ class TrotLaw:
     adduction_epsilon: float = 0.04
     lift_off: str = "knee"
     nominal: tuple[float, ...] = ()
+    halfway: tuple[float, ...] = ()
     feedback: Shape = ()
     feedback_limits: tuple[float, ...] = 2 * (50.0, 50.0, 30.0, 0.2, 0.3)
 
@@ -118,7 +121,7 @@ class TrotLaw:
                 expected = f"{' x '.join(map(str, shape))} finite numbers, as tuples"
                 raise BadValue(f"TrotLaw.{name}", getattr(self, name), expected)
         for field in fields(self):
-            if field.name in (*SHAPES, "lift_off", "nominal", "feedback"):
+            if field.name in (*SHAPES, "lift_off", "nominal", "halfway", "feedback"):
                 continue
             test, expected = valid.get(field.name, (math.isfinite, "a finite number"))
             require(f"TrotLaw.{field.name}", getattr(self, field.name), test, expected)
@@ -127,6 +130,8 @@ class TrotLaw:
         if self.feedback and np.shape(self.feedback) != (len(TROT_INPUTS), len(self.nominal)):
             expected = f"{len(TROT_INPUTS)} x {len(self.nominal)} numbers, as many columns as `nominal` has, or ()"
             raise BadValue("TrotLaw.feedback", self.feedback, expected)
+        if len(self.halfway) not in (0, len(self.nominal)):
+            raise BadValue("TrotLaw.halfway", self.halfway, "as many numbers as `nominal` has, or ()")
         if min(self.feedback_limits) < 0:
             raise BadValue("TrotLaw.feedback_limits", self.feedback_limits, f"{len(TROT_INPUTS)} numbers >= 0")
 
@@ -165,6 +170,10 @@ class TrotLaw:
     def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]:
         """Adjustment of `TROT_INPUTS` for half a stride by event feedback, from a state as of `seen`."""
         return adjusted(self.feedback, self.nominal, self.feedback_limits, q, v)
+
+    def adjustment_halfway(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]:
+        """The same between the halves of a stride, from a state seen in the mirror."""
+        return adjusted(self.feedback, self.halfway or self.nominal, self.feedback_limits, q, v)
 
     def _of(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
         """A number of a leg, as adjusted."""

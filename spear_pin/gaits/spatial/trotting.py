@@ -14,11 +14,15 @@ from spear_pin.gaits.spatial.trot_law import TrotLaw
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.result import Run, State
+from spear_pin.hybrid.spatial_section import seen
+from spear_pin.hybrid.symmetry import headed, lopsided, mirror_of
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
-SECTION, LATERAL = "diagonal_touchdown", "lateral_touchdown"
+SECTION, LATERAL, HALFWAY = "diagonal_touchdown", "lateral_touchdown", "halfway"
+ALIKE = 1e-9  # by `lopsided`: of a robot whose strides consist of halves
 
 
 @typed
@@ -34,7 +38,8 @@ def trotting(
 
     A cycle is half a stride. The section lies just before the first touchdown of a pair; seen in the mirror where that
     is the one of the posterior right leg, so that a gait is a fixed point, and the multipliers of a whole stride are
-    the squares of its own.
+    the squares of its own. Of a robot whose left and right are not quite mirror images, `lopsided`, a cycle is a whole
+    stride.
 
     Args:
         robot: as of `bounding_in_space`, as all that follows.
@@ -78,6 +83,20 @@ def pacing(
     return _halved("pacing", pacing, laterals_of(robot), LATERAL, robot, law, spring, contact, ground)
 
 
+def halfway(system: HybridSystem, cycle: Run) -> State:
+    """The state between the halves of a stride, seen in the mirror, (q, v), headed.
+
+    Args:
+        system: a trot's or a pace's.
+        cycle: of it, complete.
+    """
+    if system.mirrored_toes:
+        return seen(system, cycle.state)
+    event, mirror = cycle.event(HALFWAY), mirror_of(system.robot)
+    q, v = headed(event.q, event.v_before)
+    return mirror(q), mirror(v)
+
+
 def _halved(
     kind: str,
     build: Callable[..., HybridSystem],
@@ -91,7 +110,7 @@ def _halved(
 ) -> HybridSystem:
     return in_pairs(
         kind,
-        Automaton(robot, pairs, section, pairs[::-1], law.lift_off),
+        Automaton(robot, pairs, (section, section if lopsided(robot) <= ALIKE else HALFWAY), pairs[::-1], law.lift_off),
         law,
         spring,
         contact,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
 from typing import Any, TypeVar
@@ -70,14 +70,16 @@ def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tup
     spring, ground = with_fields(system.spring, beside), with_fields(system.ground, beside)
     bodies = [_with_numbers(body, *map(counter.nonzero, _numbers(body))) for body in planar.bodies]
     joints = [counter.nonzero(float(b)) for b in system.robot.model.damping]
+    toes = {toe: (i, _pair(map(counter.nonzero, offset))) for toe, (i, offset) in planar.toes.items()}
     kept = Latched({name: counter.number(value) for name, value in held.items()})
-    return planar.with_bodies(bodies), Scalars(law, spring, ground, joints), kept
+    return planar.with_bodies(bodies, toes), Scalars(law, spring, ground, joints), kept
 
 
 def robot_numbers(system: HybridSystem, planar: Planar) -> list[float]:
     """Scalars of the robot that are run-time parameters, in their order."""
     bodies = [number for body in planar.bodies for number in _numbers(body)]
-    return [number for number in (*bodies, *map(float, system.robot.model.damping)) if number != 0.0]
+    toes = [number for _, offset in planar.toes.values() for number in offset]
+    return [number for number in (*bodies, *map(float, system.robot.model.damping), *toes) if number != 0.0]
 
 
 def parameters(law: Any, others: Sequence[Any], robot: Sequence[float], held: Values, n: int) -> Array:
@@ -132,7 +134,9 @@ class Structure:
         system, domain = self.system, self.domain
         planar, spring = self.planar, system.spring
         bodies = tuple(_with_numbers(body, *(float(x != 0.0) for x in _numbers(body))) for body in planar.bodies)
-        robot = bodies, tuple(sorted(planar.frames.items())), planar.gravity, system.robot.toes, system.robot.actuated
+        frames = tuple(sorted(item for item in planar.frames.items() if item[0] not in planar.toes))
+        toes = tuple((toe, i, tuple(x != 0.0 for x in offset)) for toe, (i, offset) in planar.toes.items())
+        robot = bodies, frames, toes, planar.gravity, system.robot.toes, system.robot.actuated
         mounts = domain.mounts if domain.between is None else (*domain.mounts, *domain.between.grounded.mounts)
         springs = tuple(_mounted(mount, spring) for mount in mounts)
         rubbing = tuple(b != 0.0 for b in system.robot.model.damping)
@@ -188,11 +192,17 @@ class _Counter:
 
 
 def _numbers(body: Body) -> tuple[float, ...]:
-    return body.mass, *body.com, body.inertia, body.armature
+    return body.mass, *body.com, body.inertia, body.armature, *body.placement
 
 
-def _with_numbers(body: Body, mass: Any, x: Any, z: Any, inertia: Any, armature: Any) -> Body:
-    return replace(body, mass=mass, com=(x, z), inertia=inertia, armature=armature)
+def _with_numbers(body: Body, *numbers: Any) -> Body:
+    mass, com_x, com_z, inertia, armature, x, z = numbers
+    return replace(body, mass=mass, com=(com_x, com_z), inertia=inertia, armature=armature, placement=(x, z))
+
+
+def _pair(numbers: Iterable[Any]) -> tuple[Any, Any]:
+    x, z = numbers
+    return x, z
 
 
 def _is_number(value: Any) -> bool:

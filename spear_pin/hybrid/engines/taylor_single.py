@@ -108,6 +108,18 @@ class Single:
         return integrator.time, self._state.copy(), end
 
 
+    def states(self, t: float, y: Array, times: Array, parameters: Array) -> Array:
+        """States at later times of the same arc, rising, (n, 2 nv)."""
+        integrator = self._integrator
+        integrator.time = t
+        self._state[:] = y
+        self._parameters[:] = parameters[: len(self._parameters)]
+        integrator.reset_cooldowns()
+        found = integrator.propagate_grid(np.concatenate([[t], times]), max_steps=STEPS)[-1]
+        states: Array = found[1:]
+        return states
+
+
 @lru_cache(MOST)
 def entering(code: Compiled) -> Any:
     """Compiled function of all that `Single.enter` asks for, made once for each domain that is compiled.

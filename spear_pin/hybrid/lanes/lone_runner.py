@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import flattened, shape_of
 from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT
@@ -42,6 +43,7 @@ class Lap(NamedTuple):
         phase: the phase that begins there.
         came: the last domain, and the reset by which it was left.
         ago: how long ago each toe was on the ground, in s.
+        arcs: the motion from event to event.
     """
 
     y: Array
@@ -51,6 +53,7 @@ class Lap(NamedTuple):
     phase: str
     came: tuple[Domain, Reset]
     ago: list[float]
+    arcs: list[Arc]
 
 
 class _Unclear(Exception):
@@ -70,6 +73,7 @@ class _Now:
         switches: scheduled events of the phase.
         last: time of the last event, in s.
         crowd: events in this instant.
+        arcs: the motion so far.
         grounded: when each toe was last on the ground, in s.
     """
 
@@ -87,6 +91,7 @@ class _Now:
     switches: int = 0
     last: float = -math.inf
     crowd: int = 0
+    arcs: list[Arc] = field(default_factory=list)
 
 
 class LoneRunner:
@@ -134,6 +139,7 @@ class LoneRunner:
 
     def _next(self, now: _Now) -> tuple[Domain, Guard | Switch | None]:
         """The domain that is entered, followed up to its next event, None where that changes nothing."""
+        begun, start = now.t, now.y
         ready, (_, now.t, now.y, end) = self._enter(now)
         domain = ready.domain
         if end == UNCLEAR or (end >= 0 and left_at_once(domain.guards[end], now.t)):
@@ -142,16 +148,22 @@ class LoneRunner:
         until = min(at, self._system.phase_limit)
         if end == NONE:
             now.t, now.y, end = ready.run(now.t, now.y, until, now.parameters)
-        if end >= 0:
-            guard = domain.guards[end]
-            if guard.observes:
-                now.observed[guard.name] = now.y
-            return domain, None if guard.observes else guard
-        if end == TIME_LIMIT and until == at:
-            now.switches += 1
-            return domain, domain.switch
-        if end == KINK:
+        event = self._event(now, domain, end, until == at)
+        now.arcs.append(Arc(domain, now.held, begun, start, now.t, now.y, event, now.switches))
+        if isinstance(event, Guard) and event.observes:
+            now.observed[event.name] = now.y
             return domain, None
+        return domain, event
+
+    def _event(self, now: _Now, domain: Domain, end: int, due_now: bool) -> Guard | Switch | None:
+        """What ended an arc, None for a kink."""
+        if end >= 0:
+            return domain.guards[end]
+        if end == TIME_LIMIT and due_now:
+            now.switches += 1
+            return domain.switch
+        if end == KINK:
+            return None
         raise _Unclear
 
     def _happen(self, now: _Now, domain: Domain, event: Guard | Switch) -> Reset:
@@ -195,7 +207,7 @@ class LoneRunner:
         if reset.phase is None or not whole(now.past):
             raise _Unclear
         ago = [now.past - time for time in now.grounded]
-        return Lap(now.y, now.held, now.spent, now.observed, now.phase, (domain, reset), ago)
+        return Lap(now.y, now.held, now.spent, now.observed, now.phase, (domain, reset), ago, now.arcs)
 
     def _enter(self, now: _Now) -> tuple[Single, Entry]:
         """The domain that fits best."""

@@ -12,10 +12,11 @@ from spear_pin.gaits.spatial.legs import pairs_of
 from spear_pin.hybrid.symmetry import ROLL, YAW, X, Y
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
+from spear_pin.model.scale import scale_in_space
 
 Array = NDArray[np.float64]
 PARTS = ("adduction", "hip", "knee")
-LOADED = 20.0  # N: below, the ratio of two forces means little
+LOADED = 20.0  # N of Q-SPEAR: below, the ratio of two forces means little
 
 
 @typed
@@ -29,7 +30,7 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         - aside, heading: where it is at the end across its first heading, in m, and its heading then.
         - largest_roll: on the way.
         - slips: how often a foot begins to slide.
-        - friction_used: largest ratio of tangential to normal force, where that is over 20 N.
+        - friction_used: largest ratio of tangential to normal force, where that is over 20 N of Q-SPEAR.
         - friction_used_across: the same of what is across the heading.
         - joints: of the largest of all legs' "adduction", "hip" and "knee" range, speed, torque and power.
     """
@@ -50,7 +51,7 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     across = np.stack([_turned(force[:, :2].T, yaw)[1] for force, yaw in zip(trajectory.force, q[:, YAW], strict=True)])
     along = np.linalg.norm(trajectory.force[:, :, :2], axis=2)
     normal = trajectory.force[:, :, 2]
-    loaded = normal > LOADED
+    loaded = normal > LOADED * scale_in_space(robot).force
     return {
         "residual": gait.residual,
         "multipliers": gait.multipliers.tolist(),

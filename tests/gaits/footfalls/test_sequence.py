@@ -10,6 +10,7 @@ from spear_pin.gaits.footfalls.plan import Plan
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, LEGS, Footfalls
 from spear_pin.model.scale import scale_in_space
+from tests.gaits.similar import similar
 
 PAIR = LEGS[:2]
 
@@ -72,6 +73,18 @@ class TestRequest:
         assert FootfallRequest.scaled(robot).speed == pytest.approx(2.0, rel=1e-9)
         with pytest.raises(UnknownName, match="sped"):
             FootfallRequest.scaled(robot, sped=1.0)
+
+    def test_laws_scaled(self, robot):
+        """Of a robot of twice the length and the same densities: m g l is 16-fold, √(l/g) √2-fold."""
+        assert StanceLaw.scaled(robot) == StanceLaw() and SwingLaw.scaled(robot) == SwingLaw()
+        larger = similar(robot, 2.0)
+        law, swing = StanceLaw.scaled(larger), SwingLaw.scaled(larger, epsilon=0.01)
+        assert law.stiffness == pytest.approx(16.0 * 200.0) and law.most == pytest.approx(16.0 * 200.0)
+        assert law.adduction_damping == pytest.approx(16.0 * np.sqrt(2.0) * 10.0)
+        assert law.knee_rest == StanceLaw().knee_rest
+        assert swing.adduction_epsilon == pytest.approx(np.sqrt(2.0) * 0.04) and swing.epsilon == 0.01
+        with pytest.raises(UnknownName, match="rest"):
+            StanceLaw.scaled(robot, rest=1.0)
 
 
 class TestLimbs:

@@ -1,0 +1,129 @@
+"""`spear trot`."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from typing import TYPE_CHECKING, Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
+from spear_pin.cli.bound_in_space import joint_in_words, pushed
+from spear_pin.cli.legs import called, stability
+from spear_pin.cli.output import aligned, listed, progress, shows
+from spear_pin.errors import BadValue
+
+if TYPE_CHECKING:
+    from spear_pin.gaits.gait import Gait
+
+TROT, PACE = "trot", "pace"
+GOES = {"trotting": TROT, "pacing": PACE}  # what a kind of gait is called
+DRAWN = 4  # strides
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    summary = "simulate a trot or a pace in space, held by feedback twice a stride, write page, plots and samples"
+    parser = add_command(commands, "trot", run, summary)
+    parser.add_argument(
+        "gait",
+        nargs="?",
+        default=TROT,
+        metavar="GAIT",
+        help=f"{TROT} or {PACE}, which ship, or a saved one (default: {TROT}); one with feedback, such as "
+        "trot_steady.json, is played as it is",
+    )
+    parser.add_argument(
+        "--push", type=float, default=0.0, metavar="M/S", help="sideways, to the left, at the begin (default: 0)"
+    )
+    add_simulation(parser, 10, "strides", "trot.html")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Hold the gait by feedback, simulate it and write its files."""
+    check_simulation(arguments)
+    if not math.isfinite(arguments.push):
+        raise BadValue("--push", arguments.push, "a finite number, in m/s")
+    from spear_pin import simulate
+    from spear_pin.gaits.orbits.balance import balanced
+    from spear_pin.studies.bound.in_space import summarize_in_space
+    from spear_pin.viz.playback.trajectory import read_times
+    from spear_pin.viz.player import record, shortened
+    from spear_pin.viz.plots import save_figure
+    from spear_pin.viz.plots.space import space_summary
+
+    gait = alone = _gait(arguments.gait)
+    in_a_stride = 2 if gait.system.mirrored_toes else 1
+    files = []
+    with progress() as show:
+        if not gait.system.law.feedback:
+            show("finding feedback")
+            gait = balanced(gait)
+            files = [gait.save(arguments.out / "trot_steady.json")]
+        show(f"simulating {arguments.cycles} strides")
+        start, cycles = pushed(gait, arguments.push), in_a_stride * arguments.cycles
+        trajectory = simulate(gait.system, start, cycles, arguments.rtol, progress=False)
+    samples = trajectory.save(arguments.out / "trot.npz")
+    found = summarize_in_space(gait, trajectory)
+    strides = {"cycles": found["cycles"] // in_a_stride, "period": in_a_stride * found["period"]}
+    summary = {
+        "gait": arguments.gait,
+        "goes": GOES[gait.system.kind],
+        "push": arguments.push,
+        "in_a_stride": in_a_stride,
+        "multipliers_without_feedback": alone.multipliers.tolist() if files else None,
+        **found,
+        **strides,
+    }
+    robot = gait.system.robot
+    shown = shortened(robot, trajectory)
+    page, plots = arguments.out / "trot.html", arguments.out / "trot.svg"
+    title = f"{called(robot)} {gait.system.kind} at {summary['speed']:.2f} m/s"
+    files = [page, samples, plots, *files]
+    return summary | {
+        "shown": read_times(shown)[[0, -1]],
+        "files": [*map(str, files)],
+        "pictures": {
+            page: lambda path: record(robot, shown, path, title=title),
+            plots: lambda path: save_figure(space_summary(trajectory, DRAWN * in_a_stride), path),
+        },
+        "opened": page,
+        "text": _text(summary, [*shows(shown), *listed(arguments.out, "trot", files)]),
+    }
+
+
+def _gait(name: str) -> Gait:
+    """A trot or a pace that ships, or was saved.
+
+    Raises:
+        UnknownName: none of that name ships.
+        BadFile: it is no saved gait.
+        BadValue: it is another gait.
+    """
+    from spear_pin.gaits.gait import Gait
+
+    gait = Gait.load(name)
+    if gait.system.kind not in GOES:
+        raise BadValue("GAIT", name, f"{TROT}, {PACE} or a saved one of these")
+    return gait
+
+
+def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
+    by = "half a stride" if summary["in_a_stride"] == 2 else "a stride"
+    alone = summary["multipliers_without_feedback"]
+    rows = [
+        ("gait", f"{summary['gait']}, a {summary['goes']} in space"),
+        ("speed", f"{summary['speed']:.4f} m/s, a stride in {summary['period']:.4f} s"),
+        ("fixed point", f"residual {summary['residual']:.1e}, by {by}"),
+        *([("without feedback", f"{stability(alone, [])}, by {by}")] if alone else []),
+        ("with feedback", f"{stability(summary['multipliers'], [])}, by {by}"),
+        ("push", f"{summary['push']:g} m/s to the left"),
+        ("at the end", f"{summary['aside']:.3f} m aside, heading {math.degrees(summary['heading']):.2f}°"),
+        ("largest roll", f"{math.degrees(summary['largest_roll']):.2f}°"),
+        ("friction used", f"{summary['friction_used']:.2f}, across {summary['friction_used_across']:.2f}"),
+        ("slips", f"{summary['slips']}"),
+        *((part, joint_in_words(summary["joints"][part])) for part in ("adduction", "hip", "knee")),
+        ("energy ledger", f"closes to {summary['energy_residual']:.1e} J {by}"),
+        ("simulated", f"{summary['cycles']} strides ({summary['reason']})"),
+        *files,
+    ]
+    return aligned(rows)

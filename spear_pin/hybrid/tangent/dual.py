@@ -1,0 +1,208 @@
+"""Dual numbers: a value with its derivative along a direction, or along several at a time.
+
+Value and derivative are whatever scalars have +, -, * and /: heyoka's expressions, numbers with an array of
+derivatives, arrays of states with arrays of derivatives. Laws, guards, latches and impacts take them as they are.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from spear_pin.hybrid.dynamics import Operations
+from spear_pin.hybrid.elimination import solve
+from spear_pin.model.scalars import negated, plus, times, vanishes
+
+
+class Dual:
+    """A value with its derivative.
+
+    It has no `float()`: what asks for that would lose the derivative silently.
+
+    Args:
+        x: the value.
+        d: the derivative, which broadcasts against it.
+    """
+
+    __slots__ = ("d", "x")
+    __hash__ = None  # type: ignore[assignment]  # it is compared by value
+
+    def __init__(self, x: Any, d: Any) -> None:
+        self.x, self.d = x, d
+
+    def __repr__(self) -> str:
+        return f"Dual({self.x!r}, {self.d!r})"
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **settings: Any) -> Any:
+        """NumPy's functions of numbers, of which some latches make use."""
+        if method != "__call__" or settings or ufunc not in _UFUNCS:
+            return NotImplemented
+        return _UFUNCS[ufunc](*inputs)
+
+    def __add__(self, other: Any) -> Any:
+        if isinstance(other, Dual):
+            return Dual(self.x + other.x, plus(self.d, other.d))
+        return Dual(self.x + other, self.d)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Dual:
+        return Dual(-self.x, negated(self.d))
+
+    def __pos__(self) -> Dual:
+        return self
+
+    def __sub__(self, other: Any) -> Any:
+        if isinstance(other, Dual):
+            return Dual(self.x - other.x, plus(self.d, negated(other.d)))
+        return Dual(self.x - other, self.d)
+
+    def __rsub__(self, other: Any) -> Any:
+        return Dual(other - self.x, negated(self.d))
+
+    def __mul__(self, other: Any) -> Any:
+        if isinstance(other, Dual):
+            return Dual(self.x * other.x, plus(times(self.d, other.x), times(other.d, self.x)))
+        return 0.0 if vanishes(other) else Dual(self.x * other, times(self.d, other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Any:
+        if isinstance(other, Dual):
+            x = self.x / other.x
+            return Dual(x, plus(self.d, negated(times(other.d, x))) / other.x)
+        return Dual(self.x / other, self.d / other)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        if vanishes(other):
+            return 0.0
+        x = other / self.x
+        return Dual(x, negated(times(self.d, x)) / self.x)
+
+    def __pow__(self, power: Any) -> Any:
+        return Dual(self.x**power, times(self.d, power * self.x ** (power - 1)))
+
+    def __abs__(self) -> Any:
+        return -self if self.x < 0.0 else self
+
+    def __lt__(self, other: Any) -> Any:
+        return self.x < value_of(other)
+
+    def __le__(self, other: Any) -> Any:
+        return self.x <= value_of(other)
+
+    def __gt__(self, other: Any) -> Any:
+        return self.x > value_of(other)
+
+    def __ge__(self, other: Any) -> Any:
+        return self.x >= value_of(other)
+
+    def __eq__(self, other: object) -> Any:
+        return self.x == value_of(other)
+
+    def __ne__(self, other: object) -> Any:
+        return self.x != value_of(other)
+
+    def __bool__(self) -> bool:
+        return bool(self.x)
+
+
+def value_of(scalar: Any) -> Any:
+    """The value of a scalar, dual or not; of nested tuples and mappings of them in the same form."""
+    if isinstance(scalar, Dual):
+        return scalar.x
+    if isinstance(scalar, tuple):
+        return tuple(map(value_of, scalar))
+    if isinstance(scalar, dict):
+        return {name: value_of(item) for name, item in scalar.items()}
+    return scalar
+
+
+def derivative_of(scalar: Any) -> Any:
+    """The derivative of a scalar, 0 of what has none."""
+    return scalar.d if isinstance(scalar, Dual) else 0.0
+
+
+def operations(base: Any, step: Callable[[Any], Any]) -> Operations:
+    """Elementary functions of dual numbers and others.
+
+    Args:
+        base: those of the values.
+        step: the derivative of max(x, 0).
+    """
+
+    def chain(name: str, slope: Callable[[Any, Any], Any]) -> Callable[[Any], Any]:
+        function = getattr(base, name)
+
+        def of(a: Any) -> Any:
+            if not isinstance(a, Dual):
+                return function(a)
+            x = function(a.x)
+            return Dual(x, times(a.d, slope(a.x, x)))
+
+        return of
+
+    def atan2(a: Any, b: Any) -> Any:
+        y, x = value_of(a), value_of(b)
+        turned = plus(times(derivative_of(a), x), negated(times(derivative_of(b), y)))
+        return base.atan2(y, x) if vanishes(turned) else Dual(base.atan2(y, x), turned / (x * x + y * y))
+
+    def maximum(a: Any, b: Any) -> Any:
+        x, y = value_of(a), value_of(b)
+        da, db = derivative_of(a), derivative_of(b)
+        more = plus(da, negated(db))
+        d = db if vanishes(more) else plus(db, times(more, step(x - y)))
+        return base.maximum(x, y) if vanishes(d) else Dual(base.maximum(x, y), d)
+
+    return Operations(
+        sin=chain("sin", lambda x, y: base.cos(x)),
+        cos=chain("cos", lambda x, y: -base.sin(x)),
+        tan=chain("tan", lambda x, y: 1.0 + y * y),
+        tanh=chain("tanh", lambda x, y: 1.0 - y * y),
+        sqrt=chain("sqrt", lambda x, y: 0.5 / y),
+        exp=chain("exp", lambda x, y: y),
+        atan2=atan2,
+        maximum=maximum,
+        solve=solve,
+    )
+
+
+def _larger(a: Any, b: Any) -> Any:
+    return a if value_of(a) >= value_of(b) else b
+
+
+def _smaller(a: Any, b: Any) -> Any:
+    return a if value_of(a) <= value_of(b) else b
+
+
+def _of_numbers(name: str) -> Callable[[Any], Any]:
+    return lambda a: getattr(NUMBERS, name)(a)
+
+
+_UFUNCS: dict[Any, Callable[..., Any]] = {
+    np.add: operator.add,
+    np.subtract: operator.sub,
+    np.multiply: operator.mul,
+    np.true_divide: operator.truediv,
+    np.negative: operator.neg,
+    np.absolute: operator.abs,
+    np.square: lambda a: a * a,
+    np.maximum: _larger,
+    np.minimum: _smaller,
+    **{getattr(np, name): _of_numbers(name) for name in ("sin", "cos", "tan", "tanh", "sqrt", "exp")},
+}
+
+
+class _Math:
+    """Elementary functions of plain numbers."""
+
+    sin, cos, tan, tanh = math.sin, math.cos, math.tan, math.tanh
+    sqrt, exp, atan2, maximum = math.sqrt, math.exp, math.atan2, max
+
+
+NUMBERS = operations(_Math, lambda x: float(x > 0.0))
+"""Those of numbers with arrays of derivatives."""

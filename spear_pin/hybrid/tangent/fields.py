@@ -1,0 +1,252 @@
+"""Directional derivatives of a domain's motion and of an impact's numbers, at many states and in many directions.
+
+One function for each domain, compiled by heyoka where that is installed: dual numbers of its expressions go through the
+very `Motion` that is integrated. Every number is an argument, so that one function serves whatever is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.dynamics import Operations
+from spear_pin.hybrid.elimination import factorize, substitute
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.engines.structure import Structure, flattened, symbols
+from spear_pin.hybrid.engines.symbolic import Motion
+from spear_pin.hybrid.rules.footing import closed_toes
+from spear_pin.hybrid.tangent.dual import Dual, derivative_of, operations, value_of
+from spear_pin.model.scalars import dot
+
+Array = NDArray[np.float64]
+UNROLLED = 4  # coordinates up to which the compiled code is; beyond that it takes minutes to compile
+
+
+class Values(NamedTuple):
+    """What a domain says at a state, or the same of anything else there.
+
+    Attributes:
+        slopes: dy/dt, (2 nv, ...).
+        guards: values of its guards, (g, ...).
+        u: torques of the motors, (nu, ...).
+        forces: on each closed toe, along the ground and normal to it, (2 closed, ...).
+    """
+
+    slopes: Array
+    guards: Array
+    u: Array
+    forces: Array
+
+
+@dataclass(frozen=True, eq=False)
+class TangentField:
+    """A domain's motion, its guards, torques and forces, each with a derivative along any direction.
+
+    Attributes:
+        structure: what is compiled in.
+    """
+
+    structure: Structure
+
+    def at(self, t: Array, y: Array, numbers: Array, dt: Any, dy: Array, dnumbers: Array) -> tuple[Values, Values]:
+        """Values at n states, and derivatives along c directions at each: (..., n) and (..., n, c).
+
+        Args:
+            t: times since the phase began, (n,).
+            y: states, (2 nv, n).
+            numbers: run-time parameters with what is held, (p,).
+            dt: derivative of the time, a number or (n, c).
+            dy: of the states, (2 nv, n, c).
+            dnumbers: of the parameters, (p, c).
+        """
+        rows, n, c = len(y), *dy.shape[1:]
+        if self._function is None:
+            return self._interpreted(t, y, numbers, dt, dy, dnumbers)
+        inputs = np.empty((2 * (1 + rows + len(numbers)), n, c))
+        half = len(inputs) // 2
+        inputs[0], inputs[1 : 1 + rows], inputs[1 + rows : half] = t[:, None], y[:, :, None], numbers[:, None, None]
+        inputs[half], inputs[half + 1 : half + 1 + rows], inputs[half + 1 + rows :] = dt, dy, dnumbers[:, None, :]
+        found = self._function(inputs.reshape(len(inputs), -1)).reshape(-1, n, c)
+        values, derivatives = np.split(found, 2)
+        return self._split(values[:, :, 0]), self._split(derivatives)
+
+    def _split(self, rows: Array) -> Values:
+        robot = self.structure.system.robot
+        ends = np.cumsum([2 * robot.nv, len(self.structure.domain.guards), robot.nu])
+        return Values(*np.split(rows, ends))
+
+    @cached_property
+    def _function(self) -> Any:
+        """The compiled function: values, then derivatives; None without heyoka."""
+        if not taylor.available():
+            return None
+        hy, count = taylor.require(), self._count
+        names = [f"{kind}{i}" for kind in "xd" for i in range(count)]
+        symbols = hy.make_vars(*names)
+        duals = [Dual(x, d) for x, d in zip(symbols[:count], symbols[count:], strict=True)]
+        outputs = self._of(duals, operations(taylor.operations([]), hy.relup))
+        rows = [value_of(each) for each in outputs] + [derivative_of(each) for each in outputs]
+        return compiled(rows, symbols, self.structure.system.robot.nv)
+
+    @cached_property
+    def _count(self) -> int:
+        system, planar, held = self.structure.system, self.structure.planar, self.structure.held
+        counter = _Counting()
+        symbols(system, planar, held, counter)
+        return 1 + 2 * system.robot.nv + counter.count
+
+    def _of(self, duals: Sequence[Any], ops: Operations) -> list[Any]:
+        """All outputs, of whatever scalars."""
+        system, domain, nv = self.structure.system, self.structure.domain, self.structure.system.robot.nv
+        t, q, v = duals[0], duals[1 : 1 + nv], duals[1 + nv : 1 + 2 * nv]
+        planar, numbers, held = symbols(system, self.structure.planar, self.structure.held, duals[1 + 2 * nv :])
+        motion = Motion(system, domain, planar, t, q, v, held, numbers, ops)
+        feet = [force for toe, _ in closed_toes(system.robot.toes, domain) for force in motion.force(toe)]
+        return [*v, *motion.a, *motion.guards, *motion.u, *feet]
+
+    def _interpreted(
+        self, t: Array, y: Array, numbers: Array, dt: Any, dy: Array, dnumbers: Array
+    ) -> tuple[Values, Values]:
+        """The same without heyoka, from arrays."""
+        n, c = dy.shape[1:]
+        parts = [(t[:, None], np.broadcast_to(dt, (n, c)))]
+        parts += [(x[:, None], d) for x, d in zip(y, dy, strict=True)]
+        parts += [(np.full((n, 1), x), np.broadcast_to(d, (n, c))) for x, d in zip(numbers, dnumbers, strict=True)]
+        outputs = self._of([Dual(x, d) for x, d in parts], operations(_Arrays, lambda x: np.heaviside(x, 0.0)))
+        values = np.array([np.broadcast_to(value_of(each), (n, 1))[:, 0] for each in outputs])
+        derivatives = np.array([np.broadcast_to(derivative_of(each), (n, c)) for each in outputs])
+        return self._split(values), self._split(derivatives)
+
+
+@dataclass(frozen=True, eq=False)
+class TangentFeet:
+    """Numbers of toes and of the mass matrix on which impacts and sections depend, with derivatives.
+
+    Attributes:
+        structure: the system's.
+        toes: which.
+    """
+
+    structure: Structure
+    toes: tuple[str, ...]
+
+    def at(self, y: Array, numbers: Array, dy: Array, dnumbers: Array) -> Feet:
+        """At a state, with derivatives along c directions.
+
+        Args:
+            y: the state, (2 nv,).
+            numbers: run-time parameters without what is held, (p,).
+            dy: (2 nv, c).
+            dnumbers: (p, c).
+        """
+        x, d = np.concatenate([y, numbers]), np.concatenate([dy, dnumbers])
+        if self._function is None:
+            duals = [Dual(float(value), slopes) for value, slopes in zip(x, d, strict=True)]
+            outputs = self._of(duals, operations(_Arrays, lambda x: float(x > 0.0)))
+            return self._named(outputs)
+        c = d.shape[1]
+        found = self._function(np.concatenate([np.repeat(x[:, None], c, axis=1), d]))
+        values, derivatives = np.split(found, 2)
+        return self._named([Dual(float(row[0]), slopes) for row, slopes in zip(values, derivatives, strict=True)])
+
+    def _named(self, outputs: Sequence[Any]) -> Feet:
+        nv, friction, rest = self.structure.system.robot.nv, outputs[0], list(outputs[1:])
+        toes = {}
+        for toe in self.toes:
+            height, rows, responses = rest[0], (rest[1 : 1 + nv], rest[1 + nv : 1 + 2 * nv]), rest[1 + 2 * nv :]
+            toes[toe] = Foot(height, rows, (responses[:nv], responses[nv : 2 * nv]))
+            rest = rest[1 + 4 * nv :]
+        return Feet(friction, toes)
+
+    @cached_property
+    def _function(self) -> Any:
+        if not taylor.available():
+            return None
+        hy, robot, counter = taylor.require(), self.structure.system.robot, _Counting()
+        symbols(self.structure.system, self.structure.planar, {}, counter)
+        count = 2 * robot.nv + counter.count
+        variables = hy.make_vars(*[f"{kind}{i}" for kind in "xd" for i in range(count)])
+        duals = [Dual(x, d) for x, d in zip(variables[:count], variables[count:], strict=True)]
+        outputs = self._of(duals, operations(taylor.operations([]), hy.relup))
+        rows = [value_of(each) for each in outputs] + [derivative_of(each) for each in outputs]
+        return compiled(rows, variables, robot.nv)
+
+    def _of(self, duals: Sequence[Any], ops: Operations) -> list[Any]:
+        nv = self.structure.system.robot.nv
+        planar, numbers, _ = symbols(self.structure.system, self.structure.planar, {}, duals[2 * nv :])
+        terms = planar.terms(duals[:nv], duals[nv : 2 * nv], ops)
+        feet, factors = numbers.ground.seen(terms, ops), factorize(terms.mass_matrix)
+        outputs = [numbers.ground.friction]
+        for toe in self.toes:
+            rows = feet.jacobians[toe]
+            outputs += [feet.positions[toe][1], *rows[0], *rows[1]]
+            outputs += [number for row in rows for number in substitute(factors, row)]
+        return outputs
+
+
+class Foot(NamedTuple):
+    """A toe's numbers: height, rows of its Jacobian along the ground and normal to it, and D⁻¹ times those."""
+
+    height: Any
+    rows: tuple[list[Any], list[Any]]
+    responses: tuple[list[Any], list[Any]]
+
+
+class Feet(NamedTuple):
+    """Numbers of toes, by name, and the coefficient of friction."""
+
+    friction: Any
+    toes: dict[str, Foot]
+
+    def inverse_inertia(self, toes: Sequence[str]) -> list[list[Any]]:
+        """J D⁻¹ Jᵀ of some toes together."""
+        rows = [row for toe in toes for row in self.toes[toe].rows]
+        responses = [response for toe in toes for response in self.toes[toe].responses]
+        return [[dot(row, response) for response in responses] for row in rows]
+
+
+def compiled(rows: Sequence[Any], variables: Sequence[Any], nv: int) -> Any:
+    """A function of expressions, compiled."""
+    hy = taylor.require()
+    zero = hy.expression(0.0)
+    return hy.cfunc([zero + row for row in rows], variables, compact_mode=nv > UNROLLED)
+
+
+@lru_cache(taylor.MOST)
+def tangent_field(structure: Structure) -> TangentField:
+    """A domain's, made once for each structure."""
+    return TangentField(structure)
+
+
+@lru_cache(taylor.MOST)
+def tangent_feet(structure: Structure, toes: tuple[str, ...]) -> TangentFeet:
+    """A system's, made once for each structure and choice of toes."""
+    return TangentFeet(structure, toes)
+
+
+class _Counting:
+    """In the place of parameters: how many are asked for."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def __getitem__(self, i: int) -> float:
+        self.count = max(self.count, i + 1)
+        return 1.0
+
+
+class _Arrays:
+    """Elementary functions of arrays, by the names of `Operations`."""
+
+    sin, cos, tan, tanh = np.sin, np.cos, np.tan, np.tanh
+    sqrt, exp, atan2, maximum = np.sqrt, np.exp, np.arctan2, np.maximum
+
+
+def numbers_of(law_and_others: Sequence[Any], held: Any) -> list[Any]:
+    """Run-time parameters, dual or not, in the order of `structure.parameters`."""
+    return [*law_and_others, *flattened(tuple(held.values()))]

@@ -1,0 +1,75 @@
+"""`spear trot`: a trot or a pace in space held by feedback, its figures and its files."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, Trajectory, simulate
+from spear_pin.cli.durations import usual
+from spear_pin.gaits.orbits import balance
+from tests.cli.calls import printed, refused, run
+
+
+def held(gait):
+    """The gait with feedback that does nothing."""
+    nothing = tuple(map(tuple, np.zeros((10, 36))))
+    return gait.with_law(feedback=nothing, nominal=tuple(np.concatenate(gait.state)))
+
+
+@pytest.fixture(scope="module")
+def steady(tmp_path_factory):
+    return held(Gait.load("trot")).save(tmp_path_factory.mktemp("trot") / "trot_steady.json")
+
+
+def test_a_gait_with_feedback_is_played(capsys, tmp_path, steady):
+    result = printed(capsys, "trot", steady, "--cycles", 2, "--out", tmp_path)
+    assert result["goes"] == "trot" and result["in_a_stride"] == 2 and result["cycles"] == 2
+    assert result["period"] == pytest.approx(0.459, abs=1e-3) and result["speed"] == pytest.approx(2.0, abs=0.01)
+    assert result["residual"] <= 1e-9 and result["slips"] == 0 and result["energy_residual"] < 1e-8
+    assert result["multipliers_without_feedback"] is None
+    assert Trajectory.load(tmp_path / "trot.npz").cycles == 4
+    assert result["files"] == [str(tmp_path / f"trot.{suffix}") for suffix in ("html", "npz", "svg")]
+    assert all(Path(file).stat().st_size > 10_000 for file in result["files"])
+
+
+def test_feedback_is_found_and_kept(capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr(balance, "balanced", held)
+    status, out, _ = run(capsys, "trot", "pace", "--push", 0.01, "--cycles", 1, "--out", tmp_path)
+    said = dict(line.split("  ", maxsplit=1) for line in out.splitlines())
+    assert status == 0 and said["gait"].strip() == "pace, a pace in space"
+    assert "unstable" in said["without feedback"] and said["push"].strip() == "0.01 m/s to the left"
+    kept = Gait.load(tmp_path / "trot_steady.json")
+    assert kept.system.law.feedback
+    q, v = kept.state
+    v[1] += 0.01
+    wanted, motion = simulate(kept.system, (q, v), 1), Trajectory.load(tmp_path / "trot.npz")
+    np.testing.assert_allclose(motion.v[0], wanted.v[0], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("nowhere",), "unknown gait"),
+        (("nowhere.json",), "nowhere.json"),
+        (("long_stride",), "trot, pace or a saved one"),
+        (("turn_9",), "trot, pace or a saved one"),
+        (("--push", math.nan), "--push"),
+        (("--cycles", 0), "--cycles"),
+    ],
+    ids=str,
+)
+def test_refused(capsys, tmp_path, words, said):
+    assert said in refused(capsys, "trot", *words, "--out", tmp_path)
+
+
+def test_it_says_how_long_it_takes(capsys):
+    assert usual("trot") in " ".join(run(capsys, "trot", "--help")[1].split())
+
+
+@pytest.mark.slow
+def test_a_push_is_recovered_from(capsys, tmp_path):
+    result = printed(capsys, "trot", "--push", 0.2, "--out", tmp_path)
+    assert result["cycles"] == 10 and abs(math.degrees(result["heading"])) < 3.0
+    assert abs(complex(*result["multipliers"][0])) < 0.5 < abs(complex(*result["multipliers_without_feedback"][0]))

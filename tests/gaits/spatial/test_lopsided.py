@@ -1,0 +1,63 @@
+"""A trot of a robot whose left and right differ: a cycle is a whole stride, its halves no mirror images."""
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from spear_pin import Gait, trotting
+from spear_pin.errors import BadValue
+from spear_pin.gaits.spatial.trotting import halfway
+from spear_pin.hybrid.periodic import chart, return_map
+from spear_pin.hybrid.symmetry import headed, lopsided
+
+
+@pytest.fixture(scope="module")
+def trot():
+    return Gait.load("trot")
+
+
+@pytest.fixture(scope="module")
+def heavier(trot):
+    """Q-SPEAR with 1% more mass in one of its thighs."""
+    model = trot.system.robot.model.copy()
+    joint = model.getJointId("posterior_left_hip")
+    body = model.inertias[joint]
+    model.inertias[joint] = pin.Inertia(1.01 * body.mass, body.lever, 1.01 * body.inertia)
+    return trot.system.robot.with_model(model)
+
+
+def test_how_far_from_the_mirror_image(trot, heavier):
+    assert lopsided(trot.system.robot) < 1e-12
+    assert 1e-4 < lopsided(heavier) < 0.1
+
+
+def test_a_cycle_is_a_whole_stride(trot, heavier):
+    system = trotting(heavier, trot.system.law, trot.system.spring)
+    run = return_map(system, chart(system, trot.state).state(np.zeros(32)), 1e-8)
+    assert {"diagonal_left_stance", "diagonal_right_stance"} <= run.durations.keys()
+    assert [event.name for event in run.events].count("halfway") == 1
+    assert system.measures["period"](run) == pytest.approx(2.0 * trot.period, rel=0.05)
+
+
+def test_between_the_halves_it_is_nearly_as_it_was(trot, heavier):
+    system = trotting(heavier, trot.system.law, trot.system.spring)
+    run = return_map(system, chart(system, trot.state).state(np.zeros(32)), 1e-8)
+    own = np.concatenate(halfway(trot.system, return_map(trot.system, trot.state)))
+    np.testing.assert_allclose(own, np.concatenate(headed(*trot.state)), rtol=0, atol=1e-8)
+    off = np.abs(np.concatenate(halfway(system, run)) - own).max()
+    assert 1e-6 < off < 0.5
+
+
+def test_feedback_compares_with_the_state_of_either_half(trot):
+    nominal = np.concatenate(headed(*trot.state))
+    gains = tuple(map(tuple, np.eye(10, 36, 20)))
+    law = replace(trot.system.law, nominal=tuple(nominal), feedback=gains)
+    assert not any(law.adjustment_halfway(nominal[:18], nominal[18:]))
+    between = nominal + 0.01
+    law = replace(law, halfway=tuple(between))
+    assert law.adjustment_halfway(nominal[:18], nominal[18:])[0] == pytest.approx(-0.01)
+    assert not any(law.adjustment(nominal[:18], nominal[18:]))
+    with pytest.raises(BadValue, match="halfway"):
+        replace(law, halfway=(1.0,))
