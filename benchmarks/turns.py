@@ -1,8 +1,9 @@
 """Turns in space that ship, and what they take of the adductions: `python -m benchmarks.turns [--write]`.
 
-Of each that ships: rate, speed, radius, residual and largest multiplier, then range, speed, torque and power of the
-adductions against those of the knees, torque of the hips and friction used, over three strides; and how far the mirror
-image of it is from turning to the right. With `--write` the table goes into docs/space.md.
+Of each that ships: the angle, the speed of the gait that goes straight, rate, speed on the circle, radius, residual and
+largest multiplier, then range, speed, torque and power of the adductions against those of the knees, torque of the
+hips and friction used, over three strides; and how far the mirror image of it is from turning to the right. With
+`--write` the table goes into docs/space.md.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ from spear_pin.studies.bound.turn import summarize_turn
 
 PAGE = Path(__file__).parents[1] / "docs" / "space.md"
 HEADS = (
-    "° a stride | °/s | m/s | radius, m | residual | mirrored | multiplier | adduction: range, ° | rad/s | N·m | W "
-    "| knee: range, ° | rad/s | N·m | W | hip, N·m | friction, all and across"
+    "° a stride | straight, m/s | °/s | m/s | radius, m | residual | mirrored | multiplier | "
+    "adduction: range, ° | rad/s | N·m | W | knee: range, ° | rad/s | N·m | W | hip, N·m | friction, all and across"
 )
 STRIDES = 3
 
@@ -50,7 +51,8 @@ def _row(name: str) -> str:
     mirrored = residual(right, (mirror(gait.state[0]), mirror(gait.state[1])))
     joints = of["joints"]
     figures = [
-        f"{math.degrees(of['turn']):.0f} | {math.degrees(of['rate']):.1f} | {of['speed']:.2f} | {of['radius']:.2f}",
+        f"{math.degrees(of['turn']):.0f} | {library.TURNS[name][1]:.2f}",
+        f"{math.degrees(of['rate']):.1f} | {of['speed']:.2f} | {of['radius']:.2f}",
         f"{residual(gait.system, gait.state):.0e} | {mirrored:.0e} | {of['largest_multiplier']:.3f}",
         *(
             f"{math.degrees(joints[part]['range']):.1f} | {joints[part]['speed']:.2f} | {joints[part]['torque']:.1f} "

@@ -139,7 +139,7 @@ class Gait(Shown):
             BadFile: it cannot be read, or is not a gait: a field is missing, unknown, or not of its kind, a number
                 is not finite or not valid.
         """
-        if str(path) in library.names() or not ({"/", "\\", "."} & set(str(path))):
+        if str(path) in (*library.names(), *library.IN_SPACE) or not ({"/", "\\", "."} & set(str(path))):
             path = library.path(str(path))
         path = regular(path)
         try:

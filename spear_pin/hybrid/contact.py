@@ -18,7 +18,7 @@ SIGN = {SLIP_FORWARD: 1.0, SLIP_BACKWARD: -1.0}
 SLIPS = (SLIP_FORWARD, SLIP_BACKWARD, SLIP)
 WAYS = {2: (SLIP_FORWARD, SLIP_BACKWARD), 3: (SLIP,)}
 """Modes of a toe that slides, in the plane and in space, where it does along a direction of its own."""
-SLOW = 1e-6  # m/s: a toe in space that slides more slowly, and ever more so, is stopped
+SLOW = 3e-6  # m/s: a toe in space that slides more slowly, and ever more so, is stopped
 SETTING_OUT = 1e-4  # m/s: up to this one that began to slide has the direction to which its velocity turns at once
 
 

@@ -159,7 +159,6 @@ class _Runner:
             if self._gives_up(segment, solver, t0, y0, times):
                 return None
             self.t, self.y = solver.t, solver.y
-            self.flow.arrive(self.t, self.y)
             ends, states = (t0, self.t), (y0, self.y)
             crossings = watch.step(ends, states, (slope, solver.f), solver.dense_output)
             crossings = sorted([*crossings, *bends(self.flow, ends, states, solver.dense_output)])
@@ -167,10 +166,12 @@ class _Runner:
                 end = self._pass(segment, solver.dense_output(), t0, crossings)
                 if end is not None:
                     self.t, self.y = end[0], self._step_to(t0, y0, end[0])
+                    self.flow.arrive(self.t, self.y)
                     return end[1]
             if watch.undefined:
                 self._break_off("not_finite")
                 return None
+            self.flow.arrive(self.t, self.y)  # not before: to what is beyond an event motion does not come
         switch = self.flow.domain.switch
         if switch is None or self.t < rules.due(self.flow.domain, self.switches, self.system.law):
             self._overdue()

@@ -25,8 +25,11 @@ REQUESTS: Mapping[str, Request] = MappingProxyType(
     }
 )
 """Request for each gait that ships, by name."""
-TURNS = tuple(f"turn_{angle}" for angle in (4, 6, 9, 10, 13))
-"""Names of the turning gaits that ship, by degrees a stride."""
+TURNS: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {f"turn_{angle}": (angle, 2.5) for angle in (4, 6, 9, 10, 13)}
+    | {f"turn_9_{speed:.2f}": (9, speed) for speed in (2.25, 2.75)}
+)
+"""Turning gaits that ship, by name: degrees a stride, and speed along the heading, in m/s."""
 IN_SPACE = ("trot", "pace", *TURNS)
 
 

@@ -9,6 +9,7 @@ from spear_pin.hybrid.domain import Reset
 from spear_pin.hybrid.rules.footing import AT_REST
 from spear_pin.hybrid.rules.guards import NEAR_GROUND, ON_GROUND
 
+FALLING = 1e-5  # m/s: above what integration leaves of a toe's rest on the ground, below what it strikes with
 STATE_AT_REST = 10.0 * AT_REST  # m/s: of a state that is given
 PLACED = 1e-15  # m: what rounding leaves of the height of a toe that is put on the ground
 
@@ -24,13 +25,13 @@ def below_ground(height: Any) -> Any:
 
 
 def aloft(height: Any, rising: Any) -> Any:
-    """Whether a toe that bounces is off the ground, or leaves it.
+    """Whether a toe that bounces is off the ground, leaves it, or is about to strike it.
 
     Args:
         height: of the toe above the ground, in m.
         rising: its speed along the ground's normal, in m/s.
     """
-    return (height > NEAR_GROUND) | (rising > AT_REST)
+    return (height > NEAR_GROUND) | (rising > AT_REST) | (rising < -FALLING)
 
 
 def rests(height: Any, rising: Any, at_rest: float = AT_REST) -> Any:

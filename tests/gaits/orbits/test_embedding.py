@@ -154,3 +154,17 @@ class TestRefused:
     def test_other_gaits(self):
         with pytest.raises(BadValue, match="plane"):
             embedded(planar("long_stride"), SpatialLaw(planar("least_effort").system.law))
+
+
+def test_feet_that_have_just_begun_to_slide_lift_off_with_the_speed_of_the_planes():
+    there = planar("force_lift_off")
+    begun, ended = (
+        next(e for e in return_map(*each).events if e.name.endswith("lift_off"))
+        for each in ((there.system, there.state), spatial("force_lift_off"))
+    )
+    robot = spatial("force_lift_off")[0].robot
+    slides = 6e-6  # m/s: by which it has begun to in 18 µs
+    plane = there.system.robot.toe_jacobian(begun.q, "posterior_toe") @ begun.v
+    assert plane[0] == pytest.approx(slides, rel=0.01)
+    for leg in pairs_of(robot)[0]:
+        assert robot.toe_jacobian(ended.q, leg.toe) @ ended.v == pytest.approx([plane[0], 0.0, 0.0], abs=1e-9)

@@ -14,19 +14,16 @@ from spear_pin.hybrid.periodic import residual, return_map
 from spear_pin.hybrid.symmetry import mirror_of
 from tests.slow import slow_but
 
-SPEED = 2.5
-
 
 @pytest.mark.parametrize("name", slow_but(library.TURNS, "turn_9"))
 class TestShipped:
     def test_they_are_orbits_that_turn_as_they_are_called(self, name):
         gait = Gait.load(name)
         run = return_map(gait.system, gait.state)
+        angle, speed = library.TURNS[name]
         assert residual(gait.system, gait.state) < 1e-9
-        assert math.degrees(gait.system.measures["turn"](run)) == pytest.approx(
-            float(name.removeprefix("turn_")), abs=1e-7
-        )
-        assert gait.system.measures["mean_speed"](run) == pytest.approx(SPEED, abs=1e-8)
+        assert math.degrees(gait.system.measures["turn"](run)) == pytest.approx(angle, abs=1e-7)
+        assert gait.system.measures["mean_speed"](run) == pytest.approx(speed, abs=1e-8)
         assert abs(run.change[0] - run.work[0].sum()) < 1e-9
 
     def test_the_mirror_image_turns_to_the_other_side(self, name):
@@ -46,7 +43,7 @@ class TestShipped:
 @pytest.mark.slow
 def test_a_step_to_a_sharper_turn_is_the_shortest():
     gait = Gait.load("turn_4")
-    system, state = turned(gait.system, gait.state, math.radians(4.2), SPEED, 1e-9)
+    system, state = turned(gait.system, gait.state, math.radians(4.2), library.TURNS["turn_4"][1], 1e-9)
     run = return_map(system, state)
     assert residual(system, state) < 1e-7
     assert math.degrees(system.measures["turn"](run)) == pytest.approx(4.2, abs=1e-5)

@@ -54,9 +54,19 @@ def test_energy_is_booked_through_bounces(bouncing):
     assert lost and max(lost) < 1e-9
 
 
+@pytest.mark.parametrize("seed", [0, 62])
+def test_where_other_toes_have_events_none_is_on_the_ground_before_it_has_struck_it(seed):
+    dropping = dropped(seed)
+    assert dropping.cycles and np.abs(dropping.ledger.residual).max() < 1e-6  # 1e-2 and 3e-5 J without
+
+
+def test_a_toe_that_slides_on_ever_more_slowly_is_stopped_in_time():
+    assert drop(17).evaluations < 30_000  # its direction turns the faster the slower it is
+
+
 @pytest.mark.slow
 def test_drops_end_for_a_reason_that_is_not_of_numbers():
     found = [drop(seed) for seed in range(24)]
     assert {one.reason for one in found} <= {*REASONS}
-    assert all(one.finite for one in found)
+    assert all(one.finite and one.residual < 1e-6 for one in found)
     assert not [one for one in found if one.reason in ("step_size", "not_finite", "evaluation_cap", "zeno")]

@@ -45,10 +45,11 @@ STATEMENTS = (
         "adduction-is-slow",
         "Section 6.2.1",
         "Adduction for banked turns asks for little speed and range.",
-        "largest speed of an adduction over a knee's in turns by 11, 25 and 35°/s, then range over a knee's",
+        "largest speed of an adduction over a knee's in turns by 11, 25 and 35°/s at 2.5 m/s, and by 25°/s at 2.25 and "
+        "2.75 m/s, then range over a knee's",
         turns.adduction_over_knee,
         criterion=below(0.2),
-        unknown="The source describes no turn. In these, which are ours, at 2.5 m/s and without torque at the "
+        unknown="The source describes no turn. In these, which are ours, without torque at the "
         "adductions on the ground but a constant, it holds by a wide margin.",
         remark="Torque of an adduction is up to a sixth of a knee's. What pays for a turn is the hip, and friction. "
         "The robot hardly banks: its feet land to the outside.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from spear_pin import Gait, simulate
 from spear_pin.studies.bound.turn import summarize_turn
 
-TURNS = ("turn_4", "turn_9", "turn_13")
+TURNS = ("turn_4", "turn_9", "turn_13", "turn_9_2.25", "turn_9_2.75")
 
 
 def adduction_over_knee() -> tuple[float, ...]:

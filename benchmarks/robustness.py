@@ -1,0 +1,96 @@
+"""How balance holds against what is assumed: `python -m benchmarks.robustness [--write]`.
+
+Feedback made for `long_stride` on Q-SPEAR as it ships, by one input a stride or by ten with the heading kept, acts on
+robots whose numbers differ: roll inertia of the torso, places of the hips across, gains of adductions in stance. The
+gait is the same, nothing of it being across. Of each the largest multiplier across without feedback and with either,
+and what ten inputs leave of a push in ten strides. With `--write` the table goes into docs/space.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.overlap import HEADING, PAGE, PUSH, left_of
+from spear_pin import Gait, SpatialLaw, load
+from spear_pin.gaits.orbits.balance import Linear, across, balanced
+from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.spatial.law import ACROSS, INPUTS
+from spear_pin.hybrid.periodic import eigenvalues, residual
+from spear_pin.model.robot import Robot
+
+HEADS = "changed | fall sideways | with one input | with ten, and heading | left of a push"
+CASES = {
+    "nothing": (1.0, 1.0, 1.0),
+    "roll inertia -20 %": (0.8, 1.0, 1.0),
+    "roll inertia +20 %": (1.2, 1.0, 1.0),
+    "hip spacing -10 %": (1.0, 0.9, 1.0),
+    "hip spacing +10 %": (1.0, 1.1, 1.0),
+    "adduction gains -30 %": (1.0, 1.0, 0.7),
+    "adduction gains +30 %": (1.0, 1.0, 1.3),
+}
+"""Factors of roll inertia, hip spacing, and of stiffness and damping of the adductions."""
+ONE = ("posterior_adduction",)
+
+
+def main() -> None:
+    """Print the table, or write it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--write", action="store_true", help="put the table into docs/space.md")
+    arguments = parser.parse_args()
+    shipped = straight(*CASES["nothing"])
+    laws = [balanced(shipped, ONE).system.law, balanced(shipped, ACROSS, heading=HEADING).system.law]
+    rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1))]
+    for name, factors in CASES.items():
+        rows.append(f"{name} | {_row(straight(*factors), laws)}")
+        print(rows[-1], flush=True)
+    if arguments.write:
+        table = "\n".join(f"| {row} |" for row in rows)
+        text = PAGE.read_text(encoding="utf-8")
+        head, _, rest = text.partition("| changed |")
+        PAGE.write_text(f"{head}{table}\n\n{rest.partition(chr(10) * 2)[2]}", encoding="utf-8")
+
+
+def straight(inertia: float, spacing: float, gains: float) -> Gait:
+    """`long_stride` in space, of a robot with other numbers; factors as of `CASES`."""
+    plane = Gait.load("long_stride")
+    law = SpatialLaw(plane.system.law)
+    law = replace(law, **{name: gains * getattr(law, name) for name in ("adduction_stiffness", "adduction_damping")})
+    system, state = embedded(plane, law, varied(load("q_spear_full", base="chain"), inertia, spacing))
+    return Gait(system, state, {}, residual(system, state), np.ones(1, complex), {})
+
+
+def varied(robot: Robot, inertia: float, spacing: float) -> Robot:
+    """The robot with its torso's moment of inertia in roll, and the distance between left and right, times factors."""
+    model = robot.model.copy()
+    torso = model.inertias[model.getJointId("roll")]
+    moments = torso.inertia.copy()
+    moments[0, 0] *= inertia
+    torso.inertia = moments
+    for joint, name in enumerate(model.names):
+        if name.endswith("_adduction"):
+            model.jointPlacements[joint].translation[1] *= spacing
+    return robot.with_model(model)
+
+
+def _row(gait: Gait, laws: list[SpatialLaw]) -> str:
+    linear = across(gait, heading=True)
+    alone = np.abs(eigenvalues(linear.A[:-1, :-1])).max()
+    one, ten = (np.abs(eigenvalues(closed(linear, law))) for law in laws)
+    heading_free = np.sort(one)[:-1].max()  # without that of the heading, 1
+    feedback = {name: getattr(laws[1], name) for name in ("feedback", "nominal")}
+    left = left_of(gait.with_law(**feedback), PUSH)
+    return f"{alone:.3f} | {heading_free:.3f} | {ten.max():.3f} | {left}"
+
+
+def closed(linear: Linear, law: SpatialLaw) -> NDArray[np.float64]:
+    """A of motion across with the feedback of a law, which may be another robot's."""
+    rows = np.array([law.feedback[INPUTS.index(name)] for name in linear.inputs])
+    return np.asarray(linear.A + linear.B @ rows @ np.linalg.pinv(linear.coordinates), np.float64)
+
+
+if __name__ == "__main__":
+    main()
