@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any, get_type_hints
@@ -18,6 +18,7 @@ from spear_pin.gaits.bounding import bounding
 from spear_pin.gaits.bounding_law import BoundingLaw
 from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.round_hopping import RoundHoppingLaw, round_hopping
+from spear_pin.gaits.sensitivity.sensitivity import Sensitivity, sensitivity
 from spear_pin.gaits.series_hopping import SeriesHoppingLaw, series_hopping
 from spear_pin.gaits.spatial.bounding import bounding_in_space
 from spear_pin.gaits.spatial.law import SpatialLaw
@@ -94,6 +95,23 @@ class Gait(Shown):
                 raise UnknownName("parameter of the law", name, vars(system.law))
         law = replace(system.law, **values)
         return replace(self, system=rebuilt(system, law=law))
+
+    @typed
+    def sensitivity(self, over: Sequence[str], vary: Sequence[str] = (), keep: Sequence[str] = ()) -> Sensitivity:
+        """What a change of any parameters does to the gait: exact derivatives of its state, measures and multipliers.
+
+        Args:
+            over: parameters, by the names of law, springs, ground or robot, such as "stiffness" or "knee_ratio".
+            vary: parameters that are solved for, so that measures stay as they are.
+            keep: names of as many measures.
+
+        Raises:
+            UnknownName: there is no parameter or measure of a name.
+            BadValue: names do not fit together, a parameter is zero and with it part of the equations, or the gait is
+                in space or has hardware.
+            NotDifferentiable: the cycle has no derivative; the text says why.
+        """
+        return sensitivity(self.system, self.state, over, vary, keep)
 
     @typed
     def save(self, path: str | Path) -> Path:

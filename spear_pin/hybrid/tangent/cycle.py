@@ -91,8 +91,9 @@ class Derivative:
 
     @property
     def order(self) -> tuple[str, ...]:
-        """Names of what happens, in order."""
-        return tuple("bend" if each.arc.event is None else each.arc.event.name for each in self.stretches)
+        """Names of the events that change something, in order."""
+        events = [each.arc.event for each in self.stretches]
+        return tuple(event.name for event in events if event is not None and event.reset is not None)
 
 
 @dataclass
@@ -217,6 +218,7 @@ class _Whole:
         arc, tau = stretch.arc, stretch.tau
         now.dy = stretch.dstate
         if arc.event is None or arc.event.reset is None:
+            now.tau = tau
             return  # the motion goes on as it was
         reset = arc.event.reset
         state = duals(arc.after, stretch.dstate + stretch.end.slopes[:, None] * tau)

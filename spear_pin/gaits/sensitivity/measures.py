@@ -1,0 +1,147 @@
+"""Named measures of a cycle, with their derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive
+from spear_pin.hybrid.contact import OPEN
+from spear_pin.hybrid.rules.footing import closed_toes
+from spear_pin.hybrid.tangent.cycle import Derivative, Stretch
+
+Array = NDArray[np.float64]
+PRESSED = 0.02  # of a robot's weight: friction counts under forces above this
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A measure of a cycle.
+
+    Attributes:
+        value: in its unit.
+        derivative: along each direction, (c,).
+        unit: the unit.
+    """
+
+    value: float
+    derivative: Array
+    unit: str
+
+
+def measures(cycle: Derivative, start: Array) -> dict[str, Measure]:
+    """All named measures of a cycle.
+
+    Durations of phases and the period; work that the motors do on the joints on balance and where they drive; of each
+    joint the root mean square and the peak of its motor's torque; of each toe the peak of the normal force and the
+    friction it uses, |F_x| / F_z; state at events that are observed, such as the height at the apex; where the robot
+    moves on, its stride, its speed, and the cost of transport by positive work.
+
+    Args:
+        cycle: the cycle.
+        start: derivatives of the state in which it begins, (2 nv, c).
+    """
+    system = cycle.system
+    robot, found = system.robot, dict[str, Measure]()
+    period, dperiod = 0.0, np.zeros(cycle.dy.shape[1])
+    for phase, seconds in cycle.durations.items():
+        found[f"{phase}_time"] = Measure(float(seconds.x), np.asarray(seconds.d), "s")
+        period, dperiod = period + float(seconds.x), dperiod + seconds.d
+    found["period"] = Measure(period, dperiod, "s")
+    found |= _at_events(cycle)
+    powers = [_power(cycle.stretches, j, robot.index(joint)) for j, joint in enumerate(robot.actuated)]
+    found["work"] = _sum([integral(each) for each in powers], "J")
+    found["positive_work"] = worked = _sum([positive(each) for each in powers], "J")
+    for j, joint in enumerate(robot.actuated):
+        square, change = integral([_squared(each) for each in _torque(cycle.stretches, j)])
+        rms = float(np.sqrt(square / period))
+        of_rms = 0.5 / max(rms, 1e-300) * (change / period - square / period**2 * dperiod)
+        found[f"rms_torque_{joint}"] = Measure(rms, of_rms, "N·m")
+        found[f"peak_torque_{joint}"] = Measure(*_largest(_torque(cycle.stretches, j)), "N·m")
+    weight = sum(body.mass for body in robot.model.inertias) * 9.81
+    for toe in robot.toes:
+        forces = list(_forces(cycle.stretches, toe, robot.toes))
+        if forces:
+            found[f"peak_force_{toe}"] = Measure(*peak([up for _, up in forces]), "N")
+            found[f"friction_used_{toe}"] = Measure(*largest_ratio(forces, PRESSED * weight), "1")
+    if system.cyclic:
+        found |= _advance(cycle, start, robot.index(system.cyclic[0]), found["period"], worked, weight)
+    return found
+
+
+def _at_events(cycle: Derivative) -> dict[str, Measure]:
+    """States at events that are only observed, and the joints' where the cycle closes."""
+    robot, found = cycle.system.robot, dict[str, Measure]()
+    for stretch in cycle.stretches:
+        event = stretch.arc.event
+        if event is not None and event.reset is None and "boom_z" in robot.coordinates:
+            i = robot.index("boom_z")
+            change = stretch.dstate[i] + stretch.end.slopes[i] * stretch.tau
+            found.setdefault(f"{event.name}_height", Measure(float(stretch.state[i]), change, "m"))
+    last = cycle.stretches[-1]
+    dy = last.dstate + last.end.slopes[:, None] * last.tau
+    for joint in robot.actuated:
+        i = robot.index(joint)
+        name = cycle.system.section
+        found[f"{joint}_at_{name}"] = Measure(float(last.state[i]), dy[i], "rad")
+        found[f"{joint}_rate_at_{name}"] = Measure(float(last.state[robot.nv + i]), dy[robot.nv + i], "rad/s")
+    return found
+
+
+def _advance(
+    cycle: Derivative, start: Array, i: int, period: Measure, worked: Measure, weight: float
+) -> Mapping[str, Measure]:
+    first = float(cycle.stretches[0].arc.y[i])
+    stride, change = float(cycle.y[i]) - first, cycle.dy[i] - start[i]
+    speed = stride / period.value
+    found = {
+        "stride": Measure(stride, change, "m"),
+        "mean_speed": Measure(speed, (change - speed * period.derivative) / period.value, "m/s"),
+    }
+    if abs(stride) > 1e-3:
+        cost = worked.value / (weight * stride)
+        found["cost_of_transport"] = Measure(cost, worked.derivative / (weight * stride) - cost * change / stride, "1")
+    return found
+
+
+def _sum(parts: Sequence[tuple[float, Array]], unit: str) -> Measure:
+    return Measure(float(sum(value for value, _ in parts)), np.sum([change for _, change in parts], axis=0), unit)
+
+
+def _torque(stretches: Sequence[Stretch], j: int) -> list[Pieces]:
+    return [Pieces(each, each.values.u[j], each.derivatives.u[j]) for each in _long(stretches)]
+
+
+def _power(stretches: Sequence[Stretch], j: int, i: int) -> list[Pieces]:
+    found = []
+    for each in _long(stretches):
+        rate, drate = each.y[len(each.y) // 2 + i], each.dy[len(each.dy) // 2 + i]
+        u, du = each.values.u[j], each.derivatives.u[j]
+        found.append(Pieces(each, u * rate, du * rate[:, None] + u[:, None] * drate))
+    return found
+
+
+def _forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Iterator[tuple[Pieces, Pieces]]:
+    for each in _long(stretches):
+        closed = [name for name, mode in closed_toes(tuple(toes), each.arc.domain) if mode != OPEN]
+        if toe in closed:
+            k = 2 * closed.index(toe)
+            yield tuple(Pieces(each, each.values.forces[n], each.derivatives.forces[n]) for n in (k, k + 1))  # type: ignore[misc]
+
+
+def _long(stretches: Sequence[Stretch]) -> list[Stretch]:
+    return [each for each in stretches if each.arc.end > each.arc.t]
+
+
+def _squared(piece: Pieces) -> Pieces:
+    return Pieces(piece.stretch, piece.values**2, 2.0 * piece.values[:, None] * piece.derivatives)
+
+
+def _largest(pieces: Sequence[Pieces]) -> tuple[float, Array]:
+    """The largest modulus."""
+    up = peak(pieces)
+    down = peak([Pieces(each.stretch, -each.values, -each.derivatives) for each in pieces])
+    return max(up, down, key=lambda each: each[0])

@@ -1,0 +1,143 @@
+"""The return map's derivative about a fixed point, on its section, which parameters move as well."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.gaits.sensitivity.measures import Measure, measures
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.engines.structure import Structure
+from spear_pin.hybrid.section import Chart, chart, section, velocity_rows
+from spear_pin.hybrid.result import State
+from spear_pin.hybrid.tangent.cycle import Derivative, differentiated
+from spear_pin.hybrid.tangent.fields import tangent_feet
+from spear_pin.hybrid.tangent.record import Recorder
+from spear_pin.hybrid.tangent.resets import derivatives
+from spear_pin.hybrid.tangent.seeds import numbers, seeds
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """A cycle from a state on the section, with derivatives along the section and along parameters.
+
+    Attributes:
+        system: the system.
+        state: (q, v) on the section.
+        names: of the parameters.
+    """
+
+    system: HybridSystem
+    state: State
+    names: tuple[str, ...]
+
+    @cached_property
+    def chart(self) -> Chart:
+        """The chart of the section about the state."""
+        return chart(self.system, self.state)
+
+    @property
+    def dimension(self) -> int:
+        """Coordinates of the section."""
+        return self.chart.dimension
+
+    @cached_property
+    def start(self) -> Array:
+        """Derivatives of the state in which the cycle begins by ξ and by the parameters, (2 nv, d + m)."""
+        return on_section(self.system, self.chart, self._seeds, self.dimension)
+
+    @cached_property
+    def _seeds(self) -> Array:
+        own = seeds(self.system, self.names)
+        return np.concatenate([np.zeros((len(own), self.dimension)), own], axis=1)
+
+    @cached_property
+    def cycle(self) -> Derivative:
+        """The cycle.
+
+        Raises:
+            NotDifferentiable: it has no derivative; the text says why.
+        """
+        y = np.concatenate(self.chart.state(np.zeros(self.dimension)))
+        return differentiated(self.system, Recorder(self.system), y, self.start, self._seeds)
+
+    @cached_property
+    def columns(self) -> Array:
+        """Derivatives of ξ after the cycle, (d, d + m)."""
+        nv, local = self.system.robot.nv, self.chart
+        return np.concatenate([local.q_basis.T @ self.cycle.dy[:nv], local.v_basis.T @ self.cycle.dy[nv:]])
+
+    @property
+    def jacobian(self) -> Array:
+        """The return map's Jacobian, (d, d)."""
+        return self.columns[:, : self.dimension]
+
+    @property
+    def displacement(self) -> Array:
+        """ξ after the cycle, where it began with 0, (d,)."""
+        nv = self.system.robot.nv
+        return self.chart.coordinates((self.cycle.y[:nv], self.cycle.y[nv:]))
+
+    @cached_property
+    def measures(self) -> dict[str, Measure]:
+        """All measures, with derivatives by ξ and by the parameters."""
+        return measures(self.cycle, self.start)
+
+
+def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int) -> Array:
+    """Derivatives of states on the section, whose toes stay on the ground and move along it only where they slide.
+
+    Args:
+        system: the system.
+        local: the chart about the state.
+        seeds: derivatives of the system's numbers, (p, c); along the first d directions ξ changes.
+        d: the section's dimension.
+    """
+    whole, nv, c = section(system), system.robot.nv, seeds.shape[1]
+    assert whole.planar is not None
+    toes = tangent_feet(Structure(system, system.domains[0], {}, whole.planar), whole.toes)
+    state = local.state(np.zeros(d))
+    y, raw = np.concatenate(state), numbers(system)
+    dy = np.zeros((2 * nv, c))
+    dq, split = dy[:nv], local.q_basis.shape[1]
+    dq[:, :split] = local.q_basis
+    feet = toes.at(y, raw, dy * 0.0, seeds)
+    heights = derivatives([feet.toes[toe].height for toe in whole.toes], c)
+    normal = np.array([[x.x for x in feet.toes[toe].rows[1]] for toe in whole.toes])
+    dq -= np.linalg.pinv(normal) @ heights
+    feet = toes.at(y, raw, dy, seeds)
+    slides = getattr(local.lane, "slides")
+    jacobians = np.array([[[x.x for x in row] for row in feet.toes[toe].rows] for toe in whole.toes])
+    turned = np.array([[derivatives(row, c) for row in feet.toes[toe].rows] for toe in whole.toes])  # (k, 2, nv, c)
+    chosen = np.column_stack([~slides, np.ones_like(slides)]).ravel()
+    drift = np.einsum("rnc,n->rc", turned.reshape(-1, nv, c)[chosen], state[1])
+    rows = velocity_rows(jacobians[None], slides)[0]
+    dy[nv:] = -np.linalg.pinv(rows) @ drift
+    dy[nv:, split:d] += local.v_basis
+    return dy
+
+
+def solved(orbit: Orbit, vary: Sequence[str], keep: Sequence[str]) -> tuple[Array, Array]:
+    """How the fixed point moves with each parameter that is not solved for.
+
+    Args:
+        orbit: its names begin with those of `vary`.
+        vary: parameters that are solved for.
+        keep: measures that they keep, as many.
+
+    Returns:
+        derivatives of ξ, (d, m), and of what is solved for, (k, m).
+    """
+    d, k = orbit.dimension, len(vary)
+    rows = [orbit.columns - np.eye(d, orbit.columns.shape[1])]
+    if keep:
+        rows.append(np.array([orbit.measures[name].derivative for name in keep]))
+    whole = np.concatenate(rows)
+    found = -np.linalg.solve(whole[:, : d + k], whole[:, d + k :])
+    return found[:d], found[d:]

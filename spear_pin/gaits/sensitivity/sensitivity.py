@@ -1,0 +1,221 @@
+"""What one more unit of a number does to a gait: a table of exact derivatives."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.gaits.sensitivity.orbit import Orbit, solved
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.batch import check_lanes
+from spear_pin.hybrid.parameters import number, unit, with_numbers
+from spear_pin.hybrid.section import chart
+from spear_pin.hybrid.result import State
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
+from spear_pin.kinds import typed
+from spear_pin.showing import Shown
+
+Array = NDArray[np.float64]
+STEP = 2.0**-11  # of a parameter, in which exact multipliers are differenced
+CLOSED = 1e-6  # of the return map's displacement: what closes no better is no fixed point
+
+
+@dataclass(frozen=True, repr=False)
+class Sensitivity(Shown):
+    """Derivatives of a gait with respect to parameters, the gait being found anew for each.
+
+    Attributes:
+        system: the system.
+        over: names of the parameters.
+        values: of the parameters, (m,).
+        units: of the parameters, empty where nothing says one.
+        state: derivatives of (q, v) on the section, (2 nv, m).
+        solved: derivatives of what is solved for, by name, (m,) each.
+        outputs: values of the measures and of the multipliers' moduli, by name.
+        output_units: of those.
+        derivatives: of the outputs, by name, (m,) each.
+        multipliers: by decreasing modulus, (d,).
+        multiplier_derivatives: (d, m), NaN where two multipliers meet.
+
+    Example:
+        >>> from spear_pin import find_gait, hopping, load
+        >>> gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])))
+        >>> table = gait.sensitivity(["stiffness"])
+        >>> round(float(table.derivatives["apex_height"][0]) * 1e3, 3)  # mm for one N·m/rad more
+        0.0
+    """
+
+    system: HybridSystem
+    over: tuple[str, ...]
+    values: Array
+    units: tuple[str, ...]
+    state: Array
+    solved: Mapping[str, Array]
+    outputs: Mapping[str, float]
+    output_units: Mapping[str, str]
+    derivatives: Mapping[str, Array]
+    multipliers: NDArray[np.complex128]
+    multiplier_derivatives: NDArray[np.complex128]
+
+    def __repr__(self) -> str:
+        return f"Sensitivity({len(self.outputs)} outputs over {', '.join(self.over)})"
+
+    def __str__(self) -> str:
+        width = max(map(len, self.outputs))
+        head = " ".join(f"{name:>14.14}" for name in self.over)
+        lines = [f"{'':{width}} {'value':>12} {head}   (% for one more %)"]
+        for name, value in self.outputs.items():
+            row = " ".join(f"{each:14.4g}" for each in self.elasticity(name))
+            lines.append(f"{name:{width}} {value:12.6g} {row}")
+        return "\n".join(lines)
+
+    def elasticity(self, output: str) -> Array:
+        """% of an output for one more % of each parameter, (m,).
+
+        Raises:
+            UnknownName: there is no such output.
+        """
+        if output not in self.outputs:
+            raise UnknownName("output", output, self.outputs)
+        value = self.outputs[output]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found: Array = self.derivatives[output] * self.values / value
+        return found
+
+    def to_json(self) -> str:
+        """All of it, as JSON."""
+        data = {
+            "over": dict(zip(self.over, self.values.tolist(), strict=True)),
+            "units": dict(zip(self.over, self.units, strict=True)),
+            "outputs": {
+                name: {"value": value, "unit": self.output_units[name], "derivatives": _plain(self.derivatives[name])}
+                for name, value in self.outputs.items()
+            },
+            "solved": {name: _plain(values) for name, values in self.solved.items()},
+            "multipliers": [[value.real, value.imag] for value in self.multipliers.tolist()],
+        }
+        return json.dumps(data, indent=1)
+
+
+def _plain(values: Array) -> list[float | None]:
+    return [value if np.isfinite(value) else None for value in values.tolist()]
+
+
+@typed
+def sensitivity(
+    system: HybridSystem,
+    state: State,
+    over: Sequence[str],
+    vary: Sequence[str] = (),
+    keep: Sequence[str] = (),
+) -> Sensitivity:
+    """Derivatives of a gait's state, measures and multipliers with respect to parameters.
+
+    They are exact: of the cycle's own equations, through its events; of the multipliers' they are differences of exact
+    multipliers along the branch. Where a cycle has none, for a guard grazes or two events meet, that is refused.
+
+    Args:
+        system: the system, with which the state is a fixed point.
+        state: (q, v) on the section.
+        over: parameters, by the names of law, springs, ground or robot.
+        vary: parameters that are solved for, so that the measures of `keep` stay as they are.
+        keep: as many measures.
+
+    Raises:
+        UnknownName: there is no parameter or measure of a name.
+        BadValue: a name is given twice, as many are not kept as are solved for, a parameter is zero and with it part
+            of the equations, the state is no fixed point, or the system moves in space or has hardware.
+        NotDifferentiable: the cycle has no derivative.
+    """
+    check_lanes(system)
+    names = (*vary, *over)
+    if len(set(names)) != len(names) or not over:
+        raise BadValue("over", list(over), "one parameter or more, each once, none of them solved for")
+    if len(vary) != len(keep):
+        raise BadValue("keep", list(keep), f"as many measures as are solved for, {len(vary)}")
+    orbit = Orbit(system, state, names)
+    for name in keep:
+        if name not in orbit.measures:
+            raise UnknownName("measure", name, orbit.measures)
+    off = float(np.abs(orbit.displacement).max())
+    if not off <= CLOSED:
+        raise BadValue("state", off, f"a fixed point, from which the cycle leads away by at most {CLOSED:g}")
+    dxi, dz = solved(orbit, vary, keep)
+    k, d = len(vary), orbit.dimension
+    chain = np.concatenate([dxi, dz, np.eye(len(over))])
+    multipliers, slopes = _multipliers(orbit, over, orbit.start @ chain, dict(zip(vary, dz, strict=True)))
+    outputs = {name: measure.value for name, measure in orbit.measures.items()}
+    derivatives = {name: measure.derivative @ chain for name, measure in orbit.measures.items()}
+    units = {name: measure.unit for name, measure in orbit.measures.items()}
+    for i, (value, slope) in enumerate(zip(multipliers, slopes, strict=True)):
+        name = f"multiplier_{i + 1}"
+        outputs[name], units[name] = float(abs(value)), "1"
+        derivatives[name] = np.real(np.conj(value) * slope) / abs(value) if value else np.full(len(over), np.nan)
+    assert chain.shape[0] == d + k + len(over)
+    return Sensitivity(
+        system,
+        tuple(over),
+        np.array([number(system, name) for name in over]),
+        tuple(unit(system, name) for name in over),
+        orbit.start @ chain,
+        dict(zip(vary, dz, strict=True)),
+        outputs,
+        units,
+        derivatives,
+        multipliers,
+        slopes,
+    )
+
+
+def _multipliers(
+    orbit: Orbit, over: Sequence[str], dy: Array, dz: Mapping[str, Array]
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Multipliers, and their derivatives along the branch by extrapolated differences, NaN where they meet."""
+    here = _sorted(np.linalg.eigvals(orbit.jacobian))
+    slopes = np.full((len(here), len(over)), np.nan, complex)
+    for j, name in enumerate(over):
+        value = number(orbit.system, name)
+        h = STEP * (abs(value) or 1.0)
+        try:
+            found = [_slope(orbit, name, value, h / 2**i, dy[:, j], {z: dz[z][j] for z in dz}, here) for i in (0, 1)]
+        except (NotDifferentiable, BadValue):
+            continue  # the branch ends so near
+        slopes[:, j] = (4.0 * found[1] - found[0]) / 3.0
+    return here, slopes
+
+
+def _slope(
+    orbit: Orbit, name: str, value: float, h: float, dy: Array, dz: Mapping[str, float], here: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    nv, ends = orbit.system.robot.nv, []
+    y = np.concatenate(orbit.state)
+    for step in (h, -h):
+        given = {name: value + step, **{z: number(orbit.system, z) + step * slope for z, slope in dz.items()}}
+        system, moved = with_numbers(orbit.system, given), y + step * dy
+        state = moved[:nv], moved[nv:]
+        local = chart(system, state)
+        there = Orbit(system, local.state(np.zeros(local.dimension)), ())
+        if there.cycle.order != orbit.cycle.order:
+            raise NotDifferentiable("another order of events is too near")
+        ends.append(_matched(here, np.linalg.eigvals(there.jacobian)))
+    slope: NDArray[np.complex128] = (ends[0] - ends[1]) / (2.0 * h)
+    return slope
+
+
+def _matched(here: NDArray[np.complex128], others: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Multipliers in the order of those nearby."""
+    if len(here) != len(others):
+        raise NotDifferentiable("a toe begins to slide as it lands")
+    _, order = scipy.optimize.linear_sum_assignment(np.abs(here[:, None] - others))
+    return np.asarray(others[order], np.complex128)
+
+
+def _sorted(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    order = np.lexsort((-values.imag, -np.abs(values).round(12)))
+    return np.asarray(values[order], np.complex128)

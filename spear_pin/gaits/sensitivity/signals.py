@@ -1,0 +1,134 @@
+"""Integrals and peaks of what changes along a cycle, with derivatives: polynomials through Gauss's points of arcs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.tangent.collocation import POINTS, rule
+from spear_pin.hybrid.tangent.cycle import Stretch
+
+Array = NDArray[np.float64]
+Pick = Callable[[Stretch], "Pieces | None"]
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """A signal along an arc.
+
+    Attributes:
+        stretch: the arc.
+        values: at Gauss's points, (k,).
+        derivatives: at a fixed clock of the phase, (k, c).
+    """
+
+    stretch: Stretch
+    values: Array
+    derivatives: Array
+
+    def panels(self) -> Iterator[tuple[float, float, Array, Array]]:
+        """Beginning and length of each panel, Legendre coefficients of the values and of the derivatives."""
+        to, arc = rule(POINTS).legendre, self.stretch.arc
+        count = len(self.values) // POINTS
+        h = (arc.end - arc.t) / count
+        for i in range(count):
+            chosen = slice(i * POINTS, (i + 1) * POINTS)
+            yield arc.t + i * h, h, to @ self.values[chosen], to @ self.derivatives[chosen]
+
+
+def integral(pieces: Sequence[Pieces]) -> tuple[float, Array]:
+    """∫ over the cycle, and its derivative: an arc's ends move by its events' τ."""
+    total, change = 0.0, np.zeros(pieces[0].derivatives.shape[1])
+    for piece in pieces:
+        weights, stretch = piece.stretch.weights, piece.stretch
+        total += float(weights @ piece.values)
+        begin, end = _ends(piece)
+        change = change + weights @ piece.derivatives + end * stretch.tau - begin * stretch.since
+    return total, change
+
+
+def positive(pieces: Sequence[Pieces]) -> tuple[float, Array]:
+    """∫ of the positive part over the cycle, and its derivative: where the signal changes its sign nothing is added."""
+    total, change = 0.0, np.zeros(pieces[0].derivatives.shape[1])
+    for piece in pieces:
+        begin, end = _ends(piece)
+        change = change + max(end, 0.0) * piece.stretch.tau - max(begin, 0.0) * piece.stretch.since
+        for _, h, values, derivatives in piece.panels():
+            marks = [-1.0, *_roots(values), 1.0]
+            whole, slopes = legendre.legint(values), legendre.legint(derivatives)
+            for left, right in zip(marks[:-1], marks[1:], strict=True):
+                if legendre.legval(0.5 * (left + right), values) > 0.0:
+                    total += 0.5 * h * float(legendre.legval(right, whole) - legendre.legval(left, whole))
+                    change = change + 0.5 * h * (legendre.legval(right, slopes) - legendre.legval(left, slopes))
+    return total, change
+
+
+def peak(pieces: Sequence[Pieces]) -> tuple[float, Array]:
+    """The largest value of the cycle, and its derivative: inside an arc that at the place, at an end the end moves."""
+    best, change = -np.inf, np.zeros(pieces[0].derivatives.shape[1])
+    for piece in pieces:
+        stretch, panels = piece.stretch, list(piece.panels())
+        for i, (_, h, values, derivatives) in enumerate(panels):
+            slope = legendre.legder(values)
+            for x in (-1.0, *_roots(slope), 1.0):
+                value = float(legendre.legval(x, values))
+                if value <= best:
+                    continue
+                best, change = value, legendre.legval(x, derivatives)
+                rate = float(legendre.legval(x, slope)) * 2.0 / h if h > 0.0 else 0.0
+                if x == -1.0 and i == 0:
+                    change = change + rate * stretch.since
+                elif x == 1.0 and i == len(panels) - 1:
+                    change = change + rate * stretch.tau
+    return best, change
+
+
+def largest_ratio(pairs: Sequence[tuple[Pieces, Pieces]], least: float) -> tuple[float, Array]:
+    """The largest |a / b| of pairs of signals where b is at least a number, and its derivative.
+
+    Where b falls to the least the place itself moves.
+    """
+    best, change = -np.inf, np.zeros(pairs[0][0].derivatives.shape[1])
+    for above, below in pairs:
+        stretch, count = above.stretch, len(above.values) // POINTS
+        for i, ((_, h, a, da), (_, _, b, db)) in enumerate(zip(above.panels(), below.panels(), strict=True)):
+            slope_a, slope_b = legendre.legder(a), legendre.legder(b)
+            turns = _roots(legendre.legsub(legendre.legmul(slope_a, b), legendre.legmul(a, slope_b)))
+            falls = _roots(legendre.legsub(b, [least]))
+            for x in (-1.0, *turns, *falls, 1.0):
+                bottom, top = float(legendre.legval(x, b)), float(legendre.legval(x, a))
+                if bottom < least * (1.0 - 1e-9) or abs(top / bottom) <= best:
+                    continue
+                best, ratio = abs(top / bottom), top / bottom
+                dtop, dbottom = legendre.legval(x, da), legendre.legval(x, db)
+                fall = float(legendre.legval(x, slope_b))
+                rate = (float(legendre.legval(x, slope_a)) - ratio * fall) / bottom
+                along = (dtop - ratio * dbottom) / bottom
+                if x in falls:
+                    along = along - rate / fall * dbottom
+                elif x == -1.0 and i == 0:
+                    along = along + 2.0 / h * rate * stretch.since
+                elif x == 1.0 and i == count - 1:
+                    along = along + 2.0 / h * rate * stretch.tau
+                change = np.sign(ratio) * along
+    return best, change
+
+
+def _ends(piece: Pieces) -> tuple[float, float]:
+    panels = list(piece.panels())
+    return float(legendre.legval(-1.0, panels[0][2])), float(legendre.legval(1.0, panels[-1][2]))
+
+
+def _roots(coefficients: Array) -> list[float]:
+    """Where a Legendre series changes its sign inside (-1, 1), rising."""
+    trimmed: Any = legendre.legtrim(coefficients, tol=1e-13 * max(float(np.abs(coefficients).max()), 1e-300))
+    if len(trimmed) < 2:
+        return []
+    roots = legendre.legroots(trimmed)
+    real = roots[np.abs(roots.imag) < 1e-9].real
+    return sorted(float(x) for x in real if -1.0 < x < 1.0)
