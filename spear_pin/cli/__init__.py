@@ -24,6 +24,7 @@ from spear_pin.cli import (
     report,
     robots,
     search,
+    sensitivity,
     sweep,
     trot,
     turn,
@@ -36,8 +37,8 @@ from spear_pin.errors import RobotWarning, SpearError
 # as the help lists them
 COMMANDS = (
     *(robots.add, dynamics.add, hop.add, explore.add, push_test.add, identify.add),
-    *(bound.add, turn.add, trot.add, search.add, payoff.add, sweep.add, family.add, compare.add, report.add),
-    *(export.add, doctor.add, completion.add),
+    *(bound.add, turn.add, trot.add, search.add, payoff.add, sweep.add, family.add, sensitivity.add),
+    *(compare.add, report.add, export.add, doctor.add, completion.add),
 )
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -124,5 +125,5 @@ def _stretch(robot: Robot, model: pin.Model, name: str, factor: float) -> None:
         place = model.jointPlacements[int(model.getJointId(end))]
         place.translation = place.translation * factor
     else:
-        frame = model.frames[int(model.getFrameId(end))]
+        frame: Any = model.frames[int(model.getFrameId(end))]
         frame.placement = pin.SE3(frame.placement.rotation, frame.placement.translation * factor)

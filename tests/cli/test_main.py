@@ -14,7 +14,19 @@ from tests.cli.calls import refused, run, words
 
 NAMES = (
     *("robots", "dynamics", "hop", "explore", "push-test", "identify", "bound", "turn"),
-    *("trot", "search", "payoff", "sweep", "family", "compare", "report", "export", "doctor", "completion"),
+    *(
+        "trot",
+        "search",
+        "payoff",
+        "sweep",
+        "family",
+        "sensitivity",
+        "compare",
+        "report",
+        "export",
+        "doctor",
+        "completion",
+    ),
 )
 
 

@@ -14,6 +14,7 @@ from spear_pin.errors import listed
 from spear_pin.gaits.continuation.branch import Branch
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.many import GaitTable
+from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
 from spear_pin.hybrid.batch import Batch
 from spear_pin.hybrid.column_names import PAIR, of_a_pair
 from spear_pin.hybrid.trajectory import Trajectory
@@ -150,6 +151,26 @@ def _(branch: Branch) -> Card:
     says = f"largest multiplier over {_words(branch.over)}, and 1"
     drawn = sketches.scatter(branch.parameter, branch.largest, 1.0, says)
     return Card("Branch of gaits", f"of {branch.family.system.robot.name}", tuple(rows), drawn)
+
+
+@described.register
+def _(table: Sensitivity) -> Card:
+    rows = [
+        *(
+            Row(_words(name), _number(value), unit)
+            for name, value, unit in zip(table.over, table.values, table.units, strict=True)
+        ),
+        *(
+            Row(_words(name), f"{_number(value)}; {_elasticities(table, name)}", table.output_units[name])
+            for name, value in table.outputs.items()
+        ),
+    ]
+    remark = "per cent for one more per cent of each parameter"
+    return Card("Sensitivity of a gait", f"of {table.system.robot.name}; {remark}", tuple(rows))
+
+
+def _elasticities(table: Sensitivity, name: str) -> str:
+    return ", ".join(f"{value:+.2g} %" for value in table.elasticity(name))
 
 
 @described.register

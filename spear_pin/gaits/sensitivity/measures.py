@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive
+from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.tangent.cycle import Derivative, Stretch
@@ -73,14 +73,18 @@ def measures(cycle: Derivative, start: Array) -> dict[str, Measure]:
 
 
 def _at_events(cycle: Derivative) -> dict[str, Measure]:
-    """States at events that are only observed, and the joints' where the cycle closes."""
+    """Heights at events that are only observed, and the joints where the cycle closes."""
     robot, found = cycle.system.robot, dict[str, Measure]()
-    for stretch in cycle.stretches:
-        event = stretch.arc.event
-        if event is not None and event.reset is None and "boom_z" in robot.coordinates:
-            i = robot.index("boom_z")
-            change = stretch.dstate[i] + stretch.end.slopes[i] * stretch.tau
-            found.setdefault(f"{event.name}_height", Measure(float(stretch.state[i]), change, "m"))
+    for stretch in _long(cycle.stretches):
+        for g, guard in enumerate(stretch.arc.domain.guards):
+            if guard.observes and "boom_z" in robot.coordinates:
+                i = robot.index("boom_z")
+                height = Pieces(stretch, stretch.y[i], stretch.dy[i])
+                fallen = where_it_falls(
+                    Pieces(stretch, stretch.values.guards[g], stretch.derivatives.guards[g]), height
+                )
+                if fallen is not None:
+                    found.setdefault(f"{guard.name}_height", Measure(*fallen, "m"))
     last = cycle.stretches[-1]
     dy = last.dstate + last.end.slopes[:, None] * last.tau
     for joint in robot.actuated:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from spear_pin.gaits.sensitivity.measures import Measure, measures
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines.structure import Structure
-from spear_pin.hybrid.section import Chart, chart, section, velocity_rows
 from spear_pin.hybrid.result import State
+from spear_pin.hybrid.section import Chart, Charts, chart, section, velocity_rows
 from spear_pin.hybrid.tangent.cycle import Derivative, differentiated
 from spear_pin.hybrid.tangent.fields import tangent_feet
 from spear_pin.hybrid.tangent.record import Recorder
@@ -112,7 +112,8 @@ def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int) -> Arra
     normal = np.array([[x.x for x in feet.toes[toe].rows[1]] for toe in whole.toes])
     dq -= np.linalg.pinv(normal) @ heights
     feet = toes.at(y, raw, dy, seeds)
-    slides = getattr(local.lane, "slides")
+    assert isinstance(local.lane, Charts)
+    slides = local.lane.slides
     jacobians = np.array([[[x.x for x in row] for row in feet.toes[toe].rows] for toe in whole.toes])
     turned = np.array([[derivatives(row, c) for row in feet.toes[toe].rows] for toe in whole.toes])  # (k, 2, nv, c)
     chosen = np.column_stack([~slides, np.ones_like(slides)]).ravel()
@@ -139,5 +140,5 @@ def solved(orbit: Orbit, vary: Sequence[str], keep: Sequence[str]) -> tuple[Arra
     if keep:
         rows.append(np.array([orbit.measures[name].derivative for name in keep]))
     whole = np.concatenate(rows)
-    found = -np.linalg.solve(whole[:, : d + k], whole[:, d + k :])
+    found = np.asarray(-np.linalg.solve(whole[:, : d + k], whole[:, d + k :]), np.float64)
     return found[:d], found[d:]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy
@@ -15,8 +16,8 @@ from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.parameters import number, unit, with_numbers
-from spear_pin.hybrid.section import chart
 from spear_pin.hybrid.result import State
+from spear_pin.hybrid.section import chart
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
@@ -94,17 +95,22 @@ class Sensitivity(Shown):
             "over": dict(zip(self.over, self.values.tolist(), strict=True)),
             "units": dict(zip(self.over, self.units, strict=True)),
             "outputs": {
-                name: {"value": value, "unit": self.output_units[name], "derivatives": _plain(self.derivatives[name])}
+                name: {
+                    "value": value,
+                    "unit": self.output_units[name],
+                    "derivatives": self.plain(self.derivatives[name]),
+                }
                 for name, value in self.outputs.items()
             },
-            "solved": {name: _plain(values) for name, values in self.solved.items()},
+            "solved": {name: self.plain(values) for name, values in self.solved.items()},
             "multipliers": [[value.real, value.imag] for value in self.multipliers.tolist()],
         }
         return json.dumps(data, indent=1)
 
-
-def _plain(values: Array) -> list[float | None]:
-    return [value if np.isfinite(value) else None for value in values.tolist()]
+    @staticmethod
+    def plain(values: Array) -> list[float | None]:
+        """Numbers for JSON, null where there is none."""
+        return [value if np.isfinite(value) else None for value in values.tolist()]
 
 
 @typed
@@ -208,7 +214,7 @@ def _slope(
     return slope
 
 
-def _matched(here: NDArray[np.complex128], others: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _matched(here: NDArray[np.complex128], others: Any) -> NDArray[np.complex128]:
     """Multipliers in the order of those nearby."""
     if len(here) != len(others):
         raise NotDifferentiable("a toe begins to slide as it lands")
@@ -216,6 +222,6 @@ def _matched(here: NDArray[np.complex128], others: NDArray[np.complex128]) -> ND
     return np.asarray(others[order], np.complex128)
 
 
-def _sorted(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _sorted(values: Any) -> NDArray[np.complex128]:
     order = np.lexsort((-values.imag, -np.abs(values).round(12)))
     return np.asarray(values[order], np.complex128)

@@ -70,7 +70,8 @@ def positive(pieces: Sequence[Pieces]) -> tuple[float, Array]:
 
 def peak(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     """The largest value of the cycle, and its derivative: inside an arc that at the place, at an end the end moves."""
-    best, change = -np.inf, np.zeros(pieces[0].derivatives.shape[1])
+    best: float = -np.inf
+    change: Any = np.zeros(pieces[0].derivatives.shape[1])
     for piece in pieces:
         stretch, panels = piece.stretch, list(piece.panels())
         for i, (_, h, values, derivatives) in enumerate(panels):
@@ -93,7 +94,8 @@ def largest_ratio(pairs: Sequence[tuple[Pieces, Pieces]], least: float) -> tuple
 
     Where b falls to the least the place itself moves.
     """
-    best, change = -np.inf, np.zeros(pairs[0][0].derivatives.shape[1])
+    best: float = -np.inf
+    change: Any = np.zeros(pairs[0][0].derivatives.shape[1])
     for above, below in pairs:
         stretch, count = above.stretch, len(above.values) // POINTS
         for i, ((_, h, a, da), (_, _, b, db)) in enumerate(zip(above.panels(), below.panels(), strict=True)):
@@ -105,18 +107,31 @@ def largest_ratio(pairs: Sequence[tuple[Pieces, Pieces]], least: float) -> tuple
                 if bottom < least * (1.0 - 1e-9) or abs(top / bottom) <= best:
                     continue
                 best, ratio = abs(top / bottom), top / bottom
-                dtop, dbottom = legendre.legval(x, da), legendre.legval(x, db)
+                dtop, dbottom = np.asarray(legendre.legval(x, da)), np.asarray(legendre.legval(x, db))
                 fall = float(legendre.legval(x, slope_b))
                 rate = (float(legendre.legval(x, slope_a)) - ratio * fall) / bottom
-                along = (dtop - ratio * dbottom) / bottom
+                along: Any = (dtop - ratio * dbottom) / bottom
                 if x in falls:
                     along = along - rate / fall * dbottom
                 elif x == -1.0 and i == 0:
                     along = along + 2.0 / h * rate * stretch.since
                 elif x == 1.0 and i == count - 1:
                     along = along + 2.0 / h * rate * stretch.tau
-                change = np.sign(ratio) * along
+                change = np.asarray(np.sign(ratio) * along)
     return best, change
+
+
+def where_it_falls(guard: Pieces, signal: Pieces) -> tuple[float, Array] | None:
+    """A signal where a guard first falls through zero, and its derivative; None where it does not."""
+    for (_, _, g, dg), (_, _, values, derivatives) in zip(guard.panels(), signal.panels(), strict=True):
+        for x in _roots(g):
+            fall = float(legendre.legval(x, legendre.legder(g)))
+            if fall < 0.0:
+                later = -legendre.legval(x, dg) / fall  # in half lengths of the panel, as the rate is
+                rate = float(legendre.legval(x, legendre.legder(values)))
+                change: Any = legendre.legval(x, derivatives) + rate * later
+                return float(legendre.legval(x, values)), change
+    return None
 
 
 def _ends(piece: Pieces) -> tuple[float, float]:
@@ -124,7 +139,7 @@ def _ends(piece: Pieces) -> tuple[float, float]:
     return float(legendre.legval(-1.0, panels[0][2])), float(legendre.legval(1.0, panels[-1][2]))
 
 
-def _roots(coefficients: Array) -> list[float]:
+def _roots(coefficients: Any) -> list[float]:
     """Where a Legendre series changes its sign inside (-1, 1), rising."""
     trimmed: Any = legendre.legtrim(coefficients, tol=1e-13 * max(float(np.abs(coefficients).max()), 1e-300))
     if len(trimmed) < 2:

@@ -170,6 +170,11 @@ class Compiled:
         events = [require().t_event(value, direction=direction) for value, direction in self._events]
         return require().taylor_adaptive(self._motion, self._somewhere[:, 0], t_events=events, **self._settings)
 
+    @cached_property
+    def free(self) -> Any:
+        """The integrator of one lane that no event stops."""
+        return require().taylor_adaptive(self._motion, self._somewhere[:, 0], **self._settings)
+
     def at(self, t: Array, y: Array, parameters: Array) -> Point:
         """Evaluate at states y, (2 nv, n), and times t, (n,), with parameters (p, n)."""
         function, n = self._function, y.shape[1]

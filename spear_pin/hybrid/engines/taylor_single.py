@@ -47,7 +47,8 @@ class Single:
     """
 
     def __init__(self, ready: Ready) -> None:
-        self.domain, code = ready.domain, ready.compiled
+        self.domain, self._code = ready.domain, ready.compiled
+        code = ready.compiled
         self._integrator, self._function = code.alone, entering(code)
         self._state, self._parameters = self._integrator.state, self._integrator.pars  # views
         self._pars, self._timed = self._function.nparams, self._function.is_time_dependent
@@ -108,14 +109,14 @@ class Single:
         return integrator.time, self._state.copy(), end
 
     def states(self, t: float, y: Array, times: Array, parameters: Array) -> Array:
-        """States at later times of the same arc, rising, (n, 2 nv)."""
-        integrator = self._integrator
+        """States at later times of the same arc, rising, (n, 2 nv); not finite where they cannot be reached."""
+        integrator = self._code.free
         integrator.time = t
-        self._state[:] = y
-        self._parameters[:] = parameters[: len(self._parameters)]
-        integrator.reset_cooldowns()
-        found = integrator.propagate_grid(np.concatenate([[t], times]), max_steps=STEPS)[-1]
-        states: Array = found[1:]
+        integrator.state[:] = y
+        integrator.pars[:] = parameters[: len(integrator.pars)]
+        found: Array = integrator.propagate_grid(np.concatenate([[t], times]), max_steps=STEPS)[-1]
+        states = np.full((len(times), len(y)), math.nan)
+        states[: len(found) - 1] = found[1:]
         return states
 
 

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
+from spear_pin.hybrid.domain import Domain, Reset, Switch
 from spear_pin.hybrid.engines.structure import Structure, with_fields
-from spear_pin.hybrid.rules.cycles import left_at_once
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.tangent.collocation import POINTS, carried, rule, smooth
@@ -28,7 +27,6 @@ from spear_pin.hybrid.tangent.fields import TangentField, Values, tangent_feet, 
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, derivatives, duals, flat, struck
 from spear_pin.hybrid.tangent.seeds import numbers
-from spear_pin.model.planar import Planar
 
 Array = NDArray[np.float64]
 PANELS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32)  # of an arc, as many as its motion needs

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Reset
-from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.engines.structure import flattened
+from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.rules.latching import latched
@@ -32,7 +32,7 @@ class Recorder:
 
     def __init__(self, system: HybridSystem) -> None:
         self.system, self._nv = system, system.robot.nv
-        self._numbers = Numbers(system, {}, Code(TOLERANCE, observing=True, unrolled=self._nv <= UNROLLED))
+        self._numbers = Numbers(system, {}, Code(TOLERANCE, unrolled=self._nv <= UNROLLED))
         self.planar = self._numbers.planar
         self._runner = LoneRunner(self._numbers, 0)
         self._constants = self._numbers.constants(0)
@@ -60,5 +60,7 @@ class Recorder:
         """States at times within an arc, (2 nv, n)."""
         single = self._numbers.compilation.single(arc.domain, arc.held)
         parameters: Any = np.array(self._constants + flattened(arc.held.values()))
-        found: Array = single.states(arc.t, arc.y, times, parameters).T
-        return found
+        found = single.states(arc.t, arc.y, times, parameters)
+        if not np.isfinite(found).all():
+            raise NotDifferentiable(f"the motion in {arc.domain.name} cannot be followed again")
+        return found.T

@@ -1,0 +1,94 @@
+"""`spear sensitivity`."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
+from spear_pin.cli.gaits import BOUND
+from spear_pin.cli.output import aligned, listed, progress
+
+if TYPE_CHECKING:
+    from spear_pin.gaits.gait import Gait
+
+WHAT = "hop|bound|GAIT"
+STEM = "sensitivity"
+OVER = ("stiffness", "damping", "knee_ratio", "hip_ratio", "friction")
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    parser = add_command(
+        commands, "sensitivity", run, "what a change of any number does to a gait: its measures and its multipliers"
+    )
+    parser.add_argument("what", metavar=WHAT, help=f"SPEAR-II's hop in place, {BOUND}, or a gait by name or path")
+    parser.add_argument(
+        "--over",
+        action="append",
+        metavar="NAME",
+        help="a parameter, several times for several (default: those of gears)",
+    )
+    parser.add_argument("--vary", action="append", default=[], metavar="NAME", help="a parameter that is solved for")
+    parser.add_argument("--keep", action="append", default=[], metavar="MEASURE", help="the measure that it keeps")
+    add_out(parser, f"{STEM}.json and {STEM}.svg")
+    add_open(parser, f"the picture, {STEM}.svg,")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Differentiate the gait, write the table and draw it."""
+    check_out(arguments)
+    from spear_pin.files import atomic
+    from spear_pin.viz.plots import save_figure
+    from spear_pin.viz.plots.sensitivity import elasticities
+
+    with progress() as show:
+        show("looking for the gait")
+        gait = _gait(arguments.what)
+        show("differentiating")
+        found = gait.sensitivity(arguments.over or _usual(gait), arguments.vary, arguments.keep)
+    files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
+    with atomic(files[0]) as temporary:
+        temporary.write_text(found.to_json() + "\n", encoding="utf-8")
+    save_figure(elasticities(found), files[1])
+    told = listed(arguments.out, STEM, files)
+    return {
+        "over": dict(zip(found.over, found.values.tolist(), strict=True)),
+        "solved": {name: values.tolist() for name, values in found.solved.items()},
+        "outputs": {
+            name: {
+                "value": value,
+                "unit": found.output_units[name],
+                "elasticities": found.plain(found.elasticity(name)),
+            }
+            for name, value in found.outputs.items()
+        },
+        "files": [str(path) for path in files],
+        "opened": files[1],
+        "text": f"{found}\n\n{aligned(told)}",
+    }
+
+
+def _gait(what: str) -> Gait:
+    """The gait that is asked for."""
+    from spear_pin import Gait, find_gait, hopping, load
+
+    if what == "hop":
+        system = hopping(load("spear_ii", locked=["boom_x"]))
+        return find_gait(system, vary=["stance_torque"], target={"flight_time": 0.2})
+    return Gait.load(BOUND if what == "bound" else what)
+
+
+def _usual(gait: Gait) -> list[str]:
+    """Parameters of springs, gears and ground that the gait has."""
+    from spear_pin.errors import SpearError
+    from spear_pin.hybrid.parameters import number
+
+    found = []
+    for name in OVER:
+        try:
+            if number(gait.system, name) != 0.0:
+                found.append(name)
+        except SpearError:
+            continue
+    return found

@@ -1,0 +1,105 @@
+"""Derivatives of gaits against gaits that are found again with other numbers, and what is refused."""
+
+import json
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, find_gait, hopping, in_space, load
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.gaits.search import gait_beside
+from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.hybrid.parameters import number, with_numbers
+from spear_pin.viz.notebook import card
+from spear_pin.viz.plots import save_figure
+from spear_pin.viz.plots.sensitivity import elasticities
+
+pytestmark = pytest.mark.extra("heyoka")
+OVER = ("stiffness", "damping", "knee_touchdown", "friction", "knee_mass", "knee_ratio", "hip_to_knee", "knee_to_toe")
+
+
+@pytest.fixture(scope="module")
+def hop():
+    system = hopping(load("spear_ii", locked=["boom_x"]))
+    return find_gait(system, vary=["stance_torque"], target={"flight_time": 0.2}, rtol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def table(hop):
+    return hop.sensitivity(OVER)
+
+
+def found_again(gait, name, step):
+    """Measures and exact multipliers of the gait found with another number."""
+    system = with_numbers(gait.system, {name: number(gait.system, name) + step})
+    state = gait_beside(system, gait.state, [], {}, 1e-12).state
+    orbit = Orbit(system, state, ())
+    moduli = np.sort(np.abs(np.linalg.eigvals(orbit.jacobian)))[::-1]
+    values = {name: measure.value for name, measure in orbit.measures.items()}
+    return values | {f"multiplier_{i + 1}": value for i, value in enumerate(moduli)}
+
+
+@pytest.mark.parametrize("name", OVER)
+def test_against_gaits_found_again(hop, table, name):
+    value, j = number(hop.system, name), OVER.index(name)
+    h = 2e-4 * abs(value)
+    ends = [found_again(hop, name, k * h) for k in (1, -1, 2, -2)]
+    for output, derivative in table.derivatives.items():
+        a, b, c, d = (each[output] for each in ends)
+        expected = (8.0 * (a - b) - (c - d)) / (12.0 * h)  # of fourth order
+        assert derivative[j] * value == pytest.approx(expected * value, rel=1e-6, abs=2e-7 * abs(table.outputs[output]))
+
+
+def test_what_is_kept_stays(hop):
+    table = hop.sensitivity(["stiffness", "knee_ratio"], ["stance_torque"], ["flight_time"])
+    assert table.derivatives["flight_time"] == pytest.approx([0.0, 0.0], abs=1e-15)
+    h = 1e-2
+    torques = []
+    for step in (h, -h):
+        system = with_numbers(hop.system, {"stiffness": hop.system.spring.stiffness + step})
+        torques.append(
+            gait_beside(system, hop.state, ["stance_torque"], {"flight_time": 0.2}).parameters["stance_torque"]
+        )
+    assert table.solved["stance_torque"][0] == pytest.approx((torques[0] - torques[1]) / (2.0 * h), rel=1e-6)
+
+
+def test_more_friction_is_used_by_as_much_where_a_toe_slips(table):
+    assert table.elasticity("friction_used_toe")[OVER.index("friction")] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_it_is_told_drawn_and_written(table, tmp_path):
+    assert "friction_used_toe" in str(table) and "N·m/rad" in card(table)
+    data = json.loads(table.to_json())
+    assert data["outputs"]["flight_time"]["unit"] == "s" and data["units"]["stiffness"] == "N·m/rad"
+    figure = elasticities(table)
+    assert len(figure.axes[0].get_yticks()) == len(table.outputs)
+    assert save_figure(figure, tmp_path / "table.svg").stat().st_size > 1000
+    with pytest.raises(UnknownName, match="nothing"):
+        table.elasticity("nothing")
+
+
+@pytest.mark.parametrize(
+    ("over", "vary", "keep", "error", "text"),
+    [
+        (["nope"], [], [], UnknownName, "'nope'; valid: .*stiffness.*knee_mass"),
+        ([], [], [], BadValue, "one parameter or more"),
+        (["stiffness", "stiffness"], [], [], BadValue, "each once"),
+        (["stiffness"], ["stance_torque"], [], BadValue, "as many measures"),
+        (["stiffness"], ["stance_torque"], ["nope"], UnknownName, "'nope'"),
+        (["slope"], [], [], BadValue, "slope is 0.0"),
+    ],
+)
+def test_what_is_refused(hop, over, vary, keep, error, text):
+    with pytest.raises(error, match=text):
+        hop.sensitivity(over, vary, keep)
+
+
+def test_a_state_that_is_no_fixed_point_is_refused(hop):
+    system = with_numbers(hop.system, {"stiffness": 50.0})
+    with pytest.raises(BadValue, match="a fixed point"):
+        Gait(system, hop.state, {}, 0.0, hop.multipliers, hop.durations).sensitivity(["stiffness"])
+
+
+def test_gaits_in_space_are_refused():
+    with pytest.raises(BadValue, match="in the plane"):
+        in_space(Gait.load("long_stride")).sensitivity(["stiffness"])

@@ -1,0 +1,48 @@
+"""Elasticities of a gait as a heat map: per cent of each output for one more per cent of each parameter."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.colors import SymLogNorm
+from matplotlib.figure import Figure
+
+from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
+from spear_pin.viz.plots.paper import Picture, style
+
+LINEAR = 0.1  # elasticities up to this are told apart linearly, larger ones by their logarithms
+
+
+def elasticities(table: Sensitivity) -> Figure:
+    """The table as a heat map, red where an output grows and blue where it shrinks; grey where it has no derivative."""
+    rows = np.array([table.elasticity(name) for name in table.outputs])
+    top = max(1.0, float(np.nanmax(np.abs(rows), initial=0.0)))
+    with style():
+        size = 3.2 + 0.75 * len(table.over), 0.9 + 0.24 * len(rows)
+        figure = Picture(figsize=size, layout="constrained")
+        panel = figure.subplots()
+        panel.set_facecolor("0.85")
+        scale = SymLogNorm(LINEAR, vmin=-top, vmax=top)
+        mesh = panel.pcolormesh(
+            np.ma.masked_invalid(rows), cmap="RdBu_r", norm=scale, edgecolors="white", linewidth=0.5
+        )
+        for (i, j), value in np.ndenumerate(rows):
+            dark = np.isfinite(value) and abs(float(scale(value)) - 0.5) > 0.3
+            text = f"{value:.2g}".replace("-", "−") if np.isfinite(value) else "none"
+            color = "white" if dark else "black"
+            panel.text(j + 0.5, i + 0.5, text, ha="center", va="center", fontsize=7.0, color=color)
+        labels = [f"{name.replace('_', ' ')}\n{value:.4g} {unit}" for name, value, unit in _parameters(table)]
+        panel.set_xticks(np.arange(len(table.over)) + 0.5, labels, rotation=30.0, ha="right", fontsize=7.5)
+        panel.set_yticks(np.arange(len(rows)) + 0.5, [_said(table, name) for name in table.outputs], fontsize=7.5)
+        panel.tick_params(length=0.0)
+        panel.invert_yaxis()
+        figure.colorbar(mesh, label="% for one more %")
+        return figure
+
+
+def _parameters(table: Sensitivity) -> list[tuple[str, float, str]]:
+    return list(zip(table.over, table.values.tolist(), table.units, strict=True))
+
+
+def _said(table: Sensitivity, name: str) -> str:
+    unit = table.output_units[name]
+    return f"{name.replace('_', ' ')}, {table.outputs[name]:.4g}{'' if unit == '1' else ' ' + unit}"
