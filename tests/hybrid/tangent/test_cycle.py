@@ -13,6 +13,7 @@ from spear_pin.hybrid.tangent.seeds import numbers, seeds
 
 pytestmark = pytest.mark.extra("heyoka")
 BOUNDS = ("long_stride", "least_effort", "force_lift_off")
+OVER = ("posterior_leg_touchdown", "posterior_hip_torque", "torso_mass", "knee_ratio")
 H = 2e-4
 
 
