@@ -55,28 +55,36 @@ def smooth(states: Array) -> bool:
 
 
 def carried(A: Array, B: Array, h: float, start: Array) -> tuple[Array, Array]:
-    """S at the points of panels one after the other, and at the end.
+    """S at the points of panels one after the other, and at the end, where the state is (q, v) with q̇ = v.
 
     Args:
-        A: (panels, points, n, n).
-        B: (panels, points, n, c).
+        A: derivatives of the acceleration by the state, (panels, points, nv, 2 nv).
+        B: along directions beside, (panels, points, nv, c).
         h: length of a panel.
-        start: S where the first begins, (n, c).
+        start: S where the first begins, (2 nv, c).
 
     Returns:
-        (panels, points, n, c) and (n, c).
+        (panels, points, 2 nv, c) and (2 nv, c).
     """
-    panels, k, n, c = B.shape
+    panels, k, nv, c = B.shape
     gauss = rule(k)
-    # unknown are the slopes K at the points: K_i = A_i (S_0 + h Σ_j a_ij K_j) + B_i
-    system = -h * np.einsum("ij,pimn->pimjn", gauss.partial, A).reshape(panels, k * n, k * n)
-    system[:, np.arange(k * n), np.arange(k * n)] += 1.0
-    right = np.concatenate([A, B], axis=3).reshape(panels, k * n, n + c)
-    slopes = np.linalg.solve(system, right).reshape(panels, k, n, n + c)
-    homogeneous, particular = slopes[..., :n], slopes[..., n:]
-    found, S = np.empty((panels, k, n, c)), start
+    twice = gauss.partial @ gauss.partial
+    by_q, by_v = A[..., :nv], A[..., nv:]
+    # unknown are the accelerations K at the points: v_i = v_0 + h Σ_j a_ij K_j,
+    # q_i = q_0 + h c_i v_0 + h² Σ_j a²_ij K_j
+    left = -h * gauss.partial[:, None, :, None] * by_v[:, :, :, None, :]
+    left -= h * h * twice[:, None, :, None] * by_q[:, :, :, None, :]
+    system = left.reshape(panels, k * nv, k * nv)
+    system[:, np.arange(k * nv), np.arange(k * nv)] += 1.0
+    right = np.concatenate([by_q, by_v + h * gauss.nodes[:, None, None] * by_q, B], axis=3)
+    slopes = np.linalg.solve(system, right.reshape(panels, k * nv, -1)).reshape(panels, k, -1)
+    ends, to_q = gauss.weights, gauss.weights @ gauss.partial
+    found, q, v = np.empty((panels, k, 2 * nv, c)), start[:nv], start[nv:]
     for i in range(panels):
-        K = homogeneous[i] @ S + particular[i]
-        found[i] = S + h * np.einsum("ij,jmc->imc", gauss.partial, K)
-        S = S + h * np.einsum("j,jmc->mc", gauss.weights, K)
-    return found, S
+        parts = slopes[i].reshape(k * nv, 2 * nv + c)
+        K = (parts[:, : 2 * nv] @ np.concatenate([q, v]) + parts[:, 2 * nv :]).reshape(k, nv * c)
+        found[i, :, nv:] = v + h * (gauss.partial @ K).reshape(k, nv, c)
+        found[i, :, :nv] = q + h * gauss.nodes[:, None, None] * v + h * h * (twice @ K).reshape(k, nv, c)
+        q = q + h * v + h * h * (to_q @ K).reshape(nv, c)
+        v = v + h * (ends @ K).reshape(nv, c)
+    return found, np.concatenate([q, v])

@@ -18,15 +18,14 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Reset, Switch
-from spear_pin.hybrid.engines.structure import Structure, with_fields
+from spear_pin.hybrid.engines.structure import with_fields
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.tangent.collocation import POINTS, carried, rule, smooth
 from spear_pin.hybrid.tangent.dual import Dual, value_of
-from spear_pin.hybrid.tangent.fields import TangentField, Values, tangent_feet, tangent_field
+from spear_pin.hybrid.tangent.fields import Values
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, derivatives, duals, flat, struck
-from spear_pin.hybrid.tangent.seeds import numbers
 
 Array = NDArray[np.float64]
 PANELS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32)  # of an arc, as many as its motion needs
@@ -96,11 +95,16 @@ class Derivative:
 
 @dataclass
 class _Now:
-    """On the way: derivatives of the state at a fixed clock, of what is held, and of the last event's time."""
+    """On the way: derivatives of the state, of what is held, and of the last event's time.
+
+    Attributes:
+        behind: whether those of the state are at that event, not yet at a fixed clock.
+    """
 
     dy: Array
     held: dict[str, Any]
     tau: Array
+    behind: bool = False
     durations: dict[str, Any] = field(default_factory=dict)
     steepness: float = math.inf
 
@@ -122,10 +126,10 @@ def differentiated(system: HybridSystem, recorder: Recorder, y: Array, dy: Array
     held = whole.begun(y, dy)
     phase, arcs = recorder.cycle(y)
     now, stretches = _Now(dy, held, np.zeros(dy.shape[1])), []
-    for arc, following in zip(arcs, [*arcs[1:], None], strict=True):
+    for arc in arcs:
         stretch = whole.carry(arc, now)
         stretches.append(stretch)
-        whole.pass_event(stretch, following, now)
+        whole.pass_event(stretch, now)
     return Derivative(system, recorder.end, now.dy, now.durations, stretches, now.steepness)
 
 
@@ -134,8 +138,7 @@ class _Whole:
 
     def __init__(self, system: HybridSystem, recorder: Recorder, seeds: Array) -> None:
         self.system, self.recorder, self.seeds = system, recorder, seeds
-        self.nv, self.c, self.planar = system.robot.nv, seeds.shape[1], recorder.planar
-        self.raw = numbers(system)
+        self.nv, self.c, self.raw = system.robot.nv, seeds.shape[1], recorder.numbers
         self.law = _dual_law(system, self.raw, seeds)
 
     def begun(self, y: Array, dy: Array) -> dict[str, Any]:
@@ -146,25 +149,35 @@ class _Whole:
 
     def carry(self, arc: Arc, now: _Now) -> Stretch:
         """Derivatives along an arc."""
-        domain = tangent_field(Structure(self.system, arc.domain, arc.held, self.planar))
-        held = flat(arc.held)
-        raw = np.concatenate([self.raw, np.array(held, dtype=float).reshape(-1)])
+        n, nv, field_ = 2 * self.nv, self.nv, self.recorder.field(arc.domain, arc.held)
+        raw = np.concatenate([self.raw, np.array(flat(arc.held), dtype=float).reshape(-1)])
         given = np.concatenate([self.seeds, derivatives(flat({name: now.held[name] for name in arc.held}), self.c)])
         t, weights, h, y = self._points(arc)
-        panels, n, identity = len(t) // POINTS, 2 * self.nv, np.zeros((2 * self.nv, 2 * self.nv + self.c))
-        identity[:, :n] = np.eye(n)
-        directions = np.concatenate([np.zeros((len(raw), n)), given], axis=1)
-        wide = np.repeat(identity[:, None, :], len(t), axis=1)
-        values, slopes = domain.at(t, y, raw, 0.0, wide, directions)
-        field_ = np.moveaxis(slopes.slopes, 0, 1).reshape(panels, POINTS, n, n + self.c)
-        S, after = carried(field_[..., :n], field_[..., n:], h, now.dy)
-        dy = np.moveaxis(S.reshape(len(t), n, self.c), 0, 1)
-        chained = Values(*(np.einsum("imn,nmc->imc", each[..., :n], dy) + each[..., n:] for each in slopes))
+        panels = len(t) // POINTS
+        # the state's directions, the clock's, then those given; at the points, at the beginning and at the end
+        every = np.concatenate([np.zeros((len(raw), n + 1)), given], axis=1)
+        clock = np.eye(1, n + 1 + self.c, n)
+        points, states = np.concatenate([t, [arc.t, arc.end]]), np.column_stack([y, arc.y, arc.after])
+        along = np.repeat(np.eye(n, n + 1 + self.c)[:, None], len(points), axis=1)
+        values, slopes = field_.at(points, states, raw, clock, along, every)
+        if now.behind:
+            now.dy = now.dy - values.slopes[:, -2, None] * now.tau
+        motion = np.moveaxis(slopes.slopes[nv:, :-2], 0, 1).reshape(panels, POINTS, nv, -1)
+        S, after = carried(motion[..., :n], motion[..., n + 1 :], h, now.dy)
         if arc.end - arc.t <= SHORTEST:
             after = now.dy
-        end, dend, rate = self._end(domain, arc, raw, given, after)
-        tau = self._tau(arc, end, dend, rate, values, now)
-        return Stretch(arc, t, weights, y, dy, values, chained, now.tau, tau, arc.after, after, end, dend, rate)
+        dy = S.reshape(len(t), n, self.c)
+        inside, end = Values(*(each[:, :-2] for each in values)), Values(*(each[:, -1] for each in values))
+        last = [each[:, -1] for each in slopes]
+        chained = Values(*(each[:, :-2, :n].swapaxes(0, 1) @ dy for each in slopes))
+        chained = Values(
+            *(part.swapaxes(0, 1) + each[:, :-2, n + 1 :] for part, each in zip(chained, slopes, strict=True))
+        )
+        dend = Values(*(each[:, :n] @ after + each[:, n + 1 :] for each in last))
+        rate = Values(*(each[:, :n] @ end.slopes + each[:, n] for each in last))
+        tau = self._tau(arc, end, dend, rate, inside, now)
+        dy = np.moveaxis(dy, 0, 1)
+        return Stretch(arc, t, weights, y, dy, inside, chained, now.tau, tau, arc.after, after, end, dend, rate)
 
     def _points(self, arc: Arc) -> tuple[Array, Array, float, Array]:
         """Clocks, weights, length of a panel, and states at the points of as many panels as are needed."""
@@ -176,22 +189,6 @@ class _Whole:
             if length <= SHORTEST or smooth(y.T.reshape(panels, POINTS, -1)):
                 return t, np.tile(h * gauss.weights, panels), h, y
         raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")
-
-    def _end(
-        self, domain: TangentField, arc: Arc, raw: Array, given: Array, dy: Array
-    ) -> tuple[Values, Values, Values]:
-        """The domain at an arc's end: values, derivatives at the fixed clock, and rates along the motion."""
-        t, y = np.array([arc.end]), arc.after[:, None]
-        still = np.concatenate([given, np.zeros((len(raw), 1))], axis=1)
-        values, _ = domain.at(t, y, raw, 0.0, np.zeros((len(y), 1, 1)), np.zeros((len(raw), 1)))
-        moving = np.concatenate([dy, values.slopes], axis=1)[:, None, :]
-        clock = np.concatenate([np.zeros(self.c), [1.0]])[None]
-        _, slopes = domain.at(t, y, raw, clock, moving, still)
-        return (
-            Values(*(each[:, 0] for each in values)),
-            Values(*(each[:, 0, :-1] for each in slopes)),
-            Values(*(each[:, 0, -1] for each in slopes)),
-        )
 
     def _tau(self, arc: Arc, end: Values, dend: Values, rate: Values, values: Values, now: _Now) -> Array:
         """How much later the event that ends an arc happens."""
@@ -211,7 +208,7 @@ class _Whole:
         later: Array = -dend.guards[i] / fall
         return later
 
-    def pass_event(self, stretch: Stretch, following: Arc | None, now: _Now) -> None:
+    def pass_event(self, stretch: Stretch, now: _Now) -> None:
         """What an event does to derivatives; at the end of a phase its duration is noted."""
         arc, tau = stretch.arc, stretch.tau
         now.dy = stretch.dstate
@@ -228,26 +225,15 @@ class _Whole:
             spent = now.durations.get(arc.domain.phase, 0.0)
             now.durations[arc.domain.phase] = spent + Dual(arc.end, tau)
             now.tau = np.zeros(self.c)
-        elif following is not None:
-            now.tau = tau
-            now.dy = now.dy - self._slopes(following)[:, None] * tau
-
-    def _slopes(self, arc: Arc) -> Array:
-        """The motion where an arc begins."""
-        domain = tangent_field(Structure(self.system, arc.domain, arc.held, self.planar))
-        raw = np.concatenate([self.raw, np.array(flat(arc.held), dtype=float).reshape(-1)])
-        none = np.zeros((len(arc.y), 1, 1)), np.zeros((len(raw), 1))
-        values, _ = domain.at(np.array([arc.t]), arc.y[:, None], raw, 0.0, *none)
-        slopes: Array = values.slopes[:, 0]
-        return slopes
+        else:
+            now.behind = True
 
     def _strike(self, domain: Domain, reset: Reset, state: list[Any], now: _Now) -> list[Any]:
         toes = struck_toes(self.system, domain, reset)
         if not toes:
             return state
-        one = Structure(self.system, self.system.domains[0], {}, self.planar)
         y = np.array([value_of(x) for x in state])
-        feet = tangent_feet(one, tuple(toes)).at(y, self.raw, derivatives(state, self.c), self.seeds)
+        feet = self.recorder.feet(tuple(toes)).at(y, self.raw, derivatives(state, self.c), self.seeds)
         v, lifted = struck(feet, toes, state[self.nv :])
         now.held = {**now.held, **lifted}
         return [*state[: self.nv], *v]

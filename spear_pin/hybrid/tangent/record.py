@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.domain import Reset
-from spear_pin.hybrid.engines.structure import flattened
+from spear_pin.hybrid.domain import Domain, Held, Reset
+from spear_pin.hybrid.engines.structure import Structure, flattened, shape_of
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import start
+from spear_pin.hybrid.tangent.fields import TangentFeet, TangentField, tangent_feet, tangent_field
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
@@ -28,6 +29,11 @@ class Recorder:
 
     Args:
         system: the system.
+
+    Attributes:
+        planar: the robot's dynamics.
+        numbers: run-time parameters ahead of what is held, (p,).
+        end: state at the end of the last cycle, (2 nv,).
     """
 
     def __init__(self, system: HybridSystem) -> None:
@@ -36,7 +42,10 @@ class Recorder:
         self.planar = self._numbers.planar
         self._runner = LoneRunner(self._numbers, 0)
         self._constants = self._numbers.constants(0)
+        self.numbers = np.array(self._constants, dtype=float)
         self.end = np.empty(0)
+        self._fields: dict[Any, TangentField] = {}  # the system keeps its domains, so that their identities stay
+        self._feet: dict[tuple[str, ...], TangentFeet] = {}
 
     def start(self, y: Array) -> tuple[str, tuple[Reset, ...]]:
         """The phase that begins at the section, and the resets that say what is held."""
@@ -64,3 +73,16 @@ class Recorder:
         if not np.isfinite(found).all():
             raise NotDifferentiable(f"the motion in {arc.domain.name} cannot be followed again")
         return found.T
+
+    def field(self, domain: Domain, held: Held) -> TangentField:
+        """What a domain's derivatives are taken from."""
+        key = id(domain), shape_of(held)
+        if key not in self._fields:
+            self._fields[key] = tangent_field(Structure(self.system, domain, held, self.planar))
+        return self._fields[key]
+
+    def feet(self, toes: tuple[str, ...]) -> TangentFeet:
+        """What the derivatives of an impact are taken from."""
+        if toes not in self._feet:
+            self._feet[toes] = tangent_feet(Structure(self.system, self.system.domains[0], {}, self.planar), toes)
+        return self._feet[toes]
