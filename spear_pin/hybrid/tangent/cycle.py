@@ -161,7 +161,7 @@ class _Whole:
         along = np.repeat(np.eye(n, n + 1 + self.c)[:, None], len(points), axis=1)
         values, slopes = field_.at(points, states, raw, clock, along, every)
         if now.behind:
-            now.dy = now.dy - values.slopes[:, -2, None] * now.tau
+            now.dy, now.behind = now.dy - values.slopes[:, -2, None] * now.tau, False
         motion = np.moveaxis(slopes.slopes[nv:, :-2], 0, 1).reshape(panels, POINTS, nv, -1)
         S, after = carried(motion[..., :n], motion[..., n + 1 :], h, now.dy)
         if arc.end - arc.t <= SHORTEST:
@@ -226,7 +226,7 @@ class _Whole:
             now.durations[arc.domain.phase] = spent + Dual(arc.end, tau)
             now.tau = np.zeros(self.c)
         else:
-            now.behind = True
+            now.tau, now.behind = tau, True
 
     def _strike(self, domain: Domain, reset: Reset, state: list[Any], now: _Now) -> list[Any]:
         toes = struck_toes(self.system, domain, reset)

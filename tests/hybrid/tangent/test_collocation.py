@@ -15,11 +15,13 @@ def test_the_rule_is_exact_for_polynomials():
 
 def test_a_linear_flow_with_a_constant_drive():
     rng = np.random.default_rng(1)
-    A, b = 5.0 * rng.normal(size=(4, 4)), rng.normal(size=(4, 2))
-    shape = (3, POINTS)
-    _, end = carried(np.broadcast_to(A, (*shape, 4, 4)), np.broadcast_to(b, (*shape, 4, 2)), 0.2, np.eye(4)[:, :2])
-    whole = scipy.linalg.expm(0.6 * np.block([[A, b], [np.zeros((2, 6))]]))
-    assert end == pytest.approx(whole[:4, :2] + whole[:4, 4:], rel=1e-12)
+    A, b = 5.0 * rng.normal(size=(2, 4)), rng.normal(size=(2, 3))
+    shape, start = (3, POINTS), rng.normal(size=(4, 3))
+    _, end = carried(np.broadcast_to(A, (*shape, 2, 4)), np.broadcast_to(b, (*shape, 2, 3)), 0.2, start)
+    slopes = np.concatenate([np.eye(2, 4, 2), A])  # of (q, v)
+    driven = np.concatenate([np.zeros((2, 3)), b])
+    whole = scipy.linalg.expm(0.6 * np.block([[slopes, driven], [np.zeros((3, 7))]]))
+    assert end == pytest.approx(whole[:4, :4] @ start + whole[:4, 4:], rel=1e-11)
 
 
 def test_what_is_not_smooth_is_told():
