@@ -50,10 +50,11 @@ class Orbit:
     @cached_property
     def start(self) -> Array:
         """Derivatives of the state in which the cycle begins by ξ and by the parameters, (2 nv, d + m)."""
-        return on_section(self.system, self.chart, self._seeds, self.dimension)
+        return on_section(self.system, self.chart, self.seeds, self.dimension)
 
     @cached_property
-    def _seeds(self) -> Array:
+    def seeds(self) -> Array:
+        """Derivatives of the system's numbers by ξ, of which they are none, and by the parameters, (p, d + m)."""
         own = seeds(self.system, self.names)
         return np.concatenate([np.zeros((len(own), self.dimension)), own], axis=1)
 
@@ -65,7 +66,7 @@ class Orbit:
             NotDifferentiable: it has no derivative; the text says why.
         """
         y = np.concatenate(self.chart.state(np.zeros(self.dimension)))
-        return differentiated(self.system, Recorder(self.system), y, self.start, self._seeds)
+        return differentiated(self.system, Recorder(self.system), y, self.start, self.seeds)
 
     @cached_property
     def columns(self) -> Array:
