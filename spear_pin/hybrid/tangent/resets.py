@@ -42,9 +42,9 @@ def struck(feet: Feet, toes: Sequence[str], v: Sequence[Any]) -> tuple[list[Any]
     if len(toes) == 1:
         impulses, _ = routh(A, before, feet.friction)
         return _after(v, responses, impulses), {}
-    impulses, speeds = _joint(A, before, feet.friction)
+    several, speeds = _joint(A, before, feet.friction)
     lifted = {rise(toe): speed for toe, speed in zip(toes, speeds, strict=True)}
-    return _after(v, responses, impulses), lifted
+    return _after(v, responses, several), lifted
 
 
 def _after(v: Sequence[Any], responses: Sequence[Sequence[Any]], impulses: Sequence[Any]) -> list[Any]:
@@ -99,7 +99,7 @@ def _items(value: Any) -> list[Any]:
     return [item for each in value for item in _items(each)] if isinstance(value, tuple) else [value]
 
 
-def duals(values: Sequence[float], derivatives: Array) -> list[Dual]:
+def duals(values: Array | Sequence[float], derivatives: Array) -> list[Dual]:
     """Numbers with their derivatives along several directions, (n, c)."""
     return [Dual(float(x), d) for x, d in zip(values, derivatives, strict=True)]
 

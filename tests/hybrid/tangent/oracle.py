@@ -77,5 +77,6 @@ def by_parameter(system: HybridSystem, y: Array, name: str, step: float) -> Arra
 
 def found(result: Derivative, column: int) -> Array:
     """The same from the derivatives, one of their columns."""
-    spent = [result.durations[phase].d[column] for phase in result.system.phases]
+    dual = [result.durations.get(phase) for phase in result.system.phases]
+    spent = [0.0 if each is None else each.d[column] for each in dual]
     return np.concatenate([result.dy[:, column], spent])
