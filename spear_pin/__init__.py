@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from spear_pin.gaits.hopping import HoppingLaw, hopping
     from spear_pin.gaits.orbits.embedding import in_space
     from spear_pin.gaits.search import find_gait
+    from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
     from spear_pin.gaits.spatial.bounding import bounding_in_space
     from spear_pin.gaits.spatial.law import SpatialLaw
     from spear_pin.gaits.spatial.trot_law import TrotLaw
@@ -50,6 +51,7 @@ __all__ = [
     "Leg",
     "Robot",
     "RobotWarning",
+    "Sensitivity",
     "SpatialLaw",
     "SpearError",
     "Spring",
@@ -97,6 +99,7 @@ _HOMES = {
     "find_gait": "gaits.search",
     "Branch": "gaits.continuation.branch",
     "continue_gait": "gaits.continuation.continuing",
+    "Sensitivity": "gaits.sensitivity.sensitivity",
     "to_chain": "model.chain",
     "from_chain": "model.chain",
     "bounding_in_space": "gaits.spatial.bounding",

@@ -22,6 +22,7 @@ EXTRAS = {
     "dask": "distributed",
     "studies.sweep": "heyoka",
     "collocated": "casadi",
+    ".sensitivity(": "heyoka",
     'load("solo12"': "example-robot-data",
 }
 SLOW = {

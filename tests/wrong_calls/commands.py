@@ -187,6 +187,12 @@ OPTIONS = {
         "--robot": ("", "nothing", "no_such.urdf", "/"),
         **dict.fromkeys(("--leg", "--side", "--body"), ("1",)),
     },
+    "sensitivity hop --over stiffness": {
+        "--over": ("", "x", "slope", "stiffness"),
+        "--vary": ("x", "stance_torque", "stiffness"),
+        "--keep": ("x", "flight_time"),
+        "--out": FOLDER,
+    },
     "turn": {
         **dict.fromkeys(("--rate", "--angle"), (*NUMBER, "0", "500")),
         "--cycles": (*COUNT, "9" * 20),
@@ -342,6 +348,9 @@ LINES = (
     "family fly --over stiffness --from 40 --to 50",
     "family trot --over friction --from 0.4 --to 0.9 --speed 2",
     "family bound --over stiffness --from 1 --to 2",
+    "sensitivity",
+    "sensitivity fly",
+    "sensitivity trot --over stiffness",
     "compare",
     "compare long_stride",
     "compare long_stride nope",

@@ -40,11 +40,11 @@ def struck(feet: Feet, toes: Sequence[str], v: Sequence[Any]) -> tuple[list[Any]
     responses = [response for toe in toes for response in feet.toes[toe].responses]
     before = [dot(row, v) for row in rows]
     if len(toes) == 1:
-        impulses, _ = routh(A, before, feet.friction)
-        return _after(v, responses, impulses), {}
-    several, speeds = _joint(A, before, feet.friction)
+        impulse, _ = routh(A, before, feet.friction)
+        return _after(v, responses, impulse), {}
+    impulses, speeds = _joint(A, before, feet.friction)
     lifted = {rise(toe): speed for toe, speed in zip(toes, speeds, strict=True)}
-    return _after(v, responses, several), lifted
+    return _after(v, responses, impulses), lifted
 
 
 def _after(v: Sequence[Any], responses: Sequence[Sequence[Any]], impulses: Sequence[Any]) -> list[Any]:
@@ -99,7 +99,7 @@ def _items(value: Any) -> list[Any]:
     return [item for each in value for item in _items(each)] if isinstance(value, tuple) else [value]
 
 
-def duals(values: Array | Sequence[float], derivatives: Array) -> list[Dual]:
+def duals(values: Sequence[float] | Array, derivatives: Array) -> list[Dual]:
     """Numbers with their derivatives along several directions, (n, c)."""
     return [Dual(float(x), d) for x, d in zip(values, derivatives, strict=True)]
 

@@ -1,0 +1,60 @@
+"""A cycle's derivatives: of the bounds against the reference engine's multipliers, compiled against interpreted."""
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait
+from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.hybrid.engines.structure import Structure
+from spear_pin.hybrid.parameters import number, with_numbers
+from spear_pin.hybrid.tangent.fields import tangent_field
+from spear_pin.hybrid.tangent.record import Recorder
+from spear_pin.hybrid.tangent.seeds import numbers, seeds
+
+pytestmark = pytest.mark.extra("heyoka")
+BOUNDS = ("long_stride", "least_effort", "force_lift_off")
+OVER = ("posterior_leg_touchdown", "posterior_hip_torque", "torso_mass", "knee_ratio")
+H = 2e-4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BOUNDS)
+class TestBounds:
+    def test_multipliers(self, name):
+        gait = Gait.load(name)
+        found = np.sort(np.abs(np.linalg.eigvals(Orbit(gait.system, gait.state, ()).jacobian)))[::-1]
+        assert found[:4] == pytest.approx(np.abs(gait.multipliers)[:4], abs=2e-7)
+
+    @pytest.mark.parametrize(
+        "parameter", ["posterior_leg_touchdown", "posterior_hip_torque", "torso_mass", "knee_ratio"]
+    )
+    def test_states_after_a_cycle(self, name, parameter):
+        gait = Gait.load(name)
+        orbit = Orbit(gait.system, gait.state, (parameter,))
+        value = number(gait.system, parameter)
+        y = np.concatenate(gait.state)
+
+        def end(step):
+            recorder = Recorder(with_numbers(gait.system, {parameter: value + step}))
+            recorder.cycle(y)
+            return recorder.end
+
+        h = H * abs(value)
+        expected = (8.0 * (end(h) - end(-h)) - (end(2.0 * h) - end(-2.0 * h))) / (12.0 * h)
+        found = orbit.cycle.dy[:, orbit.dimension]
+        assert found == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
+
+
+def test_compiled_and_interpreted_say_the_same(hop):
+    system, y = hop.system, np.concatenate(hop.state)
+    recorder = Recorder(system)
+    _, arcs = recorder.cycle(y)
+    rng, own = np.random.default_rng(3), seeds(system, ["stiffness", "friction", "knee_mass"])
+    for arc in arcs[:3]:
+        field = tangent_field(Structure(system, arc.domain, arc.held, recorder.planar))
+        raw = np.concatenate([numbers(system), list(arc.held.values())])
+        directions = np.concatenate([own, rng.normal(size=(len(arc.held), 3))])
+        given = np.array([arc.t]), arc.y[:, None], raw, 0.5, rng.normal(size=(len(y), 1, 3)), directions
+        for one, other in zip(field.at(*given), field._interpreted(*given), strict=True):
+            for a, b in zip(one, other, strict=True):
+                assert a == pytest.approx(b, rel=1e-11, abs=1e-10)
