@@ -211,9 +211,8 @@ class _Whole:
     def pass_event(self, stretch: Stretch, now: _Now) -> None:
         """What an event does to derivatives; at the end of a phase its duration is noted."""
         arc, tau = stretch.arc, stretch.tau
-        now.dy = stretch.dstate
+        now.dy, now.tau, now.behind = stretch.dstate, tau, False
         if arc.event is None or arc.event.reset is None:
-            now.tau = tau
             return  # the motion goes on as it was
         reset = arc.event.reset
         state = duals(arc.after, stretch.dstate + stretch.end.slopes[:, None] * tau)
