@@ -2,7 +2,7 @@
 
 Along an arc Ṡ = A(t) S + B(t) is linear, and A and B are as smooth as the motion. At Gauss's points of panels it is a
 linear system of equations for all columns of S at once; its solution is as accurate as polynomials of degree `POINTS`
-are for the motion, which `smooth` asks for.
+are for the motion, which `roughness` asks for.
 """
 
 from __future__ import annotations
@@ -47,11 +47,15 @@ def rule(points: int = POINTS) -> Rule:
     return Rule(0.5 * (x + 1.0), 0.5 * w, 0.5 * integrals @ legendre, legendre)
 
 
-def smooth(states: Array) -> bool:
-    """Whether polynomials through motion at the points of each panel are as good as it, (panels, points, rows)."""
+def roughness(states: Array) -> float:
+    """Size of the last Legendre coefficients of motion at the points of panels, (panels, points, rows), by the largest.
+
+    Below `TAIL` polynomials are as good as the motion.
+    """
     coefficients = np.abs(rule(states.shape[1]).legendre @ states)
     size = coefficients.max(axis=(0, 1))
-    return bool((coefficients[:, -2:].max(axis=(0, 1)) <= TAIL * np.maximum(size, size.max() * 1e-3)).all())
+    left = coefficients[:, -2:].max(axis=(0, 1)) / np.maximum(size, max(float(size.max()) * 1e-3, 1e-300))
+    return float(left.max())
 
 
 def carried(A: Array, B: Array, h: float, start: Array) -> tuple[Array, Array]:

@@ -21,14 +21,14 @@ from spear_pin.hybrid.domain import Domain, Reset, Switch
 from spear_pin.hybrid.engines.structure import with_fields
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
-from spear_pin.hybrid.tangent.collocation import POINTS, carried, rule, smooth
+from spear_pin.hybrid.tangent.collocation import POINTS, TAIL, carried, roughness, rule
 from spear_pin.hybrid.tangent.dual import Dual, value_of
 from spear_pin.hybrid.tangent.fields import Values
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, derivatives, duals, flat, struck
 
 Array = NDArray[np.float64]
-PANELS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32)  # of an arc, as many as its motion needs
+MOST_PANELS = 64  # of an arc, which has as many as its motion needs
 SHORTEST = 1e-9  # s: there is nothing to be carried along a shorter arc
 GRAZING = 1e-6  # of a guard's mean fall over its arc: it falls more slowly through zero
 
@@ -182,12 +182,15 @@ class _Whole:
     def _points(self, arc: Arc) -> tuple[Array, Array, float, Array]:
         """Clocks, weights, length of a panel, and states at the points of as many panels as are needed."""
         gauss, length = rule(), max(arc.end - arc.t, 0.0)
-        for panels in PANELS:
+        panels = 1
+        while panels <= MOST_PANELS:
             h = length / panels
             t = (arc.t + h * (np.arange(panels)[:, None] + gauss.nodes)).ravel()
             y = self.recorder.states(arc, t) if length > SHORTEST else np.tile(arc.y[:, None], (1, len(t)))
-            if length <= SHORTEST or smooth(y.T.reshape(panels, POINTS, -1)):
+            if length <= SHORTEST or (left := roughness(y.T.reshape(panels, POINTS, -1))) <= TAIL:
                 return t, np.tile(h * gauss.weights, panels), h, y
+            # shorter by a factor, coefficients fall by that to the power of the points
+            panels = max(panels + 1, math.ceil(panels * (left / TAIL) ** (1.0 / POINTS)))
         raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")
 
     def _tau(self, arc: Arc, end: Values, dend: Values, rate: Values, values: Values, now: _Now) -> Array:
