@@ -35,7 +35,7 @@ def elasticities(table: Sensitivity) -> Figure:
         panel.set_yticks(np.arange(len(rows)) + 0.5, [_said(table, name) for name in table.outputs], fontsize=7.5)
         panel.tick_params(length=0.0)
         panel.invert_yaxis()
-        figure.colorbar(mesh, label="% for one more %")
+        figure.colorbar(mesh, label="Elasticity (% for 1 %)")
         return figure
 
 

@@ -49,7 +49,7 @@ class Sensitivity(Shown):
         >>> gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])))
         >>> table = gait.sensitivity(["stiffness"])
         >>> round(float(table.derivatives["apex_height"][0]) * 1e3, 3)  # mm for one N·m/rad more
-        0.0
+        -0.075
     """
 
     system: HybridSystem
