@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
 from spear_pin.viz.plots.paper import Picture, style
 
+NOTHING = 1e-9  # elasticities up to this are rounding
 LINEAR = 0.1  # elasticities up to this are told apart linearly, larger ones by their logarithms
 
 
@@ -27,7 +28,9 @@ def elasticities(table: Sensitivity) -> Figure:
         )
         for (i, j), value in np.ndenumerate(rows):
             dark = np.isfinite(value) and abs(float(scale(value)) - 0.5) > 0.3
-            text = f"{value:.2g}".replace("-", "−") if np.isfinite(value) else "none"
+            text = (
+                "none" if not np.isfinite(value) else f"{value if abs(value) > NOTHING else 0.0:.2g}".replace("-", "−")
+            )
             color = "white" if dark else "black"
             panel.text(j + 0.5, i + 0.5, text, ha="center", va="center", fontsize=7.0, color=color)
         labels = [f"{name.replace('_', ' ')}\n{value:.4g} {unit}" for name, value, unit in _parameters(table)]
@@ -35,12 +38,13 @@ def elasticities(table: Sensitivity) -> Figure:
         panel.set_yticks(np.arange(len(rows)) + 0.5, [_said(table, name) for name in table.outputs], fontsize=7.5)
         panel.tick_params(length=0.0)
         panel.invert_yaxis()
-        figure.colorbar(mesh, label="Elasticity (% for 1 %)")
+        figure.colorbar(mesh, label="Elasticity")
         return figure
 
 
 def _parameters(table: Sensitivity) -> list[tuple[str, float, str]]:
-    return list(zip(table.over, table.values.tolist(), table.units, strict=True))
+    units = ["" if unit == "1" else unit for unit in table.units]
+    return list(zip(table.over, table.values.tolist(), units, strict=True))
 
 
 def _said(table: Sensitivity, name: str) -> str:

@@ -13,7 +13,14 @@ from spear_pin.viz.plots.sweep import label
 SOURCES = sorted(Path(plots.__file__).parent.glob("*.py"))
 UNIT = r"(°|m|mm|cm|s|ms|rad|mrad|rad/s|m/s|N|N·m|N·m/rad|J|J a hop|A|V|kg|kg·m²|g·m²|%)"
 WITHOUT_UNIT = {  # ratios, numbers of something, names of what is compared
-    *("Cost of transport", "Electrical cost of transport", "Correlation", "Share that survives", "Largest multiplier"),
+    *(
+        "Cost of transport",
+        "Electrical cost of transport",
+        "Correlation",
+        "Elasticity",
+        "Share that survives",
+        "Largest multiplier",
+    ),
     *("Gear ratio", "Rms over continuous torque", "SPEAR-II over SPEAR-I"),
     "Feet on the ground",
     *("Strides to 1 % of the error", "Cycles to the gait", ""),
