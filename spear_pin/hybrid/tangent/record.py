@@ -61,7 +61,8 @@ class Recorder:
         held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.system.law)
         lap = self._runner.lap(phase, y, held, [0.0] * len(self.system.robot.toes))
         if lap is None:
-            raise NotDifferentiable("the cycle does not close, or events crowd in it")
+            what = "toes alternate, bounce, or events crowd"
+            raise NotDifferentiable(f"the cycle does not close, or what happens in it is not plain: {what}")
         self.end = lap.y
         return phase, lap.arcs
 
