@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, is_dataclass, replace
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import TYPE_CHECKING, Any, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,6 @@ from spear_pin.gaits.bounding import bounding
 from spear_pin.gaits.bounding_law import BoundingLaw
 from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.round_hopping import RoundHoppingLaw, round_hopping
-from spear_pin.gaits.sensitivity.sensitivity import Sensitivity, sensitivity
 from spear_pin.gaits.series_hopping import SeriesHoppingLaw, series_hopping
 from spear_pin.gaits.spatial.bounding import bounding_in_space
 from spear_pin.gaits.spatial.law import SpatialLaw
@@ -34,6 +33,9 @@ from spear_pin.kinds import typed
 from spear_pin.model.origin import check_origin, origin, robot_of, unsaid
 from spear_pin.model.spring import Spring
 from spear_pin.showing import Shown
+
+if TYPE_CHECKING:
+    from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
 
 FORMAT = "spear_pin gait 1"
 KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
@@ -96,7 +98,6 @@ class Gait(Shown):
         law = replace(system.law, **values)
         return replace(self, system=rebuilt(system, law=law))
 
-    @typed
     def sensitivity(self, over: Sequence[str], vary: Sequence[str] = (), keep: Sequence[str] = ()) -> Sensitivity:
         """What a change of any parameters does to the gait: exact derivatives of its state, measures and multipliers.
 
@@ -111,6 +112,8 @@ class Gait(Shown):
                 in space or has hardware.
             NotDifferentiable: the cycle has no derivative; the text says why.
         """
+        from spear_pin.gaits.sensitivity.sensitivity import sensitivity  # which compiles: only who asks for it waits
+
         return sensitivity(self.system, self.state, over, vary, keep)
 
     @typed

@@ -15,6 +15,7 @@ from spear_pin.hybrid.engines.structure import Structure
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import Chart, Charts, chart, section, velocity_rows
 from spear_pin.hybrid.tangent.cycle import Derivative, differentiated
+from spear_pin.hybrid.tangent.dual import value_of
 from spear_pin.hybrid.tangent.fields import tangent_feet
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import derivatives
@@ -110,12 +111,12 @@ def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int) -> Arra
     dq[:, :split] = local.q_basis
     feet = toes.at(y, raw, dy * 0.0, seeds)
     heights = derivatives([feet.toes[toe].height for toe in whole.toes], c)
-    normal = np.array([[x.x for x in feet.toes[toe].rows[1]] for toe in whole.toes])
+    normal = np.array([[value_of(x) for x in feet.toes[toe].rows[1]] for toe in whole.toes])
     dq -= np.linalg.pinv(normal) @ heights
     feet = toes.at(y, raw, dy, seeds)
     assert isinstance(local.lane, Charts)
     slides = local.lane.slides
-    jacobians = np.array([[[x.x for x in row] for row in feet.toes[toe].rows] for toe in whole.toes])
+    jacobians = np.array([[[value_of(x) for x in row] for row in feet.toes[toe].rows] for toe in whole.toes])
     turned = np.array([[derivatives(row, c) for row in feet.toes[toe].rows] for toe in whole.toes])  # (k, 2, nv, c)
     chosen = np.column_stack([~slides, np.ones_like(slides)]).ravel()
     drift = np.einsum("rnc,n->rc", turned.reshape(-1, nv, c)[chosen], state[1])
