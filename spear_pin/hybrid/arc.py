@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.domain import Domain, Guard, Held, Switch
+from spear_pin.hybrid.domain import Domain, Held
 
 Array = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ class Arc(NamedTuple):
         y: the state there, (2 nv,).
         end: when it ends, in s since the phase began.
         after: the state there, before what the event does to it.
-        event: what ends it; None for a kink of the law, after which the same motion goes on.
+        event: the guard or the switch that ends it; None for a kink of the law, after which the same motion goes on.
         switches: scheduled events of the phase so far, this one included.
     """
 
@@ -32,5 +32,5 @@ class Arc(NamedTuple):
     y: Array
     end: float
     after: Array
-    event: Guard | Switch | None
+    event: Any
     switches: int
