@@ -25,7 +25,6 @@ from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
 TIMES_FINER = 1000.0  # than asked for is what the Taylor engine integrates with: it costs little
-UNROLLED = 4  # coordinates: with more, compiling takes too long to do it unasked
 CHUNK = 16384  # lanes at a time, which bounds memory
 LOCK = Lock()  # a compiled integrator has one state, whichever thread asks
 
@@ -113,7 +112,7 @@ def simulate_many(
     _check(system, q, v, given, cycles)
     system = _varying(system, given)
     taylor.require()
-    code = taylor.Code(rtol / TIMES_FINER, observe, system.robot.nv <= UNROLLED if unroll is None else unroll)
+    code = taylor.Code(rtol / TIMES_FINER, observe, system.robot.nv <= taylor.UNROLLED if unroll is None else unroll)
     options, parts = Options(rtol), []
     for first in range(0, max(len(q), 1), CHUNK):
         chunk = slice(first, first + CHUNK)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +17,11 @@ from spear_pin.hybrid.batch import FEW, check_lanes
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.lanes.numbers import OTHERS
 from spear_pin.hybrid.orders import Order, order_of
-from spear_pin.hybrid.parameters import PARTS, parameter, replaced, with_parameters
+from spear_pin.hybrid.parameters import number, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.result import Run
 from spear_pin.hybrid.shooting import NOT_FINITE, Cycles
-from spear_pin.model.variants import PARAMETERS, parameters_of, vary
+from spear_pin.model.variants import parameters_of
 
 Array = NDArray[np.float64]
 KEPT = 16  # systems with other robots: three are asked for again and again
@@ -67,10 +66,7 @@ class Family:
         if value not in self._made:
             if len(self._made) >= KEPT:
                 self._made.clear()
-            robot = vary(self.system.robot, **{self.names[-1]: value})
-            parts: dict[str, Any] = {part: getattr(self.system, part) for part in PARTS}
-            again, kept = self.system.build(robot, **parts), replaced(self.system)
-            self._made[value] = replace(again, **kept) if kept else again
+            self._made[value] = with_numbers(self.system, {self.names[-1]: value})
         return self._made[value]
 
     @cached_property
@@ -80,13 +76,7 @@ class Family:
 
     def values(self) -> list[float]:
         """The numbers of the system itself."""
-        return [self._value(name) for name in self.names]
-
-    def _value(self, name: str) -> float:
-        robot = self.system.robot
-        if name in parameters_of(robot):
-            return float(robot.varied.get(name, PARAMETERS[name].default))
-        return parameter(self.system, name)
+        return [number(self.system, name) for name in self.names]
 
     def run(self, q: Array, v: Array, values: Array) -> Cycles:
         """One cycle each from states with values of the numbers, (m, k)."""

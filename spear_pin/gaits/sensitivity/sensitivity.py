@@ -15,6 +15,7 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_lanes
+from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import number, unit, with_numbers
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import chart
@@ -42,7 +43,8 @@ class Sensitivity(Shown):
         output_units: of those.
         derivatives: of the outputs, by name, (m,) each.
         multipliers: by decreasing modulus, (d,).
-        multiplier_derivatives: (d, m), NaN where two multipliers meet.
+        multiplier_derivatives: (d, m), NaN where the order of events changes too near.
+        one_sided: events that meet another in this gait, whose derivatives are of the order that happens.
 
     Example:
         >>> from spear_pin import find_gait, hopping, load
@@ -63,6 +65,7 @@ class Sensitivity(Shown):
     derivatives: Mapping[str, Array]
     multipliers: NDArray[np.complex128]
     multiplier_derivatives: NDArray[np.complex128]
+    one_sided: tuple[str, ...]
 
     def __repr__(self) -> str:
         return f"Sensitivity({len(self.outputs)} outputs over {', '.join(self.over)})"
@@ -74,6 +77,8 @@ class Sensitivity(Shown):
         for name, value in self.outputs.items():
             row = " ".join(f"{each:14.4g}" for each in self.elasticity(name))
             lines.append(f"{name:{width}} {value:12.6g} {row}")
+        if self.one_sided:
+            lines.append(f"one-sided: {', '.join(self.one_sided)} meets another event in this gait")
         return "\n".join(lines)
 
     def elasticity(self, output: str) -> Array:
@@ -103,6 +108,7 @@ class Sensitivity(Shown):
                 for name, value in self.outputs.items()
             },
             "solved": {name: self.plain(values) for name, values in self.solved.items()},
+            "one_sided": list(self.one_sided),
             "multipliers": [[value.real, value.imag] for value in self.multipliers.tolist()],
         }
         return json.dumps(data, indent=1)
@@ -134,12 +140,14 @@ def sensitivity(
         keep: as many measures.
 
     Raises:
+        MissingExtra: heyoka is not installed.
         UnknownName: there is no parameter or measure of a name.
         BadValue: a name is given twice, as many are not kept as are solved for, a parameter is zero and with it part
             of the equations, the state is no fixed point, or the system moves in space or has hardware.
         NotDifferentiable: the cycle has no derivative.
     """
     check_lanes(system)
+    taylor.require()
     names = (*vary, *over)
     if len(set(names)) != len(names) or not over:
         raise BadValue("over", list(over), "one parameter or more, each once, none of them solved for")
@@ -153,7 +161,6 @@ def sensitivity(
     if not off <= CLOSED:
         raise BadValue("state", off, f"a fixed point, from which the cycle leads away by at most {CLOSED:g}")
     dxi, dz = solved(orbit, vary, keep)
-    k, d = len(vary), orbit.dimension
     chain = np.concatenate([dxi, dz, np.eye(len(over))])
     multipliers, slopes = _multipliers(orbit, over, orbit.start @ chain, dict(zip(vary, dz, strict=True)))
     outputs = {name: measure.value for name, measure in orbit.measures.items()}
@@ -163,7 +170,6 @@ def sensitivity(
         name = f"multiplier_{i + 1}"
         outputs[name], units[name] = float(abs(value)), "1"
         derivatives[name] = np.real(np.conj(value) * slope) / abs(value) if value else np.full(len(over), np.nan)
-    assert chain.shape[0] == d + k + len(over)
     return Sensitivity(
         system,
         tuple(over),
@@ -176,6 +182,7 @@ def sensitivity(
         derivatives,
         multipliers,
         slopes,
+        orbit.cycle.borders,
     )
 
 

@@ -38,6 +38,7 @@ KINK = -3
 CACHE = 2**28  # bytes of compiled code that heyoka may keep on disk
 LEVEL = 3  # of LLVM's optimisation: with none code runs half as fast, and compiles in a sixth of the time
 MOST = 64  # compiled domains that are kept, some 10 MB each
+UNROLLED = 4  # coordinates: with more, compiling takes too long to do it unasked
 STEPS = 5000  # an arc takes some tens
 
 

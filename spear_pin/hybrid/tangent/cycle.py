@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.domain import Domain, Reset, Switch
+from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import with_fields
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
@@ -45,9 +45,13 @@ class Stretch:
         dy: their derivatives, (2 nv, k, c).
         values: what the domain says there.
         derivatives: of that, (..., k, c).
-        tau: derivative of its end's time, (c,); that of its beginning `since`.
-        end: the same at its end, just before the event: state, slopes, guards, torques, forces.
-        dend: derivatives of that, at the fixed clock.
+        since: derivative of the time at which it begins, (c,).
+        tau: of the time at which it ends, (c,).
+        state: at its end, just before the event, (2 nv,).
+        dstate: its derivatives at the fixed clock, (2 nv, c).
+        end: what the domain says there.
+        dend: derivatives of that at the fixed clock.
+        rate: rates of that along the motion.
     """
 
     arc: Arc
@@ -92,6 +96,20 @@ class Derivative:
         events = [each.arc.event for each in self.stretches]
         return tuple(event.name for event in events if event is not None and event.reset is not None)
 
+    @property
+    def borders(self) -> tuple[str, ...]:
+        """Names of events that meet another: derivatives are of the order that happens, and one-sided.
+
+        An event at once whose guard is far below zero meets none: it stays at once beside this cycle.
+        """
+        found = []
+        for each in self.stretches:
+            arc = each.arc
+            if isinstance(arc.event, Guard) and arc.end - arc.t <= SHORTEST:
+                i = next(k for k, guard in enumerate(arc.domain.guards) if guard is arc.event)
+                found += [arc.event.name] * bool(abs(each.end.guards[i]) <= arc.event.tolerance)
+        return tuple(found)
+
 
 @dataclass
 class _Now:
@@ -124,7 +142,7 @@ def differentiated(system: HybridSystem, recorder: Recorder, y: Array, dy: Array
     """
     whole = _Whole(system, recorder, seeds)
     held = whole.begun(y, dy)
-    phase, arcs = recorder.cycle(y)
+    arcs = recorder.cycle(y)
     now, stretches = _Now(dy, held, np.zeros(dy.shape[1])), []
     for arc in arcs:
         stretch = whole.carry(arc, now)
@@ -143,7 +161,7 @@ class _Whole:
 
     def begun(self, y: Array, dy: Array) -> dict[str, Any]:
         """What is held where the cycle begins."""
-        _, resets = self.recorder.start(y)
+        _, resets = self.recorder.start
         state = duals(y, dy)
         return dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law))
 

@@ -24,7 +24,6 @@ from spear_pin.hybrid.tangent.dual import Dual, derivative_of, operations, value
 from spear_pin.model.scalars import dot
 
 Array = NDArray[np.float64]
-UNROLLED = 4  # coordinates up to which the compiled code is; beyond that it takes minutes to compile
 
 
 class Values(NamedTuple):
@@ -214,7 +213,7 @@ def compiled(rows: Sequence[Any], variables: Sequence[Any], nv: int) -> Any:
     """A function of expressions, compiled."""
     hy = taylor.require()
     zero = hy.expression(0.0)
-    return hy.cfunc([zero + row for row in rows], variables, compact_mode=nv > UNROLLED)
+    return hy.cfunc([zero + row for row in rows], variables, compact_mode=nv > taylor.UNROLLED)
 
 
 @lru_cache(taylor.MOST)

@@ -1,7 +1,8 @@
-"""Run a cycle and keep its arcs: by the fast engine where that can, else by the reference engine."""
+"""Run a cycle by the fast engine and keep its arcs; what that leaves to the reference engine is refused."""
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Reset
 from spear_pin.hybrid.engines.structure import Structure, flattened, shape_of
-from spear_pin.hybrid.engines.taylor import Code
+from spear_pin.hybrid.engines.taylor import UNROLLED, Code
 from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.rules.latching import latched
@@ -21,7 +22,6 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
 TOLERANCE = 1e-15  # of the Taylor engine
-UNROLLED = 4
 
 
 class Recorder:
@@ -47,24 +47,25 @@ class Recorder:
         self._fields: dict[Any, TangentField] = {}  # the system keeps its domains, so that their identities stay
         self._feet: dict[tuple[str, ...], TangentFeet] = {}
 
-    def start(self, y: Array) -> tuple[str, tuple[Reset, ...]]:
+    @cached_property
+    def start(self) -> tuple[str, tuple[Reset, ...]]:
         """The phase that begins at the section, and the resets that say what is held."""
         return start(self.system, True)
 
-    def cycle(self, y: Array) -> tuple[str, list[Arc]]:
-        """The phase in which a cycle begins, and its arcs.
+    def cycle(self, y: Array) -> list[Arc]:
+        """The arcs of a cycle from a state just behind the section, (2 nv,).
 
         Raises:
             NotDifferentiable: it does not close, or what happens in it is not plain.
         """
-        phase, resets = self.start(y)
+        phase, resets = self.start
         held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.system.law)
         lap = self._runner.lap(phase, y, held, [0.0] * len(self.system.robot.toes))
         if lap is None:
             what = "toes alternate, bounce, or events crowd"
             raise NotDifferentiable(f"the cycle does not close, or what happens in it is not plain: {what}")
         self.end = lap.y
-        return phase, lap.arcs
+        return lap.arcs
 
     def states(self, arc: Arc, times: Array) -> Array:
         """States at times within an arc, (2 nv, n)."""

@@ -48,7 +48,7 @@ def derivative(system: HybridSystem, y: Array, names: tuple[str, ...] = ()) -> t
 def end(system: HybridSystem, y: Array) -> Array:
     """State at the end of a cycle, with the durations of its phases."""
     recorder = Recorder(system)
-    _, arcs = recorder.cycle(y)
+    arcs = recorder.cycle(y)
     spent = [
         sum(
             arc.end

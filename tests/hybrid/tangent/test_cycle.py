@@ -48,7 +48,7 @@ class TestBounds:
 def test_compiled_and_interpreted_say_the_same(hop):
     system, y = hop.system, np.concatenate(hop.state)
     recorder = Recorder(system)
-    _, arcs = recorder.cycle(y)
+    arcs = recorder.cycle(y)
     rng, own = np.random.default_rng(3), seeds(system, ["stiffness", "friction", "knee_mass"])
     for arc in arcs[:3]:
         field = tangent_field(Structure(system, arc.domain, arc.held, recorder.planar))

@@ -48,7 +48,7 @@ def test_multipliers_are_those_of_the_gait(gait, exact):
 def test_without_compiled_functions_derivatives_are_the_same(gait):
     recorder = Recorder(gait.system)
     random = np.random.default_rng(3)
-    _, arcs = recorder.cycle(np.concatenate(gait.state))
+    arcs = recorder.cycle(np.concatenate(gait.state))
     for arc in arcs:
         field = recorder.field(arc.domain, arc.held)
         raw = np.concatenate([recorder.numbers, np.array([*arc.held.values()], dtype=float)])
