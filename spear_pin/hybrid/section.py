@@ -209,8 +209,13 @@ class Chart:
         return xi
 
 
-def chart(system: HybridSystem, state: State) -> Chart:
+def chart(system: HybridSystem, state: State, slides: NDArray[np.bool_] | None = None) -> Chart:
     """The chart of the section around a state on it.
+
+    Args:
+        system: the system.
+        state: (q, v).
+        slides: in the plane, which of the toes on the ground slide, (k,); those that do.
 
     Raises:
         BadValue: the state has the wrong shape or is not finite.
@@ -220,7 +225,7 @@ def chart(system: HybridSystem, state: State) -> Chart:
     if system.section_toes:
         return Chart(spatial_section.charts(system, q, v))
     whole = section(system)
-    return Chart(whole.charts(q, v, whole.sliding(q, v)[0]))
+    return Chart(whole.charts(q, v, whole.sliding(q, v)[0] if slides is None else slides))
 
 
 def velocity_rows(jacobians: Array, slides: NDArray[np.bool_]) -> Array:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.gaits.sensitivity.margins import margins
 from spear_pin.gaits.sensitivity.measures import Measure, measures
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines.structure import Structure
+from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import Chart, Charts, chart, section, velocity_rows
 from spear_pin.hybrid.tangent.cycle import Derivative, differentiated
@@ -90,6 +93,44 @@ class Orbit:
     def measures(self) -> dict[str, Measure]:
         """All measures, with derivatives by ξ and by the parameters."""
         return measures(self.cycle, self.start)
+
+    @cached_property
+    def margins(self) -> dict[str, Measure]:
+        """How far each event is from happening otherwise, with derivatives by ξ and by the parameters."""
+        return margins(self.cycle)
+
+    @property
+    def slides(self) -> NDArray[np.bool_]:
+        """Which toes of the section slide as the cycle begins, (k,)."""
+        assert isinstance(self.chart.lane, Charts)
+        return self.chart.lane.slides
+
+    @property
+    def slide_after(self) -> NDArray[np.bool_]:
+        """Which slide as it ends, (k,)."""
+        assert isinstance(self.chart.lane, Charts)
+        nv, y = self.system.robot.nv, self.cycle.y[None]
+        return self.chart.lane.section.sliding(y[:, :nv], y[:, nv:])[0]
+
+    def beside(
+        self, values: Mapping[str, float], dy: Array, names: tuple[str, ...] = (), slides: Any = None
+    ) -> Orbit:
+        """The orbit of other numbers, from the state moved by dy, (2 nv,), and put onto the section of these.
+
+        Args:
+            values: of numbers, by name.
+            dy: change of the state, to first order: toes that rest go on to.
+            names: of its parameters.
+            slides: which toes of the section slide, (k,); those that do here.
+
+        Raises:
+            UnknownName: there is no number of a name.
+            BadValue: a value is not valid, or no state on the section is near.
+        """
+        system, y = with_numbers(self.system, values), np.concatenate(self.state) + dy
+        nv = system.robot.nv
+        local = chart(system, (y[:nv], y[nv:]), self.slides if slides is None else slides)
+        return Orbit(system, local.state(np.zeros(local.dimension)), names)
 
 
 def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int) -> Array:

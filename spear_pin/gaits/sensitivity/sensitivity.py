@@ -16,9 +16,8 @@ from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.parameters import number, unit, with_numbers
+from spear_pin.hybrid.parameters import number, unit
 from spear_pin.hybrid.result import State
-from spear_pin.hybrid.section import chart
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
@@ -206,14 +205,10 @@ def _multipliers(
 def _slope(
     orbit: Orbit, name: str, value: float, h: float, dy: Array, dz: Mapping[str, float], here: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
-    nv, ends = orbit.system.robot.nv, []
-    y = np.concatenate(orbit.state)
+    ends = []
     for step in (h, -h):
         given = {name: value + step, **{z: number(orbit.system, z) + step * slope for z, slope in dz.items()}}
-        system, moved = with_numbers(orbit.system, given), y + step * dy
-        state = moved[:nv], moved[nv:]
-        local = chart(system, state)
-        there = Orbit(system, local.state(np.zeros(local.dimension)), ())
+        there = orbit.beside(given, step * dy)
         if there.cycle.order != orbit.cycle.order:
             raise NotDifferentiable("another order of events is too near")
         ends.append(_matched(here, np.linalg.eigvals(there.jacobian)))

@@ -73,20 +73,30 @@ def peak(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     best: float = -np.inf
     change: Any = np.zeros(pieces[0].derivatives.shape[1])
     for piece in pieces:
-        stretch, panels = piece.stretch, list(piece.panels())
-        for i, (_, h, values, derivatives) in enumerate(panels):
-            slope = legendre.legder(values)
-            for x in (-1.0, *_roots(slope), 1.0):
-                value = float(legendre.legval(x, values))
-                if value <= best:
-                    continue
-                best, change = value, legendre.legval(x, derivatives)
-                rate = float(legendre.legval(x, slope)) * 2.0 / h if h > 0.0 else 0.0
-                if x == -1.0 and i == 0:
-                    change = change + rate * stretch.since
-                elif x == 1.0 and i == len(panels) - 1:
-                    change = change + rate * stretch.tau
+        for _, value, along in extremes(piece):
+            if value > best:
+                best, change = value, along
     return best, change
+
+
+def extremes(piece: Pieces) -> Iterator[tuple[float, float, Array]]:
+    """Values at an arc's ends, where the signal turns, and between panels, with derivatives.
+
+    Yields:
+        the place, 0 at the arc's beginning and 1 at its end; the value; its derivative.
+    """
+    stretch, panels = piece.stretch, list(piece.panels())
+    count = len(panels)
+    for i, (_, h, values, derivatives) in enumerate(panels):
+        slope = legendre.legder(values)
+        for x in (-1.0, *_roots(slope), 1.0):
+            change: Any = legendre.legval(x, derivatives)
+            rate = float(legendre.legval(x, slope)) * 2.0 / h if h > 0.0 else 0.0
+            if x == -1.0 and i == 0:
+                change = change + rate * stretch.since
+            elif x == 1.0 and i == count - 1:
+                change = change + rate * stretch.tau
+            yield (i + 0.5 * (x + 1.0)) / count, float(legendre.legval(x, values)), np.asarray(change)
 
 
 def largest_ratio(pairs: Sequence[tuple[Pieces, Pieces]], least: float) -> tuple[float, Array]:

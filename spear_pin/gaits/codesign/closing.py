@@ -1,0 +1,90 @@
+"""The gait of other numbers, by Newton's method with exact derivatives, from one nearby."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import NoGait, SpearError
+from spear_pin.gaits.sensitivity.orbit import Orbit, solved
+from spear_pin.hybrid.parameters import number
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
+
+Array = NDArray[np.float64]
+CLOSED = 1e-10  # of coordinates and of what is kept
+MOST = 8  # cycles
+SLOWEST = 0.5  # factor by which the residual has to fall
+
+
+def closed(
+    orbit: Orbit, vary: Sequence[str], keep: Mapping[str, float], on_cycle: Callable[[], object] = lambda: None
+) -> Orbit:
+    """The gait beside an orbit that all but is one, with its derivatives.
+
+    Args:
+        orbit: its names begin with those of `vary`.
+        vary: parameters that are solved for.
+        keep: measures, as many, and their values.
+        on_cycle: called before each cycle.
+
+    Raises:
+        NoGait: Newton's method does not lead to one within a few cycles.
+    """
+    before = np.inf
+    for _ in range(MOST):
+        on_cycle()
+        try:
+            if (orbit.slides != orbit.slide_after).any():  # toes land otherwise
+                after = orbit.cycle.y - np.concatenate(orbit.state)
+                orbit = orbit.beside({}, after, orbit.names, orbit.slide_after)
+                continue
+            residual = np.concatenate([orbit.displacement, [orbit.measures[name].value - keep[name] for name in keep]])
+            size = float(np.abs(residual).max())
+            if size <= CLOSED:
+                return orbit
+            if not size < SLOWEST * before:
+                break
+            d, k = orbit.dimension, len(vary)
+            rows = orbit.columns[:, : d + k] - np.eye(d, d + k)
+            kept = [orbit.measures[name].derivative[: d + k] for name in keep]
+            step = np.linalg.solve(np.vstack([rows, *kept]), -residual)
+            values = {name: number(orbit.system, name) + step[d + j] for j, name in enumerate(vary)}
+            orbit = orbit.beside(values, orbit.start[:, : d + k] @ step, orbit.names)
+        except (NotDifferentiable, SpearError, np.linalg.LinAlgError) as error:
+            raise NoGait(str(error), before) from None
+        before = size
+    raise NoGait("Newton's method makes no progress", before)
+
+
+def led(
+    orbit: Orbit,
+    vary: Sequence[str],
+    keep: Mapping[str, float],
+    change: Mapping[str, float],
+    on_cycle: Callable[[], object] = lambda: None,
+) -> Orbit:
+    """The gait with other numbers than one has: Newton's method from where derivatives say it is.
+
+    Args:
+        orbit: the gait; its names are those of `vary`, then those that may change.
+        vary: parameters that are solved for.
+        keep: measures, as many, and their values.
+        change: by how much parameters change, by name.
+        on_cycle: called before each cycle.
+
+    Raises:
+        NoGait: Newton's method does not lead to one, or a number is not valid.
+    """
+    k = len(vary)
+    dxi, dz = solved(orbit, vary, list(keep))
+    by = np.array([change[name] for name in orbit.names[k:]])
+    values = {name: number(orbit.system, name) + slope @ by for name, slope in zip(vary, dz, strict=True)}
+    values |= {name: number(orbit.system, name) + change[name] for name in orbit.names[k:]}
+    dy = orbit.start @ np.concatenate([dxi @ by, dz @ by, by])
+    try:
+        begun = orbit.beside(values, dy, orbit.names)
+    except SpearError as error:
+        raise NoGait(str(error), np.inf) from None
+    return closed(begun, vary, keep, on_cycle)

@@ -1,0 +1,241 @@
+"""What an optimisation of a design says: the gait, what holds it back and at what price, and what assumptions do."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import SpearError
+from spear_pin.gaits.codesign.problem import STABILITY, Problem, largest
+from spear_pin.gaits.codesign.stability import borders
+from spear_pin.gaits.codesign.trust_region import Minimum
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import number, unit
+from spear_pin.model.numbers import body_numbers
+from spear_pin.model.variants import parameters_of
+from spear_pin.showing import Shown
+
+Array = NDArray[np.float64]
+STEP = 1e-6  # of the largest multiplier that is allowed
+NOTHING = 1e-6  # of the objective: a price for a whole bound, or a whole range, that is none
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A parameter of a design.
+
+    Attributes:
+        start: its value at the beginning.
+        value: its value.
+        low: the least that was allowed.
+        high: the greatest that was allowed.
+        unit: of these, empty where nothing says one.
+    """
+
+    start: float
+    value: float
+    low: float
+    high: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """What a number that was not chosen does to the best design.
+
+    Attributes:
+        value: of the number.
+        unit: of the number.
+        derivative: of what is minimised at its minimum, for one unit more, to first order.
+    """
+
+    value: float
+    unit: str
+    derivative: float
+
+
+@dataclass(frozen=True, repr=False)
+class Design(Shown):
+    """A local minimum of a measure over parameters, within bounds.
+
+    Attributes:
+        gait: the gait there, confirmed by the reference engine.
+        minimize: name of the measure.
+        unit: of the measure.
+        start: the measure where it began, what is to be kept being kept.
+        objective: the measure at the minimum.
+        parameters: by name.
+        bounds: measures that are bounded: value and bound, by what the bound is called.
+        active: bounds that hold the design back: by how much the measure changes for one unit more of the bound.
+        assumptions: by name.
+        largest: modulus of the largest multiplier.
+        path: the measure, and by how much bounds are missed in all relative to them, after each iteration.
+        stationarity: what bounds leave of the gradient, relative to the measure where it began, over whole ranges.
+        cycles: that were run and differentiated.
+        reason: why it ended.
+        converged: whether that is a minimum.
+    """
+
+    gait: Gait
+    minimize: str
+    unit: str
+    start: float
+    objective: float
+    parameters: Mapping[str, Chosen]
+    bounds: Mapping[str, tuple[float, float]]
+    active: Mapping[str, float]
+    assumptions: Mapping[str, Assumption]
+    largest: float
+    path: tuple[tuple[float, float], ...]
+    stationarity: float
+    cycles: int
+    reason: str
+    converged: bool
+
+    def __repr__(self) -> str:
+        return f"Design({self.minimize} {self.start:.6g} -> {self.objective:.6g} {self.unit}, {self.reason})"
+
+    def __str__(self) -> str:
+        lines = [f"{self.minimize}: {self.start:.6g} -> {self.objective:.6g} {self.unit}; {self.reason}"]
+        for name, each in self.parameters.items():
+            lines.append(
+                f"  {name:24} {each.start:10.5g} -> {each.value:10.5g} {each.unit} of {each.low:g} to {each.high:g}"
+            )
+        for name, (value, bound) in self.bounds.items():
+            lines.append(f"  {name:40} {value:10.5g}, bound {bound:g}")
+        lines.append(f"  largest multiplier {self.largest:.4f}, {self.cycles} cycles")
+        if self.active:
+            lines.append(f"held back by, with the change of {self.minimize} for one unit more of the bound:")
+            lines += [f"  {name:40} {price:+10.4g}" for name, price in self.active.items()]
+        if self.assumptions:
+            lines.append(f"% of {self.minimize} for one more % of what was assumed:")
+            for name in self.ranked[:10]:
+                lines.append(f"  {name:40} {self.elasticity(name):+10.4f}")
+        return "\n".join(lines)
+
+    @property
+    def ranked(self) -> list[str]:
+        """Names of assumptions, those first that matter most."""
+        return sorted(self.assumptions, key=lambda name: -abs(self.elasticity(name)))
+
+    def elasticity(self, name: str) -> float:
+        """% of the minimum for one more % of an assumption."""
+        each = self.assumptions[name]
+        return each.derivative * each.value / self.objective if self.objective else np.nan
+
+    def to_json(self) -> str:
+        """All of it but the gait, as JSON."""
+        plain = {field.name: getattr(self, field.name) for field in fields(self)} | {
+            "gait": None,
+            "parameters": {name: vars(each) for name, each in self.parameters.items()},
+            "assumptions": {name: vars(each) for name, each in self.assumptions.items()},
+        }
+        del plain["gait"]
+        return json.dumps(plain, indent=1)
+
+
+def design(
+    problem: Problem,
+    begun: Gait,
+    gait: Gait,
+    end: Minimum[Orbit],
+    scale: float,
+    cycles: int,
+    assuming: Sequence[str] | None = None,
+) -> Design:
+    """What there is to say of an end.
+
+    Args:
+        problem: the problem.
+        begun: the gait at the beginning.
+        gait: that at the end.
+        end: the end.
+        scale: of what is minimised.
+        cycles: that it took.
+        assuming: names of assumptions; None: those of gears, springs, ground and masses.
+    """
+    orbit = end.local.more
+    objective, c = problem.values(orbit)
+    chosen = {
+        name: Chosen(number(begun.system, name), number(gait.system, name), low, high, unit(gait.system, name))
+        for name, (low, high) in problem.over.items()
+    }
+    found, bounds = problem.measures(orbit), dict[str, tuple[float, float]]()
+    for word, limits in (("at most", problem.at_most), ("at least", problem.at_least)):
+        bounds |= {f"{name} {word}": (found[name].value, bound) for name, bound in limits.items() if name in found}
+    if problem.largest_multiplier is not None:
+        bounds["largest multiplier at most"] = largest(orbit), problem.largest_multiplier
+    names = assumed(orbit.system, problem.names) if assuming is None else tuple(assuming)
+    return Design(
+        gait,
+        problem.minimize,
+        found[problem.minimize].unit,
+        end.path[0][0] * scale,
+        objective,
+        chosen,
+        bounds,
+        _prices(problem, orbit, end, scale),
+        _assumptions(problem, orbit, end, scale, names) if names else {},
+        largest(orbit),
+        tuple((value * scale, missed) for value, missed in end.path),
+        end.stationarity,
+        cycles,
+        end.reason,
+        end.converged,
+    )
+
+
+def assumed(system: HybridSystem, besides: Sequence[str]) -> tuple[str, ...]:
+    """Numbers of gears, springs, ground and masses that equations have in them, other than some."""
+    masses = [name for name in body_numbers(system.robot) if name.endswith("_mass")]
+    found = []
+    for name in (*parameters_of(system.robot), "stiffness", "damping", "friction", *masses):
+        try:
+            if name not in besides and number(system, name) != 0.0:
+                found.append(name)
+        except SpearError:
+            continue
+    return tuple(found)
+
+
+def _prices(problem: Problem, orbit: Orbit, end: Minimum[Orbit], scale: float) -> dict[str, float]:
+    """Change of what is minimised for one unit more of each active bound."""
+    found = dict[str, float]()
+    ends = (problem.lower, problem.lower + problem.span)
+    for word, side, prices in zip(("least", "greatest"), (1.0, -1.0), end.at_bounds, strict=True):
+        for name, price, span in zip(problem.over, prices, problem.span, strict=True):
+            if price > NOTHING:
+                found[f"{word} {name}"] = side * float(price) * scale / float(span)
+    assert len(ends) == 2
+    measured = len(problem.at_most) + len(problem.at_least)
+    sides = [-1.0] * len(problem.at_most) + [1.0] * len(problem.at_least)
+    for label, price, side, size in zip(problem.labels, end.multipliers, sides, problem.sizes, strict=False):
+        if price > NOTHING:
+            found[label] = side * float(price) * scale / float(size)
+    if problem.largest_multiplier is not None:
+        rho = problem.largest_multiplier
+        grown = borders(orbit.jacobian, rho * (1.0 + STEP)) - borders(orbit.jacobian, rho * (1.0 - STEP))
+        for label, price, change in zip(STABILITY, end.multipliers[measured:], grown, strict=True):
+            if price > NOTHING:
+                found[label] = -float(price) * scale * float(change) / (2.0 * STEP * rho)
+    return found
+
+
+def _assumptions(
+    problem: Problem, orbit: Orbit, end: Minimum[Orbit], scale: float, names: Sequence[str]
+) -> dict[str, Assumption]:
+    """By how much the minimum changes with each, to first order: of Lagrange's function, the design being as it is."""
+    whole = Orbit(orbit.system, orbit.state, (*problem.vary, *names))
+    watch = bool(problem.largest_multiplier is not None and end.multipliers[-len(STABILITY) :].any())
+    goal, rows = problem.slopes(whole, watch)
+    slopes = goal - scale * rows.T @ end.multipliers
+    return {
+        name: Assumption(number(orbit.system, name), unit(orbit.system, name), float(slope))
+        for name, slope in zip(names, slopes, strict=True)
+    }

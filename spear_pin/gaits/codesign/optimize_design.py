@@ -1,0 +1,143 @@
+"""The best robot and gait together, within bounds: `optimize_design`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+
+import numpy as np
+
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, NoGait
+from spear_pin.gaits.codesign.closing import closed, led
+from spear_pin.gaits.codesign.design import Design, design
+from spear_pin.gaits.codesign.problem import Problem
+from spear_pin.gaits.codesign.trust_region import Local, minimised
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.search import gait_beside
+from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.hybrid.batch import check_lanes
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.parameters import number
+from spear_pin.kinds import typed
+from spear_pin.model.motor import Motor
+
+Array = NDArray[np.float64]
+NOTHING: Mapping[str, float] = MappingProxyType({})
+NO_MOTORS: Mapping[str, Motor] = MappingProxyType({})
+
+
+@typed
+def optimize_design(
+    gait: Gait,
+    minimize: str,
+    over: Mapping[str, tuple[float, float]],
+    keep: Mapping[str, float] = NOTHING,
+    *,
+    vary: Sequence[str] | None = None,
+    at_most: Mapping[str, float] = NOTHING,
+    at_least: Mapping[str, float] = NOTHING,
+    largest_multiplier: float | None = None,
+    motors: Mapping[str, Motor] = NO_MOTORS,
+    assuming: Sequence[str] | None = None,
+    tolerance: float = 1e-6,
+    iterations: int = 100,
+    on_iteration: Callable[[int, float, float], object] = lambda n, value, missed: None,
+) -> Design:
+    """A local minimum of a measure over parameters of robot, spring and law, each point a gait of the simulation.
+
+    Gaits are followed by Newton's method with exact derivatives; the next design is that of a quadratic model within a
+    region in which models have been right and gaits exist. The end is confirmed by the reference engine.
+
+    Args:
+        gait: where it begins; it need not keep what is to be kept.
+        minimize: a measure: of `gait.sensitivity`, `energy`, `heat_JOINT`, or `margin_EVENT`.
+        over: least and greatest values of parameters, by the names of law, springs, ground or robot.
+        keep: measures of which the values are kept.
+        vary: as many parameters, which are solved for; those that the gait was solved for.
+        at_most: upper bounds of measures, such as `peak_torque_knee`.
+        at_least: lower bounds, such as `margin_spring_switch`: how far an event is from happening otherwise.
+        largest_multiplier: upper bound of the multipliers' moduli.
+        motors: of joints, by name, whose heat `energy` counts; gears have the robot's ratio and lose nothing.
+        assuming: numbers of which the answer says what their change would do; those of gears, springs, ground and
+            masses.
+        tolerance: of the relative gain that is still predicted.
+        iterations: at most.
+        on_iteration: called with the iteration, what is minimised, and by how much bounds are missed, relative to them.
+
+    Raises:
+        MissingExtra: heyoka is not installed.
+        UnknownName: there is no parameter, measure or joint of a name.
+        BadValue: a range is none, the gait lies outside of one, as many measures are not kept as are solved for, or the
+            gait moves in space or has hardware.
+        NoGait: no gait near the given one keeps what is to be kept.
+        NotDifferentiable: the gait has no derivative.
+
+    Example:
+        >>> from spear_pin import find_gait, hopping, load, optimize_design
+        >>> gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])))
+        >>> kept = {"flight_time": gait.durations["flight"]}
+        >>> best = optimize_design(gait, "work", {"stiffness": (50.0, 58.0)}, kept, vary=["stance_torque"])
+        >>> best.converged, list(best.parameters)
+        (True, ['stiffness'])
+    """
+    check_lanes(gait.system)
+    taylor.require()
+    solved_for = tuple(vary) if vary is not None else tuple(gait.parameters) if keep else ()
+    problem = Problem(
+        minimize, dict(over), solved_for, dict(keep), dict(at_most), dict(at_least), largest_multiplier, dict(motors)
+    )
+    _check(gait, problem)
+    cycles = 0
+
+    def count() -> None:
+        nonlocal cycles
+        cycles += 1
+
+    orbit = closed(Orbit(gait.system, gait.state, problem.names), solved_for, problem.keep, count)
+    problem.named(orbit)
+    scale = abs(problem.values(orbit)[0]) or 1.0
+
+    def value(x: Array, near: Local[Orbit]) -> Local[Orbit] | None:
+        change = dict(zip(over, ((x - near.x) * problem.span).tolist(), strict=True))
+        try:
+            there = led(near.more, solved_for, problem.keep, change, count)
+        except NoGait:
+            return None
+        if problem.stable(near.more) and not problem.stable(there) and (problem.values(there)[1] >= 0.0).all():
+            return None  # two multipliers left the circle at once: the step was too long
+        return problem.local(there, scale, count)
+
+    def tell(n: int, best: Local[Orbit]) -> None:
+        on_iteration(n, best.f * scale, best.violation)
+
+    n = len(over)
+    start = problem.local(orbit, scale, count)
+    end = minimised(value, start, np.zeros(n), np.ones(n), tolerance=tolerance, iterations=iterations, on_step=tell)
+    best = end.local.more
+    found = gait_beside(best.system, best.state, solved_for, problem.keep)
+    return design(problem, gait, found, end, scale, cycles, assuming)
+
+
+def _check(gait: Gait, problem: Problem) -> None:
+    """Refuse ranges that are none, and names that do not fit together."""
+    if not problem.over:
+        raise BadValue("over", {}, "one parameter or more, each with its least and greatest value")
+    for name, bounds in problem.over.items():
+        value = number(gait.system, name)
+        if len(bounds) != 2 or not (np.isfinite(bounds).all() and bounds[0] < bounds[1]):
+            raise BadValue(f"over[{name!r}]", bounds, "a least and a greatest value, finite")
+        if not bounds[0] <= value <= bounds[1]:
+            raise BadValue(f"over[{name!r}]", bounds, f"a range with the gait's own value in it, {value:g}")
+        if name in problem.vary:
+            raise BadValue("over", name, "parameters other than those that are solved for")
+    if len(problem.vary) != len(problem.keep):
+        raise BadValue("keep", dict(problem.keep), f"as many measures as are solved for, {len(problem.vary)}")
+    limit = problem.largest_multiplier
+    if limit is not None and not (np.isfinite(limit) and limit > 0.0):
+        raise BadValue("largest_multiplier", limit, "a number > 0, or None")
+    for what, bounds in (("at_most", problem.at_most), ("at_least", problem.at_least), ("keep", problem.keep)):
+        for name, bound in bounds.items():
+            if not np.isfinite(bound):
+                raise BadValue(f"{what}[{name!r}]", bound, "a finite number")

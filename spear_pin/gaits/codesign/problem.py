@@ -1,0 +1,147 @@
+"""What is minimised over what, within which bounds, at one gait: values and gradients along the branch of gaits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import UnknownName
+from spear_pin.gaits.codesign.stability import borders, slopes
+from spear_pin.gaits.codesign.trust_region import Local
+from spear_pin.gaits.sensitivity.heat import with_heat
+from spear_pin.gaits.sensitivity.measures import Measure
+from spear_pin.gaits.sensitivity.orbit import Orbit, solved
+from spear_pin.hybrid.parameters import number
+from spear_pin.model.motor import Motor
+
+Array = NDArray[np.float64]
+OnCycle = Callable[[], object]
+MARGIN = "margin_"
+STABILITY = ("multiplier at +1", "multiplier at -1", "multipliers in a complex pair")
+WATCHED = 0.8  # of the largest multiplier that is allowed: above this its derivatives are needed
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A measure to be made small.
+
+    Attributes:
+        minimize: the measure.
+        over: least and greatest values of the parameters, by name.
+        vary: parameters that are solved for.
+        keep: measures that they keep, as many, and their values.
+        at_most: upper bounds of measures.
+        at_least: lower bounds of measures.
+        largest_multiplier: upper bound of every multiplier's modulus; None: no bound.
+        motors: of joints, for `heat_JOINT` and `energy`.
+    """
+
+    minimize: str
+    over: Mapping[str, tuple[float, float]]
+    vary: tuple[str, ...]
+    keep: Mapping[str, float]
+    at_most: Mapping[str, float]
+    at_least: Mapping[str, float]
+    largest_multiplier: float | None
+    motors: Mapping[str, Motor]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters whose derivatives are needed."""
+        return (*self.vary, *self.over)
+
+    @property
+    def lower(self) -> Array:
+        """Least values, (n,)."""
+        return np.array([low for low, _ in self.over.values()])
+
+    @property
+    def span(self) -> Array:
+        """Greatest values less the least, (n,)."""
+        return np.array([high - low for low, high in self.over.values()])
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the constraints, in the order of `Local.c`."""
+        stability = () if self.largest_multiplier is None else STABILITY
+        return (*(f"{name} at most" for name in self.at_most), *(f"{name} at least" for name in self.at_least), *stability)
+
+    @property
+    def sizes(self) -> Array:
+        """Units in which constraints are counted: of their bounds; of stability 1."""
+        bounds = [*self.at_most.values(), *self.at_least.values()]
+        of_stability = [] if self.largest_multiplier is None else [1.0] * len(STABILITY)
+        return np.array([abs(bound) or 1.0 for bound in bounds] + of_stability)
+
+    def measures(self, orbit: Orbit) -> dict[str, Measure]:
+        """All measures of a gait, with heat, energy and margins."""
+        found = with_heat(orbit.measures, orbit.system, self.motors, orbit.names, orbit.dimension)
+        return found | {MARGIN + name: margin for name, margin in orbit.margins.items()}
+
+    def named(self, orbit: Orbit) -> None:
+        """Check that a gait has the measures.
+
+        Raises:
+            UnknownName: it has not.
+        """
+        found = self.measures(orbit)
+        for name in (self.minimize, *self.keep, *self.at_most, *self.at_least):
+            if name not in found:
+                raise UnknownName("measure", name, found)
+
+    def values(self, orbit: Orbit) -> tuple[float, Array]:
+        """What is minimised, and the constraints, which are met where they are >= 0, in their sizes, (m,)."""
+        found, values = self.measures(orbit), []
+        for bounds, side in ((self.at_most, -1.0), (self.at_least, 1.0)):
+            for name, bound in bounds.items():
+                # an event that is not armed has no margin, and needs none
+                values.append(side * (found[name].value - bound) / (abs(bound) or 1.0) if name in found else 1.0)
+        if self.largest_multiplier is not None:
+            values.extend(borders(orbit.jacobian, self.largest_multiplier).tolist())
+        return found[self.minimize].value, np.array(values)
+
+    def slopes(self, orbit: Orbit, watch: bool, on_cycle: OnCycle = lambda: None) -> tuple[Array, Array]:
+        """Derivatives of `values` along the branch by all of an orbit's names that are not solved for, (n,) and (m, n).
+
+        Args:
+            orbit: the gait.
+            watch: whether those of the multipliers are needed, which take two cycles each; else they are zero.
+            on_cycle: called before each cycle.
+        """
+        others, found = len(orbit.names) - len(self.vary), self.measures(orbit)
+        dxi, dz = solved(orbit, self.vary, list(self.keep))
+        chain, rows = np.concatenate([dxi, dz, np.eye(others)]), []
+        for bounds, side in ((self.at_most, -1.0), (self.at_least, 1.0)):
+            for name, bound in bounds.items():
+                along = found[name].derivative @ chain if name in found else np.zeros(others)
+                rows.append(side * along / (abs(bound) or 1.0))
+        if self.largest_multiplier is not None:
+            of = slopes(orbit, self.vary, list(self.keep), self.largest_multiplier, on_cycle) if watch else None
+            rows.extend(np.zeros((len(STABILITY), others)) if of is None else of)
+        return found[self.minimize].derivative @ chain, np.array(rows).reshape(-1, others)
+
+    def local(self, orbit: Orbit, scale: float, on_cycle: OnCycle = lambda: None) -> Local[Orbit]:
+        """The problem about a gait, with parameters counted from 0 to 1 within their ranges.
+
+        Args:
+            orbit: the gait, with derivatives by `names`.
+            scale: of what is minimised.
+            on_cycle: called before each cycle.
+        """
+        goal, c = self.values(orbit)
+        allowed = np.inf if self.largest_multiplier is None else self.largest_multiplier
+        g, A = self.slopes(orbit, largest(orbit) > WATCHED * allowed, on_cycle)
+        x = (np.array([number(orbit.system, name) for name in self.over]) - self.lower) / self.span
+        return Local(x, goal / scale, g * self.span / scale, c, A * self.span, orbit)
+
+    def stable(self, orbit: Orbit) -> bool:
+        """Whether all multipliers are where they may be, however many ways out there are."""
+        return self.largest_multiplier is None or largest(orbit) <= self.largest_multiplier
+
+
+def largest(orbit: Orbit) -> float:
+    """Modulus of the largest multiplier."""
+    return float(np.abs(np.linalg.eigvals(orbit.jacobian)).max())

@@ -1,0 +1,68 @@
+"""A bound on the multipliers without a kink where real ones meet: the three ways out of a circle, each smooth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import SpearError
+from spear_pin.gaits.sensitivity.orbit import Orbit, solved
+from spear_pin.hybrid.parameters import number
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
+
+Array = NDArray[np.float64]
+STEP = 2.0**-11  # of a parameter, in which exact multipliers are differenced
+
+
+def borders(jacobian: Array, radius: float) -> Array:
+    """Functions that are positive inside the circle |λ| = radius and zero where a multiplier leaves it, (3,).
+
+    At +radius (of radius one: a fold), Π (1 - λ/r); at -radius (a flip), Π (1 + λ/r); as a complex pair
+    (Neimark-Sacker), Π over pairs of (1 - λ_i λ_j / r²). They are polynomials in the entries of the return map's
+    Jacobian, and so as smooth as it is; the modulus of the largest has a kink where two real multipliers meet.
+    """
+    values = np.linalg.eigvals(jacobian) / radius
+    i, j = np.triu_indices(len(values), 1)
+    parts = 1.0 - values, 1.0 + values, 1.0 - values[i] * values[j]
+    return np.array([np.prod(part).real for part in parts])
+
+
+def slopes(
+    orbit: Orbit, vary: Sequence[str], keep: Sequence[str], radius: float, on_cycle: Callable[[], object] = lambda: None
+) -> Array:
+    """Derivatives of `borders` by the other parameters along the branch, by central differences of exact multipliers.
+
+    Args:
+        orbit: the gait; its names are those of `vary`, then those that change.
+        vary: parameters that are solved for.
+        keep: measures that they keep.
+        radius: of the circle.
+        on_cycle: called before each cycle.
+
+    Returns:
+        (3, m), zero where there are none, for the order of events is another so near.
+    """
+    over = orbit.names[len(vary) :]
+    dxi, dz = solved(orbit, vary, keep)
+    found = np.zeros((3, len(over)))
+    for j, name in enumerate(over):
+        along = np.concatenate([dxi[:, j], dz[:, j], np.eye(len(over))[j]])
+        value = number(orbit.system, name)
+        h = STEP * (abs(value) or 1.0)
+        ends = []
+        for step in (h, -h):
+            given = {z: number(orbit.system, z) + step * slope for z, slope in zip(vary, dz[:, j], strict=True)}
+            try:
+                there = orbit.beside({name: value + step, **given}, orbit.start @ (step * along))
+                on_cycle()
+                if there.cycle.order == orbit.cycle.order:
+                    ends.append((step, borders(there.jacobian, radius)))
+            except (NotDifferentiable, SpearError):
+                continue
+        if len(ends) == 1:
+            ends.append((0.0, borders(orbit.jacobian, radius)))
+        if ends:
+            found[:, j] = (ends[0][1] - ends[1][1]) / (ends[0][0] - ends[1][0])
+    return found

@@ -1,0 +1,51 @@
+"""How far a cycle is from another order of events: what is left of each guard that does not fire, with derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.gaits.sensitivity.measures import Measure
+from spear_pin.gaits.sensitivity.signals import Pieces, extremes
+from spear_pin.hybrid.tangent.cycle import SHORTEST, Derivative, Stretch
+
+Array = NDArray[np.float64]
+ZERO = 1e-9  # of a guard's largest value: where it begins with less, its own event has just put it there
+
+
+def margins(cycle: Derivative) -> dict[str, Measure]:
+    """The least margin of each event that is armed, by its name; zero where it meets another.
+
+    Of an event that does not happen it is the least value of its guard, of one that happens the guard's value where its
+    domain is entered, of one that happens at once how far the guard is below zero there, and of a scheduled event that
+    another comes before the time that is left. Each is in the guard's unit: N of a force, m of a height, rad of an angle,
+    s of a schedule.
+    """
+    found = dict[str, Measure]()
+    for stretch in cycle.stretches:
+        for name, value, derivative in _of(stretch):
+            if name not in found or value < found[name].value:
+                found[name] = Measure(value, derivative, "")
+    return found
+
+
+def _of(stretch: Stretch) -> Iterator[tuple[str, float, Array]]:
+    arc = stretch.arc
+    if arc.end - arc.t <= SHORTEST:
+        for g, guard in enumerate(arc.domain.guards):
+            if guard is arc.event:
+                yield guard.name, -float(stretch.end.guards[g]), -stretch.dend.guards[g]
+        return
+    for g, guard in enumerate(arc.domain.guards):
+        if guard.observes:
+            continue
+        piece = Pieces(stretch, stretch.values.guards[g], stretch.derivatives.guards[g])
+        least = max(guard.tolerance, ZERO * float(np.abs(piece.values).max()))
+        if np.ptp(piece.values) <= ZERO * least:  # what is held disarms it
+            continue
+        for place, value, derivative in extremes(piece):
+            at_rest = place == 0.0 and abs(value) <= least
+            if not at_rest and (guard is not arc.event or place == 0.0):
+                yield guard.name, value, derivative

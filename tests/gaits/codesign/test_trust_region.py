@@ -1,0 +1,93 @@
+"""Minima that are known in closed form, with multipliers, in regions where there are no values."""
+
+import numpy as np
+import pytest
+import scipy
+
+from spear_pin.gaits.codesign.trust_region import CONVERGED, NO_VALUE, STUCK, Local, minimised
+
+
+def problem(f, g, c=lambda x: np.empty(0), A=lambda x: np.empty((0, 2)), inside=lambda x: True):
+    calls = []
+
+    def value(x, best=None):
+        calls.append(x)
+        return Local(x, f(x), g(x), c(x), A(x), None) if inside(x) else None
+
+    return value, calls
+
+
+def rosenbrock(**more):
+    return problem(lambda x: scipy.optimize.rosen(x), lambda x: scipy.optimize.rosen_der(x), **more)
+
+
+def found(value, start, lower=(-2.0, -2.0), upper=(2.0, 2.0), **options):
+    return minimised(value, value(np.array(start)), np.array(lower), np.array(upper), tolerance=1e-9, **options)
+
+
+def test_rosenbrock_without_constraints():
+    value, calls = rosenbrock()
+    end = found(value, (-1.2, 1.0))
+    assert end.reason == CONVERGED and len(calls) < 80
+    assert end.local.x == pytest.approx([1.0, 1.0], abs=1e-4)
+
+
+def test_multiplier_of_a_circle():
+    """The nearest point of a disc to (2, 1): x = (2, 1)/√5, and λ = (√5 - 1) / 2 for 1 - x·x >= 0."""
+    value, _ = problem(
+        lambda x: 0.5 * float((x - [2.0, 1.0]) @ (x - [2.0, 1.0])),
+        lambda x: x - [2.0, 1.0],
+        lambda x: np.array([1.0 - x @ x]),
+        lambda x: -2.0 * x[None],
+    )
+    end = found(value, (0.0, 0.0))
+    assert end.converged and end.local.x == pytest.approx(np.array([2.0, 1.0]) / 5**0.5, abs=1e-6)
+    assert end.multipliers == pytest.approx([(5**0.5 - 1.0) / 2.0], abs=1e-5)
+    assert not end.at_bounds.any() and end.stationarity < 1e-5
+
+
+def test_multiplier_of_a_bound():
+    value, _ = problem(lambda x: float(3.0 * x[0] + x[1] ** 2), lambda x: np.array([3.0, 2.0 * x[1]]))
+    end = found(value, (0.5, 1.0))
+    assert end.local.x == pytest.approx([-2.0, 0.0], abs=1e-6)
+    assert end.at_bounds[0] == pytest.approx([3.0, 0.0], abs=1e-6) and not end.at_bounds[1].any()
+
+
+def test_begins_where_a_constraint_is_missed():
+    value, _ = rosenbrock(c=lambda x: np.array([0.5 - x[0]]), A=lambda x: np.array([[-1.0, 0.0]]))
+    end = found(value, (1.8, 1.8))
+    assert end.converged and end.local.x == pytest.approx([0.5, 0.25], abs=1e-5)
+    assert end.multipliers == pytest.approx([1.0], abs=1e-3)  # of f' along the valley, 2 (1 - x)
+
+
+def test_constraints_that_cannot_be_met_are_missed_least():
+    value, _ = problem(
+        lambda x: float(x @ x),
+        lambda x: 2.0 * x,
+        lambda x: np.array([x[0] - 1.0, -x[0] - 1.0, x[1] - 1.0]),
+        lambda x: np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0]]),
+    )
+    end = found(value, (0.3, 0.0))
+    assert end.reason == STUCK and end.local.violation == pytest.approx(2.0, abs=1e-6)
+    assert end.local.x[1] == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("edge", [0.2, 0.9])
+def test_says_where_values_end(edge):
+    """The minimum lies where there is no value: it comes as near the edge as it can, and says why it ends."""
+    value, calls = problem(
+        lambda x: float((x - 1.0) @ (x - 1.0)), lambda x: 2.0 * (x - 1.0), inside=lambda x: x[0] < edge
+    )
+    end = found(value, (0.0, 0.0))
+    assert end.reason == NO_VALUE and edge - 1e-6 < end.local.x[0] < edge
+    assert len(calls) < 100
+
+
+def test_goes_round_a_hole_in_which_there_is_no_value():
+    value, _ = problem(
+        lambda x: float((x - 1.0) @ (x - 1.0)),
+        lambda x: 2.0 * (x - 1.0),
+        inside=lambda x: np.hypot(x[0] - 0.3, x[1] - 0.25) > 0.15,
+    )
+    end = found(value, (-1.0, -1.0))
+    assert end.converged and end.local.x == pytest.approx([1.0, 1.0], abs=1e-5)
