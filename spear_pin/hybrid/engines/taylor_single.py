@@ -92,7 +92,10 @@ class Single:
             if falls(guards[i], values[i], change):
                 return Entry(fits, t, y, i)
         if not clear([values[later + i] for i, _ in self._thresholds], values[self._kinks[1]]):
-            return Entry(fits, t, y, UNCLEAR)
+            rises = all(values[later + i] > 0.0 for i in waiting)
+            bends = self._bends and any(map(bent, values[self._kinks[0]]))
+            # where another guard falls so soon, motion begins here: guards that rise are no events
+            return Entry(fits, t, y, NONE if waiting and rises and not bends else UNCLEAR)
         return Entry(fits, t + AHEAD, answer[self._state_later :], NONE)
 
     def run(self, t: float, y: Array, until: float, parameters: Array) -> tuple[float, Array, int]:

@@ -1,0 +1,61 @@
+"""Gaits with other numbers against those that a search finds."""
+
+import numpy as np
+import pytest
+
+from spear_pin import find_gait
+from spear_pin.errors import NoGait
+from spear_pin.gaits.codesign.closing import closed, led
+from spear_pin.gaits.sensitivity.orbit import Orbit, solved
+from spear_pin.hybrid.parameters import number, with_numbers
+
+pytestmark = pytest.mark.extra("heyoka")
+VARY, KEEP = ("stance_torque",), {"flight_time": 0.2}
+OVER = ("stiffness", "knee_ratio", "knee_touchdown")
+
+
+@pytest.fixture(scope="module")
+def begun(hop):
+    return closed(Orbit(hop.system, hop.state, (*VARY, *OVER)), VARY, KEEP)
+
+
+def test_a_gait_is_one_as_it_is(hop, begun):
+    assert np.abs(begun.displacement).max() < 1e-10
+    assert number(begun.system, "stance_torque") == pytest.approx(hop.parameters["stance_torque"], abs=1e-8)
+
+
+def test_is_the_gait_that_a_search_finds(hop, begun):
+    change = {"stiffness": 2.0, "knee_ratio": 0.7, "knee_touchdown": -0.05}
+    cycles = []
+    there = led(begun, VARY, KEEP, change, lambda: cycles.append(1))
+    system = with_numbers(hop.system, {name: number(hop.system, name) + change[name] for name in OVER})
+    found = find_gait(system, VARY, KEEP, guess=there.state, rtol=1e-11)
+    assert number(there.system, "stance_torque") == pytest.approx(found.parameters["stance_torque"], abs=1e-8)
+    assert np.concatenate(there.state) == pytest.approx(np.concatenate(found.state), abs=1e-8)
+    assert 2 <= len(cycles) <= 6
+    assert {name: number(there.system, name) for name in OVER} == pytest.approx(
+        {name: number(system, name) for name in OVER}
+    )
+
+
+def test_newton_converges_quadratically(begun):
+    """Residuals of the orbits on the way, the first of which derivatives predict."""
+    residuals = []
+    for h in (4.0, 2.0, 1.0):
+        dxi, dz = solved(begun, VARY, list(KEEP))
+        by = np.array([h, 0.0, 0.0])
+        values = {
+            "stance_torque": number(begun.system, "stance_torque") + dz[0] @ by,
+            "stiffness": number(begun.system, "stiffness") + h,
+        }
+        there = begun.beside(values, begun.start @ np.concatenate([dxi @ by, dz @ by, by]), begun.names)
+        residuals.append(np.abs(there.displacement).max())
+    orders = np.log2(np.array(residuals[:-1]) / residuals[1:])
+    assert orders == pytest.approx([2.0, 2.0], abs=0.25)
+
+
+def test_says_why_there_is_none(begun):
+    with pytest.raises(NoGait):
+        led(begun, VARY, KEEP, {"stiffness": -30.0, "knee_ratio": 0.0, "knee_touchdown": 0.0})
+    with pytest.raises(NoGait, match="knee_ratio"):
+        led(begun, VARY, KEEP, {"stiffness": 0.0, "knee_ratio": -30.0, "knee_touchdown": 0.0})
