@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from spear_pin.errors import RobotWarning, SpearError
     from spear_pin.gaits.bounding import bounding
     from spear_pin.gaits.bounding_law import BoundingLaw
+    from spear_pin.gaits.codesign.design import Design
+    from spear_pin.gaits.codesign.optimize_design import optimize_design
     from spear_pin.gaits.continuation.branch import Branch
     from spear_pin.gaits.continuation.continuing import continue_gait
     from spear_pin.gaits.gait import Gait
@@ -45,6 +47,7 @@ __all__ = [
     "BoundingLaw",
     "Branch",
     "Contact",
+    "Design",
     "Gait",
     "Ground",
     "HoppingLaw",
@@ -67,6 +70,7 @@ __all__ = [
     "in_space",
     "load",
     "monopod",
+    "optimize_design",
     "pacing",
     "sagittal",
     "simulate",
@@ -100,6 +104,8 @@ _HOMES = {
     "Branch": "gaits.continuation.branch",
     "continue_gait": "gaits.continuation.continuing",
     "Sensitivity": "gaits.sensitivity.sensitivity",
+    "Design": "gaits.codesign.design",
+    "optimize_design": "gaits.codesign.optimize_design",
     "to_chain": "model.chain",
     "from_chain": "model.chain",
     "bounding_in_space": "gaits.spatial.bounding",

@@ -12,6 +12,7 @@ from spear_pin.cli import (
     bound,
     compare,
     completion,
+    design,
     doctor,
     dynamics,
     explore,
@@ -37,7 +38,7 @@ from spear_pin.errors import RobotWarning, SpearError
 # as the help lists them
 COMMANDS = (
     *(robots.add, dynamics.add, hop.add, explore.add, push_test.add, identify.add),
-    *(bound.add, turn.add, trot.add, search.add, payoff.add, sweep.add, family.add, sensitivity.add),
+    *(bound.add, turn.add, trot.add, search.add, payoff.add, sweep.add, family.add, sensitivity.add, design.add),
     *(compare.add, report.add, export.add, doctor.add, completion.add),
 )
 

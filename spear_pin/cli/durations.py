@@ -30,6 +30,7 @@ LASTING = (
     Lasting("payoff", "", "some 40 searches of 15 s to a minute each, shared by the processors"),
     Lasting("family", "", "some seconds to a minute of a hop, minutes of a bound"),
     Lasting("sensitivity", "", "some seconds, of a bound half a minute"),
+    Lasting("design", "", "some seconds, of a bound a minute"),
     Lasting("report", "", "about a minute, less once its results are kept"),
     Lasting("export", "mp4", "half a second a frame"),
 )

@@ -1,4 +1,4 @@
-"""The bounding gaits that commands show, by name, path or speed."""
+"""The gaits that commands show, by name, path or speed."""
 
 from __future__ import annotations
 
@@ -49,6 +49,24 @@ def bounding_gait(name: str, speed: float | None) -> tuple[str, Gait]:
     if gait.system.kind != "bounding":
         raise BadValue("--gait", name, f"a bounding gait; this one is of the kind {gait.system.kind!r}")
     return name, gait
+
+
+def named_gait(what: str) -> Gait:
+    """SPEAR-II's hop in place with a flight of 0.2 s ("hop"), the bound that is shown ("bound"), or a gait by name.
+
+    Args:
+        what: one of these words, a name, or a path.
+
+    Raises:
+        UnknownName: if there is no such gait.
+        BadFile: if the file is none of a gait.
+    """
+    from spear_pin import Gait, find_gait, hopping, load
+
+    if what == "hop":
+        system = hopping(load("spear_ii", locked=["boom_x"]))
+        return find_gait(system, vary=["stance_torque"], target={"flight_time": 0.2})
+    return Gait.load(BOUND if what == "bound" else what)
 
 
 def _base(name: str) -> str:

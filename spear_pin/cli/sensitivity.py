@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import BOUND
+from spear_pin.cli.gaits import BOUND, named_gait
 from spear_pin.cli.output import aligned, listed, progress
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     with progress() as show:
         show("looking for the gait")
-        gait = _gait(arguments.what)
+        gait = named_gait(arguments.what)
         show("differentiating")
         found = gait.sensitivity(arguments.over or _usual(gait), arguments.vary, arguments.keep)
     files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
@@ -67,16 +67,6 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "opened": files[1],
         "text": f"{found}\n\n{aligned(told)}",
     }
-
-
-def _gait(what: str) -> Gait:
-    """The gait that is asked for."""
-    from spear_pin import Gait, find_gait, hopping, load
-
-    if what == "hop":
-        system = hopping(load("spear_ii", locked=["boom_x"]))
-        return find_gait(system, vary=["stance_torque"], target={"flight_time": 0.2})
-    return Gait.load(BOUND if what == "bound" else what)
 
 
 def _usual(gait: Gait) -> list[str]:

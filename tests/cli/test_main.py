@@ -21,6 +21,7 @@ NAMES = (
         "sweep",
         "family",
         "sensitivity",
+        "design",
         "compare",
         "report",
         "export",

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import listed
+from spear_pin.gaits.codesign.design import Design
 from spear_pin.gaits.continuation.branch import Branch
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.many import GaitTable
@@ -171,6 +172,25 @@ def _(table: Sensitivity) -> Card:
 
 def _elasticities(table: Sensitivity, name: str) -> str:
     return ", ".join(f"{value:+.2g} %" for value in table.elasticity(name))
+
+
+@described.register
+def _(design: Design) -> Card:
+    rows = [
+        Row(_words(design.minimize), f"{_number(design.start)} to {_number(design.objective)}", design.unit),
+        *(
+            Row(_words(name), f"{_number(each.start)} to {_number(each.value)}", "" if each.unit == "1" else each.unit)
+            for name, each in design.parameters.items()
+        ),
+        Row("largest multiplier", _number(design.largest)),
+        *(Row(_words(name), f"{price:+.3g} for one more", "") for name, price in design.active.items()),
+        *(Row(_words(name), f"{design.elasticity(name):+.2g} % for 1 %") for name in design.ranked[:MOST_ROWS]),
+        Row("cycles", f"{design.cycles:,}"),
+    ]
+    iterations = np.arange(len(design.path), dtype=float)
+    values = np.array([value for value, _ in design.path])
+    drawn = sketches.scatter(iterations, values, design.objective, f"{_words(design.minimize)} over iterations")
+    return Card("Design", f"of {design.gait.system.robot.name}; {design.reason}", tuple(rows), drawn)
 
 
 @described.register

@@ -193,9 +193,12 @@ def design(
 
 def assumed(system: HybridSystem, besides: Sequence[str]) -> tuple[str, ...]:
     """Numbers of gears, springs, ground and masses that equations have in them, other than some."""
-    masses = [name for name in body_numbers(system.robot) if name.endswith("_mass")]
+    robot, own = system.robot, parameters_of(system.robot)
+    masses = [name for name in body_numbers(robot) if name.endswith("_mass")]
+    if "torso_mass" in own:  # which is that of the base's last joint
+        masses = [name for name in masses if name.removesuffix("_mass") in robot.actuated]
     found = []
-    for name in (*parameters_of(system.robot), "stiffness", "damping", "friction", *masses):
+    for name in (*own, "stiffness", "damping", "friction", *masses):
         try:
             if name not in besides and number(system, name) != 0.0:
                 found.append(name)
@@ -207,12 +210,10 @@ def assumed(system: HybridSystem, besides: Sequence[str]) -> tuple[str, ...]:
 def _prices(problem: Problem, orbit: Orbit, end: Minimum[Orbit], scale: float) -> dict[str, float]:
     """Change of what is minimised for one unit more of each active bound."""
     found = dict[str, float]()
-    ends = (problem.lower, problem.lower + problem.span)
     for word, side, prices in zip(("least", "greatest"), (1.0, -1.0), end.at_bounds, strict=True):
         for name, price, span in zip(problem.over, prices, problem.span, strict=True):
             if price > NOTHING:
                 found[f"{word} {name}"] = side * float(price) * scale / float(span)
-    assert len(ends) == 2
     measured = len(problem.at_most) + len(problem.at_least)
     sides = [-1.0] * len(problem.at_most) + [1.0] * len(problem.at_least)
     for label, price, side, size in zip(problem.labels, end.multipliers, sides, problem.sizes, strict=False):

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
-
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, NoGait
@@ -137,7 +136,7 @@ def _check(gait: Gait, problem: Problem) -> None:
     limit = problem.largest_multiplier
     if limit is not None and not (np.isfinite(limit) and limit > 0.0):
         raise BadValue("largest_multiplier", limit, "a number > 0, or None")
-    for what, bounds in (("at_most", problem.at_most), ("at_least", problem.at_least), ("keep", problem.keep)):
-        for name, bound in bounds.items():
+    for what, limits in (("at_most", problem.at_most), ("at_least", problem.at_least), ("keep", problem.keep)):
+        for name, bound in limits.items():
             if not np.isfinite(bound):
                 raise BadValue(f"{what}[{name!r}]", bound, "a finite number")

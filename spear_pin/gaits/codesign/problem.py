@@ -67,7 +67,11 @@ class Problem:
     def labels(self) -> tuple[str, ...]:
         """Names of the constraints, in the order of `Local.c`."""
         stability = () if self.largest_multiplier is None else STABILITY
-        return (*(f"{name} at most" for name in self.at_most), *(f"{name} at least" for name in self.at_least), *stability)
+        return (
+            *(f"{name} at most" for name in self.at_most),
+            *(f"{name} at least" for name in self.at_least),
+            *stability,
+        )
 
     @property
     def sizes(self) -> Array:

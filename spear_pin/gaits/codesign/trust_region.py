@@ -1,4 +1,4 @@
-"""Minimise a function under inequalities where it may have no value: sequential quadratic programming with trust regions.
+"""Minimise under inequalities where there may be no value: sequential quadratic programming with trust regions.
 
 A step is trusted as far as the model has been right. Where there is no value the region shrinks, so that iterates stay
 where values exist; solvers that evaluate wherever their line search leads do not.
@@ -204,5 +204,3 @@ def _updated(hessian: Array, step: Array, change: Array) -> Array:
         share = float(step @ change)
     found: Array = hessian - np.outer(along, along) / curvature + np.outer(change, change) / share
     return found
-
-

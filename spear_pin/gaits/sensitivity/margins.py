@@ -12,16 +12,15 @@ from spear_pin.gaits.sensitivity.signals import Pieces, extremes
 from spear_pin.hybrid.tangent.cycle import SHORTEST, Derivative, Stretch
 
 Array = NDArray[np.float64]
-ZERO = 1e-9  # of a guard's largest value: where it begins with less, its own event has just put it there
+ZERO = 1e-9  # of a guard's largest value: it begins on zero
 
 
 def margins(cycle: Derivative) -> dict[str, Measure]:
     """The least margin of each event that is armed, by its name; zero where it meets another.
 
     Of an event that does not happen it is the least value of its guard, of one that happens the guard's value where its
-    domain is entered, of one that happens at once how far the guard is below zero there, and of a scheduled event that
-    another comes before the time that is left. Each is in the guard's unit: N of a force, m of a height, rad of an angle,
-    s of a schedule.
+    domain is entered, and of one that happens at once how far the guard is below zero there. Each is in the guard's unit:
+    N of a force, m of a height, rad of an angle. Scheduled events have none; guards are margins to them, too.
     """
     found = dict[str, Measure]()
     for stretch in cycle.stretches:
@@ -45,7 +44,8 @@ def _of(stretch: Stretch) -> Iterator[tuple[str, float, Array]]:
         least = max(guard.tolerance, ZERO * float(np.abs(piece.values).max()))
         if np.ptp(piece.values) <= ZERO * least:  # what is held disarms it
             continue
-        for place, value, derivative in extremes(piece):
-            at_rest = place == 0.0 and abs(value) <= least
-            if not at_rest and (guard is not arc.event or place == 0.0):
+        every = list(extremes(piece))
+        risen = abs(every[0][1]) > least  # else its own event has just put it on zero, from where it rises
+        for place, value, derivative in every:
+            if (place == 0.0 or guard is not arc.event) and (risen or abs(value) > least):
                 yield guard.name, value, derivative

@@ -110,11 +110,10 @@ class Orbit:
         """Which slide as it ends, (k,)."""
         assert isinstance(self.chart.lane, Charts)
         nv, y = self.system.robot.nv, self.cycle.y[None]
-        return self.chart.lane.section.sliding(y[:, :nv], y[:, nv:])[0]
+        found: NDArray[np.bool_] = self.chart.lane.section.sliding(y[:, :nv], y[:, nv:])[0]
+        return found
 
-    def beside(
-        self, values: Mapping[str, float], dy: Array, names: tuple[str, ...] = (), slides: Any = None
-    ) -> Orbit:
+    def beside(self, values: Mapping[str, float], dy: Array, names: tuple[str, ...] = (), slides: Any = None) -> Orbit:
         """The orbit of other numbers, from the state moved by dy, (2 nv,), and put onto the section of these.
 
         Args:

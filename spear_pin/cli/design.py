@@ -1,0 +1,134 @@
+"""`spear design`."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
+from spear_pin.cli.gaits import BOUND, named_gait
+from spear_pin.cli.output import aligned, listed, progress
+
+if TYPE_CHECKING:
+    from spear_pin.model.motor import Motor
+
+WHAT = "hop|bound|GAIT"
+STEM = "design"
+RANGE = "NAME=LOW:HIGH"
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    parser = add_command(
+        commands,
+        "design",
+        run,
+        "the best robot and gait together: a measure made small over any numbers, within bounds",
+    )
+    parser.add_argument("what", metavar=WHAT, help=f"SPEAR-II's hop in place, {BOUND}, or a gait by name or path")
+    parser.add_argument("--minimize", required=True, metavar="MEASURE", help="such as energy or cost_of_transport")
+    parser.add_argument(
+        "--over", type=ranges, action="extend", required=True, metavar=RANGE, help="parameters, apart by commas"
+    )
+    for option, text in (
+        ("--keep", "measures that are kept, the gait's own parameters being solved for it"),
+        ("--at-most", "upper bounds of measures"),
+        ("--at-least", "lower bounds, such as margin_spring_switch=0.02"),
+    ):
+        parser.add_argument(
+            option, type=values, action="extend", default=[], metavar="MEASURE=VALUE", help=f"{text}, apart by commas"
+        )
+    parser.add_argument("--vary", action="append", metavar="NAME", help="a parameter that is solved for")
+    parser.add_argument("--largest-multiplier", type=float, metavar="X", help="upper bound of all moduli")
+    parser.add_argument(
+        "--motor",
+        type=motors,
+        action="extend",
+        default=[],
+        metavar="JOINT=MOTOR",
+        help="of the catalogue, for its heat",
+    )
+    parser.add_argument("--iterations", type=int, default=100, metavar="N", help="at most (default: 100)")
+    add_out(parser, f"{STEM}.json, {STEM}.svg and {STEM}_gait.json")
+    add_open(parser, f"the picture, {STEM}.svg,")
+
+
+def ranges(word: str) -> list[tuple[str, tuple[float, float]]]:
+    """Read ranges, `NAME=LOW:HIGH`, apart by commas."""
+    return [(name, (float(low), float(high))) for name, (low, high) in _parts(word, RANGE, ":")]
+
+
+def values(word: str) -> list[tuple[str, float]]:
+    """Read values, `NAME=VALUE`, apart by commas."""
+    return [(name, float(value)) for name, (value,) in _parts(word, "NAME=VALUE")]
+
+
+def motors(word: str) -> list[tuple[str, str]]:
+    """Read names of motors, `JOINT=MOTOR`, apart by commas."""
+    return [(joint, name) for joint, (name,) in _parts(word, "JOINT=MOTOR")]
+
+
+def _parts(word: str, expected: str, between: str = "") -> list[tuple[str, list[str]]]:
+    found = []
+    for part in word.split(","):
+        name, sign, value = part.partition("=")
+        pieces = value.split(between) if between else [value]
+        if not (name and sign and all(pieces) and len(pieces) == 1 + bool(between)):
+            raise argparse.ArgumentTypeError(f"{part!r} is not {expected}")
+        found.append((name.strip(), pieces))
+    return found
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Optimise the design, write and draw it."""
+    check_out(arguments)
+    from spear_pin.files import atomic
+    from spear_pin.gaits.codesign.optimize_design import optimize_design
+    from spear_pin.viz.plots import save_figure
+    from spear_pin.viz.plots.design_by_gradient import optimised
+
+    with progress() as show:
+        show("looking for the gait to begin with")
+        gait = named_gait(arguments.what)
+        found = optimize_design(
+            gait,
+            arguments.minimize,
+            dict(arguments.over),
+            dict(arguments.keep),
+            vary=arguments.vary,
+            at_most=dict(arguments.at_most),
+            at_least=dict(arguments.at_least),
+            largest_multiplier=arguments.largest_multiplier,
+            motors=_motors(arguments.motor),
+            iterations=arguments.iterations,
+            on_iteration=lambda n, value, missed: show(
+                f"iteration {n}: {arguments.minimize} {value:.6g}, bounds missed by {missed:.2g}"
+            ),
+        )
+    files = [arguments.out / name for name in (f"{STEM}.json", f"{STEM}.svg", f"{STEM}_gait.json")]
+    with atomic(files[0]) as temporary:
+        temporary.write_text(found.to_json() + "\n", encoding="utf-8")
+    save_figure(optimised(found), files[1])
+    found.gait.save(files[2])
+    told = listed(arguments.out, STEM, files)
+    return {
+        "minimize": found.minimize,
+        "start": found.start,
+        "objective": found.objective,
+        "parameters": {name: each.value for name, each in found.parameters.items()},
+        "active": dict(found.active),
+        "assumptions": {name: found.elasticity(name) for name in found.ranked},
+        "largest_multiplier": found.largest,
+        "cycles": found.cycles,
+        "converged": found.converged,
+        "reason": found.reason,
+        "files": [str(path) for path in files],
+        "opened": files[1],
+        "text": f"{found}\n\n{aligned(told)}",
+    }
+
+
+def _motors(pairs: list[tuple[str, str]]) -> dict[str, Motor]:
+    from spear_pin.model.catalogue import motor
+
+    return {joint: motor(name) for joint, name in pairs}
