@@ -49,7 +49,7 @@ def _box(panel: Axes, design: Design) -> None:
     for i, each in enumerate(design.parameters.values()):
         start, end = ((value - each.low) / (each.high - each.low) for value in (each.start, each.value))
         panel.plot([0.0, 1.0], [i, i], color="0.8", linewidth=4.0, solid_capstyle="round")
-        panel.annotate("", (end, i), (start, i), arrowprops={"arrowstyle": "->", "color": BLUE})
+        panel.plot([start, end], [i, i], color=BLUE)
         panel.plot(start, i, "o", color="white", markeredgecolor=BLUE)
         panel.plot(end, i, "o", color=ORANGE if min(end, 1.0 - end) < 1e-6 else BLUE)
         unit = "" if each.unit in ("", "1") else f" {each.unit}"
@@ -61,6 +61,7 @@ def _box(panel: Axes, design: Design) -> None:
     panel.set_xlim(-0.15, 1.25)
     panel.set_ylim(len(design.parameters) - 0.4, -0.7)
     panel.set_xticks([])
+    panel.tick_params(length=0.0)
     panel.spines[:].set_visible(False)
 
 

@@ -1,0 +1,127 @@
+"""Designs of the hop: a minimum known from elsewhere, prices and assumptions against designs found anew, mistakes."""
+
+import json
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, optimize_design, simulate
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.hybrid.parameters import number, with_numbers
+from spear_pin.model.catalogue import motor
+from spear_pin.viz.notebook import card
+from spear_pin.viz.plots import save_figure
+from spear_pin.viz.plots.design_by_gradient import optimised
+
+pytestmark = pytest.mark.extra("heyoka")
+OVER = {"stiffness": (42.0, 60.0), "knee_ratio": (8.0, 30.0), "knee_touchdown": (0.80, 1.02)}
+MOTORS = {"knee": motor("spear_ii_knee")}
+SLACK = {"margin_spring_switch": 0.02}
+
+
+def best(gait, over=OVER, **options):
+    given = {"at_least": SLACK, "largest_multiplier": 0.6, "motors": MOTORS, **options}
+    return optimize_design(gait, "energy", over, {"flight_time": 0.2}, **given)
+
+
+@pytest.fixture(scope="module")
+def found(hop):
+    return best(hop)
+
+
+def test_the_minimum_that_others_found(found):
+    """By sequential quadratic programming over exact and differenced gradients, from three starts each."""
+    assert found.converged and found.objective == pytest.approx(20.4919, abs=2e-4)
+    values = {name: each.value for name, each in found.parameters.items()}
+    assert values == pytest.approx({"stiffness": 53.45, "knee_ratio": 16.51, "knee_touchdown": 0.8741}, rel=1e-3)
+    assert found.largest == pytest.approx(0.436, abs=1e-3)
+    assert list(found.active) == ["margin_spring_switch at least"]
+    assert found.cycles <= 100 and found.stationarity < 1e-3
+
+
+def test_the_gait_is_confirmed_by_the_reference_engine(found):
+    run = simulate(found.gait.system, found.gait.state, 1, progress=False)
+    assert found.gait.residual < 1e-9 and run.complete
+    assert found.gait.durations["flight"] == pytest.approx(0.2, abs=1e-8)
+    assert np.abs(found.gait.multipliers).max() == pytest.approx(found.largest, abs=1e-5)
+
+
+@pytest.mark.slow
+def test_prices_against_other_bounds(hop, found):
+    h = 5e-4
+    ends = [best(hop, at_least={"margin_spring_switch": 0.02 + side * h}, assuming=[]).objective for side in (1, -1)]
+    (price,) = found.active.values()
+    assert price == pytest.approx((ends[0] - ends[1]) / (2.0 * h), rel=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["damping", "knee_rotor", "friction"])
+def test_assumptions_against_designs_found_anew(found, name):
+    from spear_pin.gaits.search import gait_beside
+
+    value, ends = number(found.gait.system, name), []
+    for side in (1.0, -1.0):
+        system = with_numbers(found.gait.system, {name: value * (1.0 + 2e-3 * side)})
+        begun = gait_beside(system, found.gait.state, ["stance_torque"], {"flight_time": 0.2})
+        ends.append(best(begun, assuming=[], tolerance=1e-8).objective)
+    each = found.assumptions[name]
+    assert each.value == pytest.approx(value)
+    expected = (ends[0] - ends[1]) / (4e-3 * value)
+    assert each.derivative * value == pytest.approx(expected * value, rel=1e-3, abs=2e-4)
+
+
+@pytest.mark.slow
+def test_a_bound_on_the_multipliers_is_kept(hop, found):
+    """Below those of the free minimum: it holds the design back, and looser by a little it costs less by its price."""
+    h = 5e-4
+    tight, here, loose = (best(hop, largest_multiplier=0.43 + side * h, assuming=[]) for side in (-1, 0, 1))
+    assert here.converged and here.largest == pytest.approx(0.43, abs=1e-6)
+    assert tight.objective > here.objective > loose.objective > found.objective
+    (label,) = [each for each in here.active if each.startswith("multiplier")]
+    assert (loose.objective - tight.objective) / (2.0 * h) == pytest.approx(here.active[label], rel=0.02)
+
+
+def test_shown_and_written(found, tmp_path):
+    kept = json.loads(found.to_json())
+    assert kept["parameters"]["stiffness"]["unit"] == "N·m/rad" and kept["converged"] is True
+    assert "margin_spring_switch at least" in str(found) and "20.492" in repr(found)
+    text = card(found)
+    assert "energy" in text and "knee ratio" in text
+    assert save_figure(optimised(found), tmp_path / "design.svg").stat().st_size > 1000
+    assert Gait.load(found.gait.save(tmp_path / "gait.json")).state[0] == pytest.approx(found.gait.state[0])
+
+
+@pytest.mark.parametrize(
+    ("over", "options", "text"),
+    [
+        ({}, {}, "one parameter or more"),
+        ({"stiffness": (60.0, 42.0)}, {}, "a least and a greatest value"),
+        ({"stiffness": (50.0, 60.0)}, {}, "the gait's own value in it"),
+        ({"stance_torque": (5.0, 9.0)}, {}, "other than those that are solved for"),
+        ({"stiffness": (42.0, 60.0)}, {"vary": []}, "as many measures"),
+        ({"stiffness": (42.0, 60.0)}, {"largest_multiplier": 0.0}, "a number > 0"),
+        ({"stiffness": (42.0, 60.0)}, {"at_most": {"work": np.inf}}, "a finite number"),
+    ],
+)
+def test_ranges_that_are_none(hop, over, options, text):
+    with pytest.raises(BadValue, match=text):
+        best(hop, over, **options)
+
+
+def test_names_that_are_none(hop):
+    for given in ({"at_most": {"nope": 1.0}}, {"at_least": {"margin_nope": 1.0}}, {"motors": {"toe": MOTORS["knee"]}}):
+        with pytest.raises(UnknownName, match=r"nope|toe"):
+            best(hop, {"stiffness": (42.0, 60.0)}, **given)
+    with pytest.raises(UnknownName, match="nope"):
+        best(hop, {"nope": (42.0, 60.0)})
+
+
+def test_gaits_in_space_are_refused():
+    with pytest.raises(BadValue, match="plane"):
+        optimize_design(Gait.load("trot"), "work", {"stiffness": (100.0, 120.0)})
+
+
+def test_keeps_away_from_where_no_gait_is(hop):
+    """Without a margin the hop without flight kept would fall off the end of its family; each step has a gait."""
+    end = best(hop, at_least={}, largest_multiplier=None, assuming=[])
+    assert end.objective < 20.2142 and end.gait.residual < 1e-9
