@@ -161,7 +161,13 @@ def grid() -> Iterator[dict[str, object]]:
             found += 1
             best = min(best, value if missed == 0.0 else np.inf)
     seconds = process_time() - begun
-    yield {"points": 125, "gaits": found, "best": round(best, 4), "cycles": followed.cycles, "seconds": round(seconds, 1)}
+    yield {
+        "points": 125,
+        "gaits": found,
+        "best": round(best, 4),
+        "cycles": followed.cycles,
+        "seconds": round(seconds, 1),
+    }
 
 
 def evolution() -> Iterator[dict[str, object]]:

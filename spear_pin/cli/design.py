@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.gaits import BOUND, named_gait
 from spear_pin.cli.output import aligned, listed, progress
+from spear_pin.cli.pairs import RANGE, ranges, values, words
 
 if TYPE_CHECKING:
     from spear_pin.model.motor import Motor
 
 WHAT = "hop|bound|GAIT"
 STEM = "design"
-RANGE = "NAME=LOW:HIGH"
 
 
 def add(commands: Commands) -> None:
@@ -42,7 +42,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("--largest-multiplier", type=float, metavar="X", help="upper bound of all moduli")
     parser.add_argument(
         "--motor",
-        type=motors,
+        type=words,
         action="extend",
         default=[],
         metavar="JOINT=MOTOR",
@@ -51,32 +51,6 @@ def add(commands: Commands) -> None:
     parser.add_argument("--iterations", type=int, default=100, metavar="N", help="at most (default: 100)")
     add_out(parser, f"{STEM}.json, {STEM}.svg and {STEM}_gait.json")
     add_open(parser, f"the picture, {STEM}.svg,")
-
-
-def ranges(word: str) -> list[tuple[str, tuple[float, float]]]:
-    """Read ranges, `NAME=LOW:HIGH`, apart by commas."""
-    return [(name, (float(low), float(high))) for name, (low, high) in _parts(word, RANGE, ":")]
-
-
-def values(word: str) -> list[tuple[str, float]]:
-    """Read values, `NAME=VALUE`, apart by commas."""
-    return [(name, float(value)) for name, (value,) in _parts(word, "NAME=VALUE")]
-
-
-def motors(word: str) -> list[tuple[str, str]]:
-    """Read names of motors, `JOINT=MOTOR`, apart by commas."""
-    return [(joint, name) for joint, (name,) in _parts(word, "JOINT=MOTOR")]
-
-
-def _parts(word: str, expected: str, between: str = "") -> list[tuple[str, list[str]]]:
-    found = []
-    for part in word.split(","):
-        name, sign, value = part.partition("=")
-        pieces = value.split(between) if between else [value]
-        if not (name and sign and all(pieces) and len(pieces) == 1 + bool(between)):
-            raise argparse.ArgumentTypeError(f"{part!r} is not {expected}")
-        found.append((name.strip(), pieces))
-    return found
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:

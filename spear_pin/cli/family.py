@@ -10,6 +10,7 @@ from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, ch
 from spear_pin.cli.gaits import BOUND
 from spear_pin.cli.legs import add_leg, one_leg, rests_on
 from spear_pin.cli.output import aligned, listed, progress
+from spear_pin.cli.pairs import RANGE, one_range
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -28,9 +29,9 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "what", metavar=WHAT, help=f"SPEAR-II's hop in place or another leg's, {BOUND}, or a gait by name or path"
     )
-    parser.add_argument("--over", required=True, metavar="NAME", help="the parameter, or a measure such as mean_speed")
-    parser.add_argument("--from", dest="low", type=float, required=True, metavar="VALUE", help="its least value")
-    parser.add_argument("--to", dest="high", type=float, required=True, metavar="VALUE", help="its greatest value")
+    parser.add_argument(
+        "--over", type=one_range, required=True, metavar=RANGE, help="the parameter, or a measure such as mean_speed"
+    )
     parser.add_argument("--at", type=float, metavar="VALUE", help="of a hop: where to begin (default: its own value)")
     kept = parser.add_mutually_exclusive_group()
     kept.add_argument("--flight-time", type=float, metavar="S", help="of a hop: solve the stance torque for it")
@@ -53,6 +54,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.viz.plots.family import family
 
     Options(rtol=arguments.rtol)
+    over, bounds = arguments.over
     with progress() as show:
         show("looking for the gait to begin with")
         gait, vary, target = _begun(arguments)
@@ -61,10 +63,10 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         def tell(value: float) -> None:
             nonlocal count
             count += 1
-            show(f"following: {arguments.over} {value:.6g}, {count} points")
+            show(f"following: {over} {value:.6g}, {count} points")
 
         branch = continue_gait(
-            gait, arguments.over, (arguments.low, arguments.high), vary, target,
+            gait, over, bounds, vary, target,
             step=arguments.step, points=arguments.points, rtol=arguments.rtol, on_point=tell,
         )  # fmt: skip
     files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
@@ -81,13 +83,14 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 def _check(arguments: argparse.Namespace) -> None:
     """Refuse what makes no sense, before anything is solved for."""
     check_out(arguments)
-    for option, value in (("--from", arguments.low), ("--to", arguments.high), ("--at", arguments.at)):
+    _, (low, high) = arguments.over
+    for option, value in (("--over", low), ("--over", high), ("--at", arguments.at)):
         if value is not None and not math.isfinite(value):
             raise BadValue(option, value, "a finite number")
-    if not arguments.low < arguments.high:
-        raise BadValue("--to", arguments.high, f"a number above --from, {arguments.low:g}")
-    if arguments.at is not None and not arguments.low <= arguments.at <= arguments.high:
-        raise BadValue("--at", arguments.at, f"a number from {arguments.low:g} to {arguments.high:g}")
+    if not low < high:
+        raise BadValue("--over", high, f"a number above the least value, {low:g}")
+    if arguments.at is not None and not low <= arguments.at <= high:
+        raise BadValue("--at", arguments.at, f"a number from {low:g} to {high:g}")
     if arguments.what != "hop":
         for option in ("robot", "flight_time", "at"):
             if getattr(arguments, option) is not None:
@@ -109,9 +112,9 @@ def _begun(arguments: argparse.Namespace) -> tuple[Gait, list[str], dict[str, fl
     value = arguments.speed if bounds else arguments.flight_time
     target = {} if value is None else {measure: value}
     gait = gait or _hop(arguments, target)
-    measured = arguments.over in gait.system.measures
+    measured = arguments.over[0] in gait.system.measures
     if measured and target:
-        raise BadValue("--over", arguments.over, f"another name, or no --{measure.replace('_', '-')}")
+        raise BadValue("--over", arguments.over[0], f"another name, or no --{measure.replace('_', '-')}")
     return gait, [solved] if measured or target else [], target
 
 
@@ -124,11 +127,11 @@ def _hop(arguments: argparse.Namespace, target: dict[str, float]) -> Gait:
 
     leg = one_leg(arguments, ["boom_x"])
     robot = load("spear_ii", locked=["boom_x"]) if leg is None else leg
-    at = {} if arguments.at is None else {arguments.over: arguments.at}
-    if at and arguments.over in parameters_of(robot):
+    at = {} if arguments.at is None else {arguments.over[0]: arguments.at}
+    if at and arguments.over[0] in parameters_of(robot):
         robot, at = vary(robot, **at), {}
     system = hopping(robot) if leg is None else scaled_hopping(robot)
-    if arguments.over in system.measures:
+    if arguments.over[0] in system.measures:
         target, at = {**target, **at}, {}
     return find_gait(with_parameters(system, at), ["stance_torque"] if target else [], dict[Any, float](target))
 
@@ -138,8 +141,9 @@ def _figures(branch: Branch) -> dict[str, Any]:
         "over": branch.over,
         "points": len(branch),
         "stable": int(branch.stable.sum()),
-        "from": float(branch.parameter.min()),
-        "to": float(branch.parameter.max()),
+        "from": float(branch.values.min()),
+        "to": float(branch.values.max()),
+        "events": [{"parameter": each.parameter, "kind": each.kind, "text": str(each)} for each in branch.events],
         "folds": [each.parameter for each in branch.folds],
         "flips": [each.parameter for each in branch.flips],
         "neimark_sacker": [each.parameter for each in branch.neimark_sacker],
@@ -151,7 +155,7 @@ def _figures(branch: Branch) -> dict[str, Any]:
 def _rows(branch: Branch) -> list[tuple[str, str]]:
     rows = [
         ("points", f"{len(branch)}, {branch.stable.sum()} of them stable"),
-        (branch.over.replace("_", " "), f"{branch.parameter.min():.6g} to {branch.parameter.max():.6g}"),
+        (branch.over.replace("_", " "), f"{branch.values.min():.6g} to {branch.values.max():.6g}"),
         ("largest multiplier", f"{branch.largest.min():.4f} to {branch.largest.max():.4f}"),
     ]
     for name, values in branch.solved.items():

@@ -6,7 +6,7 @@ import pytest
 
 from tests.cli.calls import printed, refused, run, words
 
-HOP = ("family", "hop", "--over", "stance_torque", "--from", 7.5, "--to", 8.0)
+HOP = ("family", "hop", "--over", "stance_torque=7.5:8.0")
 
 
 @pytest.mark.extra("heyoka")
@@ -19,21 +19,21 @@ class TestFamily:
         assert result["folds"] == result["flips"] == result["neimark_sacker"] == []
         assert result["files"] == [str(tmp_path / name) for name in ("family.json", "family.svg")]
         kept = json.loads((tmp_path / "family.json").read_text())
-        assert kept["format"] == "spear_pin branch 1" and len(kept["parameter"]) == result["points"]
+        assert kept["format"] == "spear_pin branch 1" and len(kept["values"]) == result["points"]
         assert len(kept["q"]) == len(kept["multipliers"]) == len(kept["order"]) == result["points"]
         assert (tmp_path / "family.svg").stat().st_size > 1000
 
     def test_from_elsewhere(self, capsys, tmp_path):
-        arguments = (*HOP[:4], "--from", 6.9, "--to", 7.9, "--at", 7, "--out", tmp_path)
+        arguments = (*HOP[:3], "stance_torque=6.9:7.9", "--at", 7, "--out", tmp_path)
         status, out, err = run(capsys, *arguments)
         assert status == 0 and err == "" and "stance_torque  what happens" in out and "end: border" in out
 
     def test_with_a_flight_that_is_kept(self, capsys, tmp_path):
-        over = ("--over", "knee_ratio", "--from", 14.9, "--to", 15.1, "--flight-time", 0.2, "--out", tmp_path)
+        over = ("--over", "knee_ratio=14.9:15.1", "--flight-time", 0.2, "--out", tmp_path)
         assert "stance torque" in run(capsys, "family", "hop", *over)[1]
 
     def test_over_a_measure(self, capsys, tmp_path):
-        over = ("--over", "flight_time", "--from", 0.195, "--to", 0.21, "--at", 0.2, "--out", tmp_path)
+        over = ("--over", "flight_time=0.195:0.21", "--at", 0.2, "--out", tmp_path)
         result = printed(capsys, "family", "hop", *over)
         assert [end["reason"] for end in result["ends"]] == ["range", "range"]
 
@@ -43,32 +43,34 @@ class TestMistakes:
         ("arguments", "text"),
         [
             (("hop",), "--over"),
-            (("hop", "--over", "stiffness"), "--from, --to"),
+            (("hop", "--over", "stiffness"), "is not NAME=LOW:HIGH"),
+            (("hop", "--over", "a=1:2,b=1:2"), "more than one range"),
+            (("hop", "--over", "stiffness=1:x"), "'x' of stiffness is no number"),
             (
-                ("hop", "--over", "stiffness", "--from", "50", "--to", "40"),
-                "--to is 40.0; expected a number above --from",
+                ("hop", "--over", "stiffness=50:40"),
+                "--over is 40.0; expected a number above",
             ),
-            (("hop", "--over", "stiffness", "--from", "nan", "--to", "40"), "--from is nan; expected a finite number"),
-            (("hop", "--over", "stiffness", "--from", "40", "--to", "50", "--at", "60"), "--at is 60.0; expected"),
-            (("hop", "--over", "stiffness", "--from", "40", "--to", "50", "--speed", "2"), "a hop takes --flight-time"),
-            (("hop", "--over", "stiffness", "--from", "1", "--to", "2"), "within is (1.0, 2.0); expected"),
-            (("hop", "--over", "nope", "--from", "1", "--to", "2"), "unknown parameter 'nope'; valid:"),
-            (("hop", "--over", "nope", "--from", "1", "--to", "2", "--at", "1"), "unknown parameter 'nope'; valid:"),
-            (("hop", "--over", "stiffness", "--from", "40", "--to", "60", "--step", "0"), "step is 0.0; expected"),
-            (("hop", "--over", "stiffness", "--from", "40", "--to", "60", "--points", "1"), "points is 1; expected"),
-            (("hop", "--over", "stiffness", "--from", "40", "--to", "60", "--rtol", "0"), "rtol is 0.0; expected"),
+            (("hop", "--over", "stiffness=nan:40"), "--over is nan; expected a finite number"),
+            (("hop", "--over", "stiffness=40:50", "--at", "60"), "--at is 60.0; expected"),
+            (("hop", "--over", "stiffness=40:50", "--speed", "2"), "a hop takes --flight-time"),
+            (("hop", "--over", "stiffness=1:2"), "within is (1.0, 2.0); expected"),
+            (("hop", "--over", "nope=1:2"), "unknown parameter 'nope'; valid:"),
+            (("hop", "--over", "nope=1:2", "--at", "1"), "unknown parameter 'nope'; valid:"),
+            (("hop", "--over", "stiffness=40:60", "--step", "0"), "step is 0.0; expected"),
+            (("hop", "--over", "stiffness=40:60", "--points", "1"), "points is 1; expected"),
+            (("hop", "--over", "stiffness=40:60", "--rtol", "0"), "rtol is 0.0; expected"),
             (
-                ("hop", "--over", "stiffness", "--from", "40", "--to", "60", "--out", "none"),
+                ("hop", "--over", "stiffness=40:60", "--out", "none"),
                 "--out is 'none'; expected",
             ),
             (
-                ("hop", "--over", "flight_time", "--from", "0.1", "--to", "0.3", "--flight-time", "0.2"),
+                ("hop", "--over", "flight_time=0.1:0.3", "--flight-time", "0.2"),
                 "another name, or no --flight-time",
             ),
-            (("bound", "--over", "stiffness", "--from", "1", "--to", "2", "--at", "1"), "--at is 1.0; expected to go"),
-            (("bound", "--over", "stiffness", "--from", "1", "--to", "2", "--flight-time", "1"), "to go with hop"),
-            (("trot", "--over", "friction", "--from", "1", "--to", "2", "--speed", "1"), "to go with a bound"),
-            (("fly", "--over", "friction", "--from", "1", "--to", "2"), "'fly'"),
+            (("bound", "--over", "stiffness=1:2", "--at", "1"), "--at is 1.0; expected to go"),
+            (("bound", "--over", "stiffness=1:2", "--flight-time", "1"), "to go with hop"),
+            (("trot", "--over", "friction=1:2", "--speed", "1"), "to go with a bound"),
+            (("fly", "--over", "friction=1:2"), "'fly'"),
         ],
         ids=words,
     )

@@ -142,7 +142,7 @@ def _(branch: Branch) -> Card:
     unit = UNITS.get(branch.over, "")
     happens = branch.rows()
     rows = [
-        Row(_words(branch.over), _range(branch.parameter), unit),
+        Row(_words(branch.over), _range(branch.values), unit),
         *(Row(_words(name), _range(values), UNITS.get(name, "")) for name, values in branch.solved.items()),
         Row("stable", f"{branch.stable.sum():,} of {len(branch):,} points"),
         Row("largest multiplier", _range(branch.largest)),
@@ -150,7 +150,7 @@ def _(branch: Branch) -> Card:
         *([Row("", f"and {len(happens) - MOST_ROWS} more")] if len(happens) > MOST_ROWS else []),
     ]
     says = f"largest multiplier over {_words(branch.over)}, and 1"
-    drawn = sketches.scatter(branch.parameter, branch.largest, 1.0, says)
+    drawn = sketches.scatter(branch.values, branch.largest, 1.0, says)
     return Card("Branch of gaits", f"of {branch.family.system.robot.name}", tuple(rows), drawn)
 
 

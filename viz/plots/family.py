@@ -77,15 +77,11 @@ def draw(axes: Axes, branch: Branch, values: Array, color: str = BLUE, name: str
     gaps = {frozenset((border.index, border.beyond)) for border in branch.borders if border.beyond is not None}
     for stable, points in _parts(branch.stable, len(branch), gaps):
         dash = "-" if stable else (0, (3.0, 1.5))
-        axes.plot(
-            branch.parameter[points], values[points], color=color, linestyle=dash, label=name, gid="stable" * stable
-        )
+        axes.plot(branch.values[points], values[points], color=color, linestyle=dash, label=name, gid="stable" * stable)
         name = ""
     for kind, index in _marked(branch):
         _, marker, edge = MARKS[kind]
-        axes.plot(
-            branch.parameter[index], values[index], marker, color=edge, markersize=5.0, linestyle="none", gid=kind
-        )
+        axes.plot(branch.values[index], values[index], marker, color=edge, markersize=5.0, linestyle="none", gid=kind)
 
 
 def _panels(branch: Branch) -> list[tuple[str, list[tuple[str, Array, str]]]]:

@@ -87,7 +87,7 @@ def optimize_design(
     problem = Problem(
         minimize, dict(over), solved_for, dict(keep), dict(at_most), dict(at_least), largest_multiplier, dict(motors)
     )
-    _check(gait, problem)
+    _check(gait, problem, tolerance, iterations)
     cycles = 0
 
     def count() -> None:
@@ -119,7 +119,7 @@ def optimize_design(
     return design(problem, gait, found, end, scale, cycles, assuming)
 
 
-def _check(gait: Gait, problem: Problem) -> None:
+def _check(gait: Gait, problem: Problem, tolerance: float, iterations: int) -> None:
     """Refuse ranges that are none, and names that do not fit together."""
     if not problem.over:
         raise BadValue("over", {}, "one parameter or more, each with its least and greatest value")
@@ -133,6 +133,10 @@ def _check(gait: Gait, problem: Problem) -> None:
             raise BadValue("over", name, "parameters other than those that are solved for")
     if len(problem.vary) != len(problem.keep):
         raise BadValue("keep", dict(problem.keep), f"as many measures as are solved for, {len(problem.vary)}")
+    if not (0.0 < tolerance < 1.0):
+        raise BadValue("tolerance", tolerance, "a number between 0 and 1")
+    if iterations < 1:
+        raise BadValue("iterations", iterations, "a whole number >= 1")
     limit = problem.largest_multiplier
     if limit is not None and not (np.isfinite(limit) and limit > 0.0):
         raise BadValue("largest_multiplier", limit, "a number > 0, or None")

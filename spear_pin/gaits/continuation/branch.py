@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue
 from spear_pin.gaits.continuation.borders import CONTINUOUS, DISCONTINUOUS, LOST, TURNED
 from spear_pin.gaits.continuation.cycles import Family
 from spear_pin.gaits.continuation.signs import CROSSING, FLIP, FOLD, KINK, SADDLE, TORUS
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.many import REASONS
 from spear_pin.hybrid.orders import Order, differing, said
-from spear_pin.kinds import typed
 from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
@@ -126,7 +125,7 @@ class Branch(Shown):
         vary: names of what is solved for.
         target: what it is solved for, by name.
         start: index of the point where the continuation began.
-        parameter: its values, (n,).
+        values: the parameter's, (n,).
         q: configurations on the section, (n, nq).
         v: velocities there, (n, nv).
         solved: values of what is solved for, by name, (n,) each.
@@ -153,7 +152,7 @@ class Branch(Shown):
     vary: tuple[str, ...]
     target: Mapping[str, float]
     start: int
-    parameter: Array
+    values: Array
     q: Array
     v: Array
     solved: Mapping[str, Array]
@@ -168,7 +167,7 @@ class Branch(Shown):
 
     def __len__(self) -> int:
         """Number of points."""
-        return len(self.parameter)
+        return len(self.values)
 
     def __repr__(self) -> str:
         first, last = (f"{end.parameter:.5g}" for end in self.ends)
@@ -219,23 +218,24 @@ class Branch(Shown):
 
     def rows(self) -> list[tuple[float, str]]:
         """What happens along the arc: the parameter's value and a sentence each, the ends among them."""
-        inner = [(border.index, border.parameter, str(border)) for border in self.borders if border.beyond is not None]
-        inner += [(special.index, special.parameter, str(special)) for special in self.specials]
         first, last = ((end.parameter, f"end: {end}") for end in self.ends)
-        return [first, *((value, text) for _, value, text in sorted(inner)), last]
+        return [first, *((each.parameter, str(each)) for each in self.events), last]
 
-    @typed
-    def gait(self, index: int) -> Gait:
-        """The gait at a point, its number from 0.
+    @property
+    def gaits(self) -> Sequence[Gait]:
+        """The gaits at all points, each made as it is asked for."""
+        return _Gaits(self)
 
-        Raises:
-            BadValue: there is no such point.
-        """
-        if not -len(self) <= index < len(self):
-            raise BadValue("index", index, f"a whole number from {-len(self)} to {len(self) - 1}")
+    @property
+    def events(self) -> tuple[SpecialPoint | BorderPoint, ...]:
+        """Special points and borders that are not ends, in the order along the arc."""
+        inner = [border for border in self.borders if border.beyond is not None]
+        return tuple(sorted([*self.specials, *inner], key=lambda each: each.index))
+
+    def _gait(self, index: int) -> Gait:
         solved = {name: float(values[index]) for name, values in self.solved.items()}
         known = self.over in self.family.names
-        numbers = {**solved, self.over: float(self.parameter[index])} if known else solved
+        numbers = {**solved, self.over: float(self.values[index])} if known else solved
         return Gait(
             system=self.family.member([numbers[name] for name in self.family.names]),
             state=(self.q[index].copy(), self.v[index].copy()),
@@ -256,7 +256,7 @@ class Branch(Shown):
             "vary": list(self.vary),
             "target": dict(self.target),
             "start": self.start,
-            "parameter": self.parameter.tolist(),
+            "values": self.values.tolist(),
             "q": self.q.tolist(),
             "v": self.v.tolist(),
             "solved": {name: values.tolist() for name, values in self.solved.items()},
@@ -274,6 +274,24 @@ class Branch(Shown):
             "ends": [{"parameter": end.parameter, "reason": end.reason, "text": str(end)} for end in self.ends],
         }
         return json.dumps(data, allow_nan=False)
+
+
+@dataclass(frozen=True)
+class _Gaits(Sequence[Gait]):
+    """Gaits of a branch, as a sequence."""
+
+    branch: Branch
+
+    def __len__(self) -> int:
+        return len(self.branch)
+
+    @overload
+    def __getitem__(self, index: int) -> Gait: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Gait]: ...
+    def __getitem__(self, index: int | slice) -> Gait | list[Gait]:
+        places = range(len(self))[index]
+        return [self.branch._gait(i) for i in places] if isinstance(places, range) else self.branch._gait(places)
 
 
 def _change(before: Order, after: Order) -> str:

@@ -19,8 +19,8 @@ def margins(cycle: Derivative) -> dict[str, Measure]:
     """The least margin of each event that is armed, by its name; zero where it meets another.
 
     Of an event that does not happen it is the least value of its guard, of one that happens the guard's value where its
-    domain is entered, and of one that happens at once how far the guard is below zero there. Each is in the guard's unit:
-    N of a force, m of a height, rad of an angle. Scheduled events have none; guards are margins to them, too.
+    domain is entered, and of one that happens at once how far the guard is below zero there. Each is in the guard's
+    unit: N of a force, m of a height, rad of an angle. Scheduled events have none; guards are margins to them, too.
     """
     found = dict[str, Measure]()
     for stretch in cycle.stretches:
