@@ -25,6 +25,7 @@ from spear_pin import (
     find_gait,
     hopping,
     load,
+    optimize_design,
     sagittal,
     simulate,
 )
@@ -62,6 +63,7 @@ from spear_pin.viz.plots import robustness as robustness_plots
 from spear_pin.viz.plots import source as source_plots
 from spear_pin.viz.plots import space as space_plots
 from spear_pin.viz.plots import sweep as sweep_plots
+from spear_pin.viz.plots.design_by_gradient import optimised
 from spear_pin.viz.plots.family import family
 from spear_pin.viz.video import film
 from tests.viz.chromium import Browser
@@ -84,7 +86,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", help="some of the parts; all if none is named")
     seen = moving, hop, bench, compare, biped, hoppy, another, space
-    known = *seen, attraction, robust, design, push, hardware, drivetrain, sweep, branches
+    known = *seen, attraction, robust, design, push, hardware, drivetrain, sweep, branches, designed
     parts = {part.__name__: part for part in known}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
@@ -238,6 +240,16 @@ def branches() -> None:
     for branch in found:
         print(branch)
     print(plots.save_figure(family(*found), IMAGES / "branches.svg"))
+
+
+def designed() -> None:
+    """The hop of least energy over spring, gear ratio and touchdown angle."""
+    over = {"stiffness": (42.0, 60.0), "knee_ratio": (8.0, 30.0), "knee_touchdown": (0.80, 1.02)}
+    bounds, motors = {"margin_spring_switch": 0.02}, {"knee": motor("spear_ii_knee")}
+    best = optimize_design(
+        hop_in_place(), "energy", over, {"flight_time": 0.2}, at_least=bounds, largest_multiplier=0.6, motors=motors
+    )
+    print(plots.save_figure(optimised(best), IMAGES / "optimal_design.svg"))
 
 
 def push() -> None:
