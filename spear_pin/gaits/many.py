@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.lane_cycles import NO_MULTIPLIERS, NOT_VALID, LaneCycles, multipliers, valid
-from spear_pin.gaits.search import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.gaits.targets import check_wanted
+from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.hybrid import reasons
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import Batch, simulate_many
