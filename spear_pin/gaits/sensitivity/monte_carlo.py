@@ -20,9 +20,9 @@ WITHIN = 0.05  # of Monte Carlo's standard deviation, to which the first order i
 STILL = 1e-7  # of a value: what moves by less stays
 FEWEST = 3  # samples, from which a standard error is known
 
-AGREES, STAYS, UNDECIDED = "agrees", "stays", "too few samples to tell"
-OTHER_ORDER, NOT_LINEAR = "another order of events", "not linear"
-NO_SLOPE, NO_SAMPLES = "no derivative", "no samples"
+AGREES, STAYS = "agrees", "stays"
+NOT_LINEAR, OTHER_ORDER, LOST = "not linear", "another order of events", "samples without a value"
+NO_SLOPE, NO_SAMPLES = "no derivative", "too few samples"
 
 
 @dataclass(frozen=True, repr=False)
@@ -31,17 +31,21 @@ class MonteCarlo(Shown):
 
     Attributes:
         over: names of the parameters.
+        at: values of those of the gait itself, (m,).
         samples: the gaits.
         values: of the outputs of the gait itself, by name.
         units: of those.
+        derivatives: of those by the parameters, by name, (m,) each.
         first: standard deviations to first order, by name.
         seed: of the random numbers.
     """
 
     over: tuple[str, ...]
+    at: Array
     samples: Samples
     values: Mapping[str, float]
     units: Mapping[str, str]
+    derivatives: Mapping[str, Array]
     first: Mapping[str, float]
     seed: int
 
@@ -55,10 +59,12 @@ class MonteCarlo(Shown):
 
     def __str__(self) -> str:
         width = max(map(len, self.first))
-        lines = [f"{'':{width}} {'value':>12} {'σ, 1st order':>12} {'σ, M. Carlo':>12} {'± its error':>11} {'differs':>8}"]
+        columns = ("value", "σ, 1st order", "σ, M. Carlo", "± its error", "differs", "but chance")
+        lines = [f"{'':{width}} " + " ".join(f"{each:>12}" for each in columns)]
         for name, first in self.first.items():
-            row = f"{self.values[name]:12.6g} {first:12.4g} {self.deviation(name):12.4g} {self.error(name):11.2g}"
-            lines.append(f"{name:{width}} {row} {_percent(self.difference(name))} {self.verdict(name)}")
+            row = f"{self.values[name]:12.6g} {first:12.4g} {self.deviation(name):12.4g} {self.error(name):12.2g}"
+            shares = f"{_percent(self.difference(name))} {_percent(self.bend(name))}"
+            lines.append(f"{name:{width}} {row} {shares} {self.verdict(name)}")
         return "\n".join([*lines, self.statement()])
 
     def drawn(self, output: str) -> Array:
@@ -97,26 +103,43 @@ class MonteCarlo(Shown):
             return float("nan")
         return self.first[output] / sigma - 1.0
 
-    def verdict(self, output: str) -> str:
-        """Whether the first order is within 5 % of Monte Carlo, and why it is not, in words.
+    def bend(self, output: str, alike: bool = False) -> float:
+        """By how much the first order is above Monte Carlo where both are of the same parameters, as a share.
 
-        Where only samples with another order of events make the difference, it is that; else the output is not linear.
+        The first order of each sample is its tangent's value, so that chance takes no part: what is left is curvature.
+
+        Args:
+            output: its name.
+            alike: only of samples with the same order of events.
+
+        Raises:
+            UnknownName: there is no such output.
         """
-        first, values = self.first[output], self.drawn(output)
-        if not np.isfinite(first):
+        self.drawn(output)
+        values = self.samples.outputs.get(output, np.full(len(self), np.nan))
+        chosen = np.isfinite(values) & (self.samples.alike | (not alike))
+        if self._still(output):
+            return float("nan")
+        straight = (self.samples.parameters[chosen] - self.at) @ self.derivatives[output]
+        return _deviation(straight) / _deviation(values[chosen]) - 1.0
+
+    def verdict(self, output: str) -> str:
+        """Whether the first order is within 5 % of Monte Carlo, in words, or why it is not.
+
+        It "agrees" where it is for the very parameters that were drawn, and for all of them, but for chance. Where only
+        samples with another order of events make the difference, it is those; where only those that have no value do,
+        it is those; else the output is "not linear".
+        """
+        if not np.isfinite(self.first[output]):
             return NO_SLOPE
-        if len(values) < FEWEST:
+        if len(self.drawn(output)) < FEWEST:
             return NO_SAMPLES
         if self._still(output):
             return STAYS
-        off, slack = abs(self.difference(output)), 2.0 * self.error(output) / self.deviation(output)
-        if off <= WITHIN:
-            return AGREES if off + slack <= 2.0 * WITHIN else UNDECIDED
-        if off - slack <= WITHIN:
-            return UNDECIDED
-        alike = self.samples.outputs[output][self.samples.alike]
-        sigma = _deviation(alike[np.isfinite(alike)])
-        return OTHER_ORDER if abs(first / sigma - 1.0) <= WITHIN else NOT_LINEAR
+        if abs(self.bend(output)) > WITHIN:
+            return OTHER_ORDER if abs(self.bend(output, alike=True)) <= WITHIN else NOT_LINEAR
+        chance = 2.0 * self.error(output) / self.deviation(output)
+        return AGREES if abs(self.difference(output)) <= WITHIN + chance else LOST
 
     def statement(self) -> str:
         """What the samples were, and which outputs are not within 5 % to first order, in lines of words."""
@@ -131,8 +154,9 @@ class MonteCarlo(Shown):
         if unstable := int((samples.largest[samples.found] >= 1.0).sum()):
             lines.append(f"{unstable} gaits are unstable")
         off = [(name, verdict) for name in self.first if (verdict := self.verdict(name)) not in (AGREES, STAYS)]
-        agreeing = sum(self.verdict(name) == AGREES for name in self.first)
-        lines.append(f"first order within {WITHIN:.0%} of Monte Carlo for {agreeing} of {len(self.first)} outputs")
+        moving = sum(self.verdict(name) != STAYS for name in self.first)
+        all_but_chance = f"within {WITHIN:.0%} of Monte Carlo, but for chance"
+        lines.append(f"first order {all_but_chance}, for {moving - len(off)} of the {moving} outputs that move")
         for why in dict.fromkeys(verdict for _, verdict in off):
             lines.append(f"{why}: {', '.join(name for name, verdict in off if verdict == why)}")
         return "\n".join(lines)
@@ -168,6 +192,7 @@ class MonteCarlo(Shown):
                     "standard_error": _finite(self.error(name)),
                     "mean": _finite(self.mean(name)),
                     "difference": _finite(self.difference(name)),
+                    "bend": _finite(self.bend(name)),
                     "verdict": self.verdict(name),
                     "count": len(self.drawn(name)),
                 }
@@ -189,6 +214,6 @@ def _finite(value: float) -> float | None:
 
 
 def _percent(share: float) -> str:
-    return f"{100.0 * share:+7.2f}%" if np.isfinite(share) else f"{'':8}"
+    return f"{100.0 * share:+10.2f} %" if np.isfinite(share) else f"{'':12}"
 
 

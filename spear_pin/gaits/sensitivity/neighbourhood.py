@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.result import State
+from spear_pin.hybrid.section import section
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
@@ -58,12 +60,26 @@ class Neighbourhood:
         units = self.system.robot.units
         return dict(zip(self.columns, (*units, *(f"{unit}/s" for unit in units)), strict=True))
 
-    def predicted(self, parameters: Array) -> tuple[Array, Array, Array]:
-        """Configurations, (n, nq), velocities, (n, nv), and what is solved for, (n, k), with parameters, (n, m)."""
+    def predicted(self, parameters: Array) -> tuple[Array, Array]:
+        """States, (n, 2 nv), not quite on the section, and what is solved for, (n, k), with parameters, (n, m)."""
         change = parameters - self.values
-        y = np.concatenate(self.state) + change @ self.state_slopes.T
-        nv = self.system.robot.nv
-        return y[:, :nv], y[:, nv:], self.solved + change @ self.solved_slopes.T
+        return (
+            np.concatenate(self.state) + change @ self.state_slopes.T,
+            self.solved + change @ self.solved_slopes.T,
+        )
+
+    def placed(self, system: HybridSystem, y: Array, numbers: Mapping[str, Array] | None = None) -> tuple[Array, Array]:
+        """States on the section next to some, (n, 2 nv), the same toes sliding as in this gait.
+
+        Args:
+            system: whose section it is.
+            y: the states.
+            numbers: that differ from one to the other, (n,) each.
+        """
+        nv, whole = self.system.robot.nv, section(system, numbers)
+        slides = section(self.system).sliding(self.state[0][None], self.state[1][None])[0]
+        charts = whole.charts(y[:, :nv], y[:, nv:], slides)
+        return charts.states(np.zeros((len(y), charts.dimension)))
 
     def moduli(self, multipliers: NDArray[np.complex128]) -> Array:
         """Moduli of multipliers in the order of this gait's, (d,); NaN where they are not as many."""

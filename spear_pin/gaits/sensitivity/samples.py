@@ -17,7 +17,6 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import may_differ
 from spear_pin.hybrid.engines.structure import OF_GROUND
 from spear_pin.hybrid.parameters import with_numbers
-from spear_pin.hybrid.section import chart
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
@@ -75,11 +74,11 @@ def side_by_side(local: Neighbourhood) -> bool:
 
 def _in_lanes(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Samples:
     system, order = local.system, _order(local)
-    q, v, begin = local.predicted(parameters)
     given = dict(zip(local.over, parameters.T, strict=True))
+    y, begin = local.predicted(parameters)
     target = dict(zip(local.keep, local.kept.tolist(), strict=True))
     start = given | dict(zip(local.vary, np.where(begin * local.solved > 0.0, begin, local.solved).T, strict=True))
-    table = find_many(system, start, local.vary, target, guess=(q, v))
+    table = find_many(system, start, local.vary, target, guess=local.placed(system, y, given))
     found = np.flatnonzero(table.converged)
     own = {name: table.parameters[name][found] for name in (*local.over, *local.vary)}
     cycles = measured(system, own, table.q[found], table.v[found], on_lanes)
@@ -109,7 +108,7 @@ def _spread(values: Array, lanes: NDArray[np.intp], n: int) -> Array:
 
 def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Samples:
     n, order = len(parameters), Orbit(local.system, local.state, ()).cycle.order
-    q, v, begin = local.predicted(parameters)
+    y, begin = local.predicted(parameters)
     reason, alike, largest = np.full(n, CONVERGED, dtype=object), np.zeros(n, dtype=bool), np.full(n, np.nan)
     outputs: dict[str, Array] = {}
     for i in range(n):
@@ -120,7 +119,7 @@ def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> S
             reason[i] = NOT_VALID
             continue
         try:
-            orbit, solved = _solved(local, system, np.concatenate([q[i], v[i]]), begin[i])
+            orbit, solved = _solved(local, system, y[i], begin[i])
         except NotDifferentiable:
             reason[i] = NOT_PLAIN
             continue
@@ -145,12 +144,10 @@ def _solved(local: Neighbourhood, system: HybridSystem, y: Array, z: Array) -> t
         BadValue: it is not found, or what is solved for leaves its range.
         NotDifferentiable: a cycle on the way closes in no plain way.
     """
-    nv = system.robot.nv
     for _ in range(ITERATIONS):
         whole = with_numbers(system, dict(zip(local.vary, z.tolist(), strict=True))) if local.vary else system
-        near = chart(whole, (y[:nv], y[nv:]))
-        state = near.state(np.zeros(near.dimension))
-        orbit = Orbit(whole, state, local.vary)
+        q, v = local.placed(whole, y[None])
+        orbit = Orbit(whole, (q[0], v[0]), local.vary)
         d = orbit.dimension
         missed = np.array([orbit.measures[name].value for name in local.keep]) - local.kept
         scale = np.maximum(np.abs(local.kept), 1e-12)

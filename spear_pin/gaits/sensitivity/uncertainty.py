@@ -153,7 +153,16 @@ class Uncertainty(Shown):
         normal = np.random.default_rng(seed).standard_normal((samples, len(self.over)))
         parameters = self.local.values + normal @ factor(self.covariance).T
         found = found_anew(self.local, parameters, on_lanes)
-        return MonteCarlo(self.over, found, self.outputs, self.output_units, self.deviations, seed)
+        return MonteCarlo(
+            self.over,
+            self.local.values,
+            found,
+            self.outputs,
+            self.output_units,
+            self.derivatives,
+            self.deviations,
+            seed,
+        )
 
     def to_json(self) -> str:
         """All of it, as JSON."""
