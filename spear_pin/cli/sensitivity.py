@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     with progress() as show:
         show("looking for the gait")
-        gait = _gait(arguments.what)
+        gait = gait_of(arguments.what)
         show("differentiating")
         found = gait.sensitivity(arguments.over or _usual(gait), arguments.vary, arguments.keep)
     files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _gait(what: str) -> Gait:
+def gait_of(what: str) -> Gait:
     """The gait that is asked for."""
     from spear_pin import Gait, find_gait, hopping, load
 

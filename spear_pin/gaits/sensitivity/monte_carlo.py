@@ -59,7 +59,7 @@ class MonteCarlo(Shown):
 
     def __str__(self) -> str:
         width = max(map(len, self.first))
-        columns = ("value", "σ, 1st order", "σ, M. Carlo", "± its error", "differs", "but chance")
+        columns = ("value", "σ, 1st order", "σ, M. Carlo", "± its error", "differs", "same samples")
         lines = [f"{'':{width}} " + " ".join(f"{each:>12}" for each in columns)]
         for name, first in self.first.items():
             row = f"{self.values[name]:12.6g} {first:12.4g} {self.deviation(name):12.4g} {self.error(name):12.2g}"

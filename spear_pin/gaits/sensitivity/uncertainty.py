@@ -19,6 +19,7 @@ from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
 MOST = 1_000_000  # samples
+ROUNDING = 1e-12  # of a value: what spreads by less does not move
 
 
 @dataclass(frozen=True, repr=False)
@@ -91,6 +92,14 @@ class Uncertainty(Shown):
         """Of all outputs."""
         return {name: self.deviation(name) for name in self.outputs}
 
+    def moves(self, output: str) -> bool:
+        """Whether an output's standard deviation is more than rounding; one that is kept does not move.
+
+        Raises:
+            UnknownName: there is no such output.
+        """
+        return self.deviation(output) > ROUNDING * abs(self.outputs[output])
+
     def shares(self, output: str) -> Array:
         """Share of each parameter in the variance, g_i (Σ gᵀ)_i / σ², (m,); zero where the output does not move.
 
@@ -100,7 +109,7 @@ class Uncertainty(Shown):
             UnknownName: there is no such output.
         """
         slopes = self._slopes(output)
-        return _over(slopes * (self.covariance @ slopes), self.deviation(output) ** 2)
+        return self._over(output, slopes * (self.covariance @ slopes))
 
     def gains(self, output: str) -> Array:
         """Share of the variance that goes where a parameter is known exactly, (Σ gᵀ)_i² / (Σ_ii σ²), (m,).
@@ -115,7 +124,7 @@ class Uncertainty(Shown):
         along, variances = self.covariance @ self._slopes(output), np.diag(self.covariance)
         with np.errstate(divide="ignore", invalid="ignore"):
             squares = np.where(variances > 0.0, along**2 / np.where(variances > 0.0, variances, 1.0), 0.0 * along)
-        return _over(squares, self.deviation(output) ** 2)
+        return self._over(output, squares)
 
     def best(self, output: str) -> str:
         """The parameter to measure better: the one with the largest of the `gains`.
@@ -185,15 +194,15 @@ class Uncertainty(Shown):
         }
         return json.dumps(data, indent=1)
 
+    def _over(self, output: str, parts: Array) -> Array:
+        """Shares of an output's variance; zero where it does not move, NaN where it has no derivative."""
+        sigma = self.deviation(output)
+        return np.zeros_like(parts) if np.isfinite(sigma) and not self.moves(output) else np.asarray(parts / sigma**2)
+
     def _slopes(self, output: str) -> Array:
         if output not in self.derivatives:
             raise UnknownName("output", output, self.outputs)
         return np.asarray(self.derivatives[output], np.float64)
-
-
-def _over(parts: Array, variance: float) -> Array:
-    """Shares of a variance; zero where that is."""
-    return np.asarray(parts / variance if variance != 0.0 else np.zeros_like(parts))
 
 
 def _plain(values: Array) -> list[float | None]:
