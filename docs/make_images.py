@@ -1,7 +1,7 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
 Parts are moving, hop, bench, compare, biped, hoppy, another, space, attraction, robust, design, push, hardware,
-drivetrain, sweep and branches. The first eight need Chromium, moving, which films what moves on top of the README,
+drivetrain, sweep, branches and spread. The first eight need Chromium, moving, which films what moves on top of the README,
 also ffmpeg, another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain take
 some minutes; the latter print the table of docs/motors.md.
 """
@@ -58,6 +58,7 @@ from spear_pin.viz.plots import drivetrain as drivetrain_plots
 from spear_pin.viz.plots import energy as energy_plots
 from spear_pin.viz.plots import identification as identification_plots
 from spear_pin.viz.plots import push as push_plots
+from spear_pin.viz.plots import uncertainty as uncertainty_plots
 from spear_pin.viz.plots import robustness as robustness_plots
 from spear_pin.viz.plots import source as source_plots
 from spear_pin.viz.plots import space as space_plots
@@ -84,7 +85,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", help="some of the parts; all if none is named")
     seen = moving, hop, bench, compare, biped, hoppy, another, space
-    known = *seen, attraction, robust, design, push, hardware, drivetrain, sweep, branches
+    known = *seen, attraction, robust, design, push, hardware, drivetrain, sweep, branches, spread
     parts = {part.__name__: part for part in known}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
@@ -238,6 +239,16 @@ def branches() -> None:
     for branch in found:
         print(branch)
     print(plots.save_figure(family(*found), IMAGES / "branches.svg"))
+
+
+def spread() -> None:
+    """Write how far the hop is known with a knee whose numbers are not, and 2000 samples of it."""
+    table = hop_in_place().sensitivity(["stiffness", "damping", "knee_touchdown"], ["stance_torque"], ["flight_time"])
+    found = table.uncertainty({"stiffness": 0.62, "damping": 0.05, "knee_touchdown": 0.003})
+    drawn = found.monte_carlo(2000)
+    print(drawn)
+    print(plots.save_figure(uncertainty_plots.variance_shares(found), IMAGES / "spread.svg"))
+    print(plots.save_figure(uncertainty_plots.monte_carlo(drawn), IMAGES / "monte_carlo.svg"))
 
 
 def push() -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from spear_pin.gaits.sensitivity.measures import LEAST_STRIDE, PRESSED, weight_of
 from spear_pin.gaits.sensitivity.panels import Panels
+from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.structure import flattened, shape_of
@@ -65,7 +66,7 @@ def measured(
         for i in lanes:
             laid = recorder(i, np.concatenate([q[i], v[i]]))
             if laid is not None:
-                orders[i] = laid.order
+                orders[i] = laid.lap.order
                 chunk.add(i - first, np.concatenate([q[i], v[i]]), laid)
         for name, values in chunk.measures().items():
             found.setdefault(name, np.full(n, np.nan))[lanes.start : lanes.stop] = values
@@ -92,10 +93,6 @@ class _Laid:
     lap: Lap
     parts: list[_Part]
 
-    @property
-    def order(self) -> Order:
-        return self.lap.order
-
 
 class _Recorders:
     """Runs the lanes' cycles."""
@@ -112,7 +109,7 @@ class _Recorders:
         except NotDifferentiable:
             return None
 
-    def _part(self, recorder: Recorder, arc: Any) -> _Part:
+    def _part(self, recorder: Recorder, arc: Arc) -> _Part:
         t, h, y = points(recorder, arc)
         numbers = np.concatenate([recorder.numbers, np.array(flattened(arc.held.values()), dtype=float)])
         return _Part(self._fields.field(arc.domain, arc.held), arc.domain, t, h, y, numbers)

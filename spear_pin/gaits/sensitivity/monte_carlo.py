@@ -22,6 +22,7 @@ FEWEST = 3  # samples, from which a standard error is known
 
 AGREES, STAYS = "agrees", "stays"
 NOT_LINEAR, OTHER_ORDER, LOST = "not linear", "another order of events", "samples without a value"
+ONE_SIDED = "derivative of one side"
 NO_SLOPE, NO_SAMPLES = "no derivative", "too few samples"
 
 
@@ -37,6 +38,7 @@ class MonteCarlo(Shown):
         units: of those.
         derivatives: of those by the parameters, by name, (m,) each.
         first: standard deviations to first order, by name.
+        one_sided: events that meet another in the gait itself, whose derivatives are of the order that happens.
         seed: of the random numbers.
     """
 
@@ -47,6 +49,7 @@ class MonteCarlo(Shown):
     units: Mapping[str, str]
     derivatives: Mapping[str, Array]
     first: Mapping[str, float]
+    one_sided: tuple[str, ...]
     seed: int
 
     def __len__(self) -> int:
@@ -128,7 +131,8 @@ class MonteCarlo(Shown):
 
         It "agrees" where it is for the very parameters that were drawn, and for all of them, but for chance. Where only
         samples with another order of events make the difference, it is those; where only those that have no value do,
-        it is those; else the output is "not linear".
+        it is those; where an event of the gait itself meets another, derivatives are of one side, and samples of both;
+        else the output is "not linear".
         """
         if not np.isfinite(self.first[output]):
             return NO_SLOPE
@@ -137,7 +141,9 @@ class MonteCarlo(Shown):
         if self._still(output):
             return STAYS
         if abs(self.bend(output)) > WITHIN:
-            return OTHER_ORDER if abs(self.bend(output, alike=True)) <= WITHIN else NOT_LINEAR
+            if self.samples.alike.sum() >= FEWEST and abs(self.bend(output, alike=True)) <= WITHIN:
+                return OTHER_ORDER
+            return ONE_SIDED if self.one_sided else NOT_LINEAR
         chance = 2.0 * self.error(output) / self.deviation(output)
         return AGREES if abs(self.difference(output)) <= WITHIN + chance else LOST
 
@@ -157,6 +163,8 @@ class MonteCarlo(Shown):
         moving = sum(self.verdict(name) != STAYS for name in self.first)
         all_but_chance = f"within {WITHIN:.0%} of Monte Carlo, but for chance"
         lines.append(f"first order {all_but_chance}, for {moving - len(off)} of the {moving} outputs that move")
+        if self.one_sided:
+            lines.append(f"one-sided: {', '.join(self.one_sided)} meets another event in this gait")
         for why in dict.fromkeys(verdict for _, verdict in off):
             lines.append(f"{why}: {', '.join(name for name, verdict in off if verdict == why)}")
         return "\n".join(lines)

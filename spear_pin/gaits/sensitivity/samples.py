@@ -17,6 +17,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import may_differ
 from spear_pin.hybrid.engines.structure import OF_GROUND
 from spear_pin.hybrid.parameters import with_numbers
+from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
@@ -107,7 +108,7 @@ def _spread(values: Array, lanes: NDArray[np.intp], n: int) -> Array:
 
 
 def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Samples:
-    n, order = len(parameters), Orbit(local.system, local.state, ()).cycle.order
+    n, order = len(parameters), Recorder(local.system).lap(np.concatenate(local.state)).order
     y, begin = local.predicted(parameters)
     reason, alike, largest = np.full(n, CONVERGED, dtype=object), np.zeros(n, dtype=bool), np.full(n, np.nan)
     outputs: dict[str, Array] = {}
@@ -133,7 +134,8 @@ def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> S
         row |= dict(zip(local.columns, np.concatenate(orbit.state), strict=True))
         for name, value in row.items():
             outputs.setdefault(name, np.full(n, np.nan))[i] = value
-        alike[i], largest[i] = orbit.cycle.order == order, np.abs(multipliers).max()
+        alike[i] = Recorder(orbit.system).lap(np.concatenate(orbit.state)).order == order
+        largest[i] = np.abs(multipliers).max()
     return Samples(parameters, outputs, reason.astype(str), largest, alike)
 
 

@@ -170,6 +170,7 @@ class Uncertainty(Shown):
             self.output_units,
             self.derivatives,
             self.deviations,
+            self.one_sided,
             seed,
         )
 
