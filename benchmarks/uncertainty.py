@@ -1,11 +1,12 @@
 """How far a hop is known with the knee that was identified: first order beside Monte Carlo.
 
-`python -m benchmarks.uncertainty [--samples 10000] [--json]`: the hop in place with a flight of 0.2 s, its stance torque
-solved for, with three knees. "printed": k, b, RA and their σ as printed in the source's Table 4.2, with motor, errors
-taken as independent; of a tenth as many samples, for those without a gait take long. "a tenth": those σ divided by ten.
-"synthetic": the covariance of an estimate from three synthetic releases of a knee of those numbers, with 5 mrad of noise.
-The source's RA is of the push test, where the spring stays engaged; the hop's spring is latched at touchdown, and σ_RA is
-taken for that of the angle at which the knee is to land. Independence and that reading are assumptions.
+`python -m benchmarks.uncertainty [--samples 10000] [--knee NAME] [--json]`: the hop in place with a flight of 0.2 s, its
+stance torque solved for, with three knees. "printed": k, b, RA and their σ as printed in the source's Table 4.2, with
+motor, errors taken as independent; of a tenth as many samples, for those without a gait take long. "a tenth": those σ
+divided by ten. "synthetic": the covariance of an estimate from three synthetic releases of a knee of those numbers, with
+5 mrad of noise. The source's RA is of the push test, where the spring stays engaged; the hop's spring is latched at
+touchdown, and σ_RA is taken for that of the angle at which the knee is to land. Independence and that reading are
+assumptions.
 """
 
 from __future__ import annotations
@@ -94,7 +95,8 @@ def main() -> None:
         return
     for row in rows:
         numbers = ", ".join(f"{name} {row['parameters'][name]:.4g} ± {row['deviations'][name]:.3g}" for name in OVER)
-        print(f"{row['knee']}: {numbers}\n{row['text']}\n{row['monte_carlo']['samples']} samples in {row['seconds']:.1f} s\n")
+        print(f"{row['knee']}: {numbers}\n{row['text']}")
+        print(f"{row['monte_carlo']['samples']} samples in {row['seconds']:.1f} s\n")
 
 
 if __name__ == "__main__":

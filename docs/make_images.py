@@ -1,9 +1,9 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
 Parts are moving, hop, bench, compare, biped, hoppy, another, space, attraction, robust, design, push, hardware,
-drivetrain, sweep, branches and spread. The first eight need Chromium, moving, which films what moves on top of the README,
-also ffmpeg, another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain take
-some minutes; the latter print the table of docs/motors.md.
+drivetrain, sweep, branches and spread. The first eight need Chromium, moving, which films what moves on top of the
+README, also ffmpeg, another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain
+take some minutes; the latter print the table of docs/motors.md.
 """
 
 from __future__ import annotations
@@ -58,11 +58,11 @@ from spear_pin.viz.plots import drivetrain as drivetrain_plots
 from spear_pin.viz.plots import energy as energy_plots
 from spear_pin.viz.plots import identification as identification_plots
 from spear_pin.viz.plots import push as push_plots
-from spear_pin.viz.plots import uncertainty as uncertainty_plots
 from spear_pin.viz.plots import robustness as robustness_plots
 from spear_pin.viz.plots import source as source_plots
 from spear_pin.viz.plots import space as space_plots
 from spear_pin.viz.plots import sweep as sweep_plots
+from spear_pin.viz.plots import uncertainty as uncertainty_plots
 from spear_pin.viz.plots.family import family
 from spear_pin.viz.video import film
 from tests.viz.chromium import Browser

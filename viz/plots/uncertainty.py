@@ -1,4 +1,4 @@
-"""Which number a gait's spread comes from, and how Monte Carlo looks beside the first order; in the style of `plots`."""
+"""Which number a gait's spread comes from, and Monte Carlo beside the first order; in the style of `plots`."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def draw(axes: Axes, drawn: MonteCarlo, name: str) -> None:
     alike = [values[there & drawn.samples.alike], values[there & ~drawn.samples.alike]]
     kinds = 1 + bool((drawn.samples.found & ~drawn.samples.alike).any())
     labels = ["same order of events", "another order"][:kinds]
-    axes.hist(alike[:kinds], edges, stacked=True, color=[SKY, ORANGE][:kinds], label=labels)
+    axes.hist(alike[:kinds], edges.tolist(), stacked=True, color=[SKY, ORANGE][:kinds], label=labels)
     if first > 0.0:
         x = np.linspace(edges[0], edges[-1], 400)
         density = np.exp(-0.5 * ((x - middle) / first) ** 2) / (first * np.sqrt(2.0 * np.pi))

@@ -14,7 +14,7 @@ from spear_pin.gaits.sensitivity.panels import Panels
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
-from spear_pin.hybrid.engines.structure import flattened, shape_of
+from spear_pin.hybrid.engines.structure import flattened
 from spear_pin.hybrid.lanes.lone_runner import Lap
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.rules.footing import closed_toes

@@ -62,7 +62,7 @@ def measures(cycle: Derivative, start: Array) -> dict[str, Measure]:
         rms = float(np.sqrt(square / period))
         of_rms = 0.5 / max(rms, 1e-300) * (change / period - square / period**2 * dperiod)
         found[f"rms_torque_{joint}"] = Measure(rms, of_rms, "N·m")
-        found[f"peak_torque_{joint}"] = Measure(*_largest(_torque(cycle.stretches, j)), "N·m")
+        found[f"peak_torque_{joint}"] = Measure(*_largest(_torque(_long(cycle.stretches), j)), "N·m")
     weight = weight_of(robot)
     for toe in robot.toes:
         forces = list(_forces(cycle.stretches, toe, robot.toes))
@@ -123,12 +123,12 @@ def _sum(parts: Sequence[tuple[float, Array]], unit: str) -> Measure:
 
 
 def _torque(stretches: Sequence[Stretch], j: int) -> list[Pieces]:
-    return [Pieces(each, each.values.u[j], each.derivatives.u[j]) for each in _long(stretches)]
+    return [Pieces(each, each.values.u[j], each.derivatives.u[j]) for each in stretches]
 
 
 def _power(stretches: Sequence[Stretch], j: int, i: int) -> list[Pieces]:
     found = []
-    for each in _long(stretches):
+    for each in stretches:
         rate, drate = each.y[len(each.y) // 2 + i], each.dy[len(each.dy) // 2 + i]
         u, du = each.values.u[j], each.derivatives.u[j]
         found.append(Pieces(each, u * rate, du * rate[:, None] + u[:, None] * drate))
@@ -144,6 +144,7 @@ def _forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Iter
 
 
 def _long(stretches: Sequence[Stretch]) -> list[Stretch]:
+    """Arcs that last; between events that meet is one that does not, whose ends move apart all the same."""
     return [each for each in stretches if each.arc.end > each.arc.t]
 
 

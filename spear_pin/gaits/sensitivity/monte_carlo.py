@@ -223,5 +223,3 @@ def _finite(value: float) -> float | None:
 
 def _percent(share: float) -> str:
     return f"{100.0 * share:+10.2f} %" if np.isfinite(share) else f"{'':12}"
-
-

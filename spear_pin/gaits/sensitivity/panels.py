@@ -34,7 +34,9 @@ class Panels:
 
     def integral(self, values: Array) -> Array:
         """∫ over each cycle of values at Gauss's points, (p, k); zero where a cycle has no panel, (n,)."""
-        return np.bincount(self.lanes, self.lengths * (values @ rule(POINTS).weights), self.count)
+        return np.asarray(
+            np.bincount(self.lanes, self.lengths * (values @ rule(POINTS).weights), self.count), np.float64
+        )
 
     def positive(self, values: Array) -> Array:
         """∫ of the positive part over each cycle, (n,)."""
@@ -47,15 +49,15 @@ class Panels:
         x = _crossing(coefficients[panel].T, dense[panel], cell)
         rises = up[panel, cell + 1]
         end = np.where(rises, _grid().x[cell + 1], _grid().x[cell])
-        part = legendre.legval(end, whole[:, panel], tensor=False) - legendre.legval(x, whole[:, panel], tensor=False)
+        part = _value(end, whole[:, panel]) - _value(x, whole[:, panel])
         total += np.bincount(panel, np.where(rises, part, -part), len(total))
-        return np.bincount(self.lanes, 0.5 * self.lengths * total, self.count)
+        return np.asarray(np.bincount(self.lanes, 0.5 * self.lengths * total, self.count), np.float64)
 
     def peak(self, values: Array) -> Array:
         """The largest value of each cycle, (n,); -∞ where it has no panel."""
         coefficients = values @ rule(POINTS).legendre.T
         dense = coefficients @ _grid().values.T
-        return self._largest(_climbed(dense, lambda x: legendre.legval(x, coefficients.T, tensor=False)))
+        return self._largest(_climbed(dense, lambda x: _value(x, coefficients.T)))
 
     def ratio(self, above: Array, below: Array, least: float) -> Array:
         """The largest |above / below| of each cycle where what is below is at least a number, (n,); -∞ nowhere."""
@@ -68,7 +70,7 @@ class Panels:
                 return np.where(bottom >= least, np.abs(top / bottom), -np.inf)
 
         def at(x: Array) -> Array:
-            return pressed(legendre.legval(x, tops.T, tensor=False), legendre.legval(x, bottoms.T, tensor=False))
+            return pressed(_value(x, tops.T), _value(x, bottoms.T))
 
         best = _climbed(pressed(top, bottom), at)
         beyond = bottom >= least
@@ -76,7 +78,7 @@ class Panels:
         fallen = bottoms[panel].T.copy()
         fallen[0] -= least
         x = _crossing(fallen, bottom[panel] - least, cell)
-        np.maximum.at(best, panel, np.abs(legendre.legval(x, tops[panel].T, tensor=False)) / least)
+        np.maximum.at(best, panel, np.abs(_value(x, tops[panel].T)) / least)
         return self._largest(best)
 
     def where_it_falls(self, guard: Array, values: Array) -> Array:
@@ -87,7 +89,7 @@ class Panels:
         panel, cell = np.nonzero((dense[:, :-1] > 0.0) & (dense[:, 1:] <= 0.0))
         x = _crossing(coefficients[panel].T, dense[panel], cell)
         found = np.full(self.count, np.nan)
-        found[self.lanes[panel][::-1]] = legendre.legval(x, (values @ to)[panel].T, tensor=False)[::-1]
+        found[self.lanes[panel][::-1]] = _value(x, (values @ to)[panel].T)[::-1]
         return found
 
     def _largest(self, best: Array) -> Array:
@@ -108,7 +110,13 @@ class _Grid:
 @cache
 def _grid() -> _Grid:
     x = np.linspace(-1.0, 1.0, CELLS + 1)
-    return _Grid(x, legendre.legvander(x, POINTS - 1), legendre.legvander(x, POINTS))
+    values = np.asarray(legendre.legvander(x, POINTS), np.float64)
+    return _Grid(x, values[:, :-1], values)
+
+
+def _value(x: Array, coefficients: Array) -> Array:
+    """Values of polynomials, (k, m), at a place each, (m,)."""
+    return np.asarray(legendre.legval(x, coefficients, tensor=False), np.float64)
 
 
 def _crossing(coefficients: Array, dense: Array, cell: NDArray[np.int64]) -> Array:
@@ -119,7 +127,7 @@ def _crossing(coefficients: Array, dense: Array, cell: NDArray[np.int64]) -> Arr
     slopes = legendre.legder(coefficients)
     for _ in range(POLISHED):
         with np.errstate(divide="ignore", invalid="ignore"):
-            step = legendre.legval(found, coefficients, tensor=False) / legendre.legval(found, slopes, tensor=False)
+            step = _value(found, coefficients) / _value(found, slopes)
         found = np.clip(found - np.nan_to_num(step), x[cell], x[cell + 1])
     return np.asarray(found, np.float64)
 
@@ -141,4 +149,4 @@ def _climbed(dense: Array, at: Callable[[Array], Array]) -> Array:
             better = value > best
             best, x = np.where(better, value, best), np.where(better, there, x)
         width /= AROUND
-    return best
+    return np.asarray(best, np.float64)

@@ -127,7 +127,7 @@ def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> S
         except (BadValue, np.linalg.LinAlgError):
             reason[i] = NO_CONVERGENCE
             continue
-        multipliers = np.linalg.eigvals(orbit.jacobian)
+        multipliers = np.linalg.eigvals(orbit.jacobian).astype(np.complex128)
         row = dict(zip(local.vary, solved, strict=True))
         row |= {name: measure.value for name, measure in orbit.measures.items()}
         row |= {f"multiplier_{k + 1}": value for k, value in enumerate(local.moduli(multipliers))}

@@ -79,4 +79,4 @@ def _checked(spread: Any, m: int) -> Array:
     correlation = matrix / np.outer(unit, unit)
     if np.abs(correlation - correlation.T).max() > ROUNDING or np.linalg.eigvalsh(correlation).min() < -ROUNDING:
         raise BadValue("spread", spread, expected)
-    return 0.5 * (matrix + matrix.T)
+    return np.asarray(0.5 * (matrix + matrix.T), np.float64)

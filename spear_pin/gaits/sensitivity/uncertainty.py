@@ -73,7 +73,9 @@ class Uncertainty(Shown):
             row = " ".join(f"{100.0 * each:14.3g}" for each in self.gains(name))
             lines.append(f"{name:{width}} {value:12.6g} {sigma:11.4g} {relative} {row}")
         if self.correlated:
-            lines.append("errors are correlated: to know one parameter tells of others, and shares do not add up to 100")
+            lines.append(
+                "errors are correlated: to know one parameter tells of others, and shares do not add up to 100"
+            )
         if self.one_sided:
             lines.append(f"one-sided: {', '.join(self.one_sided)} meets another event in this gait")
         return "\n".join(lines)

@@ -106,8 +106,13 @@ class Derivative:
             arc = each.arc
             if isinstance(arc.event, Guard) and arc.end - arc.t <= SHORTEST:
                 i = next(k for k, guard in enumerate(arc.domain.guards) if guard is arc.event)
-                found += [arc.event.name] * bool(abs(each.end.guards[i]) <= arc.event.tolerance)
+                found += [arc.event.name] * _meets(arc, each.end.guards[i])
         return tuple(found)
+
+
+def _meets(arc: Arc, value: float) -> bool:
+    """Whether the event of the shortest of arcs happens as its own guard falls, beside the event before it."""
+    return bool(abs(value) <= arc.event.tolerance)
 
 
 @dataclass
@@ -204,9 +209,13 @@ class _Whole:
         if isinstance(arc.event, Switch):
             due = arc.event.time(arc.switches, self.law)
             return due.d + np.zeros(self.c) if isinstance(due, Dual) else np.zeros(self.c)
-        if arc.end - arc.t <= SHORTEST:  # at once
-            return now.tau
         i = next(k for k, guard in enumerate(arc.domain.guards) if guard is arc.event)
+        if arc.end - arc.t <= SHORTEST:
+            if not _meets(arc, end.guards[i]):
+                return now.tau  # at once, as beside this cycle
+            if not rate.guards[i] < 0.0:
+                raise NotDifferentiable(f"{arc.event.name} meets another event, and its guard does not fall there")
+            return np.asarray(-dend.guards[i] / rate.guards[i])
         fall, highest = rate.guards[i], np.abs(values.guards[i]).max()
         steepness = -fall * (arc.end - arc.t) / max(highest, 1e-300)
         now.steepness = min(now.steepness, steepness)

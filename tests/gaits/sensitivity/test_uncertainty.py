@@ -86,7 +86,9 @@ class TestFirstOrder:
         y = with_slopes(spread, slopes, covariance)
         for i in range(3):
             rest = [j for j in range(3) if j != i]
-            left = covariance[np.ix_(rest, rest)] - np.outer(covariance[rest, i], covariance[i, rest]) / covariance[i, i]
+            left = (
+                covariance[np.ix_(rest, rest)] - np.outer(covariance[rest, i], covariance[i, rest]) / covariance[i, i]
+            )
             known = slopes[rest] @ left @ slopes[rest]
             assert y.gains("y")[i] == pytest.approx(1.0 - known / (slopes @ covariance @ slopes))
 
@@ -149,7 +151,9 @@ class TestMonteCarlo:
             numbers = dict(zip(OVER, found.parameters[i].tolist(), strict=True))
             numbers["stance_torque"] = float(found.outputs["stance_torque"][i])
             system = with_numbers(hop.system, numbers)
-            state = [np.array([found.outputs[f"{kind}_{name}"][i] for name in system.robot.coordinates]) for kind in "qv"]
+            state = [
+                np.array([found.outputs[f"{kind}_{name}"][i] for name in system.robot.coordinates]) for kind in "qv"
+            ]
             run = simulate(system, (state[0], state[1]), rtol=1e-11, samples=2000, progress=False)
             assert run.t[-1] - run.t[0] == pytest.approx(found.outputs["period"][i], rel=1e-8)
             assert found.outputs["flight_time"][i] == pytest.approx(0.2, rel=1e-8)
@@ -266,7 +270,11 @@ def test_it_is_told_drawn_and_written(spread, drawn, tmp_path):
     widths = [patch.get_width() for patch in bars.axes[0].patches]
     assert sum(widths) == pytest.approx(100.0 * sum(map(spread.moves, spread.outputs)), rel=1e-9)
     histograms = monte_carlo(drawn)
-    assert [axes.get_xlabel() for axes in histograms.axes] == ["Stance torque (N·m)", "Positive work (J)", "Multiplier 1"]
+    assert [axes.get_xlabel() for axes in histograms.axes] == [
+        "Stance torque (N·m)",
+        "Positive work (J)",
+        "Multiplier 1",
+    ]
     assert sum(patch.get_height() for patch in histograms.axes[0].patches) == 60
     for figure in (bars, histograms):
         assert save_figure(figure, tmp_path / "picture.svg").stat().st_size > 1000
