@@ -119,7 +119,7 @@ class Sensitivity(Shown):
             >>> table = gait.sensitivity(["stiffness", "damping"])
             >>> spread = table.uncertainty({"stiffness": 0.5, "damping": "2 %"})
             >>> round(spread.deviation("apex_height") * 1e3, 2), spread.best("apex_height")  # mm
-            (1.47, 'damping')
+            (1.88, 'damping')
         """
         covariance = covariance_of(spread, self.over, self.values)
         d = len(self.solved)

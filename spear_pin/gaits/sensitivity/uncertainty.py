@@ -34,6 +34,15 @@ class Uncertainty(Shown):
         output_units: of those.
         derivatives: of the outputs by the parameters, by name, (m,) each.
         one_sided: events that meet another in this gait, whose derivatives are of the order that happens.
+
+    Example:
+        >>> from spear_pin import find_gait, hopping, load
+        >>> gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])))
+        >>> spread = gait.sensitivity(["stiffness", "damping"]).uncertainty({"stiffness": "1 %", "damping": "1 %"})
+        >>> [f"{share:.2f}" for share in spread.shares("positive_work")], spread.best("flight_time")
+        (['0.59', '0.41'], 'damping')
+        >>> spread.monte_carlo(50)
+        MonteCarlo(50 samples: 50 gaits found, 50 with the same order of events)
     """
 
     local: Neighbourhood
@@ -147,7 +156,7 @@ class Uncertainty(Shown):
         """The gait found anew for parameters drawn from a normal distribution with this covariance.
 
         Where lanes may differ in all parameters (of law, springs and friction) and record what is kept, all gaits are
-        found side by side; with others, such as masses and lengths, one by one, some tens in a second.
+        found side by side; with others, such as masses and lengths, one by one, some ten in a second.
 
         Args:
             samples: how many.
