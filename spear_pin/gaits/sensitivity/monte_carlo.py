@@ -17,6 +17,7 @@ from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
 WITHIN = 0.05  # of Monte Carlo's standard deviation, to which the first order is to agree
+FEW = 0.01  # of the samples, which may have no value without being named
 STILL = 1e-7  # of a value: what moves by less stays
 FEWEST = 3  # samples, from which a standard error is known
 
@@ -129,9 +130,9 @@ class MonteCarlo(Shown):
     def verdict(self, output: str) -> str:
         """Whether the first order is within 5 % of Monte Carlo, in words, or why it is not.
 
-        It "agrees" where it is for the very parameters that were drawn, and for all of them, but for chance. Where only
-        samples with another order of events make the difference, it is those; where only those that have no value do,
-        it is those; where an event of the gait itself meets another, derivatives are of one side, and samples of both;
+        It "agrees" where it is for the very parameters that were drawn; but if more than 1 % of the samples have no
+        value, σ has to be within 5 % as well, or it is those. Where only samples with another order of events make the
+        difference, it is those; where an event of the gait itself meets another, derivatives are of one side, and samples of both;
         else the output is "not linear".
         """
         if not np.isfinite(self.first[output]):
@@ -144,8 +145,8 @@ class MonteCarlo(Shown):
             if self.samples.alike.sum() >= FEWEST and abs(self.bend(output, alike=True)) <= WITHIN:
                 return OTHER_ORDER
             return ONE_SIDED if self.one_sided else NOT_LINEAR
-        chance = 2.0 * self.error(output) / self.deviation(output)
-        return AGREES if abs(self.difference(output)) <= WITHIN + chance else LOST
+        lost = 1.0 - len(self.drawn(output)) / len(self)
+        return AGREES if abs(self.difference(output)) <= WITHIN or lost <= FEW else LOST
 
     def statement(self) -> str:
         """What the samples were, and which outputs are not within 5 % to first order, in lines of words."""

@@ -41,7 +41,7 @@ class Panels:
     def positive(self, values: Array) -> Array:
         """∫ of the positive part over each cycle, (n,)."""
         coefficients = values @ rule(POINTS).legendre.T
-        dense, whole = coefficients @ _grid().values.T, legendre.legint(coefficients.T)
+        dense, whole = coefficients @ _grid().values.T, np.asarray(legendre.legint(coefficients.T), np.float64)
         summed = np.diff((_grid().integrals @ whole).T, axis=1)
         up = dense > 0.0
         total = np.where(up[:, :-1] & up[:, 1:], summed, 0.0).sum(axis=1)
@@ -124,7 +124,7 @@ def _crossing(coefficients: Array, dense: Array, cell: NDArray[np.int64]) -> Arr
     row, x = np.arange(len(cell)), _grid().x
     left, right = dense[row, cell], dense[row, cell + 1]
     found = x[cell] + (x[cell + 1] - x[cell]) * left / (left - right)
-    slopes = legendre.legder(coefficients)
+    slopes = np.asarray(legendre.legder(coefficients), np.float64)
     for _ in range(POLISHED):
         with np.errstate(divide="ignore", invalid="ignore"):
             step = _value(found, coefficients) / _value(found, slopes)
