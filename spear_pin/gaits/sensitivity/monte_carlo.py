@@ -132,8 +132,8 @@ class MonteCarlo(Shown):
 
         It "agrees" where it is for the very parameters that were drawn; but if more than 1 % of the samples have no
         value, σ has to be within 5 % as well, or it is those. Where only samples with another order of events make the
-        difference, it is those; where an event of the gait itself meets another, derivatives are of one side, and samples of both;
-        else the output is "not linear".
+        difference, it is those; where an event of the gait itself meets another, derivatives are of one side, and
+        samples of both; else the output is "not linear".
         """
         if not np.isfinite(self.first[output]):
             return NO_SLOPE
