@@ -1,9 +1,9 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
 Parts are moving, hop, bench, compare, biped, hoppy, another, space, attraction, robust, design, push, hardware,
-drivetrain, sweep and branches. The first eight need Chromium, moving, which films what moves on top of the README,
-also ffmpeg, another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain take
-some minutes; the latter print the table of docs/motors.md.
+drivetrain, sweep, branches and spread. The first eight need Chromium, moving, which films what moves on top of the
+README, also ffmpeg, another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain
+take some minutes; the latter print the table of docs/motors.md.
 """
 
 from __future__ import annotations
@@ -63,6 +63,7 @@ from spear_pin.viz.plots import robustness as robustness_plots
 from spear_pin.viz.plots import source as source_plots
 from spear_pin.viz.plots import space as space_plots
 from spear_pin.viz.plots import sweep as sweep_plots
+from spear_pin.viz.plots import uncertainty as uncertainty_plots
 from spear_pin.viz.plots.design_by_gradient import optimised
 from spear_pin.viz.plots.family import family
 from spear_pin.viz.video import film
@@ -86,7 +87,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", help="some of the parts; all if none is named")
     seen = moving, hop, bench, compare, biped, hoppy, another, space
-    known = *seen, attraction, robust, design, push, hardware, drivetrain, sweep, branches, designed
+    known = *seen, attraction, robust, design, push, hardware, drivetrain, sweep, branches, designed, spread
     parts = {part.__name__: part for part in known}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
@@ -250,6 +251,16 @@ def designed() -> None:
         hop_in_place(), "energy", over, {"flight_time": 0.2}, at_least=bounds, largest_multiplier=0.6, motors=motors
     )
     print(plots.save_figure(optimised(best), IMAGES / "optimal_design.svg"))
+
+
+def spread() -> None:
+    """Write how far the hop is known with a knee whose numbers are not, and 2000 samples of it."""
+    table = hop_in_place().sensitivity(["stiffness", "damping", "knee_touchdown"], ["stance_torque"], ["flight_time"])
+    found = table.uncertainty({"stiffness": 0.62, "damping": 0.05, "knee_touchdown": 0.003})
+    drawn = found.monte_carlo(2000)
+    print(drawn)
+    print(plots.save_figure(uncertainty_plots.variance_shares(found), IMAGES / "spread.svg"))
+    print(plots.save_figure(uncertainty_plots.monte_carlo(drawn), IMAGES / "monte_carlo.svg"))
 
 
 def push() -> None:

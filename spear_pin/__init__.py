@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from spear_pin.gaits.orbits.embedding import in_space
     from spear_pin.gaits.search import find_gait
     from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
+    from spear_pin.gaits.sensitivity.uncertainty import Uncertainty
     from spear_pin.gaits.spatial.bounding import bounding_in_space
     from spear_pin.gaits.spatial.law import SpatialLaw
     from spear_pin.gaits.spatial.trot_law import TrotLaw
@@ -60,6 +61,7 @@ __all__ = [
     "Spring",
     "Trajectory",
     "TrotLaw",
+    "Uncertainty",
     "bounding",
     "bounding_in_space",
     "compare",
@@ -106,6 +108,7 @@ _HOMES = {
     "Sensitivity": "gaits.sensitivity.sensitivity",
     "Design": "gaits.codesign.design",
     "optimize_design": "gaits.codesign.optimize_design",
+    "Uncertainty": "gaits.sensitivity.uncertainty",
     "to_chain": "model.chain",
     "from_chain": "model.chain",
     "bounding_in_space": "gaits.spatial.bounding",

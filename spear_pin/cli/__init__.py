@@ -29,6 +29,7 @@ from spear_pin.cli import (
     sweep,
     trot,
     turn,
+    uncertainty,
 )
 from spear_pin.cli.arguments import Parser
 from spear_pin.cli.durations import expected
@@ -38,7 +39,8 @@ from spear_pin.errors import RobotWarning, SpearError
 # as the help lists them
 COMMANDS = (
     *(robots.add, dynamics.add, hop.add, explore.add, push_test.add, identify.add),
-    *(bound.add, turn.add, trot.add, search.add, payoff.add, sweep.add, family.add, sensitivity.add, design.add),
+    *(bound.add, turn.add, trot.add, search.add, payoff.add, sweep.add, family.add),
+    *(sensitivity.add, uncertainty.add, design.add),
     *(compare.add, report.add, export.add, doctor.add, completion.add),
 )
 

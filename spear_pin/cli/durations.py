@@ -31,6 +31,8 @@ LASTING = (
     Lasting("family", "", "some seconds to a minute of a hop, minutes of a bound"),
     Lasting("sensitivity", "", "some seconds, of a bound half a minute"),
     Lasting("design", "", "some seconds, of a bound a minute"),
+    Lasting("uncertainty", "monte_carlo", "some seconds, and of a hop half a minute to a minute for 10000 samples"),
+    Lasting("uncertainty", "", "some seconds, of a bound half a minute"),
     Lasting("report", "", "about a minute, less once its results are kept"),
     Lasting("export", "mp4", "half a second a frame"),
 )

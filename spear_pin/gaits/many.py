@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.lane_cycles import NO_MULTIPLIERS, NOT_VALID, LaneCycles, multipliers, valid
-from spear_pin.gaits.search import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.gaits.targets import check_wanted
+from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.hybrid import reasons
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import Batch, simulate_many
@@ -140,7 +140,8 @@ def find_many(
         parameters: numbers that differ from lane to lane, (n,) each, named as fields of law, spring or contact.
         vary: parameters to solve for, but slope and height of the ground; one that is in `parameters` too begins there.
         target: wanted values of measures of the cycle, a key of `MEASURES` each, for all lanes or (n,).
-        guess: a state (q, v) on the section to begin from; by default the system's own.
+        guess: a state (q, v) on the section to begin from, or one of each lane, (n, nq) and (n, nv); by default the
+            system's own.
         rtol: relative tolerance, as of `simulate_many`.
         on_lanes: called with the number of lanes solved since the last call.
 
@@ -169,8 +170,8 @@ def find_many(
     )
     fixed = {name: values for name, values in given.items() if name not in vary}
     features = np.column_stack([*fixed.values(), wanted])
-    state = guess if guess is not None else system.guess()
-    simulate_many(system, state[0][None], state[1][None], rtol=rtol)  # it says what cannot be compiled
+    state = _repeated(guess if guess is not None else system.guess(), n)
+    simulate_many(system, state[0][:1], state[1][:1], rtol=rtol)  # it says what cannot be compiled
     search = _Search(system, fixed, tuple(vary), tuple(target), wanted, rtol, features)
     lanes = _Lanes(search, start, on_lanes)
     lanes.run(state)
@@ -235,7 +236,7 @@ class _Lanes:
     def run(self, guess: State) -> None:
         """From the guess, from neighbours, from where simulation from the guess leads, and from neighbours again."""
         todo = np.flatnonzero(self.reason == "")
-        self.solve(todo, *_repeated(guess, len(todo)), self.start[todo])
+        self.solve(todo, guess[0][todo], guess[1][todo], self.start[todo])
         self.from_neighbours()
         self.settle(guess)
         self.from_neighbours()
@@ -271,8 +272,7 @@ class _Lanes:
             return
         own = {name: values[todo] for name, values in self.search.fixed.items()}
         own |= dict(zip(self.search.vary, self.start[todo].T, strict=True))
-        q, v = _repeated(guess, len(todo))
-        batch = simulate_many(self.search.system, q, v, SETTLE, 1e-7, parameters=own)
+        batch = simulate_many(self.search.system, guess[0][todo], guess[1][todo], SETTLE, 1e-7, parameters=own)
         there = batch.reason == "complete"
         self.solve(todo[there], batch.q[there], batch.v[there], self.start[todo[there]])
 
@@ -330,4 +330,9 @@ def _why(roots: Roots) -> Words:
 
 
 def _repeated(state: State, n: int) -> tuple[Array, Array]:
-    return np.repeat(state[0][None], n, axis=0), np.repeat(state[1][None], n, axis=0)
+    """A state of each lane."""
+    try:
+        q, v = (np.broadcast_to(part, (n, np.shape(part)[-1])) for part in state)
+    except (ValueError, IndexError):
+        raise BadValue("guess", [np.shape(part) for part in state], f"a state (q, v), or {n} of them") from None
+    return q, v

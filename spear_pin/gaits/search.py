@@ -12,6 +12,7 @@ from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName
 from spear_pin.gaits.diagnosis import Reached, explained
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.targets import check_wanted
+from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.newton import CONVERGED, NO_NEIGHBOUR, NO_PROGRESS, NO_START, TOO_LONG, Lanes
 from spear_pin.hybrid.parameters import parameter, with_parameters
@@ -25,13 +26,10 @@ from spear_pin.kinds import typed
 Array = NDArray[np.float64]
 Measure = Callable[[Run], float]
 
-SETTLE = 12  # cycles of simulation before Newton's method
 SETTLING = Options(rtol=1e-7, max_evaluations=EVALUATIONS)  # of each of these
 STRAINED = 2  # cycles with more evaluations than any gait's, after which a search is given up
 ENOUGH = 200_000  # evaluations after which no continuation is begun or refined
-TOLERANCE = 1e-10  # of Newton's method, or the integrator's where that is finer
 ROUGH_RTOL, ROUGH_TOLERANCE = 1e-8, 1e-6  # of the integrator and of Newton's method until a solution is near
-RESIDUAL = 1e-9
 FACTORS = (1.0, 0.9, 1.1, 0.8, 1.2)  # of the varied parameters' starting values, tried in turn
 SHORTEST_STEP = 1.0 / 16.0  # of the way to the targets: the first one, and the last where steps have to shrink
 WHY: Mapping[str, str] = {

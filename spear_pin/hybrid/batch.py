@@ -142,6 +142,11 @@ def check_lanes(system: HybridSystem) -> None:
         raise BadValue("robot", system.robot, "one that moves in the plane: many lanes are not run in space yet")
 
 
+def may_differ(system: HybridSystem, name: str) -> bool:
+    """Whether lanes may differ in a number: of the law, the springs' but their fixed rest angle, or the ground's."""
+    return name in OTHERS or any(field.name == name for field in fields(system.law))
+
+
 def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array], cycles: int) -> None:
     robot = system.robot
     for name, array, width in (("q", q, robot.nq), ("v", v, robot.nv)):
@@ -152,10 +157,9 @@ def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array],
     if not cycles >= 1 or cycles % 1:
         raise BadValue("cycles", cycles, "a whole number, at least 1")
     check_lanes(system)
-    free = {field.name for field in fields(system.law)} | set(OTHERS)
     for name, values in given.items():
         parameter(system, name)  # it says what there is
-        if name not in free:
+        if not may_differ(system, name):
             raise BadValue("parameters", name, f"fields of the law, {', '.join(OTHERS[:-1])} or {OTHERS[-1]}")
         if values.shape != (len(q),) or not np.isfinite(values).all():
             raise BadValue(f"parameters[{name!r}]", values, f"{len(q)} finite numbers")

@@ -21,6 +21,7 @@ NAMES = (
         "sweep",
         "family",
         "sensitivity",
+        "uncertainty",
         "design",
         "compare",
         "report",

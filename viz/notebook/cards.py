@@ -15,7 +15,9 @@ from spear_pin.gaits.codesign.design import Design
 from spear_pin.gaits.continuation.branch import Branch
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.many import GaitTable
+from spear_pin.gaits.sensitivity.monte_carlo import MonteCarlo
 from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
+from spear_pin.gaits.sensitivity.uncertainty import Uncertainty
 from spear_pin.hybrid.batch import Batch
 from spear_pin.hybrid.column_names import PAIR, of_a_pair
 from spear_pin.hybrid.trajectory import Trajectory
@@ -168,6 +170,43 @@ def _(table: Sensitivity) -> Card:
     ]
     remark = "per cent for one more per cent of each parameter"
     return Card("Sensitivity of a gait", f"of {table.system.robot.name}; {remark}", tuple(rows))
+
+
+@described.register
+def _(spread: Uncertainty) -> Card:
+    given = zip(spread.over, spread.local.values, spread.parameter_deviations, spread.parameter_units, strict=True)
+    rows = [
+        *(Row(_words(name), f"{_number(value)} ± {_number(sigma)}", unit) for name, value, sigma, unit in given),
+        *(
+            Row(
+                _words(name),
+                f"{_number(value)} ± {_number(spread.deviation(name))}; {_gains(spread, name)}",
+                spread.output_units[name],
+            )
+            for name, value in spread.outputs.items()
+            if spread.moves(name)
+        ),
+    ]
+    remark = "standard deviations to first order; per cent of the variance that knowing each parameter takes away"
+    return Card("Uncertainty of a gait", f"of {spread.local.system.robot.name}; {remark}", tuple(rows))
+
+
+def _gains(spread: Uncertainty, name: str) -> str:
+    return ", ".join(f"{100.0 * gain:.2g} %" for gain in spread.gains(name))
+
+
+@described.register
+def _(drawn: MonteCarlo) -> Card:
+    rows = [
+        Row(
+            _words(name),
+            f"{_number(first)} to first order, {_number(drawn.deviation(name))} ± {_number(drawn.error(name))}",
+            drawn.units[name],
+        )
+        for name, first in drawn.first.items()
+    ]
+    said = [Row("", line) for line in drawn.statement().splitlines()]
+    return Card("Monte Carlo of a gait", f"standard deviations over {', '.join(drawn.over)}", (*rows, *said))
 
 
 def _elasticities(table: Sensitivity, name: str) -> str:

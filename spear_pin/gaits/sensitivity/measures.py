@@ -12,9 +12,11 @@ from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio,
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.tangent.cycle import Derivative, Stretch
+from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
 PRESSED = 0.02  # of a robot's weight: friction counts under forces above this
+LEAST_STRIDE = 1e-3  # m: over a shorter one nothing is transported
 
 
 @dataclass(frozen=True)
@@ -60,8 +62,8 @@ def measures(cycle: Derivative, start: Array) -> dict[str, Measure]:
         rms = float(np.sqrt(square / period))
         of_rms = 0.5 / max(rms, 1e-300) * (change / period - square / period**2 * dperiod)
         found[f"rms_torque_{joint}"] = Measure(rms, of_rms, "N·m")
-        found[f"peak_torque_{joint}"] = Measure(*_largest(_torque(cycle.stretches, j)), "N·m")
-    weight = sum(body.mass for body in robot.model.inertias) * 9.81
+        found[f"peak_torque_{joint}"] = Measure(*_largest(_torque(_long(cycle.stretches), j)), "N·m")
+    weight = weight_of(robot)
     for toe in robot.toes:
         forces = list(_forces(cycle.stretches, toe, robot.toes))
         if forces:
@@ -70,6 +72,11 @@ def measures(cycle: Derivative, start: Array) -> dict[str, Measure]:
     if system.cyclic:
         found |= _advance(cycle, start, robot.index(system.cyclic[0]), found["period"], worked, weight)
     return found
+
+
+def weight_of(robot: Robot) -> float:
+    """Weight of a robot, in N."""
+    return float(sum(body.mass for body in robot.model.inertias) * 9.81)
 
 
 def _at_events(cycle: Derivative) -> dict[str, Measure]:
@@ -105,7 +112,7 @@ def _advance(
         "stride": Measure(stride, change, "m"),
         "mean_speed": Measure(speed, (change - speed * period.derivative) / period.value, "m/s"),
     }
-    if abs(stride) > 1e-3:
+    if abs(stride) > LEAST_STRIDE:
         cost = worked.value / (weight * stride)
         found["cost_of_transport"] = Measure(cost, worked.derivative / (weight * stride) - cost * change / stride, "1")
     return found
@@ -116,12 +123,12 @@ def _sum(parts: Sequence[tuple[float, Array]], unit: str) -> Measure:
 
 
 def _torque(stretches: Sequence[Stretch], j: int) -> list[Pieces]:
-    return [Pieces(each, each.values.u[j], each.derivatives.u[j]) for each in _long(stretches)]
+    return [Pieces(each, each.values.u[j], each.derivatives.u[j]) for each in stretches]
 
 
 def _power(stretches: Sequence[Stretch], j: int, i: int) -> list[Pieces]:
     found = []
-    for each in _long(stretches):
+    for each in stretches:
         rate, drate = each.y[len(each.y) // 2 + i], each.dy[len(each.dy) // 2 + i]
         u, du = each.values.u[j], each.derivatives.u[j]
         found.append(Pieces(each, u * rate, du * rate[:, None] + u[:, None] * drate))
@@ -137,6 +144,7 @@ def _forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Iter
 
 
 def _long(stretches: Sequence[Stretch]) -> list[Stretch]:
+    """Arcs that last; between events that meet is one that does not, whose ends move apart all the same."""
     return [each for each in stretches if each.arc.end > each.arc.t]
 
 

@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood, matched
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
+from spear_pin.gaits.sensitivity.spread import covariance_of
+from spear_pin.gaits.sensitivity.uncertainty import Uncertainty
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.engines import taylor
@@ -33,7 +35,9 @@ class Sensitivity(Shown):
 
     Attributes:
         system: the system.
+        at: (q, v) on the section.
         over: names of the parameters.
+        keep: names of the measures that what is solved for keeps.
         values: of the parameters, (m,).
         units: of the parameters, empty where nothing says one.
         state: derivatives of (q, v) on the section, (2 nv, m).
@@ -54,7 +58,9 @@ class Sensitivity(Shown):
     """
 
     system: HybridSystem
+    at: State
     over: tuple[str, ...]
+    keep: tuple[str, ...]
     values: Array
     units: tuple[str, ...]
     state: Array
@@ -92,6 +98,48 @@ class Sensitivity(Shown):
         with np.errstate(divide="ignore", invalid="ignore"):
             found: Array = self.derivatives[output] * self.values / value
         return found
+
+    @typed
+    def uncertainty(self, spread: Mapping[str, float | str] | ArrayLike) -> Uncertainty:
+        """How far outputs spread where parameters do, to first order: σ² = g Σ gᵀ.
+
+        Args:
+            spread: standard deviations by the parameters' names, in their units or as text in per cent of their values,
+                such as "2 %", of independent errors, a parameter that is left out being exact; or the covariance,
+                (m, m), in the order of `over`.
+
+        Raises:
+            UnknownName: a name is not in `over`.
+            BadValue: a deviation is not a finite number >= 0, or a matrix no covariance.
+
+        Example:
+            >>> from spear_pin import find_gait, hopping, load
+            >>> gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])))
+            >>> table = gait.sensitivity(["stiffness", "damping"])
+            >>> spread = table.uncertainty({"stiffness": 0.5, "damping": "2 %"})
+            >>> round(spread.deviation("apex_height") * 1e3, 2), spread.best("apex_height")  # mm
+            (1.88, 'damping')
+        """
+        covariance = covariance_of(spread, self.over, self.values)
+        d = len(self.solved)
+        local = Neighbourhood(
+            self.system,
+            self.at,
+            self.over,
+            self.values,
+            tuple(self.solved),
+            np.array([number(self.system, name) for name in self.solved]),
+            self.keep,
+            np.array([self.outputs[name] for name in self.keep]),
+            self.state,
+            np.array(list(self.solved.values())).reshape(d, len(self.over)),
+            self.multipliers,
+        )
+        derivatives = {**self.solved, **self.derivatives, **dict(zip(local.columns, self.state, strict=True))}
+        outputs = {**dict(zip(local.vary, local.solved.tolist(), strict=True)), **self.outputs}
+        outputs |= dict(zip(local.columns, np.concatenate(self.at).tolist(), strict=True))
+        units = {name: unit(self.system, name) for name in local.vary} | dict(self.output_units) | local.units
+        return Uncertainty(local, self.units, covariance, outputs, units, derivatives, self.one_sided)
 
     def to_json(self) -> str:
         """All of it, as JSON."""
@@ -171,7 +219,9 @@ def sensitivity(
         derivatives[name] = np.real(np.conj(value) * slope) / abs(value) if value else np.full(len(over), np.nan)
     return Sensitivity(
         system,
+        state,
         tuple(over),
+        tuple(keep),
         np.array([number(system, name) for name in over]),
         tuple(unit(system, name) for name in over),
         orbit.start @ chain,
@@ -211,17 +261,9 @@ def _slope(
         there = orbit.beside(given, step * dy)
         if there.cycle.order != orbit.cycle.order:
             raise NotDifferentiable("another order of events is too near")
-        ends.append(_matched(here, np.linalg.eigvals(there.jacobian)))
+        ends.append(matched(here, np.linalg.eigvals(there.jacobian)))
     slope: NDArray[np.complex128] = (ends[0] - ends[1]) / (2.0 * h)
     return slope
-
-
-def _matched(here: NDArray[np.complex128], others: Any) -> NDArray[np.complex128]:
-    """Multipliers in the order of those nearby."""
-    if len(here) != len(others):
-        raise NotDifferentiable("a toe begins to slide as it lands")
-    _, order = scipy.optimize.linear_sum_assignment(np.abs(here[:, None] - others))
-    return np.asarray(others[order], np.complex128)
 
 
 def _sorted(values: Any) -> NDArray[np.complex128]:

@@ -21,15 +21,14 @@ from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import with_fields
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
-from spear_pin.hybrid.tangent.collocation import POINTS, TAIL, carried, roughness, rule
+from spear_pin.hybrid.tangent.collocation import POINTS, carried, rule
 from spear_pin.hybrid.tangent.dual import Dual, value_of
 from spear_pin.hybrid.tangent.fields import Values
+from spear_pin.hybrid.tangent.points import SHORTEST, points
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, derivatives, duals, flat, struck
 
 Array = NDArray[np.float64]
-MOST_PANELS = 64  # of an arc, which has as many as its motion needs
-SHORTEST = 1e-9  # s: there is nothing to be carried along a shorter arc
 GRAZING = 1e-6  # of a guard's mean fall over its arc: it falls more slowly through zero
 
 
@@ -107,8 +106,13 @@ class Derivative:
             arc = each.arc
             if isinstance(arc.event, Guard) and arc.end - arc.t <= SHORTEST:
                 i = next(k for k, guard in enumerate(arc.domain.guards) if guard is arc.event)
-                found += [arc.event.name] * bool(abs(each.end.guards[i]) <= arc.event.tolerance)
+                found += [arc.event.name] * _meets(arc, each.end.guards[i])
         return tuple(found)
+
+
+def _meets(arc: Arc, value: float) -> bool:
+    """Whether the event of the shortest of arcs happens as its own guard falls, beside the event before it."""
+    return bool(abs(value) <= arc.event.tolerance)
 
 
 @dataclass
@@ -170,14 +174,15 @@ class _Whole:
         n, nv, field_ = 2 * self.nv, self.nv, self.recorder.field(arc.domain, arc.held)
         raw = np.concatenate([self.raw, np.array(flat(arc.held), dtype=float).reshape(-1)])
         given = np.concatenate([self.seeds, derivatives(flat({name: now.held[name] for name in arc.held}), self.c)])
-        t, weights, h, y = self._points(arc)
+        t, h, y = points(self.recorder, arc)
         panels = len(t) // POINTS
+        weights = np.tile(h * rule().weights, panels)
         # the state's directions, the clock's, then those given; at the points, at the beginning and at the end
         every = np.concatenate([np.zeros((len(raw), n + 1)), given], axis=1)
         clock = np.eye(1, n + 1 + self.c, n)
-        points, states = np.concatenate([t, [arc.t, arc.end]]), np.column_stack([y, arc.y, arc.after])
-        along = np.repeat(np.eye(n, n + 1 + self.c)[:, None], len(points), axis=1)
-        values, slopes = field_.at(points, states, raw, clock, along, every)
+        clocks, states = np.concatenate([t, [arc.t, arc.end]]), np.column_stack([y, arc.y, arc.after])
+        along = np.repeat(np.eye(n, n + 1 + self.c)[:, None], len(clocks), axis=1)
+        values, slopes = field_.at(clocks, states, raw, clock, along, every)
         if now.behind:
             now.dy, now.behind = now.dy - values.slopes[:, -2, None] * now.tau, False
         motion = np.moveaxis(slopes.slopes[nv:, :-2], 0, 1).reshape(panels, POINTS, nv, -1)
@@ -197,20 +202,6 @@ class _Whole:
         dy = np.moveaxis(dy, 0, 1)
         return Stretch(arc, t, weights, y, dy, inside, chained, now.tau, tau, arc.after, after, end, dend, rate)
 
-    def _points(self, arc: Arc) -> tuple[Array, Array, float, Array]:
-        """Clocks, weights, length of a panel, and states at the points of as many panels as are needed."""
-        gauss, length = rule(), max(arc.end - arc.t, 0.0)
-        panels = 1
-        while panels <= MOST_PANELS:
-            h = length / panels
-            t = (arc.t + h * (np.arange(panels)[:, None] + gauss.nodes)).ravel()
-            y = self.recorder.states(arc, t) if length > SHORTEST else np.tile(arc.y[:, None], (1, len(t)))
-            if length <= SHORTEST or (left := roughness(y.T.reshape(panels, POINTS, -1))) <= TAIL:
-                return t, np.tile(h * gauss.weights, panels), h, y
-            # shorter by a factor, coefficients fall by that to the power of the points
-            panels = max(panels + 1, math.ceil(panels * (left / TAIL) ** (1.0 / POINTS)))
-        raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")
-
     def _tau(self, arc: Arc, end: Values, dend: Values, rate: Values, values: Values, now: _Now) -> Array:
         """How much later the event that ends an arc happens."""
         if arc.event is None:
@@ -218,9 +209,13 @@ class _Whole:
         if isinstance(arc.event, Switch):
             due = arc.event.time(arc.switches, self.law)
             return due.d + np.zeros(self.c) if isinstance(due, Dual) else np.zeros(self.c)
-        if arc.end - arc.t <= SHORTEST:  # at once
-            return now.tau
         i = next(k for k, guard in enumerate(arc.domain.guards) if guard is arc.event)
+        if arc.end - arc.t <= SHORTEST:
+            if not _meets(arc, end.guards[i]):
+                return now.tau  # at once, as beside this cycle
+            if not rate.guards[i] < 0.0:
+                raise NotDifferentiable(f"{arc.event.name} meets another event, and its guard does not fall there")
+            return np.asarray(-dend.guards[i] / rate.guards[i])
         fall, highest = rate.guards[i], np.abs(values.guards[i]).max()
         steepness = -fall * (arc.end - arc.t) / max(highest, 1e-300)
         now.steepness = min(now.steepness, steepness)

@@ -74,6 +74,13 @@ class TangentField:
         values, derivatives = np.split(found, 2)
         return self._split(values[:, :, 0]), self._split(derivatives)
 
+    def values(self, t: Array, y: Array, numbers: Array) -> Values:
+        """Values at n states, each with numbers of its own, (p, n), without derivatives; heyoka has to be there."""
+        assert self._function is not None
+        inputs = np.concatenate([t[None], y, numbers])
+        found = self._function(np.concatenate([inputs, np.zeros_like(inputs)]))
+        return self._split(found[: len(found) // 2])
+
     def _split(self, rows: Array) -> Values:
         robot = self.structure.system.robot
         ends = np.cumsum([2 * robot.nv, len(self.structure.domain.guards), robot.nu])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Any
 
@@ -13,7 +14,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Reset
 from spear_pin.hybrid.engines.structure import Structure, flattened, shape_of
 from spear_pin.hybrid.engines.taylor import UNROLLED, Code
-from spear_pin.hybrid.lanes.lone_runner import LoneRunner
+from spear_pin.hybrid.lanes.lone_runner import Lap, LoneRunner
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import start
@@ -24,11 +25,18 @@ Array = NDArray[np.float64]
 TOLERANCE = 1e-15  # of the Taylor engine
 
 
+def many(system: HybridSystem, given: Mapping[str, Array]) -> Numbers:
+    """The numbers of lanes for `Recorder`, which differ in those that are given, (n,) each."""
+    return Numbers(system, given, Code(TOLERANCE, unrolled=system.robot.nv <= UNROLLED))
+
+
 class Recorder:
     """Cycles of a system by the fast engine, as records.
 
     Args:
         system: the system.
+        numbers: of many lanes (default: the system's own alone).
+        lane: which of them.
 
     Attributes:
         planar: the robot's dynamics.
@@ -36,12 +44,12 @@ class Recorder:
         end: state at the end of the last cycle, (2 nv,).
     """
 
-    def __init__(self, system: HybridSystem) -> None:
+    def __init__(self, system: HybridSystem, numbers: Numbers | None = None, lane: int = 0) -> None:
         self.system, self._nv = system, system.robot.nv
-        self._numbers = Numbers(system, {}, Code(TOLERANCE, unrolled=self._nv <= UNROLLED))
+        self._numbers = many(system, {}) if numbers is None else numbers
         self.planar = self._numbers.planar
-        self._runner = LoneRunner(self._numbers, 0)
-        self._constants = self._numbers.constants(0)
+        self._runner = LoneRunner(self._numbers, lane)
+        self._constants, self._law = self._numbers.constants(lane), self._numbers.law_of(lane)
         self.numbers = np.array(self._constants, dtype=float)
         self.end = np.empty(0)
         self._fields: dict[Any, TangentField] = {}  # the system keeps its domains, so that their identities stay
@@ -58,14 +66,23 @@ class Recorder:
         Raises:
             NotDifferentiable: it does not close, or what happens in it is not plain.
         """
+        lap = self.lap(y)
+        self.end = lap.y
+        return lap.arcs
+
+    def lap(self, y: Array) -> Lap:
+        """A cycle from a state just behind the section, (2 nv,).
+
+        Raises:
+            NotDifferentiable: it does not close, or what happens in it is not plain.
+        """
         phase, resets = self.start
-        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.system.law)
+        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self._law)
         lap = self._runner.lap(phase, y, held, [0.0] * len(self.system.robot.toes))
         if lap is None:
             what = "toes alternate, bounce, or events crowd"
             raise NotDifferentiable(f"the cycle does not close, or what happens in it is not plain: {what}")
-        self.end = lap.y
-        return lap.arcs
+        return lap
 
     def states(self, arc: Arc, times: Array) -> Array:
         """States at times within an arc, (2 nv, n)."""

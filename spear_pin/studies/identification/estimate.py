@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -93,6 +94,15 @@ class Estimate:
         if len(found) != 1:
             raise UnknownName("shared parameter", name, [p.name for p in self.parameters if p.trial is None])
         return found[0]
+
+    def covariance_of(self, names: Sequence[str]) -> Array:
+        """Covariance of shared parameters in the order of their names, whatever the others are, (m, m).
+
+        Raises:
+            UnknownName: one was not estimated, or each trial has its own.
+        """
+        places = [self.parameters.index(self[name]) for name in names]
+        return np.asarray(self.covariance[np.ix_(places, places)])
 
     @property
     def fit(self) -> float:

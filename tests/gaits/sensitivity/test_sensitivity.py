@@ -9,6 +9,7 @@ from spear_pin import Gait, find_gait, hopping, in_space, load
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.gaits.sensitivity.samples import found_anew
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.viz.notebook import card
 from spear_pin.viz.plots import save_figure
@@ -103,3 +104,17 @@ def test_a_state_that_is_no_fixed_point_is_refused(hop):
 def test_gaits_in_space_are_refused():
     with pytest.raises(BadValue, match="in the plane"):
         in_space(Gait.load("long_stride")).sensitivity(["stiffness"])
+
+
+@pytest.mark.slow
+def test_where_two_events_meet_each_has_its_own_time():
+    # lift-off of long_stride is where its spring grows slack; gaits with a smaller angle have the same order of events
+    table = Gait.load("long_stride").sensitivity(["knee_touchdown"])
+    assert table.one_sided == ("posterior_lift_off",)
+    beside = table.uncertainty({"knee_touchdown": 1e-3}).local
+    h = np.array([-2e-5, -1e-5])
+    found = found_anew(beside, beside.values + h[:, None])
+    assert found.alike.all()
+    for name in ("period", "stride", "mean_speed", "work", "positive_work", "rms_torque_posterior_knee"):
+        far, near = (found.outputs[name] - table.outputs[name]) / h
+        assert table.derivatives[name][0] == pytest.approx(2.0 * near - far, rel=1e-4), name

@@ -19,6 +19,7 @@ WITHOUT_UNIT = {  # ratios, numbers of something, names of what is compared
         "Correlation",
         "Elasticity",
         "Share that survives",
+        "Samples",
         "Largest multiplier",
     ),
     *("Gear ratio", "Rms over continuous torque", "SPEAR-II over SPEAR-I"),

@@ -1,0 +1,135 @@
+"""`spear uncertainty`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
+from spear_pin.cli.gaits import BOUND, named_gait
+from spear_pin.cli.output import aligned, listed, progress
+from spear_pin.cli.sensitivity import WHAT
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
+    from spear_pin.gaits.sensitivity.uncertainty import Uncertainty
+
+STEM = "uncertainty"
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    parser = add_command(
+        commands, "uncertainty", run, "how far a gait is known with numbers that are not, and which to measure better"
+    )
+    parser.add_argument("what", metavar=WHAT, help=f"SPEAR-II's hop in place, {BOUND}, or a gait by name or path")
+    parser.add_argument(
+        "--sigma",
+        action="append",
+        required=True,
+        type=_assigned,
+        metavar="NAME=VALUE",
+        help="standard deviation of a parameter, in its unit or in %% of its value; several times for several",
+    )
+    parser.add_argument(
+        "--correlation",
+        action="append",
+        default=[],
+        type=_assigned,
+        metavar="NAME,NAME=R",
+        help="correlation of two parameters' errors (default: 0)",
+    )
+    parser.add_argument("--vary", action="append", default=[], metavar="NAME", help="a parameter that is solved for")
+    parser.add_argument("--keep", action="append", default=[], metavar="MEASURE", help="the measure that it keeps")
+    parser.add_argument(
+        "--monte-carlo", type=int, metavar="N", help="find the gait anew for N samples, and say where first order fails"
+    )
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the samples (default: 0)")
+    add_out(parser, f"{STEM}.json and {STEM}.svg, and monte_carlo.svg")
+    add_open(parser, f"the picture, {STEM}.svg,")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Differentiate the gait, spread its numbers, write the tables and draw them."""
+    from spear_pin.errors import BadValue
+    from spear_pin.gaits.sensitivity.uncertainty import MOST
+    from spear_pin.viz.plots import save_figure
+    from spear_pin.viz.plots.uncertainty import monte_carlo, variance_shares
+
+    check_out(arguments)
+    samples = arguments.monte_carlo
+    if samples is not None and not 2 <= samples <= MOST:
+        raise BadValue("--monte-carlo", samples, f"a whole number from 2 to {MOST}")
+    if arguments.seed < 0:
+        raise BadValue("--seed", arguments.seed, "a whole number >= 0")
+    over = [name for name, _ in arguments.sigma]
+    with progress() as show:
+        show("looking for the gait")
+        gait = named_gait(arguments.what)
+        show("differentiating")
+        spread = _spread(gait.sensitivity(over, arguments.vary, arguments.keep), arguments.sigma, arguments.correlation)
+        show(f"finding it {samples} times")
+        drawn = None if samples is None else spread.monte_carlo(samples, arguments.seed)
+    figures = {"uncertainty": json.loads(spread.to_json())}
+    figures |= {} if drawn is None else {"monte_carlo": drawn.plain()}
+    files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
+    _write(files[0], figures)
+    save_figure(variance_shares(spread), files[1])
+    if drawn is not None and any(drawn.verdict(name) != "stays" for name in drawn.first):
+        files.append(save_figure(monte_carlo(drawn), arguments.out / "monte_carlo.svg"))
+    texts = [str(spread), *([] if drawn is None else [str(drawn)]), aligned(listed(arguments.out, STEM, files))]
+    return {
+        **figures,
+        "files": [str(path) for path in files],
+        "opened": files[1],
+        "text": "\n\n".join(texts),
+    }
+
+
+def _spread(
+    table: Sensitivity, sigma: Sequence[tuple[str, str]], correlation: Sequence[tuple[str, str]]
+) -> Uncertainty:
+    """The uncertainty that is asked for."""
+    import numpy as np
+
+    from spear_pin.errors import BadValue, UnknownName
+    from spear_pin.words import number
+
+    spread = table.uncertainty(dict(sigma))
+    if not correlation:
+        return spread
+    matrix = np.eye(len(table.over))
+    for pair, word in correlation:
+        names = pair.split(",")
+        for name in names:
+            if name not in table.over:
+                raise UnknownName("parameter", name, table.over)
+        try:
+            value = number(word)
+        except ValueError:
+            value = float("nan")
+        if len(set(names)) != 2 or not abs(value) <= 1.0:
+            raise BadValue("--correlation", f"{pair}={word}", "two parameters and a number from -1 to 1, as in k,b=0.3")
+        i, j = (table.over.index(name) for name in names)
+        matrix[i, j] = matrix[j, i] = value
+    deviations = spread.parameter_deviations
+    return table.uncertainty(matrix * np.outer(deviations, deviations))
+
+
+def _write(path: Path, figures: dict[str, Any]) -> None:
+    from spear_pin.files import atomic
+
+    with atomic(path) as temporary:
+        temporary.write_text(json.dumps(figures, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def _assigned(word: str) -> tuple[str, str]:
+    """Read NAME=VALUE."""
+    name, sign, value = word.partition("=")
+    if not (name.strip() and sign and value.strip()):
+        raise argparse.ArgumentTypeError(f"{word!r} is no NAME=VALUE")
+    return name.strip(), value.strip()

@@ -1,0 +1,207 @@
+"""Measures of many cycles that differ in their numbers, by the names of `measures`, without derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.gaits.sensitivity.measures import LEAST_STRIDE, PRESSED, weight_of
+from spear_pin.gaits.sensitivity.panels import Panels
+from spear_pin.hybrid.arc import Arc
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.contact import OPEN
+from spear_pin.hybrid.engines.structure import flattened
+from spear_pin.hybrid.lanes.lone_runner import Lap
+from spear_pin.hybrid.orders import Order
+from spear_pin.hybrid.rules.footing import closed_toes
+from spear_pin.hybrid.tangent.collocation import POINTS
+from spear_pin.hybrid.tangent.points import points
+from spear_pin.hybrid.tangent.record import Recorder, many
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
+
+Array = NDArray[np.float64]
+CHUNK = 256  # cycles at a time, which bounds memory
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Measures of the cycles, NaN where what happens is not plain.
+
+    Attributes:
+        values: by name, (n,) each.
+        orders: of the events, (n,); empty where what happens is not plain.
+    """
+
+    values: Mapping[str, Array]
+    orders: tuple[Order, ...]
+
+
+def measured(
+    system: HybridSystem,
+    given: Mapping[str, Array],
+    q: Array,
+    v: Array,
+    on_lanes: Callable[[int], object] = lambda n: None,
+) -> Measured:
+    """Measures of one cycle of each lane.
+
+    Args:
+        system: the system.
+        given: numbers in which lanes differ, (n,) each, those that `simulate_many` takes.
+        q: configurations on the section, (n, nq).
+        v: velocities there, (n, nv).
+        on_lanes: called with the number of lanes done since the last call.
+    """
+    n = len(q)
+    recorder = _Recorders(system, given)
+    found: dict[str, Array] = {}
+    orders: list[Order] = [()] * n
+    for first in range(0, n, CHUNK):
+        lanes = range(first, min(first + CHUNK, n))
+        chunk = _Chunk(system, len(lanes))
+        for i in lanes:
+            laid = recorder(i, np.concatenate([q[i], v[i]]))
+            if laid is not None:
+                orders[i] = laid.lap.order
+                chunk.add(i - first, np.concatenate([q[i], v[i]]), laid)
+        for name, values in chunk.measures().items():
+            found.setdefault(name, np.full(n, np.nan))[lanes.start : lanes.stop] = values
+        on_lanes(len(lanes))
+    return Measured(found, tuple(orders))
+
+
+@dataclass(frozen=True)
+class _Part:
+    """An arc at its points: the field and the domain that it is evaluated by, and what is put in."""
+
+    field: Any
+    domain: Any
+    t: Array
+    length: float
+    y: Array
+    numbers: Array
+
+
+@dataclass(frozen=True)
+class _Laid:
+    """A cycle with its arcs at their points."""
+
+    lap: Lap
+    parts: list[_Part]
+
+
+class _Recorders:
+    """Runs the lanes' cycles."""
+
+    def __init__(self, system: HybridSystem, given: Mapping[str, Array]) -> None:
+        self._system, self._numbers = system, many(system, given)
+        self._fields = Recorder(system, self._numbers, 0)  # what derivatives are taken from is the same for all lanes
+
+    def __call__(self, lane: int, y: Array) -> _Laid | None:
+        recorder = Recorder(self._system, self._numbers, lane)
+        try:
+            lap = recorder.lap(y)
+            return _Laid(lap, [self._part(recorder, arc) for arc in lap.arcs if arc.end > arc.t])
+        except NotDifferentiable:
+            return None
+
+    def _part(self, recorder: Recorder, arc: Arc) -> _Part:
+        t, h, y = points(recorder, arc)
+        numbers = np.concatenate([recorder.numbers, np.array(flattened(arc.held.values()), dtype=float)])
+        return _Part(self._fields.field(arc.domain, arc.held), arc.domain, t, h, y, numbers)
+
+
+@dataclass
+class _Chunk:
+    """Cycles that are measured together."""
+
+    system: HybridSystem
+    count: int
+    laps: dict[int, tuple[Array, Lap]] = field(default_factory=dict)
+    groups: dict[int, list[tuple[int, _Part]]] = field(default_factory=dict)
+
+    def add(self, lane: int, y: Array, laid: _Laid) -> None:
+        """Take a cycle in."""
+        self.laps[lane] = y, laid.lap
+        for part in laid.parts:
+            self.groups.setdefault(id(part.field), []).append((lane, part))
+
+    def measures(self) -> dict[str, Array]:
+        """All measures of the cycles."""
+        robot = self.system.robot
+        found = self._of_laps()
+        sums = {name: np.zeros(self.count) for name in ("work", "positive_work")}
+        squares, tops = np.zeros((robot.nu, self.count)), np.full((robot.nu, self.count), -np.inf)
+        force, friction = ({toe: np.full(self.count, -np.inf) for toe in robot.toes} for _ in range(2))
+        weight = weight_of(robot)
+        for parts in self.groups.values():
+            panels, values, y, domain = self._evaluated(parts)
+            for g, guard in enumerate(domain.guards):
+                if guard.observes and "boom_z" in robot.coordinates:
+                    at, height = values.guards[g], y[robot.index("boom_z")]
+                    fallen = panels.where_it_falls(at.reshape(-1, POINTS), height.reshape(-1, POINTS))
+                    before = found.get(f"{guard.name}_height", fallen)
+                    found[f"{guard.name}_height"] = np.where(np.isfinite(before), before, fallen)
+            for j, joint in enumerate(robot.actuated):
+                torque = values.u[j].reshape(-1, POINTS)
+                power = torque * y[robot.nv + robot.index(joint)].reshape(-1, POINTS)
+                sums["work"] += panels.integral(power)
+                sums["positive_work"] += panels.positive(power)
+                squares[j] += panels.integral(torque**2)
+                tops[j] = np.maximum(tops[j], np.maximum(panels.peak(torque), panels.peak(-torque)))
+            closed = [toe for toe, mode in closed_toes(tuple(robot.toes), domain) if mode != OPEN]
+            for k, toe in enumerate(closed):
+                along, up = (values.forces[2 * k + i].reshape(-1, POINTS) for i in (0, 1))
+                force[toe] = np.maximum(force[toe], panels.peak(up))
+                friction[toe] = np.maximum(friction[toe], panels.ratio(along, up, PRESSED * weight))
+        found |= sums
+        for j, joint in enumerate(robot.actuated):
+            found[f"rms_torque_{joint}"] = np.sqrt(squares[j] / found["period"])
+            found[f"peak_torque_{joint}"] = tops[j]
+        for toe in robot.toes:
+            found[f"peak_force_{toe}"], found[f"friction_used_{toe}"] = force[toe], friction[toe]
+        if self.system.cyclic:
+            moves = np.abs(found["stride"]) > LEAST_STRIDE
+            with np.errstate(divide="ignore"):
+                found["cost_of_transport"] = np.where(moves, sums["positive_work"] / (weight * found["stride"]), np.nan)
+        there = np.isin(np.arange(self.count), list(self.laps))
+        return {name: np.where(there & np.isfinite(values), values, np.nan) for name, values in found.items()}
+
+    def _of_laps(self) -> dict[str, Array]:
+        """What cycles say of themselves: durations, what is observed, where they end."""
+        robot, system = self.system.robot, self.system
+        names = [f"{phase}_time" for phase in system.phases] + ["period"]
+        rows: dict[int, dict[str, float]] = {}
+        for lane, (y, lap) in self.laps.items():
+            period = sum(lap.spent.values())
+            row = {f"{phase}_time": seconds for phase, seconds in lap.spent.items()} | {"period": period}
+            before = lap.arcs[-1].after
+            for joint in robot.actuated:
+                i = robot.index(joint)
+                row[f"{joint}_at_{system.section}"] = float(before[i])
+                row[f"{joint}_rate_at_{system.section}"] = float(before[robot.nv + i])
+            if system.cyclic:
+                i = robot.index(system.cyclic[0])
+                row["stride"] = float(lap.y[i] - y[i])
+                row["mean_speed"] = row["stride"] / period
+            rows[lane] = row
+            names += [name for name in row if name not in names]
+        nothing: dict[str, float] = {}
+        return {
+            name: np.array([rows.get(lane, nothing).get(name, np.nan) for lane in range(self.count)]) for name in names
+        }
+
+    def _evaluated(self, parts: list[tuple[int, _Part]]) -> tuple[Panels, Any, Array, Any]:
+        """Panels of arcs in one domain, what the domain says at their points, and the states there."""
+        lanes = np.concatenate([np.full(len(part.t) // POINTS, lane) for lane, part in parts])
+        lengths = np.concatenate([np.full(len(part.t) // POINTS, part.length) for _, part in parts])
+        t, y = np.concatenate([part.t for _, part in parts]), np.concatenate([part.y for _, part in parts], axis=1)
+        numbers = np.repeat(
+            np.column_stack([part.numbers for _, part in parts]), [len(part.t) for _, part in parts], axis=1
+        )
+        one = parts[0][1]
+        return Panels(lanes, lengths, self.count), one.field.values(t, y, numbers), y, one.domain

@@ -1,0 +1,226 @@
+"""Monte Carlo of a gait: found anew for parameters drawn at random, beside what is so to first order."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import UnknownName
+from spear_pin.gaits.sensitivity.samples import Samples
+from spear_pin.showing import Shown
+
+Array = NDArray[np.float64]
+WITHIN = 0.05  # of Monte Carlo's standard deviation, to which the first order is to agree
+FEW = 0.01  # of the samples, which may have no value without being named
+STILL = 1e-7  # of a value: what moves by less stays
+FEWEST = 3  # samples, from which a standard error is known
+
+AGREES, STAYS = "agrees", "stays"
+NOT_LINEAR, OTHER_ORDER, LOST = "not linear", "another order of events", "samples without a value"
+ONE_SIDED = "derivative of one side"
+NO_SLOPE, NO_SAMPLES = "no derivative", "too few samples"
+
+
+@dataclass(frozen=True, repr=False)
+class MonteCarlo(Shown):
+    """A gait found anew for parameters drawn at random from a normal distribution.
+
+    Attributes:
+        over: names of the parameters.
+        at: values of those of the gait itself, (m,).
+        samples: the gaits.
+        values: of the outputs of the gait itself, by name.
+        units: of those.
+        derivatives: of those by the parameters, by name, (m,) each.
+        first: standard deviations to first order, by name.
+        one_sided: events that meet another in the gait itself, whose derivatives are of the order that happens.
+        seed: of the random numbers.
+    """
+
+    over: tuple[str, ...]
+    at: Array
+    samples: Samples
+    values: Mapping[str, float]
+    units: Mapping[str, str]
+    derivatives: Mapping[str, Array]
+    first: Mapping[str, float]
+    one_sided: tuple[str, ...]
+    seed: int
+
+    def __len__(self) -> int:
+        """Number of samples."""
+        return len(self.samples.reason)
+
+    def __repr__(self) -> str:
+        found, alike = int(self.samples.found.sum()), int(self.samples.alike.sum())
+        return f"MonteCarlo({len(self)} samples: {found} gaits found, {alike} with the same order of events)"
+
+    def __str__(self) -> str:
+        width = max(map(len, self.first))
+        columns = ("value", "σ, 1st order", "σ, M. Carlo", "± its error", "differs", "same samples")
+        lines = [f"{'':{width}} " + " ".join(f"{each:>12}" for each in columns)]
+        for name, first in self.first.items():
+            row = f"{self.values[name]:12.6g} {first:12.4g} {self.deviation(name):12.4g} {self.error(name):12.2g}"
+            shares = f"{_percent(self.difference(name))} {_percent(self.bend(name))}"
+            lines.append(f"{name:{width}} {row} {shares} {self.verdict(name)}")
+        return "\n".join([*lines, self.statement()])
+
+    def drawn(self, output: str) -> Array:
+        """Values of an output in the samples that have one, (n,).
+
+        Raises:
+            UnknownName: there is no such output.
+        """
+        if output not in self.first:
+            raise UnknownName("output", output, self.first)
+        values = self.samples.outputs.get(output, np.empty(0))
+        return np.asarray(values[np.isfinite(values)])
+
+    def mean(self, output: str) -> float:
+        """Mean of an output; NaN without samples."""
+        values = self.drawn(output)
+        return float(values.mean()) if len(values) else float("nan")
+
+    def deviation(self, output: str) -> float:
+        """Standard deviation of an output; NaN with fewer than two samples."""
+        return _deviation(self.drawn(output))
+
+    def error(self, output: str) -> float:
+        """Standard error of `deviation`: σ √((κ - 1) / 4n) with the kurtosis κ, σ / √(2n) of a normal distribution."""
+        values = self.drawn(output)
+        sigma = _deviation(values)
+        if len(values) < FEWEST or not sigma > 0.0:
+            return float("nan") if len(values) < FEWEST else 0.0
+        kurtosis = float((((values - values.mean()) / sigma) ** 4).mean())
+        return sigma * float(np.sqrt(max(kurtosis - 1.0, 0.0) / (4.0 * len(values))))
+
+    def difference(self, output: str) -> float:
+        """By how much the first order is above Monte Carlo, as a share of that; NaN where the output stays."""
+        sigma = self.deviation(output)
+        if self._still(output) or not sigma > 0.0:
+            return float("nan")
+        return self.first[output] / sigma - 1.0
+
+    def bend(self, output: str, alike: bool = False) -> float:
+        """By how much the first order is above Monte Carlo where both are of the same parameters, as a share.
+
+        The first order of each sample is its tangent's value, so that chance takes no part: what is left is curvature.
+
+        Args:
+            output: its name.
+            alike: only of samples with the same order of events.
+
+        Raises:
+            UnknownName: there is no such output.
+        """
+        self.drawn(output)
+        values = self.samples.outputs.get(output, np.full(len(self), np.nan))
+        chosen = np.isfinite(values) & (self.samples.alike | (not alike))
+        if self._still(output):
+            return float("nan")
+        straight = (self.samples.parameters[chosen] - self.at) @ self.derivatives[output]
+        return _deviation(straight) / _deviation(values[chosen]) - 1.0
+
+    def verdict(self, output: str) -> str:
+        """Whether the first order is within 5 % of Monte Carlo, in words, or why it is not.
+
+        It "agrees" where it is for the very parameters that were drawn; but if more than 1 % of the samples have no
+        value, σ has to be within 5 % as well, or it is those. Where only samples with another order of events make the
+        difference, it is those; where an event of the gait itself meets another, derivatives are of one side, and
+        samples of both; else the output is "not linear".
+        """
+        if not np.isfinite(self.first[output]):
+            return NO_SLOPE
+        if len(self.drawn(output)) < FEWEST:
+            return NO_SAMPLES
+        if self._still(output):
+            return STAYS
+        if abs(self.bend(output)) > WITHIN:
+            if self.samples.alike.sum() >= FEWEST and abs(self.bend(output, alike=True)) <= WITHIN:
+                return OTHER_ORDER
+            return ONE_SIDED if self.one_sided else NOT_LINEAR
+        lost = 1.0 - len(self.drawn(output)) / len(self)
+        return AGREES if abs(self.difference(output)) <= WITHIN or lost <= FEW else LOST
+
+    def statement(self) -> str:
+        """What the samples were, and which outputs are not within 5 % to first order, in lines of words."""
+        samples = self.samples
+        other = int((samples.found & ~samples.alike).sum())
+        lines = [f"{len(self)} samples: {int(samples.alike.sum())} gaits with the same order of events"]
+        lines[0] += f", {other} with another" * bool(other)
+        lost = Counter(samples.reason[~samples.found].tolist())
+        lines[0] += "".join(f", {count} without a gait ({reason})" for reason, count in lost.most_common())
+        if unmeasured := self.unmeasured:
+            lines.append(f"{unmeasured} gaits without measures: toes chatter or strike together in their cycles")
+        if unstable := int((samples.largest[samples.found] >= 1.0).sum()):
+            lines.append(f"{unstable} gaits are unstable")
+        off = [(name, verdict) for name in self.first if (verdict := self.verdict(name)) not in (AGREES, STAYS)]
+        moving = sum(self.verdict(name) != STAYS for name in self.first)
+        all_but_chance = f"within {WITHIN:.0%} of Monte Carlo, but for chance"
+        lines.append(f"first order {all_but_chance}, for {moving - len(off)} of the {moving} outputs that move")
+        if self.one_sided:
+            lines.append(f"one-sided: {', '.join(self.one_sided)} meets another event in this gait")
+        for why in dict.fromkeys(verdict for _, verdict in off):
+            lines.append(f"{why}: {', '.join(name for name, verdict in off if verdict == why)}")
+        return "\n".join(lines)
+
+    @property
+    def unmeasured(self) -> int:
+        """Number of gaits that were found but have no measures."""
+        period = self.samples.outputs.get("period", np.full(len(self), np.nan))
+        return int((self.samples.found & ~np.isfinite(period)).sum())
+
+    def to_json(self) -> str:
+        """All of it but the samples themselves, as JSON."""
+        return json.dumps(self.plain(), indent=1)
+
+    def plain(self) -> dict[str, Any]:
+        """The same, as JSON's values."""
+        samples = self.samples
+        return {
+            "samples": len(self),
+            "seed": self.seed,
+            "over": list(self.over),
+            "reasons": dict(Counter(samples.reason.tolist())),
+            "converged": int(samples.found.sum()),
+            "same_order": int(samples.alike.sum()),
+            "unmeasured": self.unmeasured,
+            "unstable": int((samples.largest[samples.found] >= 1.0).sum()),
+            "outputs": {
+                name: {
+                    "value": self.values[name],
+                    "unit": self.units[name],
+                    "first_order": _finite(first),
+                    "deviation": _finite(self.deviation(name)),
+                    "standard_error": _finite(self.error(name)),
+                    "mean": _finite(self.mean(name)),
+                    "difference": _finite(self.difference(name)),
+                    "bend": _finite(self.bend(name)),
+                    "verdict": self.verdict(name),
+                    "count": len(self.drawn(name)),
+                }
+                for name, first in self.first.items()
+            },
+        }
+
+    def _still(self, output: str) -> bool:
+        size = STILL * max(abs(self.values[output]), STILL)
+        return not self.first[output] > size and not self.deviation(output) > size
+
+
+def _deviation(values: Array) -> float:
+    return float(values.std(ddof=1)) if len(values) > 1 else float("nan")
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:+10.2f} %" if np.isfinite(share) else f"{'':12}"

@@ -1,0 +1,101 @@
+"""Gaits beside a gait: where they are to first order, and which multiplier is which."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.result import State
+from spear_pin.hybrid.section import section
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Neighbourhood:
+    """A gait, and how those beside it differ from it to first order.
+
+    Attributes:
+        system: the system.
+        state: (q, v) on the section.
+        over: names of the parameters that differ.
+        values: of those, (m,).
+        vary: names of what is solved for.
+        solved: values of those, (k,).
+        keep: names of as many measures that stay as they are.
+        kept: values of those, (k,).
+        state_slopes: derivatives of (q, v), (2 nv, m).
+        solved_slopes: of what is solved for, (k, m).
+        multipliers: (d,).
+    """
+
+    system: HybridSystem
+    state: State
+    over: tuple[str, ...]
+    values: Array
+    vary: tuple[str, ...]
+    solved: Array
+    keep: tuple[str, ...]
+    kept: Array
+    state_slopes: Array
+    solved_slopes: Array
+    multipliers: NDArray[np.complex128]
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the numbers of a state, as in the columns of a trajectory."""
+        names = self.system.robot.coordinates
+        return (*(f"q_{name}" for name in names), *(f"v_{name}" for name in names))
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of those."""
+        units = self.system.robot.units
+        return dict(zip(self.columns, (*units, *(f"{unit}/s" for unit in units)), strict=True))
+
+    def predicted(self, parameters: Array) -> tuple[Array, Array]:
+        """States, (n, 2 nv), not quite on the section, and what is solved for, (n, k), with parameters, (n, m)."""
+        change = parameters - self.values
+        return (
+            np.concatenate(self.state) + change @ self.state_slopes.T,
+            self.solved + change @ self.solved_slopes.T,
+        )
+
+    def placed(self, system: HybridSystem, y: Array, numbers: Mapping[str, Array] | None = None) -> tuple[Array, Array]:
+        """States on the section next to some, (n, 2 nv), the same toes sliding as in this gait.
+
+        Args:
+            system: whose section it is.
+            y: the states.
+            numbers: that differ from one to the other, (n,) each.
+        """
+        nv, whole = self.system.robot.nv, section(system, numbers)
+        slides = section(self.system).sliding(self.state[0][None], self.state[1][None])[0]
+        charts = whole.charts(y[:, :nv], y[:, nv:], slides)
+        return charts.states(np.zeros((len(y), charts.dimension)))
+
+    def moduli(self, multipliers: NDArray[np.complex128]) -> Array:
+        """Moduli of multipliers in the order of this gait's, (d,); NaN where they are not as many."""
+        try:
+            return np.abs(matched(self.multipliers, multipliers[np.isfinite(multipliers)]))
+        except NotDifferentiable:
+            return np.full(len(self.multipliers), np.nan)
+
+
+def matched(here: NDArray[np.complex128], others: Any) -> NDArray[np.complex128]:
+    """Multipliers in the order of those nearby.
+
+    Raises:
+        NotDifferentiable: they are not as many.
+    """
+    if len(here) != len(others):
+        raise NotDifferentiable("a toe begins to slide as it lands")
+    _, order = scipy.optimize.linear_sum_assignment(np.abs(here[:, None] - others))
+    return np.asarray(others[order], np.complex128)

@@ -1,0 +1,162 @@
+"""Gaits found anew with other parameters: in lanes where those may differ in them, else one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.gaits.many import CONVERGED, MEASURES, NO_CONVERGENCE, find_many
+from spear_pin.gaits.sensitivity.many_measures import measured
+from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
+from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.batch import may_differ
+from spear_pin.hybrid.engines.structure import OF_GROUND
+from spear_pin.hybrid.parameters import with_numbers
+from spear_pin.hybrid.tangent.record import Recorder
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
+
+Array = NDArray[np.float64]
+OnLanes = Callable[[int], object]
+ITERATIONS = 8  # of Newton's method for a gait on its own
+CLOSED = 1e-9  # of its displacement, and of what is kept in its own size
+NOT_VALID, NOT_PLAIN = "not_valid", "not_plain"
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Gaits with parameters drawn at random.
+
+    Attributes:
+        parameters: (n, m).
+        outputs: solved parameters, measures, multipliers' moduli and numbers of the state, by name, (n,) each, NaN
+            where there is none.
+        reason: "converged" where a gait was found, else why not, (n,).
+        largest: modulus of the largest multiplier, (n,).
+        alike: whether the gait was found and its events are in the same order, (n,).
+    """
+
+    parameters: Array
+    outputs: Mapping[str, Array]
+    reason: NDArray[np.str_]
+    largest: Array
+    alike: NDArray[np.bool_]
+
+    @property
+    def found(self) -> NDArray[np.bool_]:
+        """Whether a gait was found, (n,)."""
+        return np.asarray(self.reason == CONVERGED)
+
+
+def found_anew(local: Neighbourhood, parameters: Array, on_lanes: OnLanes = lambda n: None) -> Samples:
+    """The gaits beside one with other parameters, (n, m).
+
+    Args:
+        local: the gait.
+        parameters: of each.
+        on_lanes: called with the number of gaits done since the last call.
+    """
+    return (_in_lanes if side_by_side(local) else _one_by_one)(local, parameters, on_lanes)
+
+
+def side_by_side(local: Neighbourhood) -> bool:
+    """Whether lanes may differ in all parameters, and record all that is kept."""
+    names = all(may_differ(local.system, name) for name in (*local.over, *local.vary))
+    return (
+        names
+        and not set(local.vary) & set(OF_GROUND)
+        and all(name in MEASURES and name in local.system.measures for name in local.keep)
+    )
+
+
+def _in_lanes(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Samples:
+    system, order = local.system, _order(local)
+    given = dict(zip(local.over, parameters.T, strict=True))
+    y, begin = local.predicted(parameters)
+    target = dict(zip(local.keep, local.kept.tolist(), strict=True))
+    start = given | dict(zip(local.vary, np.where(begin * local.solved > 0.0, begin, local.solved).T, strict=True))
+    table = find_many(system, start, local.vary, target, guess=local.placed(system, y, given))
+    found = np.flatnonzero(table.converged)
+    own = {name: table.parameters[name][found] for name in (*local.over, *local.vary)}
+    cycles = measured(system, own, table.q[found], table.v[found], on_lanes)
+    on_lanes(len(parameters) - len(found))
+    outputs = {name: table.parameters[name] for name in local.vary}
+    outputs |= {name: _spread(values, found, len(parameters)) for name, values in cycles.values.items()}
+    moduli = np.full((len(parameters), len(local.multipliers)), np.nan)
+    for i in found:
+        moduli[i] = local.moduli(table.multipliers[i])
+    outputs |= {f"multiplier_{i + 1}": column for i, column in enumerate(moduli.T)}
+    outputs |= dict(zip(local.columns, np.column_stack([table.q, table.v]).T, strict=True))
+    alike = np.zeros(len(parameters), dtype=bool)
+    alike[found] = [each == order for each in cycles.orders]
+    return Samples(parameters, outputs, table.reason, table.largest, alike)
+
+
+def _order(local: Neighbourhood) -> object:
+    here = {name: np.array([value]) for name, value in zip(local.over, local.values.tolist(), strict=True)}
+    return measured(local.system, here, local.state[0][None], local.state[1][None]).orders[0]
+
+
+def _spread(values: Array, lanes: NDArray[np.intp], n: int) -> Array:
+    whole = np.full(n, np.nan)
+    whole[lanes] = values
+    return whole
+
+
+def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Samples:
+    n, order = len(parameters), Recorder(local.system).lap(np.concatenate(local.state)).order
+    y, begin = local.predicted(parameters)
+    reason, alike, largest = np.full(n, CONVERGED, dtype=object), np.zeros(n, dtype=bool), np.full(n, np.nan)
+    outputs: dict[str, Array] = {}
+    for i in range(n):
+        on_lanes(1)
+        try:
+            system = with_numbers(local.system, dict(zip(local.over, parameters[i].tolist(), strict=True)))
+        except BadValue:
+            reason[i] = NOT_VALID
+            continue
+        try:
+            orbit, solved = _solved(local, system, y[i], begin[i])
+        except NotDifferentiable:
+            reason[i] = NOT_PLAIN
+            continue
+        except (BadValue, np.linalg.LinAlgError):
+            reason[i] = NO_CONVERGENCE
+            continue
+        multipliers = np.linalg.eigvals(orbit.jacobian).astype(np.complex128)
+        row = dict(zip(local.vary, solved, strict=True))
+        row |= {name: measure.value for name, measure in orbit.measures.items()}
+        row |= {f"multiplier_{k + 1}": value for k, value in enumerate(local.moduli(multipliers))}
+        row |= dict(zip(local.columns, np.concatenate(orbit.state), strict=True))
+        for name, value in row.items():
+            outputs.setdefault(name, np.full(n, np.nan))[i] = value
+        alike[i] = Recorder(orbit.system).lap(np.concatenate(orbit.state)).order == order
+        largest[i] = np.abs(multipliers).max()
+    return Samples(parameters, outputs, reason.astype(str), largest, alike)
+
+
+def _solved(local: Neighbourhood, system: HybridSystem, y: Array, z: Array) -> tuple[Orbit, Array]:
+    """The fixed point near a state, by Newton's method with exact Jacobians, and what was solved for.
+
+    Raises:
+        BadValue: it is not found, or what is solved for leaves its range.
+        NotDifferentiable: a cycle on the way closes in no plain way.
+    """
+    for _ in range(ITERATIONS):
+        whole = with_numbers(system, dict(zip(local.vary, z.tolist(), strict=True))) if local.vary else system
+        q, v = local.placed(whole, y[None])
+        orbit = Orbit(whole, (q[0], v[0]), local.vary)
+        d = orbit.dimension
+        missed = np.array([orbit.measures[name].value for name in local.keep]) - local.kept
+        scale = np.maximum(np.abs(local.kept), 1e-12)
+        if np.abs(orbit.displacement).max() <= CLOSED and (np.abs(missed) <= CLOSED * scale).all():
+            return orbit, z
+        rows = [orbit.columns - np.eye(d, orbit.columns.shape[1])]
+        rows += [orbit.measures[name].derivative[None] for name in local.keep]
+        step = -np.linalg.solve(np.concatenate(rows), np.concatenate([orbit.displacement, missed]))
+        y, z = np.concatenate(orbit.chart.state(step[:d])), z + step[d:]
+    raise BadValue("state", float(np.abs(orbit.displacement).max()), f"a fixed point after {ITERATIONS} iterations")

@@ -1,0 +1,221 @@
+"""How far a gait's outputs spread where its numbers are not known exactly, and which number to measure better."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.gaits.sensitivity.monte_carlo import MonteCarlo
+from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
+from spear_pin.gaits.sensitivity.samples import found_anew
+from spear_pin.gaits.sensitivity.spread import factor
+from spear_pin.kinds import typed
+from spear_pin.showing import Shown
+
+Array = NDArray[np.float64]
+MOST = 1_000_000  # samples
+ROUNDING = 1e-12  # of a value: what spreads by less does not move
+
+
+@dataclass(frozen=True, repr=False)
+class Uncertainty(Shown):
+    """Standard deviations of a gait's outputs to first order, from the covariance of its parameters.
+
+    Attributes:
+        local: the gait, and where those beside it are.
+        parameter_units: of the parameters, empty where nothing says one.
+        covariance: of the parameters, (m, m).
+        outputs: values by name: what is solved for, measures, moduli of multipliers, numbers of the state.
+        output_units: of those.
+        derivatives: of the outputs by the parameters, by name, (m,) each.
+        one_sided: events that meet another in this gait, whose derivatives are of the order that happens.
+
+    Example:
+        >>> from spear_pin import find_gait, hopping, load
+        >>> gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])))
+        >>> spread = gait.sensitivity(["stiffness", "damping"]).uncertainty({"stiffness": "1 %", "damping": "1 %"})
+        >>> [f"{share:.2f}" for share in spread.shares("positive_work")], spread.best("flight_time")
+        (['0.59', '0.41'], 'damping')
+        >>> spread.monte_carlo(50)
+        MonteCarlo(50 samples: 50 gaits found, 50 with the same order of events)
+    """
+
+    local: Neighbourhood
+    parameter_units: tuple[str, ...]
+    covariance: Array
+    outputs: Mapping[str, float]
+    output_units: Mapping[str, str]
+    derivatives: Mapping[str, Array]
+    one_sided: tuple[str, ...]
+
+    @property
+    def over(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return self.local.over
+
+    @property
+    def parameter_deviations(self) -> Array:
+        """Standard deviations of the parameters, (m,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def correlated(self) -> bool:
+        """Whether errors of the parameters depend on each other."""
+        return bool(np.any(self.covariance - np.diag(np.diag(self.covariance))))
+
+    def __repr__(self) -> str:
+        return f"Uncertainty({len(self.outputs)} outputs over {', '.join(self.over)})"
+
+    def __str__(self) -> str:
+        width = max(map(len, self.outputs))
+        head = " ".join(f"{name:>14.14}" for name in self.over)
+        lines = [f"{'':{width}} {'value':>12} {'σ':>11} {'σ, %':>8} {head}   (% of σ² that knowing it takes away)"]
+        lines.append(f"{'σ':{width}} {'':33} " + " ".join(f"{each:14.4g}" for each in self.parameter_deviations))
+        for name, value in self.outputs.items():
+            sigma = self.deviation(name)
+            relative = f"{100.0 * sigma / abs(value):8.3g}" if value else f"{'':8}"
+            row = " ".join(f"{100.0 * each:14.3g}" for each in self.gains(name))
+            lines.append(f"{name:{width}} {value:12.6g} {sigma:11.4g} {relative} {row}")
+        if self.correlated:
+            lines.append(
+                "errors are correlated: to know one parameter tells of others, and shares do not add up to 100"
+            )
+        if self.one_sided:
+            lines.append(f"one-sided: {', '.join(self.one_sided)} meets another event in this gait")
+        return "\n".join(lines)
+
+    def deviation(self, output: str) -> float:
+        """Standard deviation of an output, √(g Σ gᵀ); NaN where it has no derivative.
+
+        Raises:
+            UnknownName: there is no such output.
+        """
+        slopes = self._slopes(output)
+        return float(np.sqrt(np.maximum(slopes @ self.covariance @ slopes, 0.0)))
+
+    @property
+    def deviations(self) -> dict[str, float]:
+        """Of all outputs."""
+        return {name: self.deviation(name) for name in self.outputs}
+
+    def moves(self, output: str) -> bool:
+        """Whether an output's standard deviation is more than rounding; one that is kept does not move.
+
+        Raises:
+            UnknownName: there is no such output.
+        """
+        return self.deviation(output) > ROUNDING * abs(self.outputs[output])
+
+    def shares(self, output: str) -> Array:
+        """Share of each parameter in the variance, g_i (Σ gᵀ)_i / σ², (m,); zero where the output does not move.
+
+        They add up to 1. Where errors are correlated some may be negative.
+
+        Raises:
+            UnknownName: there is no such output.
+        """
+        slopes = self._slopes(output)
+        return self._over(output, slopes * (self.covariance @ slopes))
+
+    def gains(self, output: str) -> Array:
+        """Share of the variance that goes where a parameter is known exactly, (Σ gᵀ)_i² / (Σ_ii σ²), (m,).
+
+        It is the squared correlation of the parameter with the output: what is learnt of a parameter tells of those
+        that are correlated with it. A second measurement as good as the first takes half of it away. Without
+        correlations these are the shares.
+
+        Raises:
+            UnknownName: there is no such output.
+        """
+        along, variances = self.covariance @ self._slopes(output), np.diag(self.covariance)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            squares = np.where(variances > 0.0, along**2 / np.where(variances > 0.0, variances, 1.0), 0.0 * along)
+        return self._over(output, squares)
+
+    def best(self, output: str) -> str:
+        """The parameter to measure better: the one with the largest of the `gains`.
+
+        Raises:
+            UnknownName: there is no such output.
+            BadValue: the output has no derivative, or does not move.
+        """
+        gains = self.gains(output)
+        if not np.isfinite(gains).all() or not gains.max() > 0.0:
+            raise BadValue("output", output, "one that moves with a parameter that is not exact")
+        return self.over[int(gains.argmax())]
+
+    @typed
+    def monte_carlo(
+        self, samples: int = 10_000, seed: int = 0, *, on_lanes: Callable[[int], object] = lambda n: None
+    ) -> MonteCarlo:
+        """The gait found anew for parameters drawn from a normal distribution with this covariance.
+
+        Where lanes may differ in all parameters (of law, springs and friction) and record what is kept, all gaits are
+        found side by side; with others, such as masses and lengths, one by one, some ten in a second.
+
+        Args:
+            samples: how many.
+            seed: of the random numbers.
+            on_lanes: called with the number of samples done since the last call.
+
+        Raises:
+            BadValue: not a whole number of samples from 2 to a million, or a negative seed.
+        """
+        if not 2 <= samples <= MOST:
+            raise BadValue("samples", samples, f"a whole number from 2 to {MOST}")
+        if seed < 0:
+            raise BadValue("seed", seed, "a whole number >= 0")
+        normal = np.random.default_rng(seed).standard_normal((samples, len(self.over)))
+        parameters = self.local.values + normal @ factor(self.covariance).T
+        found = found_anew(self.local, parameters, on_lanes)
+        return MonteCarlo(
+            self.over,
+            self.local.values,
+            found,
+            self.outputs,
+            self.output_units,
+            self.derivatives,
+            self.deviations,
+            self.one_sided,
+            seed,
+        )
+
+    def to_json(self) -> str:
+        """All of it, as JSON."""
+        data = {
+            "over": dict(zip(self.over, self.local.values.tolist(), strict=True)),
+            "units": dict(zip(self.over, self.parameter_units, strict=True)),
+            "deviations": dict(zip(self.over, self.parameter_deviations.tolist(), strict=True)),
+            "covariance": self.covariance.tolist(),
+            "outputs": {
+                name: {
+                    "value": value,
+                    "unit": self.output_units[name],
+                    "deviation": _plain(np.array([self.deviation(name)]))[0],
+                    "shares": _plain(self.shares(name)),
+                    "gains": _plain(self.gains(name)),
+                }
+                for name, value in self.outputs.items()
+            },
+            "one_sided": list(self.one_sided),
+        }
+        return json.dumps(data, indent=1)
+
+    def _over(self, output: str, parts: Array) -> Array:
+        """Shares of an output's variance; zero where it does not move, NaN where it has no derivative."""
+        sigma = self.deviation(output)
+        return np.zeros_like(parts) if np.isfinite(sigma) and not self.moves(output) else np.asarray(parts / sigma**2)
+
+    def _slopes(self, output: str) -> Array:
+        if output not in self.derivatives:
+            raise UnknownName("output", output, self.outputs)
+        return np.asarray(self.derivatives[output], np.float64)
+
+
+def _plain(values: Array) -> list[float | None]:
+    return [value if np.isfinite(value) else None for value in values.tolist()]

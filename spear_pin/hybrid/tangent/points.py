@@ -1,0 +1,36 @@
+"""Gauss's points along an arc, in as many panels as its motion needs."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.arc import Arc
+from spear_pin.hybrid.tangent.collocation import POINTS, TAIL, roughness, rule
+from spear_pin.hybrid.tangent.record import Recorder
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
+
+Array = NDArray[np.float64]
+MOST_PANELS = 64  # of an arc
+SHORTEST = 1e-9  # s: there is nothing to be carried along a shorter arc
+
+
+def points(recorder: Recorder, arc: Arc) -> tuple[Array, float, Array]:
+    """Clocks of the points, (k,), length of a panel in s, and states there, (2 nv, k).
+
+    Raises:
+        NotDifferentiable: the motion is not smooth, or cannot be followed again.
+    """
+    gauss, length = rule(), max(arc.end - arc.t, 0.0)
+    panels = 1
+    while panels <= MOST_PANELS:
+        h = length / panels
+        t = (arc.t + h * (np.arange(panels)[:, None] + gauss.nodes)).ravel()
+        y = recorder.states(arc, t) if length > SHORTEST else np.tile(arc.y[:, None], (1, len(t)))
+        if length <= SHORTEST or (left := roughness(y.T.reshape(panels, POINTS, -1))) <= TAIL:
+            return t, h, y
+        # shorter by a factor, coefficients fall by that to the power of the points
+        panels = max(panels + 1, math.ceil(panels * (left / TAIL) ** (1.0 / POINTS)))
+    raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")
