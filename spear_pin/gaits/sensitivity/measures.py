@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.rules.footing import closed_toes
-from spear_pin.hybrid.tangent.cycle import Derivative, Stretch
+from spear_pin.hybrid.tangent.derivative import Derivative, Stretch
 
 Array = NDArray[np.float64]
 PRESSED = 0.02  # of a robot's weight: friction counts under forces above this
@@ -32,7 +32,7 @@ class Measure:
     unit: str
 
 
-def measures(cycle: Derivative, start: Array) -> dict[str, Measure]:
+def measures(cycle: Derivative, start: Array, weight: Measure) -> dict[str, Measure]:
     """All named measures of a cycle.
 
     Durations of phases and the period; work that the motors do on the joints on balance and where they drive; of each
@@ -43,6 +43,7 @@ def measures(cycle: Derivative, start: Array) -> dict[str, Measure]:
     Args:
         cycle: the cycle.
         start: derivatives of the state in which it begins, (2 nv, c).
+        weight: of the robot.
     """
     system = cycle.system
     robot, found = system.robot, dict[str, Measure]()
@@ -61,12 +62,12 @@ def measures(cycle: Derivative, start: Array) -> dict[str, Measure]:
         of_rms = 0.5 / max(rms, 1e-300) * (change / period - square / period**2 * dperiod)
         found[f"rms_torque_{joint}"] = Measure(rms, of_rms, "N·m")
         found[f"peak_torque_{joint}"] = Measure(*_largest(_torque(cycle.stretches, j)), "N·m")
-    weight = sum(body.mass for body in robot.model.inertias) * 9.81
+    pressed = PRESSED * weight.value, PRESSED * weight.derivative
     for toe in robot.toes:
         forces = list(_forces(cycle.stretches, toe, robot.toes))
         if forces:
             found[f"peak_force_{toe}"] = Measure(*peak([up for _, up in forces]), "N")
-            found[f"friction_used_{toe}"] = Measure(*largest_ratio(forces, PRESSED * weight), "1")
+            found[f"friction_used_{toe}"] = Measure(*largest_ratio(forces, *pressed), "1")
     if system.cyclic:
         found |= _advance(cycle, start, robot.index(system.cyclic[0]), found["period"], worked, weight)
     return found
@@ -96,7 +97,7 @@ def _at_events(cycle: Derivative) -> dict[str, Measure]:
 
 
 def _advance(
-    cycle: Derivative, start: Array, i: int, period: Measure, worked: Measure, weight: float
+    cycle: Derivative, start: Array, i: int, period: Measure, worked: Measure, weight: Measure
 ) -> Mapping[str, Measure]:
     first = float(cycle.stretches[0].arc.y[i])
     stride, change = float(cycle.y[i]) - first, cycle.dy[i] - start[i]
@@ -106,8 +107,10 @@ def _advance(
         "mean_speed": Measure(speed, (change - speed * period.derivative) / period.value, "m/s"),
     }
     if abs(stride) > 1e-3:
-        cost = worked.value / (weight * stride)
-        found["cost_of_transport"] = Measure(cost, worked.derivative / (weight * stride) - cost * change / stride, "1")
+        lifted = weight.value * stride
+        cost = worked.value / lifted
+        of_lifted = weight.derivative * stride + weight.value * change
+        found["cost_of_transport"] = Measure(cost, (worked.derivative - cost * of_lifted) / lifted, "1")
     return found
 
 

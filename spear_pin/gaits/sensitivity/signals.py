@@ -11,7 +11,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.tangent.collocation import POINTS, rule
-from spear_pin.hybrid.tangent.cycle import Stretch
+from spear_pin.hybrid.tangent.derivative import Stretch
 
 Array = NDArray[np.float64]
 Pick = Callable[[Stretch], "Pieces | None"]
@@ -89,10 +89,17 @@ def peak(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     return best, change
 
 
-def largest_ratio(pairs: Sequence[tuple[Pieces, Pieces]], least: float) -> tuple[float, Array]:
+def largest_ratio(
+    pairs: Sequence[tuple[Pieces, Pieces]], least: float, dleast: Array | float = 0.0
+) -> tuple[float, Array]:
     """The largest |a / b| of pairs of signals where b is at least a number, and its derivative.
 
     Where b falls to the least the place itself moves.
+
+    Args:
+        pairs: a and b.
+        least: the number.
+        dleast: its derivative, (c,).
     """
     best: float = -np.inf
     change: Any = np.zeros(pairs[0][0].derivatives.shape[1])
@@ -112,7 +119,7 @@ def largest_ratio(pairs: Sequence[tuple[Pieces, Pieces]], least: float) -> tuple
                 rate = (float(legendre.legval(x, slope_a)) - ratio * fall) / bottom
                 along: Any = (dtop - ratio * dbottom) / bottom
                 if x in falls:
-                    along = along - rate / fall * dbottom
+                    along = along - rate / fall * (dbottom - dleast)
                 elif x == -1.0 and i == 0:
                     along = along + 2.0 / h * rate * stretch.since
                 elif x == 1.0 and i == count - 1:

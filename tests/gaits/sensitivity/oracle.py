@@ -1,0 +1,225 @@
+"""Derivatives of cycles and of gaits by Richardson's extrapolation of differences within one order of events.
+
+Differences take values alone of what is compared with them: of states and measures of cycles, and of fixed points that
+are found again. Where a step leads into another order of events, shorter ones are taken, or those of one side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import number, with_numbers
+from spear_pin.hybrid.result import State
+from spear_pin.hybrid.section import Charts, chart, section
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
+
+Array = NDArray[np.float64]
+LEVELS = 5
+STEPS = 2.0**-8 / 8.0 ** np.arange(6)  # of a parameter, in m, rad and their rates of a coordinate
+LEAST = 1e-3  # in SI units
+CLOSED = 1e-12  # of a fixed point that is found again
+
+
+class Crossed(Exception):
+    """A step leads into another order of events, or to where there is none."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A derivative by differences.
+
+    Attributes:
+        value: (n,).
+        sides: (1, -1) where differences are central, the one side that has the same order of events otherwise.
+    """
+
+    value: Array
+    sides: tuple[int, ...]
+
+
+Agreement = Callable[[Array], float]
+
+
+def order(orbit: Orbit, beside: Collection[str] = ()) -> tuple[tuple[str, str], ...]:
+    """Domains of a cycle, each with what ends it, kinks among them.
+
+    Args:
+        orbit: the cycle.
+        beside: events that are not told, for the motion is the same without them: springs that let go of what they
+            no longer move, just before toes let go of the ground.
+    """
+    ends = [(arc.domain.name, "kink" if arc.event is None else arc.event.name) for arc in _arcs(orbit)]
+    told = [arc.event is None or not (arc.event.observes or arc.event.name in beside) for arc in _arcs(orbit)]
+    return tuple(each for each, tells in zip(ends, told, strict=True) if tells)
+
+
+def values(orbit: Orbit) -> Array:
+    """State at the end of a cycle, and its measures, durations among them."""
+    return np.concatenate([orbit.cycle.y, [measure.value for measure in orbit.measures.values()]])
+
+
+def columns(orbit: Orbit) -> Array:
+    """The exact derivatives of `values`, (n, d + m)."""
+    return np.concatenate([orbit.cycle.dy, [measure.derivative for measure in orbit.measures.values()]])
+
+
+def sizes(orbit: Orbit) -> Array:
+    """What a column counts: 1 for a coordinate, of a parameter its value, (d + m,)."""
+    return np.concatenate([np.ones(orbit.dimension), [abs(number(orbit.system, name)) or 1.0 for name in orbit.names]])
+
+
+def scales(rows: Array, size: Array, value: Array) -> Array:
+    """Of each row its largest entry, columns counting their sizes, or its value if that is larger, (n,).
+
+    At least `LEAST`: some rows are all but zero, as the rate of a joint whose angle is commanded.
+    """
+    return np.maximum(np.abs(rows * size).max(axis=1), np.maximum(np.abs(value), LEAST))
+
+
+def beside(orbit: Orbit, column: int, step: float) -> Orbit:
+    """The cycle from a state of the section by a step along one of its coordinates, or with another parameter."""
+    if column < orbit.dimension:
+        move = step * np.eye(orbit.dimension)[column]
+        return Orbit(orbit.system, orbit.chart.state(move), ())
+    name = orbit.names[column - orbit.dimension]
+    value = number(orbit.system, name)
+    system = with_numbers(orbit.system, {name: value + step * (abs(value) or 1.0)})
+    return Orbit(system, _placed(system, orbit), ())
+
+
+def again(orbit: Orbit, name: str, step: float) -> Orbit:
+    """The gait with another number, by Newton's method from this one."""
+    value = number(orbit.system, name)
+    system, state = with_numbers(orbit.system, {name: value + step * (abs(value) or 1.0)}), orbit.state
+    for _ in range(12):
+        local = chart(system, state)
+        there = Orbit(system, local.state(np.zeros(local.dimension)), ())
+        if float(np.abs(there.displacement).max()) < CLOSED:
+            return there
+        move = np.linalg.solve(np.eye(there.dimension) - there.jacobian, there.displacement)
+        state = there.chart.state(move)
+    raise Crossed(f"no gait {step:+.1e} of {name} away")
+
+
+@dataclass(frozen=True)
+class Differences:
+    """Derivatives of a function of orbits beside one, along one direction.
+
+    Attributes:
+        orbit: the one.
+        beside: the orbit so far away.
+        function: what is differentiated, (n,).
+        agree: by how much it misses what is compared, the smaller the better.
+        enough: what is not looked at any closer.
+        untold: events that need not be in the same order.
+        steps: that are tried.
+    """
+
+    orbit: Orbit
+    beside: Callable[[float], Orbit]
+    function: Callable[[Orbit], Array]
+    agree: Agreement
+    enough: float
+    untold: Collection[str] = ()
+    steps: Sequence[float] = tuple(STEPS)
+
+    def best(self) -> tuple[Difference, float]:
+        """The difference that agrees best of those with steps of several lengths, and by how much it misses.
+
+        Raises:
+            Crossed: another order of events is nearer than the shortest step, on both sides.
+        """
+        found: list[tuple[Difference, float]] = []
+        for sides in ((1, -1), (1,), (-1,)):
+            for step in self.steps:
+                try:
+                    value = self._central(step) if len(sides) == 2 else self._sided(step * sides[0])
+                except (Crossed, NotDifferentiable, BadValue):
+                    continue
+                found.append((Difference(value, sides), self.agree(value)))
+                if found[-1][1] <= self.enough:
+                    break
+            if found:
+                return min(found, key=lambda each: each[1])
+        raise Crossed("another order of events is too near on both sides")
+
+    @cached_property
+    def _order(self) -> tuple[tuple[str, str], ...]:
+        return order(self.orbit, self.untold)
+
+    @cached_property
+    def _here(self) -> Array:
+        return self.function(self.orbit)
+
+    def _at(self, steps: Array) -> Array:
+        """Values at steps, all of them in one order, in which what need not be told may happen or not."""
+        orbits = [self.beside(float(step)) for step in steps]
+        if len({order(each) for each in orbits}) > 1 or order(orbits[0], self.untold) != self._order:
+            raise Crossed("another order of events")
+        return np.array([self.function(each) for each in orbits])
+
+    def _central(self, step: float) -> Array:
+        h = step / 2.0 ** np.arange(LEVELS)
+        found = self._at(np.concatenate([h, -h]))
+        return _extrapolated((found[:LEVELS] - found[LEVELS:]) / (2.0 * h[:, None]), 4.0)
+
+    def _sided(self, step: float) -> Array:
+        h = step / 2.0 ** np.arange(LEVELS + 2)
+        return _extrapolated((self._at(h) - self._here) / h[:, None], 2.0)
+
+
+def compared(
+    orbit: Orbit, enough: float, untold: Collection[str] = ()
+) -> Mapping[int, tuple[Array, tuple[int, ...]]]:
+    """Errors of a cycle's exact derivatives, of each row's scale, (n,), by column, with the sides of the differences.
+
+    Columns that no difference can be compared with are left out.
+    """
+    rows, size = columns(orbit), sizes(orbit)
+    scale, found = scales(rows, size, values(orbit)), {}
+    for j in range(rows.shape[1]):
+
+        def errors(value: Array, j: int = j) -> Array:
+            return np.asarray(np.abs(rows[:, j] * size[j] - value) / scale)
+
+        differences = Differences(
+            orbit, lambda h, j=j: beside(orbit, j, h), values, lambda value: float(errors(value).max()), enough, untold
+        )
+        try:
+            best, _ = differences.best()
+        except Crossed:
+            continue
+        found[j] = errors(best.value), best.sides
+    return found
+
+
+def renamed(orbit: Orbit, names: tuple[str, ...]) -> Orbit:
+    """The same cycle with derivatives by other parameters."""
+    return replace(orbit, names=names)
+
+
+def _placed(system: HybridSystem, orbit: Orbit) -> State:
+    """The nearest state on the section of another system, on which the same toes slide."""
+    here = orbit.chart.lane
+    assert isinstance(here, Charts)
+    there = section(system).charts(here.q, here.v, here.slides)
+    q, v = there.states(np.zeros((1, there.dimension)))
+    return q[0], v[0]
+
+
+def _arcs(orbit: Orbit) -> list:
+    return [stretch.arc for stretch in orbit.cycle.stretches]
+
+
+def _extrapolated(table: Array, factor: float) -> Array:
+    for power in range(1, len(table)):
+        table = (factor**power * table[1:] - table[:-1]) / (factor**power - 1.0)
+    return table[0]
