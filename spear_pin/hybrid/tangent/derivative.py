@@ -73,12 +73,13 @@ class Stretch:
 
     @property
     def meets(self) -> tuple[str, ...]:
-        """Names of other events whose guards fall through zero as its own does."""
+        """Names of other events whose guards fall through zero in the same instant."""
         guards, event = self.arc.domain.guards, self.arc.event
         if event is None or event.reset is None:
             return ()
+        now = self._falls & (np.abs(self.end.guards) <= SHORTEST * np.abs(self.rate.guards))
         others = [i for i, guard in enumerate(guards) if guard.reset is not None and guard is not event]
-        return tuple(guards[i].name for i in others if self._falls[i])
+        return tuple(guards[i].name for i in others if now[i])
 
     @property
     def _falls(self) -> NDArray[np.bool_]:

@@ -7,14 +7,16 @@ are found again. Where a step leads into another order of events, shorter ones a
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
 from spear_pin.errors import BadValue
 from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.result import State
@@ -22,7 +24,7 @@ from spear_pin.hybrid.section import Charts, chart, section
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
-LEVELS = 5
+LEVELS = 4
 STEPS = 2.0**-8 / 8.0 ** np.arange(6)  # of a parameter, in m, rad and their rates of a coordinate
 LEAST = 1e-3  # in SI units
 CLOSED = 1e-12  # of a fixed point that is found again
@@ -56,9 +58,12 @@ def order(orbit: Orbit, beside: Collection[str] = ()) -> tuple[tuple[str, str], 
         beside: events that are not told, for the motion is the same without them: springs that let go of what they
             no longer move, just before toes let go of the ground.
     """
-    ends = [(arc.domain.name, "kink" if arc.event is None else arc.event.name) for arc in _arcs(orbit)]
-    told = [arc.event is None or not (arc.event.observes or arc.event.name in beside) for arc in _arcs(orbit)]
-    return tuple(each for each, tells in zip(ends, told, strict=True) if tells)
+    ends = [
+        (arc.domain.name, "kink" if arc.event is None else arc.event.name)
+        for arc in _arcs(orbit)
+        if arc.event is None or arc.event.reset is not None
+    ]
+    return tuple(each for each in ends if each[1] not in beside)
 
 
 def values(orbit: Orbit) -> Array:
@@ -106,7 +111,7 @@ def again(orbit: Orbit, name: str, step: float) -> Orbit:
             return there
         move = np.linalg.solve(np.eye(there.dimension) - there.jacobian, there.displacement)
         state = there.chart.state(move)
-    raise Crossed(f"no gait {step:+.1e} of {name} away")
+    raise Crossed(f"no gait found {step:+.1e} of {name} away")
 
 
 @dataclass(frozen=True)
@@ -201,9 +206,49 @@ def compared(
     return found
 
 
-def renamed(orbit: Orbit, names: tuple[str, ...]) -> Orbit:
-    """The same cycle with derivatives by other parameters."""
-    return replace(orbit, names=names)
+def compared_gaits(
+    orbit: Orbit, table: Sensitivity, enough: float, untold: Collection[str] = ()
+) -> Mapping[str, tuple[Array, Array, tuple[int, ...]]]:
+    """Errors of derivatives along the branch of gaits, by parameter, against gaits that are found again.
+
+    Of the state and the measures, (n,), and of the multipliers, (d,), each of its row's scale; and the sides of the
+    differences. Where the package gives none of the multipliers they are NaN. Parameters that no difference can be
+    compared with are left out.
+    """
+    measured, d = list(orbit.measures), orbit.dimension
+    own = np.concatenate([table.state, [table.derivatives[name] for name in measured]])
+    rows = np.concatenate([own, table.multiplier_derivatives.real, table.multiplier_derivatives.imag])
+    size = np.array([abs(number(orbit.system, name)) or 1.0 for name in table.over])
+
+    def whole(there: Orbit) -> Array:
+        eigenvalues = np.linalg.eigvals(there.jacobian)
+        near = eigenvalues[linear_sum_assignment(np.abs(table.multipliers[:, None] - eigenvalues))[1]]
+        state = np.concatenate(there.chart.state(np.zeros(d)))
+        return np.concatenate([state, values(there)[len(state) :], near.real, near.imag])
+
+    scale, found = scales(np.nan_to_num(rows), size, whole(orbit)), {}
+    moduli = np.tile(np.maximum(np.abs(table.multipliers), LEAST), 2)
+    scale[-2 * d :] = np.maximum(scale[-2 * d :], moduli)
+    for j, name in enumerate(table.over):
+
+        def errors(value: Array, j: int = j) -> Array:
+            return np.asarray(np.abs(rows[:, j] * size[j] - value) / scale)
+
+        differences = Differences(
+            orbit,
+            lambda h, name=name: again(orbit, name, h),
+            whole,
+            lambda value: float(np.nan_to_num(errors(value)).max()),
+            enough,
+            untold,
+        )
+        try:
+            best, _ = differences.best()
+        except Crossed:
+            continue
+        off = errors(best.value)
+        found[name] = off[: -2 * d], np.maximum(off[-2 * d : -d], off[-d:]), best.sides
+    return found
 
 
 def _placed(system: HybridSystem, orbit: Orbit) -> State:
