@@ -1,10 +1,10 @@
 """Derivatives of 200 random hops: `python -m benchmarks.triples [--triples 200] [--json FILE] [--write]`.
 
-Of each triple of spring stiffness, knee gear ratio and friction a gait is searched: of even ones with 0.2 s of flight, the
-stance torque solved for, of odd ones that which lifts off at once as the torque switches, with 6.5 N·m; where there is
-none, the other. All derivatives of its cycle by the section's coordinates and by six parameters, and of the gait and its
-multipliers by three, are compared with Richardson's extrapolation of differences. With `--write` the table goes into
-docs/sensitivity.md.
+Of each triple of spring stiffness, knee gear ratio and friction a gait is searched: of even ones with 0.2 s of flight,
+the stance torque solved for, of odd ones that which lifts off at once as the torque switches, with 6.5 N·m; where there
+is none, the other. All derivatives of its cycle by the section's coordinates and by six parameters, and of the gait and
+its multipliers by three, are compared with Richardson's extrapolation of differences. With `--write` the table goes
+into docs/sensitivity.md.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import numpy as np
 from spear_pin import find_gait, hopping, load
 from spear_pin.gaits.many import find_many
 from spear_pin.gaits.sensitivity.orbit import Orbit
-from spear_pin.gaits.sensitivity.sensitivity import sensitivity
+from spear_pin.gaits.sensitivity.sensitivity import Sensitivity, sensitivity
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.result import State
@@ -36,7 +36,7 @@ OVER = ("stance_torque", "stiffness", "knee_ratio", "friction", "knee_mass", "hi
 BRANCH = ("stiffness", "knee_ratio", "friction")
 FLIGHT, SECOND = 0.2, 6.5  # s, N·m
 TORQUES = np.array([6.5, 7.0, 7.5, 8.0, 8.5, 9.5])  # N·m, from which the stance torque is searched
-ALLOWED = {"cycle": 1e-8, "gait": 1e-8, "friction": 1e-7, "multipliers": 1e-8}  # of a row's scale
+ALLOWED = {"cycle": 1e-8, "gait": 1e-8, "friction": 1e-7, "multipliers": 1e-7}  # of a row's scale
 SEED = 2026
 
 
@@ -125,7 +125,7 @@ def checked(triple: Mapping[str, float], second: bool) -> Result:
     return Result(**known, order=order, one_sided=cycle.borders, errors=errors(orbit, table))
 
 
-def errors(orbit: Orbit, table) -> dict[str, float | None]:
+def errors(orbit: Orbit, table: Sensitivity) -> dict[str, float | None]:
     """Largest error of each group."""
     enough = min(ALLOWED.values()) / 10.0
     columns, gaits = oracle.compared(orbit, enough), oracle.compared_gaits(orbit, table, enough)
@@ -179,20 +179,28 @@ def main() -> None:
     """Print what becomes of each triple, then the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--triples", type=int, default=200)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write all results there")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="keep results there, and go on from those there are")
     parser.add_argument("--write", action="store_true", help="put the table into docs/sensitivity.md")
     arguments = parser.parse_args()
-    results = []
-    for n, triple in enumerate(triples(arguments.triples)):
+    results = read(arguments.json)
+    for n, triple in list(enumerate(triples(arguments.triples)))[len(results) :]:
         results.append(checked(triple, n % 2 == 1))
         print(n, told(results[-1]), flush=True)
-    if arguments.json:
-        arguments.json.write_text(json.dumps([asdict(each) for each in results], indent=1), encoding="utf-8")
+        if arguments.json:
+            arguments.json.write_text(json.dumps([asdict(each) for each in results], indent=1), encoding="utf-8")
     print(table_of(results))
     if arguments.write:
         text = PAGE.read_text(encoding="utf-8")
         head, _, rest = text.partition(BEGIN)
         PAGE.write_text(f"{head}{BEGIN}\n{table_of(results)}\n\n{END}{rest.partition(END)[2]}", encoding="utf-8")
+
+
+def read(file: Path | None) -> list[Result]:
+    """Results that there are already."""
+    if file is None or not file.exists():
+        return []
+    rows = json.loads(file.read_text(encoding="utf-8"))
+    return [Result(**{**row, "order": tuple(row["order"]), "one_sided": tuple(row["one_sided"])}) for row in rows]
 
 
 def told(result: Result) -> str:

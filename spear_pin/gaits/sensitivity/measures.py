@@ -119,12 +119,14 @@ def _sum(parts: Sequence[tuple[float, Array]], unit: str) -> Measure:
 
 
 def _torque(stretches: Sequence[Stretch], j: int) -> list[Pieces]:
-    return [Pieces(each, each.values.u[j], each.derivatives.u[j]) for each in _long(stretches)]
+    return [
+        Pieces(each, each.values.u[j], each.derivatives.u[j], float(each.rate.u[j])) for each in _lasting(stretches)
+    ]
 
 
 def _power(stretches: Sequence[Stretch], j: int, i: int) -> list[Pieces]:
     found = []
-    for each in _long(stretches):
+    for each in _lasting(stretches):
         rate, drate = each.y[len(each.y) // 2 + i], each.dy[len(each.dy) // 2 + i]
         u, du = each.values.u[j], each.derivatives.u[j]
         found.append(Pieces(each, u * rate, du * rate[:, None] + u[:, None] * drate))
@@ -132,15 +134,22 @@ def _power(stretches: Sequence[Stretch], j: int, i: int) -> list[Pieces]:
 
 
 def _forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Iterator[tuple[Pieces, Pieces]]:
-    for each in _long(stretches):
+    for each in _lasting(stretches):
         closed = [name for name, mode in closed_toes(tuple(toes), each.arc.domain) if mode != OPEN]
         if toe in closed:
             k = 2 * closed.index(toe)
-            yield tuple(Pieces(each, each.values.forces[n], each.derivatives.forces[n]) for n in (k, k + 1))  # type: ignore[misc]
+            values, changes, rates = each.values.forces, each.derivatives.forces, each.rate.forces
+            along, up = (Pieces(each, values[n], changes[n], float(rates[n])) for n in (k, k + 1))
+            yield along, up
 
 
 def _long(stretches: Sequence[Stretch]) -> list[Stretch]:
-    return [each for each in stretches if each.arc.end > each.arc.t]
+    return [each for each in stretches if not each.at_once]
+
+
+def _lasting(stretches: Sequence[Stretch]) -> list[Stretch]:
+    """Those that last in this cycle, or on one side beside it."""
+    return [each for each in stretches if not each.at_once or each.late]
 
 
 def _squared(piece: Pieces) -> Pieces:
@@ -150,5 +159,5 @@ def _squared(piece: Pieces) -> Pieces:
 def _largest(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     """The largest modulus."""
     up = peak(pieces)
-    down = peak([Pieces(each.stretch, -each.values, -each.derivatives) for each in pieces])
+    down = peak([Pieces(each.stretch, -each.values, -each.derivatives, -each.rate) for each in pieces])
     return max(up, down, key=lambda each: each[0])

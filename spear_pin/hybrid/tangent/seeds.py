@@ -43,7 +43,8 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
 
 def weight_seeds(system: HybridSystem, names: Sequence[str]) -> Array:
     """Derivatives of the robot's weight with respect to parameters, in N, (m,)."""
-    return changes(system, names, lambda other: np.array([weight(other)]))[0]
+    found: Array = changes(system, names, lambda other: np.array([weight(other)]))[0]
+    return found
 
 
 def weight(system: HybridSystem) -> float:

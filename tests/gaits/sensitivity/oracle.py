@@ -26,7 +26,7 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 Array = NDArray[np.float64]
 LEVELS = 4
 STEPS = 2.0**-8 / 8.0 ** np.arange(6)  # of a parameter, in m, rad and their rates of a coordinate
-LEAST = 1e-3  # in SI units
+LEAST = 1e-2  # in SI units
 CLOSED = 1e-12  # of a fixed point that is found again
 
 
@@ -50,20 +50,22 @@ class Difference:
 Agreement = Callable[[Array], float]
 
 
-def order(orbit: Orbit, beside: Collection[str] = ()) -> tuple[tuple[str, str], ...]:
+def order(orbit: Orbit, untold: Collection[str] = (), ties: bool = False) -> tuple[tuple[str, str], ...]:
     """Domains of a cycle, each with what ends it, kinks among them.
 
     Args:
         orbit: the cycle.
-        beside: events that are not told, for the motion is the same without them: springs that let go of what they
+        untold: events that are left out, for the motion is the same without them: springs that let go of what they
             no longer move, just before toes let go of the ground.
+        ties: only where the next event is in the same instant.
     """
-    ends = [
-        (arc.domain.name, "kink" if arc.event is None else arc.event.name)
-        for arc in _arcs(orbit)
-        if arc.event is None or arc.event.reset is not None
-    ]
-    return tuple(each for each in ends if each[1] not in beside)
+    found, stretches = [], orbit.cycle.stretches
+    for each, after in zip(stretches, [*stretches[1:], None], strict=True):
+        name = "kink" if each.arc.event is None else each.arc.event.name
+        left_out = name in untold and not (ties and after is not None and not after.at_once)
+        if not left_out and (each.arc.event is None or each.arc.event.reset is not None):
+            found.append((each.arc.domain.name, name))
+    return tuple(found)
 
 
 def values(orbit: Orbit) -> Array:
@@ -142,19 +144,23 @@ class Differences:
         Raises:
             Crossed: another order of events is nearer than the shortest step, on both sides.
         """
-        found: list[tuple[Difference, float]] = []
-        for sides in ((1, -1), (1,), (-1,)):
-            for step in self.steps:
-                try:
-                    value = self._central(step) if len(sides) == 2 else self._sided(step * sides[0])
-                except (Crossed, NotDifferentiable, BadValue):
-                    continue
-                found.append((Difference(value, sides), self.agree(value)))
-                if found[-1][1] <= self.enough:
-                    break
-            if found:
-                return min(found, key=lambda each: each[1])
+        central = self._tried((1, -1))
+        found = central or [*self._tried((1,)), *self._tried((-1,))]
+        if found:
+            return min(found, key=lambda each: each[1])
         raise Crossed("another order of events is too near on both sides")
+
+    def _tried(self, sides: tuple[int, ...]) -> list[tuple[Difference, float]]:
+        found: list[tuple[Difference, float]] = []
+        for step in self.steps:
+            try:
+                value = self._central(step) if len(sides) == 2 else self._sided(step * sides[0])
+            except (Crossed, NotDifferentiable, BadValue):
+                continue
+            found.append((Difference(value, sides), self.agree(value)))
+            if found[-1][1] <= self.enough:
+                break
+        return found
 
     @cached_property
     def _order(self) -> tuple[tuple[str, str], ...]:
@@ -167,7 +173,8 @@ class Differences:
     def _at(self, steps: Array) -> Array:
         """Values at steps, all of them in one order, in which what need not be told may happen or not."""
         orbits = [self.beside(float(step)) for step in steps]
-        if len({order(each) for each in orbits}) > 1 or order(orbits[0], self.untold) != self._order:
+        fine = {order(each, self.untold, ties=True) for each in orbits}
+        if len(fine) > 1 or order(orbits[0], self.untold) != self._order:
             raise Crossed("another order of events")
         return np.array([self.function(each) for each in orbits])
 
@@ -182,7 +189,7 @@ class Differences:
 
 
 def compared(
-    orbit: Orbit, enough: float, untold: Collection[str] = ()
+    orbit: Orbit, enough: float, untold: Collection[str] = (), chosen: Sequence[int] | None = None
 ) -> Mapping[int, tuple[Array, tuple[int, ...]]]:
     """Errors of a cycle's exact derivatives, of each row's scale, (n,), by column, with the sides of the differences.
 
@@ -190,7 +197,7 @@ def compared(
     """
     rows, size = columns(orbit), sizes(orbit)
     scale, found = scales(rows, size, values(orbit)), {}
-    for j in range(rows.shape[1]):
+    for j in range(rows.shape[1]) if chosen is None else chosen:
 
         def errors(value: Array, j: int = j) -> Array:
             return np.asarray(np.abs(rows[:, j] * size[j] - value) / scale)
@@ -258,10 +265,6 @@ def _placed(system: HybridSystem, orbit: Orbit) -> State:
     there = section(system).charts(here.q, here.v, here.slides)
     q, v = there.states(np.zeros((1, there.dimension)))
     return q[0], v[0]
-
-
-def _arcs(orbit: Orbit) -> list:
-    return [stretch.arc for stretch in orbit.cycle.stretches]
 
 
 def _extrapolated(table: Array, factor: float) -> Array:

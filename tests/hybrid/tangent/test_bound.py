@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait
+from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.hybrid.parameters import number, with_numbers
 from tests.hybrid.tangent.oracle import derivative
 
 pytest.importorskip("heyoka")
@@ -17,3 +19,14 @@ def test_multipliers_are_those_of_the_gait(name):
     M = np.concatenate([around.q_basis.T @ result.dy[:nv], around.v_basis.T @ result.dy[nv:]])
     moduli = np.sort(np.abs(np.linalg.eigvals(M)))
     assert moduli == pytest.approx(np.sort(np.abs(gait.multipliers)), abs=1e-5)
+
+
+def test_a_heavier_torso_costs_less_for_its_weight():
+    gait, name, step = Gait.load("force_lift_off"), "torso_mass", 1e-3
+
+    def cost(off):
+        system = with_numbers(gait.system, {name: number(gait.system, name) + off})
+        return Orbit(system, gait.state, ()).measures["cost_of_transport"].value
+
+    found = Orbit(gait.system, gait.state, (name,)).measures["cost_of_transport"].derivative[-1]
+    assert found == pytest.approx((cost(step) - cost(-step)) / (2.0 * step), rel=1e-6)
