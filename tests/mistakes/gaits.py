@@ -49,6 +49,38 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "gaits/sensitivity/signals",
+        ["gaits/sensitivity/test_signals"],
+        {
+            "derivatives: an integral whose ends stay": (
+                "weights @ piece.derivatives + end * stretch.tau - begin * stretch.since",
+                "weights @ piece.derivatives",
+            ),
+            "derivatives: work whose ends stay": (
+                "max(end, 0.0) * piece.stretch.tau - max(begin, 0.0) * piece.stretch.since",
+                "0.0",
+            ),
+            "derivatives: a peak at an end that stays": (
+                "change = change + rate * stretch.tau",
+                "change = change + 0.0",
+            ),
+            "derivatives: a weight that stays": ("(dbottom - dleast)", "dbottom"),
+        },
+    ),
+    *mistakes_in(
+        "gaits/sensitivity/measures",
+        ["hybrid/tangent/test_bound"],
+        {"derivatives: a cost by a weight that stays": ("weight.derivative * stride + weight.value", "weight.value")},
+    ),
+    *mistakes_in(
+        "gaits/sensitivity/orbit",
+        ["gaits/sensitivity/test_sensitivity"],
+        {
+            "derivatives: a toe that a longer leg moves along the ground": ("@ drift\n", "@ (0.0 * drift)\n"),
+            "derivatives: a toe that a longer leg lifts": ("@ heights\n", "@ (0.0 * heights)\n"),
+        },
+    ),
+    *mistakes_in(
         "gaits/round_hopping",
         ["gaits/test_round_hopping"],
         {

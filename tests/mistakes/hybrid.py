@@ -4,6 +4,47 @@ from tests.mistakes.mutation import mistakes_in
 
 MUTATIONS = [
     *mistakes_in(
+        "hybrid/tangent/cycle",
+        ["hybrid/tangent/test_hop", "hybrid/tangent/test_grazing", "hybrid/tangent/test_bound"],
+        {
+            "derivatives: sign of the motion after an event": (
+                "now.dy - values.slopes[:, -2, None] * now.tau",
+                "now.dy + values.slopes[:, -2, None] * now.tau",
+            ),
+            "derivatives: an event at a fixed time": (
+                "stretch.dstate + stretch.end.slopes[:, None] * tau",
+                "stretch.dstate",
+            ),
+            "derivatives: a latch at the section held fixed": (
+                "return dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law))",
+                "return value_of(dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law)))",
+            ),
+            "derivatives: a latch in the cycle held fixed": (
+                "now.held = dict(latched(now.held, [reset], q, v, self.law))",
+                "now.held = value_of(dict(latched(now.held, [reset], q, v, self.law)))",
+            ),
+            "derivatives: phases that last as long": ("Dual(arc.end, tau)", "Dual(arc.end, 0.0 * tau)"),
+            "derivatives: a schedule that stays": ("due.d + np.zeros(self.c) if", "0.0 * due.d + np.zeros(self.c) if"),
+            "derivatives: events that meet stay together": (
+                "/ fall if met else now.tau",
+                "/ fall if False else now.tau",
+            ),
+            "derivatives: grazing is not refused": ("if not steepness > GRAZING", "if steepness == -1.0"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/tangent/resets",
+        ["hybrid/tangent/test_resets"],
+        {
+            "derivatives: friction drives a sliding toe": (
+                "grip = -friction if after[2 * i] > 0.0 else friction",
+                "grip = friction if after[2 * i] > 0.0 else -friction",
+            ),
+            "derivatives: an impact on a border": ("if margin < DEGENERATE", "if margin < -1.0"),
+            "derivatives: toes that depend on each other": ("if not np.linalg.cond(values[0]) < SINGULAR", "if False"),
+        },
+    ),
+    *mistakes_in(
         "hybrid/engines/sliding",
         ["hybrid/test_equations_of_motion", "gaits/orbits/test_embedding"],
         {
@@ -306,7 +347,7 @@ MUTATIONS = [
         "hybrid/lanes/lone_runner",
         ["hybrid/test_lone_runner", "hybrid/test_ties"],
         {
-            "lane alone: any number of events in an instant": (" or now.crowd == FEW_AT_ONCE", ""),
+            "lane alone: any number of events in an instant": ("if now.crowd == FEW_AT_ONCE:", "if False:"),
             "lane alone: a cycle of an instant": (" or not whole(now.past)", ""),
             "lane alone: switches go on in the next phase": (
                 "now.past, now.t, now.switches = reset.phase, time, 0.0, 0",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.gaits.sensitivity.measures import LEAST_STRIDE, PRESSED, weight_of
+from spear_pin.gaits.sensitivity.measures import LEAST_STRIDE, PRESSED
 from spear_pin.gaits.sensitivity.panels import Panels
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
@@ -22,6 +22,7 @@ from spear_pin.hybrid.tangent.collocation import POINTS
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder, many
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
+from spear_pin.hybrid.tangent.seeds import weight as weight_of
 
 Array = NDArray[np.float64]
 CHUNK = 256  # cycles at a time, which bounds memory
@@ -137,7 +138,7 @@ class _Chunk:
         sums = {name: np.zeros(self.count) for name in ("work", "positive_work")}
         squares, tops = np.zeros((robot.nu, self.count)), np.full((robot.nu, self.count), -np.inf)
         force, friction = ({toe: np.full(self.count, -np.inf) for toe in robot.toes} for _ in range(2))
-        weight = weight_of(robot)
+        weight = weight_of(self.system)
         for parts in self.groups.values():
             panels, values, y, domain = self._evaluated(parts)
             for g, guard in enumerate(domain.guards):

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from spear_pin.gaits.sensitivity.measures import Measure
 from spear_pin.gaits.sensitivity.signals import Pieces, extremes
-from spear_pin.hybrid.tangent.cycle import SHORTEST, Derivative, Stretch
+from spear_pin.hybrid.tangent.derivative import Derivative, Stretch
 
 Array = NDArray[np.float64]
 ZERO = 1e-9  # of a guard's largest value: it begins on zero
@@ -32,7 +32,7 @@ def margins(cycle: Derivative) -> dict[str, Measure]:
 
 def _of(stretch: Stretch) -> Iterator[tuple[str, float, Array]]:
     arc = stretch.arc
-    if arc.end - arc.t <= SHORTEST:
+    if stretch.at_once:
         for g, guard in enumerate(arc.domain.guards):
             if guard is arc.event:
                 yield guard.name, -float(stretch.end.guards[g]), -stretch.dend.guards[g]

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.rules.footing import closed_toes
-from spear_pin.hybrid.tangent.cycle import Derivative, Stretch
-from spear_pin.model.robot import Robot
+from spear_pin.hybrid.tangent.derivative import Derivative, Stretch
 
 Array = NDArray[np.float64]
 PRESSED = 0.02  # of a robot's weight: friction counts under forces above this
@@ -34,7 +33,7 @@ class Measure:
     unit: str
 
 
-def measures(cycle: Derivative, start: Array) -> dict[str, Measure]:
+def measures(cycle: Derivative, start: Array, weight: Measure) -> dict[str, Measure]:
     """All named measures of a cycle.
 
     Durations of phases and the period; work that the motors do on the joints on balance and where they drive; of each
@@ -45,6 +44,7 @@ def measures(cycle: Derivative, start: Array) -> dict[str, Measure]:
     Args:
         cycle: the cycle.
         start: derivatives of the state in which it begins, (2 nv, c).
+        weight: of the robot.
     """
     system = cycle.system
     robot, found = system.robot, dict[str, Measure]()
@@ -62,21 +62,16 @@ def measures(cycle: Derivative, start: Array) -> dict[str, Measure]:
         rms = float(np.sqrt(square / period))
         of_rms = 0.5 / max(rms, 1e-300) * (change / period - square / period**2 * dperiod)
         found[f"rms_torque_{joint}"] = Measure(rms, of_rms, "N·m")
-        found[f"peak_torque_{joint}"] = Measure(*_largest(_torque(_long(cycle.stretches), j)), "N·m")
-    weight = weight_of(robot)
+        found[f"peak_torque_{joint}"] = Measure(*_largest(_torque(cycle.stretches, j)), "N·m")
+    pressed = PRESSED * weight.value, PRESSED * weight.derivative
     for toe in robot.toes:
         forces = list(_forces(cycle.stretches, toe, robot.toes))
         if forces:
             found[f"peak_force_{toe}"] = Measure(*peak([up for _, up in forces]), "N")
-            found[f"friction_used_{toe}"] = Measure(*largest_ratio(forces, PRESSED * weight), "1")
+            found[f"friction_used_{toe}"] = Measure(*largest_ratio(forces, *pressed), "1")
     if system.cyclic:
         found |= _advance(cycle, start, robot.index(system.cyclic[0]), found["period"], worked, weight)
     return found
-
-
-def weight_of(robot: Robot) -> float:
-    """Weight of a robot, in N."""
-    return float(sum(body.mass for body in robot.model.inertias) * 9.81)
 
 
 def _at_events(cycle: Derivative) -> dict[str, Measure]:
@@ -103,7 +98,7 @@ def _at_events(cycle: Derivative) -> dict[str, Measure]:
 
 
 def _advance(
-    cycle: Derivative, start: Array, i: int, period: Measure, worked: Measure, weight: float
+    cycle: Derivative, start: Array, i: int, period: Measure, worked: Measure, weight: Measure
 ) -> Mapping[str, Measure]:
     first = float(cycle.stretches[0].arc.y[i])
     stride, change = float(cycle.y[i]) - first, cycle.dy[i] - start[i]
@@ -113,8 +108,10 @@ def _advance(
         "mean_speed": Measure(speed, (change - speed * period.derivative) / period.value, "m/s"),
     }
     if abs(stride) > LEAST_STRIDE:
-        cost = worked.value / (weight * stride)
-        found["cost_of_transport"] = Measure(cost, worked.derivative / (weight * stride) - cost * change / stride, "1")
+        lifted = weight.value * stride
+        cost = worked.value / lifted
+        of_lifted = weight.derivative * stride + weight.value * change
+        found["cost_of_transport"] = Measure(cost, (worked.derivative - cost * of_lifted) / lifted, "1")
     return found
 
 
@@ -123,12 +120,14 @@ def _sum(parts: Sequence[tuple[float, Array]], unit: str) -> Measure:
 
 
 def _torque(stretches: Sequence[Stretch], j: int) -> list[Pieces]:
-    return [Pieces(each, each.values.u[j], each.derivatives.u[j]) for each in stretches]
+    return [
+        Pieces(each, each.values.u[j], each.derivatives.u[j], float(each.rate.u[j])) for each in _lasting(stretches)
+    ]
 
 
 def _power(stretches: Sequence[Stretch], j: int, i: int) -> list[Pieces]:
     found = []
-    for each in stretches:
+    for each in _lasting(stretches):
         rate, drate = each.y[len(each.y) // 2 + i], each.dy[len(each.dy) // 2 + i]
         u, du = each.values.u[j], each.derivatives.u[j]
         found.append(Pieces(each, u * rate, du * rate[:, None] + u[:, None] * drate))
@@ -136,16 +135,22 @@ def _power(stretches: Sequence[Stretch], j: int, i: int) -> list[Pieces]:
 
 
 def _forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Iterator[tuple[Pieces, Pieces]]:
-    for each in _long(stretches):
+    for each in _lasting(stretches):
         closed = [name for name, mode in closed_toes(tuple(toes), each.arc.domain) if mode != OPEN]
         if toe in closed:
             k = 2 * closed.index(toe)
-            yield tuple(Pieces(each, each.values.forces[n], each.derivatives.forces[n]) for n in (k, k + 1))  # type: ignore[misc]
+            values, changes, rates = each.values.forces, each.derivatives.forces, each.rate.forces
+            along, up = (Pieces(each, values[n], changes[n], float(rates[n])) for n in (k, k + 1))
+            yield along, up
 
 
 def _long(stretches: Sequence[Stretch]) -> list[Stretch]:
-    """Arcs that last; between events that meet is one that does not, whose ends move apart all the same."""
-    return [each for each in stretches if each.arc.end > each.arc.t]
+    return [each for each in stretches if not each.at_once]
+
+
+def _lasting(stretches: Sequence[Stretch]) -> list[Stretch]:
+    """Those that last in this cycle, or on one side beside it."""
+    return [each for each in stretches if not each.at_once or each.late]
 
 
 def _squared(piece: Pieces) -> Pieces:
@@ -155,5 +160,5 @@ def _squared(piece: Pieces) -> Pieces:
 def _largest(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     """The largest modulus."""
     up = peak(pieces)
-    down = peak([Pieces(each.stretch, -each.values, -each.derivatives) for each in pieces])
+    down = peak([Pieces(each.stretch, -each.values, -each.derivatives, -each.rate) for each in pieces])
     return max(up, down, key=lambda each: each[0])

@@ -17,12 +17,13 @@ from spear_pin.hybrid.engines.structure import Structure
 from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import Chart, Charts, chart, section, velocity_rows
-from spear_pin.hybrid.tangent.cycle import Derivative, differentiated
+from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.dual import value_of
 from spear_pin.hybrid.tangent.fields import tangent_feet
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import derivatives
-from spear_pin.hybrid.tangent.seeds import numbers, seeds
+from spear_pin.hybrid.tangent.seeds import numbers, seeds, weight, weight_seeds
 
 Array = NDArray[np.float64]
 
@@ -92,7 +93,13 @@ class Orbit:
     @cached_property
     def measures(self) -> dict[str, Measure]:
         """All measures, with derivatives by ξ and by the parameters."""
-        return measures(self.cycle, self.start)
+        return measures(self.cycle, self.start, self.weight)
+
+    @property
+    def weight(self) -> Measure:
+        """The robot's weight."""
+        own = weight_seeds(self.system, self.names)
+        return Measure(weight(self.system), np.concatenate([np.zeros(self.dimension), own]), "N")
 
     @cached_property
     def margins(self) -> dict[str, Measure]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,10 +11,10 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.tangent.collocation import POINTS, rule
-from spear_pin.hybrid.tangent.cycle import Stretch
+from spear_pin.hybrid.tangent.derivative import SHORTEST, Stretch
 
 Array = NDArray[np.float64]
-Pick = Callable[[Stretch], "Pieces | None"]
+NEAR = 1e-9  # of a peak: so near to it an instant carries it on
 
 
 @dataclass(frozen=True)
@@ -25,11 +25,18 @@ class Pieces:
         stretch: the arc.
         values: at Gauss's points, (k,).
         derivatives: at a fixed clock of the phase, (k, c).
+        rate: of the values along the motion, at the end.
     """
 
     stretch: Stretch
     values: Array
     derivatives: Array
+    rate: float = 0.0
+
+    @property
+    def instant(self) -> bool:
+        """Whether the arc only lasts beside this cycle, on one side of it."""
+        return self.stretch.arc.end - self.stretch.arc.t <= SHORTEST
 
     def panels(self) -> Iterator[tuple[float, float, Array, Array]]:
         """Beginning and length of each panel, Legendre coefficients of the values and of the derivatives."""
@@ -73,6 +80,11 @@ def peak(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     best: float = -np.inf
     change: Any = np.zeros(pieces[0].derivatives.shape[1])
     for piece in pieces:
+        if piece.instant:
+            value = float(piece.values[-1])
+            if piece.rate > 0.0 and value >= best - NEAR * abs(best):
+                best, change = value, piece.derivatives[-1] + piece.rate * piece.stretch.tau
+            continue
         for _, value, along in extremes(piece):
             if value > best:
                 best, change = value, along
@@ -99,15 +111,30 @@ def extremes(piece: Pieces) -> Iterator[tuple[float, float, Array]]:
             yield (i + 0.5 * (x + 1.0)) / count, float(legendre.legval(x, values)), np.asarray(change)
 
 
-def largest_ratio(pairs: Sequence[tuple[Pieces, Pieces]], least: float) -> tuple[float, Array]:
+def largest_ratio(
+    pairs: Sequence[tuple[Pieces, Pieces]], least: float, dleast: Array | float = 0.0
+) -> tuple[float, Array]:
     """The largest |a / b| of pairs of signals where b is at least a number, and its derivative.
 
     Where b falls to the least the place itself moves.
+
+    Args:
+        pairs: a and b.
+        least: the number.
+        dleast: its derivative, (c,).
     """
     best: float = -np.inf
     change: Any = np.zeros(pairs[0][0].derivatives.shape[1])
+    along: Any
     for above, below in pairs:
         stretch, count = above.stretch, len(above.values) // POINTS
+        if above.instant:
+            bottom, ratio = float(below.values[-1]), float(above.values[-1] / below.values[-1])
+            rate, up = (above.rate - ratio * below.rate) / bottom, np.sign(ratio)
+            if bottom >= least and up * rate > 0.0 and abs(ratio) >= best * (1.0 - NEAR):
+                along = (above.derivatives[-1] - ratio * below.derivatives[-1]) / bottom + rate * stretch.tau
+                best, change = abs(ratio), up * along
+            continue
         for i, ((_, h, a, da), (_, _, b, db)) in enumerate(zip(above.panels(), below.panels(), strict=True)):
             slope_a, slope_b = legendre.legder(a), legendre.legder(b)
             turns = _roots(legendre.legsub(legendre.legmul(slope_a, b), legendre.legmul(a, slope_b)))
@@ -120,9 +147,9 @@ def largest_ratio(pairs: Sequence[tuple[Pieces, Pieces]], least: float) -> tuple
                 dtop, dbottom = np.asarray(legendre.legval(x, da)), np.asarray(legendre.legval(x, db))
                 fall = float(legendre.legval(x, slope_b))
                 rate = (float(legendre.legval(x, slope_a)) - ratio * fall) / bottom
-                along: Any = (dtop - ratio * dbottom) / bottom
+                along = (dtop - ratio * dbottom) / bottom
                 if x in falls:
-                    along = along - rate / fall * dbottom
+                    along = along - rate / fall * (dbottom - dleast)
                 elif x == -1.0 and i == 0:
                     along = along + 2.0 / h * rate * stretch.since
                 elif x == 1.0 and i == count - 1:

@@ -60,7 +60,7 @@ class Lap(NamedTuple):
 
 
 class _Unclear(Exception):
-    """Something calls for a second look."""
+    """Something calls for a second look; the text says what."""
 
 
 @dataclass(slots=True)
@@ -105,6 +105,9 @@ class LoneRunner:
     Args:
         numbers: the lanes'.
         lane: which of them.
+
+    Attributes:
+        why: what called for a second look in the last cycle that got one.
     """
 
     def __init__(self, numbers: Numbers, lane: int) -> None:
@@ -113,6 +116,7 @@ class LoneRunner:
         self._parameters = np.array(self._constants)
         self._struck: dict[tuple[int, int], list[str]] = {}
         self._singles: dict[Any, dict[int, Single]] = {}  # by the shape of what is held, and the domain
+        self.why = ""  # the last cycle is left to `runner`
         self._phases = {phase: self._system.of_phase(phase) for phase in self._system.phases}
 
     def lap(self, phase: str, y: Array, held: Held, ago: list[float]) -> Lap | None:
@@ -134,8 +138,9 @@ class LoneRunner:
                 reset = self._happen(now, domain, event)
                 if event.name == self._system.section:
                     return self._closed(now, domain, reset)
-        except _Unclear:
-            pass
+            self.why = f"more than {EVENTS} events happen"
+        except _Unclear as unclear:
+            self.why = str(unclear)
         return None
 
     def _begin(self, phase: str, y: Array, held: Held, ago: list[float]) -> _Now:
@@ -147,8 +152,10 @@ class LoneRunner:
         begun, start = now.t, now.y
         ready, (_, now.t, now.y, end) = self._enter(now)
         domain = ready.domain
-        if end == UNCLEAR or (end >= 0 and left_at_once(domain.guards[end], now.t)):
-            raise _Unclear
+        if end == UNCLEAR:
+            raise _Unclear(f"two events crowd in an instant as {domain.name} begins")
+        if end >= 0 and left_at_once(domain.guards[end], now.t):
+            raise _Unclear(f"{domain.name} ends as it begins: a toe bounces")
         at = due(domain, now.switches, self._law)
         until = min(at, self._system.phase_limit)
         if end == NONE:
@@ -169,14 +176,16 @@ class LoneRunner:
             return domain.switch
         if end == KINK:
             return None
-        raise _Unclear
+        raise _Unclear(f"{domain.name} does not end" if end == TIME_LIMIT else f"the motion in {domain.name} diverges")
 
     def _happen(self, now: _Now, domain: Domain, event: Guard | Switch) -> Reset:
         """An event: impact, latch, phase."""
         time, reset = now.past + now.t, event.reset
         now.crowd, now.last = crowded(now.crowd, time - now.last), time
-        if reset is None or now.crowd == FEW_AT_ONCE:
-            raise _Unclear
+        if reset is None:
+            raise _Unclear(f"the run ends: {event.name}")
+        if now.crowd == FEW_AT_ONCE:
+            raise _Unclear("events crowd in an instant")
         now.happened.append(happening(domain, event, reset, event.name, time))
         for i in domain.on_ground:
             now.grounded[i] = time
@@ -196,8 +205,10 @@ class LoneRunner:
         if key not in self._struck:
             self._struck[key] = struck_toes(self._system, domain, reset)
         toes = self._struck[key]
-        if len(toes) > 1 or retouches(self._system, reset, [now.last - time for time in now.grounded]):
-            raise _Unclear
+        if len(toes) > 1:
+            raise _Unclear("several toes take part in an impact")
+        if retouches(self._system, reset, [now.last - time for time in now.grounded]):
+            raise _Unclear("a toe bounces")
         now.y = self._compiled.impact(toes[0])(now.y, now.parameters)
 
     def _latch(self, now: _Now, reset: Reset) -> None:
@@ -205,13 +216,13 @@ class LoneRunner:
         try:
             now.held = latched(now.held, [reset], y[: self._nv], y[self._nv :], self._law)
         except ArithmeticError:
-            raise _Unclear from None
+            raise _Unclear(f"{reset.phase or now.phase} cannot be latched") from None
         now.singles, now.parameters = self._given(now.held)
 
     def _closed(self, now: _Now, domain: Domain, reset: Reset) -> Lap:
         """The cycle that ends with a reset."""
         if reset.phase is None or not whole(now.past):
-            raise _Unclear
+            raise _Unclear("the cycle is of an instant")
         ago = [now.past - time for time in now.grounded]
         order = in_order(now.happened)
         return Lap(now.y, now.held, now.spent, now.observed, now.phase, (domain, reset), ago, order, now.arcs)
@@ -231,7 +242,7 @@ class LoneRunner:
             if best is None or entry.fitness > best[1].fitness:
                 best = ready, entry
         if best is None:
-            raise _Unclear
+            raise _Unclear(f"toes alternate in {now.phase}, or neither stick, slide nor leave")
         return best
 
     def _given(self, held: Held) -> tuple[dict[int, Single], Array]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 POINTS = 16
-TAIL = 1e-11  # of a motion's Legendre coefficients, by which the last ones are to be smaller than the largest
+TAIL = 1e-12  # of a motion's Legendre coefficients, by which the last ones are to be smaller than the largest
 
 
 class Rule(NamedTuple):

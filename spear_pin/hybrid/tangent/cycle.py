@@ -8,7 +8,6 @@ back to the fixed clock. That is the saltation matrix, with what is held, schedu
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,102 +16,20 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
+from spear_pin.hybrid.domain import Domain, Reset, Switch
 from spear_pin.hybrid.engines.structure import with_fields
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.tangent.collocation import POINTS, carried, rule
+from spear_pin.hybrid.tangent.derivative import SHORTEST, Derivative, Stretch, falling
 from spear_pin.hybrid.tangent.dual import Dual, value_of
 from spear_pin.hybrid.tangent.fields import Values
-from spear_pin.hybrid.tangent.points import SHORTEST, points
+from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, derivatives, duals, flat, struck
 
 Array = NDArray[np.float64]
 GRAZING = 1e-6  # of a guard's mean fall over its arc: it falls more slowly through zero
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """An arc with derivatives at Gauss's points of its panels, in rising time.
-
-    Attributes:
-        arc: the arc.
-        t: clock of the phase, (k,).
-        weights: of an integral over the arc, (k,).
-        y: states, (2 nv, k).
-        dy: their derivatives, (2 nv, k, c).
-        values: what the domain says there.
-        derivatives: of that, (..., k, c).
-        since: derivative of the time at which it begins, (c,).
-        tau: of the time at which it ends, (c,).
-        state: at its end, just before the event, (2 nv,).
-        dstate: its derivatives at the fixed clock, (2 nv, c).
-        end: what the domain says there.
-        dend: derivatives of that at the fixed clock.
-        rate: rates of that along the motion.
-    """
-
-    arc: Arc
-    t: Array
-    weights: Array
-    y: Array
-    dy: Array
-    values: Values
-    derivatives: Values
-    since: Array
-    tau: Array
-    state: Array
-    dstate: Array
-    end: Values
-    dend: Values
-    rate: Values
-
-
-@dataclass(frozen=True)
-class Derivative:
-    """A cycle with its derivatives along c directions.
-
-    Attributes:
-        system: the system.
-        y: state just behind the section, (2 nv,).
-        dy: its derivatives, (2 nv, c).
-        durations: of each phase, in s, dual.
-        stretches: the arcs.
-        steepness: of the guard that falls most slowly through zero, in its mean fall over its arc.
-    """
-
-    system: HybridSystem
-    y: Array
-    dy: Array
-    durations: Mapping[str, Any]
-    stretches: Sequence[Stretch]
-    steepness: float
-
-    @property
-    def order(self) -> tuple[str, ...]:
-        """Names of the events that change something, in order."""
-        events = [each.arc.event for each in self.stretches]
-        return tuple(event.name for event in events if event is not None and event.reset is not None)
-
-    @property
-    def borders(self) -> tuple[str, ...]:
-        """Names of events that meet another: derivatives are of the order that happens, and one-sided.
-
-        An event at once whose guard is far below zero meets none: it stays at once beside this cycle.
-        """
-        found = []
-        for each in self.stretches:
-            arc = each.arc
-            if isinstance(arc.event, Guard) and arc.end - arc.t <= SHORTEST:
-                i = next(k for k, guard in enumerate(arc.domain.guards) if guard is arc.event)
-                found += [arc.event.name] * _meets(arc, each.end.guards[i])
-        return tuple(found)
-
-
-def _meets(arc: Arc, value: float) -> bool:
-    """Whether the event of the shortest of arcs happens as its own guard falls, beside the event before it."""
-    return bool(abs(value) <= arc.event.tolerance)
 
 
 @dataclass
@@ -210,13 +127,11 @@ class _Whole:
             due = arc.event.time(arc.switches, self.law)
             return due.d + np.zeros(self.c) if isinstance(due, Dual) else np.zeros(self.c)
         i = next(k for k, guard in enumerate(arc.domain.guards) if guard is arc.event)
-        if arc.end - arc.t <= SHORTEST:
-            if not _meets(arc, end.guards[i]):
-                return now.tau  # at once, as beside this cycle
-            if not rate.guards[i] < 0.0:
-                raise NotDifferentiable(f"{arc.event.name} meets another event, and its guard does not fall there")
-            return np.asarray(-dend.guards[i] / rate.guards[i])
         fall, highest = rate.guards[i], np.abs(values.guards[i]).max()
+        if arc.end - arc.t <= SHORTEST:
+            # beside this cycle a guard on zero that falls is an event of its own, another one stays at once
+            met = abs(end.guards[i]) <= arc.event.tolerance and falling(fall)
+            return -dend.guards[i] / fall if met else now.tau
         steepness = -fall * (arc.end - arc.t) / max(highest, 1e-300)
         now.steepness = min(now.steepness, steepness)
         if not steepness > GRAZING:

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.tangent.collocation import POINTS, TAIL, roughness, rule
+from spear_pin.hybrid.tangent.derivative import SHORTEST
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
 MOST_PANELS = 64  # of an arc
-SHORTEST = 1e-9  # s: there is nothing to be carried along a shorter arc
 
 
 def points(recorder: Recorder, arc: Arc) -> tuple[Array, float, Array]:

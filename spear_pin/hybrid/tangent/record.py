@@ -22,6 +22,7 @@ from spear_pin.hybrid.tangent.fields import TangentFeet, TangentField, tangent_f
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
+PLAIN = "the cycle does not close, or what happens in it is not plain"
 TOLERANCE = 1e-15  # of the Taylor engine
 
 
@@ -80,8 +81,7 @@ class Recorder:
         held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self._law)
         lap = self._runner.lap(phase, y, held, [0.0] * len(self.system.robot.toes))
         if lap is None:
-            what = "toes alternate, bounce, or events crowd"
-            raise NotDifferentiable(f"the cycle does not close, or what happens in it is not plain: {what}")
+            raise NotDifferentiable(f"{PLAIN}: {self._runner.why}")
         return lap
 
     def states(self, arc: Arc, times: Array) -> Array:

@@ -19,6 +19,8 @@ from spear_pin.model.scalars import dot
 Array = NDArray[np.float64]
 DEGENERATE = 1e-9  # of the largest of a joint impact's speeds and impulses: an active set so near to another
 
+SINGULAR = 1e12  # condition of J D⁻¹ Jᵀ, from which on toes depend on each other
+
 
 class NotDifferentiable(SpearError):
     """A cycle has no derivative, or none that is found here; the text says why."""
@@ -55,6 +57,8 @@ def _joint(A: list[list[Any]], before: list[Any], friction: Any) -> tuple[list[A
     """Impulses of a joint impact, and the speeds with which toes are lifted, by the set that the rule finds active."""
     size = len(before)
     values = np.array([[value_of(a) for a in row] for row in A]), np.array([value_of(b) for b in before])
+    if not np.linalg.cond(values[0]) < SINGULAR:
+        raise NotDifferentiable("toes in an impact cannot move each by itself, so that their impulses are not unique")
     # in the coordinates of the toes' own velocities the rule wants the inverse of A for a mass matrix
     impact = joint_impact(np.linalg.inv(values[0]), np.eye(size), values[1], float(value_of(friction)))
     after, given = impact.v, impact.impulse.ravel()
@@ -78,7 +82,7 @@ def _joint(A: list[list[Any]], before: list[Any], friction: Any) -> tuple[list[A
 
 
 def _check_set(slides: Any, leaves: Any, after: Array, impulse: Array, friction: float) -> None:
-    speed, push = np.abs(after).max() + DEGENERATE, np.abs(impulse).max()
+    speed, push = np.abs(after).max() + DEGENERATE, np.abs(impulse).max() + 1e-300
     for i, (slide, leave) in enumerate(zip(slides, leaves, strict=True)):
         along, up = impulse[2 * i : 2 * i + 2]
         margin = after[2 * i + 1] / speed if leave else up / push

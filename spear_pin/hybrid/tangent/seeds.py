@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -17,6 +17,7 @@ from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.model.planar import Planar
 
 Array = NDArray[np.float64]
+GRAVITY = 9.81  # m/s²
 STEP = (
     2.0**-8
 )  # of a parameter: numbers are polynomials in it of the second degree at most, so that no step is too long
@@ -37,11 +38,37 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
         UnknownName: there is no parameter of a name.
         BadValue: a parameter is zero, and with it part of the equations.
     """
-    found = [_seed(system, name) for name in names]
-    return np.array(found).T.reshape(-1, len(names)) if names else np.empty((len(numbers(system)), 0))
+    return changes(system, names, numbers)
 
 
-def _seed(system: HybridSystem, name: str) -> Array:
+def weight_seeds(system: HybridSystem, names: Sequence[str]) -> Array:
+    """Derivatives of the robot's weight with respect to parameters, in N, (m,)."""
+    found: Array = changes(system, names, lambda other: np.array([weight(other)]))[0]
+    return found
+
+
+def weight(system: HybridSystem) -> float:
+    """Weight of a system's robot, in N."""
+    return GRAVITY * float(sum(body.mass for body in system.robot.model.inertias))
+
+
+def changes(system: HybridSystem, names: Sequence[str], of: Callable[[HybridSystem], Array]) -> Array:
+    """Derivatives of numbers of a system with respect to parameters, (p, m).
+
+    Args:
+        system: the system.
+        names: of the parameters.
+        of: the numbers, (p,), polynomials in each parameter of the second degree at most.
+
+    Raises:
+        UnknownName: there is no parameter of a name.
+        BadValue: a parameter is zero, and with it part of the equations, or may have no other value.
+    """
+    found = [_change(system, name, of) for name in names]
+    return np.array(found).T.reshape(-1, len(names)) if names else np.empty((len(of(system)), 0))
+
+
+def _change(system: HybridSystem, name: str, of: Callable[[HybridSystem], Array]) -> Array:
     value = number(system, name)
     beside = {field.name for field in fields(system.law)} - {"friction"}
     if value == 0.0 and name not in beside:
@@ -50,12 +77,14 @@ def _seed(system: HybridSystem, name: str) -> Array:
     ends = []
     for step in (h, -h):
         try:
-            ends.append((step, numbers(with_numbers(system, {name: value + step}))))
-        except BadValue:
-            continue
+            ends.append((step, of(with_numbers(system, {name: value + step}))))
+        except BadValue as error:
+            refusal = error
+    if not ends:
+        raise refusal
     if len(ends) < 2:  # the value is at the end of its range, where numbers are linear in it
-        ends.append((0.0, numbers(system)))
-    (one, more), (other, less) = ends[:2]
+        ends.append((0.0, of(system)))
+    (one, more), (other, less) = ends
     if len(more) != len(less):
         raise BadValue(name, value, "a number that is not at the end of its range")
     change: Array = (more - less) / (one - other)

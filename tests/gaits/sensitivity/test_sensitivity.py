@@ -88,6 +88,7 @@ def test_it_is_told_drawn_and_written(table, tmp_path):
         (["stiffness"], ["stance_torque"], [], BadValue, "as many measures"),
         (["stiffness"], ["stance_torque"], ["nope"], UnknownName, "'nope'"),
         (["slope"], [], [], BadValue, "slope is 0.0"),
+        (["foot_placement"], [], [], BadValue, "foot_placement"),
     ],
 )
 def test_what_is_refused(hop, over, vary, keep, error, text):

@@ -32,6 +32,12 @@ def test_the_positive_part():
     assert value == pytest.approx(1.0, rel=1e-12) and change == pytest.approx([1.0], rel=1e-12)
 
 
+def test_the_positive_part_with_ends_that_move():
+    value, change = positive([pieces(np.sin, lambda t: 0.0 * t, begin=1.0, since=0.5, tau=2.0)])
+    assert value == pytest.approx(np.cos(1.0) - np.cos(2.0), rel=1e-12)
+    assert change == pytest.approx([2.0 * np.sin(2.0) - 0.5 * np.sin(1.0)], rel=1e-12)
+
+
 def test_a_peak_inside_and_at_an_end():
     value, change = peak([pieces(np.sin, np.cos)])
     assert value == pytest.approx(1.0, rel=1e-13) and change == pytest.approx([0.0], abs=1e-7)
@@ -44,3 +50,5 @@ def test_the_largest_ratio_where_the_second_is_large_enough():
     below = pieces(lambda t: 3.0 - t, lambda t: np.ones_like(t))  # of 3 + p - t, at least 2 where t <= 1 + p
     value, change = largest_ratio([(above, below)], 2.0)
     assert value == pytest.approx(0.5, rel=1e-12) and change == pytest.approx([0.0], abs=1e-12)
+    value, change = largest_ratio([(above, below)], 2.0, np.array([0.5]))  # of 3 + p - t, at least 2 + p / 2
+    assert value == pytest.approx(0.5, rel=1e-12) and change == pytest.approx([-0.125], rel=1e-12)

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.section import Chart, chart
-from spear_pin.hybrid.tangent.cycle import Derivative, differentiated
+from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.seeds import seeds
 

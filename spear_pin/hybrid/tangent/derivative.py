@@ -1,0 +1,136 @@
+"""A cycle's derivatives along its arcs, in what order its events come, and which of them meet."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.arc import Arc
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Guard
+from spear_pin.hybrid.rules.entry import AWAY, CHANGE
+from spear_pin.hybrid.tangent.fields import Values
+
+Array = NDArray[np.float64]
+SHORTEST = 1e-9  # s: there is nothing to be carried along a shorter arc
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """An arc with derivatives at Gauss's points of its panels, in rising time.
+
+    Attributes:
+        arc: the arc.
+        t: clock of the phase, (k,).
+        weights: of an integral over the arc, (k,).
+        y: states, (2 nv, k).
+        dy: their derivatives, (2 nv, k, c).
+        values: what the domain says there.
+        derivatives: of that, (..., k, c).
+        since: derivative of the time at which it begins, (c,).
+        tau: of the time at which it ends, (c,).
+        state: at its end, just before the event, (2 nv,).
+        dstate: its derivatives at the fixed clock, (2 nv, c).
+        end: what the domain says there.
+        dend: derivatives of that at the fixed clock.
+        rate: rates of that along the motion.
+    """
+
+    arc: Arc
+    t: Array
+    weights: Array
+    y: Array
+    dy: Array
+    values: Values
+    derivatives: Values
+    since: Array
+    tau: Array
+    state: Array
+    dstate: Array
+    end: Values
+    dend: Values
+    rate: Values
+
+    @property
+    def at_once(self) -> bool:
+        """Whether its event happens as it begins."""
+        return self.arc.end - self.arc.t <= SHORTEST
+
+    @property
+    def late(self) -> bool:
+        """Whether its event happens as it begins, though nothing but chance brings its guard to zero there."""
+        event = self.arc.event
+        return isinstance(event, Guard) and self.at_once and bool(self._falls[self.place])
+
+    @property
+    def place(self) -> int:
+        """Which of the guards is its event."""
+        return next(i for i, guard in enumerate(self.arc.domain.guards) if guard is self.arc.event)
+
+    @property
+    def meets(self) -> tuple[str, ...]:
+        """Names of other events whose guards fall through zero in the same instant."""
+        guards, event = self.arc.domain.guards, self.arc.event
+        if event is None or event.reset is None:
+            return ()
+        now = self._falls & (np.abs(self.end.guards) <= SHORTEST * np.abs(self.rate.guards))
+        others = [i for i, guard in enumerate(guards) if guard.reset is not None and guard is not event]
+        return tuple(guards[i].name for i in others if now[i])
+
+    @property
+    def _falls(self) -> NDArray[np.bool_]:
+        """Which guards are on zero at the end, and fall."""
+        tolerances = np.array([guard.tolerance for guard in self.arc.domain.guards])
+        found: NDArray[np.bool_] = (np.abs(self.end.guards) <= tolerances) & falling(self.rate.guards)
+        return found
+
+
+@dataclass(frozen=True)
+class Derivative:
+    """A cycle with its derivatives along c directions.
+
+    Attributes:
+        system: the system.
+        y: state just behind the section, (2 nv,).
+        dy: its derivatives, (2 nv, c).
+        durations: of each phase, in s, dual.
+        stretches: the arcs.
+        steepness: of the guard that falls most slowly through zero, in its mean fall over its arc.
+    """
+
+    system: HybridSystem
+    y: Array
+    dy: Array
+    durations: Mapping[str, Any]
+    stretches: Sequence[Stretch]
+    steepness: float
+
+    @property
+    def order(self) -> tuple[frozenset[str], ...]:
+        """Names of the events that change something, in order; of those that meet, together."""
+        found: list[frozenset[str]] = []
+        for each in self.stretches:
+            event = each.arc.event
+            if event is None or event.reset is None:
+                continue
+            met = frozenset([event.name, *each.meets])
+            found = [*found[:-1], found[-1] | met] if each.late else [*found, met]
+        return tuple(found)
+
+    @property
+    def borders(self) -> tuple[str, ...]:
+        """Names of events that meet another: derivatives are of the order that happens, and one-sided.
+
+        An event at once whose guard is far below zero meets none: it stays at once beside this cycle.
+        """
+        met = [each.arc.event.name for each in self.stretches if each.late or each.meets]
+        return tuple(dict.fromkeys(met))
+
+
+def falling(rate: Any) -> Any:
+    """Whether a guard falls as fast as engines see."""
+    return rate * AWAY[0] < -CHANGE

@@ -1,0 +1,72 @@
+"""Derivatives of cycles and gaits of a bound, a biped and both kinds of hop, against differences in all directions."""
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, find_gait, hopping, load
+from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.gaits.sensitivity.sensitivity import sensitivity
+from spear_pin.hybrid.parameters import with_numbers
+from tests import biped
+from tests.gaits.sensitivity import oracle
+
+pytestmark = [pytest.mark.slow, pytest.mark.extra("heyoka")]
+BOUNDS = ("long_stride", "least_effort", "force_lift_off")
+OF_BOUND = (
+    *("posterior_hip_torque", "anterior_hip_torque", "posterior_leg_touchdown", "knee_touchdown", "knee_rest"),
+    *("stiffness", "friction", "torso_mass", "torso_inertia", "knee_ratio", "hip_distance", "hip_rotor"),
+)
+OF_BIPED = (
+    *("thrust", "set_back", "stiffness", "friction", "knee_ratio", "pitch_mass"),
+    *("pitch_gain", "hip_gain", "knee_touchdown", "torque_limit", "left_hip_to_left_knee"),
+)
+OF_HOP = ("stance_torque", "stiffness", "friction", "knee_ratio", "damping", "knee_mass", "hip_to_knee", "frequency")
+UNTOLD = ("spring_switch",)  # a knee's spring grows slack where its toe is lifted off: the torque does not jump
+WORST, ENOUGH = 1e-6, 1e-8  # of a row's scale: what is allowed, and where closer differences are not looked for
+
+
+def gait_of(name):
+    """A gait, and the parameters by which it is differentiated."""
+    if name in BOUNDS:
+        gait, over = Gait.load(name), OF_BOUND
+    elif name == "biped":
+        gait, over = find_gait(biped.system(), guess=biped.NEAR, rtol=1e-11), OF_BIPED
+    else:
+        torque = {"hop": 7.826, "other hop": 6.5}[name]
+        system = hopping(load("spear_ii", locked=["boom_x"]))
+        gait, over = find_gait(with_numbers(system, {"stance_torque": torque}), rtol=1e-11), OF_HOP
+    there = oracle.again(Orbit(gait.system, gait.state, over), over[0], 0.0)
+    return Orbit(there.system, there.state, over)
+
+
+@pytest.mark.parametrize("name", [*BOUNDS, "biped", "hop", "other hop"])
+def test_cycles(name):
+    orbit = gait_of(name)
+    chosen = [
+        *range(0, orbit.dimension, 1 if orbit.dimension < 4 else 3),
+        *range(orbit.dimension, orbit.columns.shape[1]),
+    ]
+    found = oracle.compared(orbit, ENOUGH, UNTOLD, chosen)
+    assert sorted(found) == chosen  # none is left out
+    for j, (errors, _) in found.items():
+        assert errors.max() < WORST, (j, np.argmax(errors))
+
+
+@pytest.mark.parametrize(
+    ("name", "over"),
+    [
+        ("long_stride", ("posterior_hip_torque", "torso_mass")),
+        ("least_effort", ("anterior_hip_torque", "stiffness")),
+        ("force_lift_off", ("posterior_hip_torque", "hip_distance")),
+        ("biped", ("thrust", "knee_ratio", "pitch_mass")),
+        ("other hop", ("stiffness", "knee_ratio", "friction", "hip_to_knee")),
+    ],
+)
+def test_gaits_found_again(name, over):
+    orbit = gait_of(name)
+    table = sensitivity(orbit.system, orbit.state, over)
+    found = oracle.compared_gaits(orbit, table, ENOUGH, UNTOLD)
+    assert sorted(found) == sorted(over)
+    for errors, of_multipliers, _ in found.values():
+        assert errors.max() < WORST
+        assert of_multipliers.max() < WORST
