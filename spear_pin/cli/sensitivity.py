@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.gaits import BOUND, named_gait
 from spear_pin.cli.output import aligned, listed, progress
+from spear_pin.cli.pairs import names
 
 if TYPE_CHECKING:
     from spear_pin.gaits.gait import Gait
@@ -25,12 +26,17 @@ def add(commands: Commands) -> None:
     parser.add_argument("what", metavar=WHAT, help=f"SPEAR-II's hop in place, {BOUND}, or a gait by name or path")
     parser.add_argument(
         "--over",
-        action="append",
+        type=names,
+        action="extend",
         metavar="NAME",
-        help="a parameter, several times for several (default: those of gears)",
+        help="parameters, apart by commas (default: those of springs, gears and ground)",
     )
-    parser.add_argument("--vary", action="append", default=[], metavar="NAME", help="a parameter that is solved for")
-    parser.add_argument("--keep", action="append", default=[], metavar="MEASURE", help="the measure that it keeps")
+    parser.add_argument(
+        "--vary", type=names, action="extend", default=[], metavar="NAME", help="a parameter that is solved for"
+    )
+    parser.add_argument(
+        "--keep", type=names, action="extend", default=[], metavar="MEASURE", help="the measure that it keeps"
+    )
     add_out(parser, f"{STEM}.json and {STEM}.svg")
     add_open(parser, f"the picture, {STEM}.svg,")
 
@@ -53,16 +59,12 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     save_figure(elasticities(found), files[1])
     told = listed(arguments.out, STEM, files)
     return {
-        "over": dict(zip(found.over, found.values.tolist(), strict=True)),
+        "parameters": dict(zip(found.parameters, found.at.tolist(), strict=True)),
         "solved": {name: values.tolist() for name, values in found.solved.items()},
-        "outputs": {
-            name: {
-                "value": value,
-                "unit": found.output_units[name],
-                "elasticities": found.plain(found.elasticity(name)),
-            }
-            for name, value in found.outputs.items()
-        },
+        "values": dict(found.outputs),
+        "units": dict(found.output_units),
+        "elasticities": {name: found.plain(found.elasticity(name)) for name in found.measures},
+        "one_sided": list(found.one_sided),
         "files": [str(path) for path in files],
         "opened": files[1],
         "text": f"{found}\n\n{aligned(told)}",

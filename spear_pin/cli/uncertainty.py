@@ -102,19 +102,19 @@ def _spread(
     spread = table.uncertainty(dict(sigma))
     if not correlation:
         return spread
-    matrix = np.eye(len(table.over))
+    matrix = np.eye(len(table.parameters))
     for pair, word in correlation:
         names = pair.split(",")
         for name in names:
-            if name not in table.over:
-                raise UnknownName("parameter", name, table.over)
+            if name not in table.parameters:
+                raise UnknownName("parameter", name, table.parameters)
         try:
             value = number(word)
         except ValueError:
             value = float("nan")
         if len(set(names)) != 2 or not abs(value) <= 1.0:
             raise BadValue("--correlation", f"{pair}={word}", "two parameters and a number from -1 to 1, as in k,b=0.3")
-        i, j = (table.over.index(name) for name in names)
+        i, j = (table.parameters.index(name) for name in names)
         matrix[i, j] = matrix[j, i] = value
     deviations = spread.parameter_deviations
     return table.uncertainty(matrix * np.outer(deviations, deviations))

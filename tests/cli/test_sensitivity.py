@@ -9,9 +9,9 @@ from tests.cli.calls import printed, refused, run, words
 
 @pytest.mark.extra("heyoka")
 def test_a_hop(capsys, tmp_path):
-    result = printed(capsys, "sensitivity", "hop", "--over", "stiffness", "--over", "knee_mass", "--out", tmp_path)
-    assert list(result["over"]) == ["stiffness", "knee_mass"]
-    assert result["outputs"]["flight_time"]["elasticities"] == pytest.approx([-0.0606, -0.0968], abs=1e-3)
+    result = printed(capsys, "sensitivity", "hop", "--over", "stiffness,knee_mass", "--out", tmp_path)
+    assert list(result["parameters"]) == ["stiffness", "knee_mass"]
+    assert result["elasticities"]["flight_time"] == pytest.approx([-0.0606, -0.0968], abs=1e-3)
     kept = json.loads((tmp_path / "sensitivity.json").read_text())
     assert kept["units"] == {"stiffness": "N·m/rad", "knee_mass": "kg"}
     assert (tmp_path / "sensitivity.svg").stat().st_size > 1000

@@ -18,7 +18,7 @@ def elasticities(table: Sensitivity) -> Figure:
     rows = np.array([table.elasticity(name) for name in table.outputs])
     top = max(1.0, float(np.nanmax(np.abs(rows), initial=0.0)))
     with style():
-        size = 3.2 + 0.75 * len(table.over), 0.9 + 0.24 * len(rows)
+        size = 3.2 + 0.75 * len(table.parameters), 0.9 + 0.24 * len(rows)
         figure = Picture(figsize=size, layout="constrained")
         panel = figure.subplots()
         panel.set_facecolor("0.85")
@@ -34,7 +34,7 @@ def elasticities(table: Sensitivity) -> Figure:
             color = "white" if dark else "black"
             panel.text(j + 0.5, i + 0.5, text, ha="center", va="center", fontsize=7.0, color=color)
         labels = [f"{name.replace('_', ' ')}\n{value:.4g} {unit}" for name, value, unit in _parameters(table)]
-        panel.set_xticks(np.arange(len(table.over)) + 0.5, labels, rotation=30.0, ha="right", fontsize=7.5)
+        panel.set_xticks(np.arange(len(table.parameters)) + 0.5, labels, rotation=30.0, ha="right", fontsize=7.5)
         panel.set_yticks(np.arange(len(rows)) + 0.5, [_said(table, name) for name in table.outputs], fontsize=7.5)
         panel.tick_params(length=0.0)
         panel.invert_yaxis()
@@ -44,7 +44,7 @@ def elasticities(table: Sensitivity) -> Figure:
 
 def _parameters(table: Sensitivity) -> list[tuple[str, float, str]]:
     units = ["" if unit == "1" else unit for unit in table.units]
-    return list(zip(table.over, table.values.tolist(), units, strict=True))
+    return list(zip(table.parameters, table.at.tolist(), units, strict=True))
 
 
 def _said(table: Sensitivity, name: str) -> str:

@@ -36,9 +36,9 @@ class Sensitivity(Shown):
     Attributes:
         system: the system.
         at: (q, v) on the section.
-        over: names of the parameters.
+        parameters: their names.
         keep: names of the measures that what is solved for keeps.
-        values: of the parameters, (m,).
+        at: their values, (m,).
         units: of the parameters, empty where nothing says one.
         state: derivatives of (q, v) on the section, (2 nv, m).
         solved: derivatives of what is solved for, by name, (m,) each.
@@ -59,9 +59,9 @@ class Sensitivity(Shown):
 
     system: HybridSystem
     at: State
-    over: tuple[str, ...]
+    parameters: tuple[str, ...]
     keep: tuple[str, ...]
-    values: Array
+    at: Array
     units: tuple[str, ...]
     state: Array
     solved: Mapping[str, Array]
@@ -73,11 +73,11 @@ class Sensitivity(Shown):
     one_sided: tuple[str, ...]
 
     def __repr__(self) -> str:
-        return f"Sensitivity({len(self.outputs)} outputs over {', '.join(self.over)})"
+        return f"Sensitivity({len(self.outputs)} outputs over {', '.join(self.parameters)})"
 
     def __str__(self) -> str:
         width = max(map(len, self.outputs))
-        head = " ".join(f"{name:>14.14}" for name in self.over)
+        head = " ".join(f"{name:>14.14}" for name in self.parameters)
         lines = [f"{'':{width}} {'value':>12} {head}   (% for one more %)"]
         for name, value in self.outputs.items():
             row = " ".join(f"{each:14.4g}" for each in self.elasticity(name))
@@ -85,6 +85,16 @@ class Sensitivity(Shown):
         if self.one_sided:
             lines.append(f"one-sided: {', '.join(self.one_sided)} meets another event in this gait")
         return "\n".join(lines)
+
+    @property
+    def measures(self) -> tuple[str, ...]:
+        """Names of the outputs: measures, and multipliers."""
+        return tuple(self.outputs)
+
+    @property
+    def values(self) -> Array:
+        """Derivatives of the outputs, (measures, parameters)."""
+        return np.array([self.derivatives[name] for name in self.outputs])
 
     def elasticity(self, output: str) -> Array:
         """% of an output for one more % of each parameter, (m,).
@@ -96,7 +106,7 @@ class Sensitivity(Shown):
             raise UnknownName("output", output, self.outputs)
         value = self.outputs[output]
         with np.errstate(divide="ignore", invalid="ignore"):
-            found: Array = self.derivatives[output] * self.values / value
+            found: Array = self.derivatives[output] * self.at / value
         return found
 
     @typed
@@ -120,19 +130,19 @@ class Sensitivity(Shown):
             >>> round(spread.deviation("apex_height") * 1e3, 2), spread.best("apex_height")  # mm
             (1.88, 'damping')
         """
-        covariance = covariance_of(spread, self.over, self.values)
+        covariance = covariance_of(spread, self.parameters, self.at)
         d = len(self.solved)
         local = Neighbourhood(
             self.system,
             self.at,
-            self.over,
-            self.values,
+            self.parameters,
+            self.at,
             tuple(self.solved),
             np.array([number(self.system, name) for name in self.solved]),
             self.keep,
             np.array([self.outputs[name] for name in self.keep]),
             self.state,
-            np.array(list(self.solved.values())).reshape(d, len(self.over)),
+            np.array(list(self.solved.values())).reshape(d, len(self.parameters)),
             self.multipliers,
         )
         derivatives = {**self.solved, **self.derivatives, **dict(zip(local.columns, self.state, strict=True))}
@@ -144,8 +154,8 @@ class Sensitivity(Shown):
     def to_json(self) -> str:
         """All of it, as JSON."""
         data = {
-            "over": dict(zip(self.over, self.values.tolist(), strict=True)),
-            "units": dict(zip(self.over, self.units, strict=True)),
+            "parameters": dict(zip(self.parameters, self.at.tolist(), strict=True)),
+            "units": dict(zip(self.parameters, self.units, strict=True)),
             "outputs": {
                 name: {
                     "value": value,

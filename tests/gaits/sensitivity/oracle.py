@@ -225,7 +225,7 @@ def compared_gaits(
     measured, d = list(orbit.measures), orbit.dimension
     own = np.concatenate([table.state, [table.derivatives[name] for name in measured]])
     rows = np.concatenate([own, table.multiplier_derivatives.real, table.multiplier_derivatives.imag])
-    size = np.array([abs(number(orbit.system, name)) or 1.0 for name in table.over])
+    size = np.array([abs(number(orbit.system, name)) or 1.0 for name in table.parameters])
 
     def whole(there: Orbit) -> Array:
         eigenvalues = np.linalg.eigvals(there.jacobian)
@@ -236,7 +236,7 @@ def compared_gaits(
     scale, found = scales(np.nan_to_num(rows), size, whole(orbit)), {}
     moduli = np.tile(np.maximum(np.abs(table.multipliers), LEAST), 2)
     scale[-2 * d :] = np.maximum(scale[-2 * d :], moduli)
-    for j, name in enumerate(table.over):
+    for j, name in enumerate(table.parameters):
 
         def errors(value: Array, j: int = j) -> Array:
             return np.asarray(np.abs(rows[:, j] * size[j] - value) / scale)
