@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +14,9 @@ from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Reset
 from spear_pin.hybrid.engines.structure import Structure, flattened, shape_of
-from spear_pin.hybrid.engines.taylor import UNROLLED, Code
-from spear_pin.hybrid.lanes.lone_runner import LoneRunner
+from spear_pin.hybrid.engines.taylor import Code
+from spear_pin.hybrid.lanes.compilation import Compilation
+from spear_pin.hybrid.lanes.lone_runner import Lap, LoneRunner
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import start
@@ -21,7 +24,8 @@ from spear_pin.hybrid.tangent.fields import TangentFeet, TangentField, tangent_f
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
-TOLERANCE = 1e-15  # of the Taylor engine
+CODE = Code(1e-15, unrolled=False, level=0)  # compiled in a fiftieth of the time of the fastest, and four times as slow
+_fields: WeakKeyDictionary[Compilation, dict[Any, TangentField]] = WeakKeyDictionary()
 
 
 class Recorder:
@@ -29,22 +33,25 @@ class Recorder:
 
     Args:
         system: the system.
+        given: numbers that it is to have instead of its own, those in which lanes may differ, by name.
 
     Attributes:
         planar: the robot's dynamics.
+        law: parameters of the law.
         numbers: run-time parameters ahead of what is held, (p,).
         end: state at the end of the last cycle, (2 nv,).
     """
 
-    def __init__(self, system: HybridSystem) -> None:
+    def __init__(self, system: HybridSystem, given: Mapping[str, float] | None = None) -> None:
         self.system, self._nv = system, system.robot.nv
-        self._numbers = Numbers(system, {}, Code(TOLERANCE, unrolled=self._nv <= UNROLLED))
-        self.planar = self._numbers.planar
+        self._numbers = Numbers(system, {name: np.array([value]) for name, value in (given or {}).items()}, CODE)
+        self.planar, self.law = self._numbers.planar, self._numbers.law_of(0)
         self._runner = LoneRunner(self._numbers, 0)
         self._constants = self._numbers.constants(0)
         self.numbers = np.array(self._constants, dtype=float)
         self.end = np.empty(0)
-        self._fields: dict[Any, TangentField] = {}  # the system keeps its domains, so that their identities stay
+        # the system keeps its domains, so that their identities stay
+        self._fields = _fields.setdefault(self._numbers.compilation, {})
         self._feet: dict[tuple[str, ...], TangentFeet] = {}
 
     @cached_property
@@ -58,14 +65,18 @@ class Recorder:
         Raises:
             NotDifferentiable: it does not close, or what happens in it is not plain.
         """
-        phase, resets = self.start
-        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.system.law)
-        lap = self._runner.lap(phase, y, held, [0.0] * len(self.system.robot.toes))
+        lap = self.lap(y)
         if lap is None:
             what = "toes alternate, bounce, or events crowd"
             raise NotDifferentiable(f"the cycle does not close, or what happens in it is not plain: {what}")
         self.end = lap.y
         return lap.arcs
+
+    def lap(self, y: Array) -> Lap | None:
+        """The cycle from a state just behind the section, (2 nv,), None where it does not close plainly."""
+        phase, resets = self.start
+        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law)
+        return self._runner.lap(phase, y, held, [0.0] * len(self.system.robot.toes))
 
     def states(self, arc: Arc, times: Array) -> Array:
         """States at times within an arc, (2 nv, n)."""
