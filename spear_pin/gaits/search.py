@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +16,24 @@ from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.newton import CONVERGED, NO_NEIGHBOUR, NO_PROGRESS, NO_START, TOO_LONG, Lanes
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import EVALUATIONS, chart, displacement, multipliers, one_by_one, return_map
+from spear_pin.hybrid.periodic import (
+    EVALUATIONS,
+    chart,
+    displacement,
+    eigenvalues,
+    multipliers,
+    one_by_one,
+    return_map,
+)
 from spear_pin.hybrid.result import Moment, Options, Run, State
 from spear_pin.hybrid.run import run
+from spear_pin.hybrid.section import Chart
 from spear_pin.hybrid.shooting import Shooting
 from spear_pin.hybrid.translation import translations, without
 from spear_pin.kinds import typed
+
+if TYPE_CHECKING:
+    from spear_pin.gaits.tangent_cycles import TangentCycles
 
 Array = NDArray[np.float64]
 Measure = Callable[[Run], float]
@@ -33,6 +46,7 @@ TOLERANCE = 1e-10  # of Newton's method, or the integrator's where that is finer
 ROUGH_RTOL, ROUGH_TOLERANCE = 1e-8, 1e-6  # of the integrator and of Newton's method until a solution is near
 RESIDUAL = 1e-9
 FACTORS = (1.0, 0.9, 1.1, 0.8, 1.2)  # of the varied parameters' starting values, tried in turn
+A_CYCLE = 2000  # evaluations that one with derivatives is counted as
 SHORTEST_STEP = 1.0 / 16.0  # of the way to the targets: the first one, and the last where steps have to shrink
 WHY: Mapping[str, str] = {
     NO_START: "the cycle does not close at the starting point",
@@ -53,6 +67,10 @@ def find_gait(
     on_iteration: Callable[[int, float], object] = lambda n, norm: None,
 ) -> Gait:
     """Solve x = P(x) of (4.12) together with the targets, by Newton's method on the return map.
+
+    Cycles come with exact derivatives where the fast engine runs them (in the plane, without hardware, heyoka being
+    installed, all targets measures by name); elsewhere they are the reference engine's, and differenced. That one has
+    the last word on every gait: its residual is of `rtol`.
 
     Where that fails, the same is tried from other starting values of the parameters, and then the
     fixed point of each start is carried to the targets step by step.
@@ -88,7 +106,8 @@ def find_gait(
             raise UnknownName("target", name, system.measures)
     check_wanted(system, target)
     measures = tuple(name if callable(name) else system.measures[name] for name in target)
-    search = _Search(tuple(vary), measures, np.array(list(target.values()), dtype=float), rtol, on_iteration)
+    wanted = np.array(list(target.values()), dtype=float)
+    search = _Search(tuple(vary), measures, wanted, rtol, on_iteration, _compiled(system, vary, tuple(target)))
     start = np.array([parameter(system, name) for name in vary])
     factors = FACTORS if vary else FACTORS[:1]
     begun = [with_parameters(system, dict(zip(vary, (k * start).tolist(), strict=True))) for k in factors]
@@ -99,7 +118,7 @@ def find_gait(
     try:
         for approach, i in attempts:
             if len(settled) == i:
-                settled.append(guess if guess is not None else _settle(begun[i]))
+                settled.append(guess if guess is not None else search.settled(begun[i]))
             try:
                 return search.gait(*approach(begun[i], settled[i]))
             except NoGait as failure:
@@ -130,11 +149,20 @@ def gait_beside(
         NoGait: Newton's method does not end in one.
     """
     measures = tuple(system.measures[name] for name in target)
-    search = _Search(tuple(vary), measures, np.array(list(target.values()), dtype=float), rtol, lambda n, norm: None)
+    wanted = np.array(list(target.values()), dtype=float)
+    exact = _compiled(system, vary, tuple(target))
+    search = _Search(tuple(vary), measures, wanted, rtol, lambda n, norm: None, exact)
     try:
         return search.gait(*search.newton(system, state, search.wanted, rtol, min(TOLERANCE, rtol)))
     except _Hopeless:
         raise NoGait(f"cycles take more than {EVALUATIONS} evaluations each", np.inf) from None
+
+
+def _compiled(system: HybridSystem, vary: Sequence[str], target: Sequence[str | Measure]) -> TangentCycles | None:
+    """Cycles with exact derivatives, of systems with any values of what varies; None where nothing compiles them."""
+    from spear_pin.gaits.tangent_cycles import tangent_cycles  # which imports heyoka: only who searches waits for that
+
+    return tangent_cycles(system, vary, target)
 
 
 @dataclass
@@ -154,13 +182,14 @@ class _Effort:
 
 @dataclass(frozen=True)
 class _Search:
-    """Search for the gait: what is varied, measured and wanted."""
+    """Search for the gait: what is varied, measured and wanted, and cycles with derivatives, if there are any."""
 
     vary: tuple[str, ...]
     measures: tuple[Measure, ...]
     wanted: Array
     rtol: float
     on_iteration: Callable[[int, float], object]
+    exact: TangentCycles | None
     effort: _Effort = field(default_factory=_Effort)
 
     def directly(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
@@ -169,7 +198,8 @@ class _Search:
 
     def by_continuation(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
         """The system and state, from the fixed point of the system as it is, the targets moved step by step."""
-        unasked = _Search((), (), self.wanted[:0], self.rtol, self.on_iteration, self.effort)
+        exact = None if self.exact is None else _compiled(system, (), ())
+        unasked = _Search((), (), self.wanted[:0], self.rtol, self.on_iteration, exact, self.effort)
         system, state = unasked.roughly(system, state, self.wanted[:0])
         begin = self.measure(return_map(system, state, self.rtol))
         done, step, growth = 0.0, SHORTEST_STEP, 2.0
@@ -193,8 +223,17 @@ class _Search:
         self, system: HybridSystem, state: State, wanted: Array, rtol: float, tolerance: float
     ) -> tuple[HybridSystem, State]:
         """Newton's method from a state on the section and the system's own parameters."""
-        local = chart(system, state)
-        start = np.array([[parameter(system, name) for name in self.vary]])
+        local, before = chart(system, state), self._cycles
+        shooting = self._shooting(local, system, wanted, rtol)
+        roots = shooting.solve(self._values(system)[None], tolerance, on_iterates=self._tell)
+        self.effort.evaluations += A_CYCLE * (self._cycles - before)
+        if roots.end[0] != CONVERGED:
+            raise NoGait(WHY[roots.end[0]].format(n=roots.iteration[0]), float(roots.norm[0]))
+        q, v = shooting.states(np.zeros(1, dtype=np.int64), roots.x)
+        return with_parameters(system, self.named(roots.x[0, local.dimension :])), (q[0], v[0])
+
+    def _shooting(self, local: Chart, system: HybridSystem, wanted: Array, rtol: float) -> Shooting:
+        """The equations about a state, with derivatives where there are some."""
 
         def cycle(begun: State, values: Array) -> tuple[Run, Array] | str:
             try:
@@ -204,12 +243,15 @@ class _Search:
             except SpearError as error:  # a parameter out of range, a toe below ground, an event that did not happen
                 return str(error)
 
-        shooting = Shooting(local.lane, one_by_one(cycle, len(self.measures)), self.vary, wanted[None])
-        roots = shooting.solve(start, tolerance, on_iterates=self._tell)
-        if roots.end[0] != CONVERGED:
-            raise NoGait(WHY[roots.end[0]].format(n=roots.iteration[0]), float(roots.norm[0]))
-        q, v = shooting.states(np.zeros(1, dtype=np.int64), roots.x)
-        return with_parameters(system, self.named(roots.x[0, local.dimension :])), (q[0], v[0])
+        cycles = one_by_one(cycle, len(self.measures))
+        if self.exact is None:
+            return Shooting(local.lane, cycles, self.vary, wanted[None])
+        return Shooting(local.lane, self.exact.otherwise(cycles), self.vary, wanted[None], self.exact.slopes)
+
+    @property
+    def _cycles(self) -> int:
+        """How many there were with derivatives."""
+        return 0 if self.exact is None else self.exact.count
 
     def named(self, values: Array) -> dict[str, float]:
         """Values of what varies, by name."""
@@ -238,7 +280,7 @@ class _Search:
         allowed = max(RESIDUAL, 10.0 * self.rtol)
         if not error <= allowed:
             raise NoGait(f"the cycle that was found closes no better at rtol {self.rtol:g}", error)
-        values = multipliers(system, state, self.rtol)
+        values = self._multipliers(system, state)
         _check_memory(system, result, allowed * max(1.0, float(np.abs(values).max())), self.rtol)
         return Gait(
             system=system,
@@ -248,6 +290,53 @@ class _Search:
             multipliers=values,
             durations=result.durations,
         )
+
+    def _multipliers(self, system: HybridSystem, state: State) -> NDArray[np.complex128]:
+        """Floquet multipliers, exact where derivatives are."""
+        if self.exact is not None:
+            local = chart(system, state)
+            d, here = local.dimension, np.concatenate([np.zeros(local.dimension), self._values(system)])
+            shooting = self._shooting(local, system, self.wanted, self.rtol)
+            found = shooting.jacobians(np.zeros(1, dtype=np.int64), here[None])[0]
+            if np.isfinite(found).all():
+                return eigenvalues(found[:d, :d] + np.eye(d))
+        return multipliers(system, state, self.rtol)
+
+    def settled(self, system: HybridSystem) -> State:
+        """The system's guess, followed for a few cycles towards a stable gait; where that breaks off, the guess.
+
+        Raises:
+            _Hopeless: one cycle takes more evaluations than any gait's.
+        """
+        guess, values = system.guess(), self._values(system)
+        result = run(system, guess, 1, SETTLING)
+        moment = _reached(system, result)
+        for _ in range(SETTLE - 1):
+            if moment is None:
+                break
+            after = None if self.exact is None else self.exact.follow(moment, values)
+            if after is None:
+                try:
+                    result = run(system, moment, 1, SETTLING)
+                except BadValue:  # so roughly integrated that a toe is below the ground: that is as near as it gets
+                    break
+                after = _reached(system, result)
+            moment = after
+        if result.reason == "evaluation_cap":
+            raise _Hopeless
+        if moment is None:
+            return guess
+        along = translations(system)
+        return without(along, moment.q) + (guess[0] - without(along, guess[0])), moment.v  # back to where it began
+
+    def _values(self, system: HybridSystem) -> Array:
+        """What varies, in a system, (k,)."""
+        return np.array([parameter(system, name) for name in self.vary])
+
+
+def _reached(system: HybridSystem, result: Run) -> Moment | None:
+    """Where a cycle led to, None if it did not close."""
+    return Moment(*result.state, system.section_phase, result.held) if result.cycles else None
 
 
 def _check_memory(system: HybridSystem, cycle: Run, allowed: float, rtol: float) -> None:
@@ -261,31 +350,6 @@ def _check_memory(system: HybridSystem, cycle: Run, allowed: float, rtol: float)
     error = float(np.abs(displacement(system, cycle.state, again.state)).max()) if again.cycles else np.inf
     if not error <= allowed:
         raise NoGait("the next cycle differs: something latched before the section acts after it", error)
-
-
-def _settle(system: HybridSystem) -> State:
-    """The system's guess, followed for a few cycles towards a stable gait; where that breaks off, the guess.
-
-    Raises:
-        _Hopeless: one cycle takes more evaluations than any gait's.
-    """
-    guess = system.guess()
-    result = run(system, guess, 1, SETTLING)
-    for _ in range(SETTLE - 1):
-        if not result.cycles:
-            break
-        moment = Moment(*result.state, system.section_phase, result.held)
-        try:
-            result = run(system, moment, 1, SETTLING)
-        except BadValue:  # so roughly integrated that a toe is below the ground: where it is is as near as it gets
-            break
-    if result.reason == "evaluation_cap":
-        raise _Hopeless
-    if not result.cycles:
-        return guess
-    along = translations(system)
-    q, v = result.state
-    return without(along, q) + (guess[0] - without(along, guess[0])), v  # back to where it began
 
 
 class _Hopeless(Exception):

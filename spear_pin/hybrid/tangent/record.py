@@ -72,10 +72,16 @@ class Recorder:
         self.end = lap.y
         return lap.arcs
 
-    def lap(self, y: Array) -> Lap | None:
-        """The cycle from a state just behind the section, (2 nv,), None where it does not close plainly."""
+    def lap(self, y: Array, held: Held | None = None) -> Lap | None:
+        """The cycle from a state just behind the section, (2 nv,), None where it does not close plainly.
+
+        Args:
+            y: the state.
+            held: what is held there; by default what the section's own latches say.
+        """
         phase, resets = self.start
-        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law)
+        if held is None:
+            held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law)
         return self._runner.lap(phase, y, held, [0.0] * len(self.system.robot.toes))
 
     def states(self, arc: Arc, times: Array) -> Array:

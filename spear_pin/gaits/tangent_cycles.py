@@ -1,0 +1,152 @@
+"""Cycles of one lane by the fast engine, with their exact derivatives: what Newton's method asks for at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, SpearError
+from spear_pin.gaits.sensitivity.measures import Measure, measure
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.batch import LOCK, check_lanes
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.engines.structure import NONZERO
+from spear_pin.hybrid.lanes.numbers import OTHERS
+from spear_pin.hybrid.newton import Lanes
+from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.result import Moment, Run
+from spear_pin.hybrid.shooting import Cycle, Cycles
+from spear_pin.hybrid.tangent.cycle import Derivative, differentiated
+from spear_pin.hybrid.tangent.record import Recorder
+
+Array = NDArray[np.float64]
+REFUSALS = SpearError, TypeError, ArithmeticError, np.linalg.LinAlgError
+"""What stands for no derivative: a cycle that has none, a latch that branches on a value, an overflow."""
+
+
+@dataclass
+class _Found:
+    """The last cycle that was asked for, with which derivatives come; None where there are none."""
+
+    key: bytes = b""
+    cycle: tuple[Derivative, list[Measure]] | None = None
+    count: int = 0
+
+
+@dataclass(frozen=True)
+class TangentCycles:
+    """Cycles of a system that differ in a few numbers, a `Cycle` of `hybrid.shooting` with its `Slopes`.
+
+    Attributes:
+        system: the system.
+        vary: names of the numbers.
+        measures: names of the measures.
+    """
+
+    system: HybridSystem
+    vary: tuple[str, ...]
+    measures: tuple[str, ...]
+    _found: _Found = field(default_factory=_Found, repr=False)
+
+    @property
+    def count(self) -> int:
+        """Cycles that were run."""
+        return self._found.count
+
+    def follow(self, moment: Moment, values: Array) -> Moment | None:
+        """Where a cycle leads from a moment just behind the section, with values of the numbers, (k,).
+
+        None where it does not close plainly.
+        """
+        try:
+            with LOCK:
+                lap = self._recorder(values).lap(np.concatenate([moment.q, moment.v]), moment.held)
+        except REFUSALS:
+            return None
+        return None if lap is None else Moment(*np.split(lap.y, 2), lap.phase, lap.held)
+
+    def _recorder(self, values: Array) -> Recorder:
+        """What runs cycles with values of the numbers, (k,)."""
+        return Recorder(self.system, dict(zip(self.vary, values.tolist(), strict=True)))
+
+    def otherwise(self, cycle: Cycle) -> Cycle:
+        """Cycles that are these where they have derivatives, else another engine's, as are those beside for differences.
+
+        Args:
+            cycle: the other engine's.
+        """
+
+        def cycles(lanes: Lanes, q: Array, v: Array, values: Array) -> Cycles:
+            found = self._at(q[0], v[0], values[0]) if len(lanes) == 1 else None
+            if found is None:
+                return cycle(lanes, q, v, values)
+            whole, measured = found
+            durations = {phase: np.array([seconds.x]) for phase, seconds in whole.durations.items()}
+            ends = whole.y[None, : q.shape[1]], whole.y[None, q.shape[1] :]
+            closes, reference = np.array([""], dtype=object), np.zeros(1, dtype=bool)
+            return Cycles(*ends, np.array([[each.value for each in measured]]), durations, closes, reference)
+
+        return cycles
+
+    def slopes(self, lanes: Lanes, q: Array, v: Array, values: Array) -> tuple[Array, Array]:
+        """Derivatives of cycles; see `hybrid.shooting.Slopes`."""
+        n, rows = len(lanes), q.shape[1] + v.shape[1]
+        width = rows + len(self.vary)
+        ends, measured = np.full((n, rows, width), np.nan), np.full((n, len(self.measures), width), np.nan)
+        for i in range(n):
+            if (found := self._at(q[i], v[i], values[i])) is not None:
+                ends[i] = found[0].dy
+                measured[i] = np.reshape([each.derivative for each in found[1]], (-1, width))
+        return ends, measured
+
+    def _at(self, q: Array, v: Array, values: Array) -> tuple[Derivative, list[Measure]] | None:
+        """The cycle from a state, along all directions of the state and the numbers."""
+        y = np.concatenate([q, v])
+        key = np.concatenate([y, values]).tobytes()
+        if key != self._found.key:
+            self._found.key, self._found.cycle = key, self._differentiated(y, values)
+            self._found.count += 1
+        return self._found.cycle
+
+    def _differentiated(self, y: Array, values: Array) -> tuple[Derivative, list[Measure]] | None:
+        if not (np.isfinite(y).all() and np.isfinite(values).all()):
+            return None
+        along = np.eye(len(y), len(y) + len(values))
+        try:
+            with_parameters(self.system, dict(zip(self.vary, values.tolist(), strict=True)))  # it says what is valid
+            with LOCK:
+                cycle = differentiated(self.system, self._recorder(values), y, along, self._seeds)
+            measured = [measure(cycle, along, name) for name in self.measures]
+        except REFUSALS:
+            return None
+        return None if None in measured else (cycle, [each for each in measured if each is not None])
+
+    @cached_property
+    def _seeds(self) -> Array:
+        """Derivatives of the system's numbers, which are linear in those that vary, (p, 2 nv + k)."""
+        own = np.array([parameter(self.system, name) for name in self.vary])
+        here = self._recorder(own).numbers
+        columns = [self._recorder(own + unit).numbers - here for unit in np.eye(len(own))]
+        still = np.zeros((len(here), 2 * self.system.robot.nv))
+        return np.concatenate([still, np.array(columns).reshape(len(own), -1).T], axis=1)
+
+
+def tangent_cycles(
+    system: HybridSystem, vary: Sequence[str], measures: Sequence[str | Callable[[Run], float]]
+) -> TangentCycles | None:
+    """Cycles with derivatives, None where nothing compiles them: heyoka is missing, or the system is not for lanes."""
+    names = tuple(name for name in measures if isinstance(name, str))
+    known = {*vars(system.law), *OTHERS}
+    if not taylor.available() or system.section_toes or len(names) < len(measures) or not known.issuperset(vary):
+        return None
+    if any(name in NONZERO and parameter(system, name) == 0.0 for name in vary):
+        return None  # what is zero is not compiled
+    try:
+        check_lanes(system)
+    except BadValue:
+        return None
+    return TangentCycles(system, tuple(vary), names)
