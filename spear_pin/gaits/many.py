@@ -15,8 +15,8 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.gaits.attempts import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.gaits.lane_cycles import NO_MULTIPLIERS, NOT_VALID, LaneCycles, multipliers, valid
-from spear_pin.gaits.search import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid import reasons
 from spear_pin.hybrid.automaton import HybridSystem

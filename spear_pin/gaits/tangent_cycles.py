@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -58,23 +58,24 @@ class TangentCycles:
         return self._found.count
 
     def follow(self, moment: Moment, values: Array) -> Moment | None:
-        """Where a cycle leads from a moment just behind the section, with values of the numbers, (k,).
+        """Where motion from the beginning of a phase meets the section, with values of the numbers, (k,).
 
-        None where it does not close plainly.
+        None where it does not plainly.
         """
         try:
             with LOCK:
-                lap = self._recorder(values).lap(np.concatenate([moment.q, moment.v]), moment.held)
+                lap = self._recorder(values).lap(moment.phase, np.concatenate([moment.q, moment.v]), moment.held)
         except REFUSALS:
             return None
-        return None if lap is None else Moment(*np.split(lap.y, 2), lap.phase, lap.held)
+        nq = len(moment.q)
+        return None if lap is None else Moment(lap.y[:nq], lap.y[nq:], lap.phase, lap.held)
 
     def _recorder(self, values: Array) -> Recorder:
         """What runs cycles with values of the numbers, (k,)."""
         return Recorder(self.system, dict(zip(self.vary, values.tolist(), strict=True)))
 
     def otherwise(self, cycle: Cycle) -> Cycle:
-        """Cycles that are these where they have derivatives, else another engine's, as are those beside for differences.
+        """Cycles that are these where they have derivatives, else another engine's, as all are that are differenced.
 
         Args:
             cycle: the other engine's.
@@ -132,7 +133,7 @@ class TangentCycles:
         here = self._recorder(own).numbers
         columns = [self._recorder(own + unit).numbers - here for unit in np.eye(len(own))]
         still = np.zeros((len(here), 2 * self.system.robot.nv))
-        return np.concatenate([still, np.array(columns).reshape(len(own), -1).T], axis=1)
+        return np.concatenate([still, np.array(columns).reshape(len(own), len(here)).T], axis=1)
 
 
 def tangent_cycles(

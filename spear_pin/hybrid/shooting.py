@@ -101,9 +101,9 @@ class Shooting:
 
         How a state moves on the section, with ξ and with the ground, is geometry, and differenced: no cycle is run.
         """
-        assert self.slopes is not None and isinstance(self.charts, Charts)
         n, width = unknowns.shape
         charts, d = self._on_ground(lanes, unknowns), self.charts.dimension
+        assert self.slopes is not None and isinstance(charts, Charts)
         offsets = stencil(width)
         beside = self.states(np.repeat(lanes, 2 * width), (unknowns[:, None] + offsets).reshape(-1, width))
         moves = differentiated(np.concatenate(beside, axis=1).reshape(n, 2 * width, -1))

@@ -65,23 +65,22 @@ class Recorder:
         Raises:
             NotDifferentiable: it does not close, or what happens in it is not plain.
         """
-        lap = self.lap(y)
+        phase, resets = self.start
+        lap = self.lap(phase, y, latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law))
         if lap is None:
             what = "toes alternate, bounce, or events crowd"
             raise NotDifferentiable(f"the cycle does not close, or what happens in it is not plain: {what}")
         self.end = lap.y
         return lap.arcs
 
-    def lap(self, y: Array, held: Held | None = None) -> Lap | None:
-        """The cycle from a state just behind the section, (2 nv,), None where it does not close plainly.
+    def lap(self, phase: str, y: Array, held: Held) -> Lap | None:
+        """The motion from the beginning of a phase to the section, None where it does not close plainly.
 
         Args:
-            y: the state.
-            held: what is held there; by default what the section's own latches say.
+            phase: the phase.
+            y: state there, (2 nv,).
+            held: what is held there.
         """
-        phase, resets = self.start
-        if held is None:
-            held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law)
         return self._runner.lap(phase, y, held, [0.0] * len(self.system.robot.toes))
 
     def states(self, arc: Arc, times: Array) -> Array:
