@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,15 +25,16 @@ from spear_pin.hybrid.tangent.cycle import Derivative, differentiated
 from spear_pin.hybrid.tangent.record import Recorder
 
 Array = NDArray[np.float64]
+SAME = 1e-14  # of a number: places that differ by rounding, as charts leave it, have one cycle
 REFUSALS = SpearError, TypeError, ArithmeticError, np.linalg.LinAlgError
 """What stands for no derivative: a cycle that has none, a latch that branches on a value, an overflow."""
 
 
 @dataclass
 class _Found:
-    """The last cycle that was asked for, with which derivatives come; None where there are none."""
+    """The last cycle that was asked for, with its derivatives; None where there are none."""
 
-    key: bytes = b""
+    place: Any = np.nan
     cycle: tuple[Derivative, list[Measure]] | None = None
     count: int = 0
 
@@ -107,9 +109,9 @@ class TangentCycles:
     def _at(self, q: Array, v: Array, values: Array) -> tuple[Derivative, list[Measure]] | None:
         """The cycle from a state, along all directions of the state and the numbers."""
         y = np.concatenate([q, v])
-        key = np.concatenate([y, values]).tobytes()
-        if key != self._found.key:
-            self._found.key, self._found.cycle = key, self._differentiated(y, values)
+        place = np.concatenate([y, values])
+        if not (np.abs(place - self._found.place) <= SAME * np.maximum(1.0, np.abs(place))).all():
+            self._found.place, self._found.cycle = place, self._differentiated(y, values)
             self._found.count += 1
         return self._found.cycle
 

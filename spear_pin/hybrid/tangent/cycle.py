@@ -30,6 +30,7 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable, derivatives, dual
 Array = NDArray[np.float64]
 MOST_PANELS = 64  # of an arc, which has as many as its motion needs
 SHORTEST = 1e-9  # s: there is nothing to be carried along a shorter arc
+EARLY = 4  # points that do not count yet where panels are long
 GRAZING = 1e-6  # of a guard's mean fall over its arc: it falls more slowly through zero
 
 
@@ -207,8 +208,8 @@ class _Whole:
             y = self.recorder.states(arc, t) if length > SHORTEST else np.tile(arc.y[:, None], (1, len(t)))
             if length <= SHORTEST or (left := roughness(y.T.reshape(panels, POINTS, -1))) <= TAIL:
                 return t, np.tile(h * gauss.weights, panels), h, y
-            # shorter by a factor, coefficients fall by that to the power of the points
-            panels = max(panels + 1, math.ceil(panels * (left / TAIL) ** (1.0 / POINTS)))
+            # shorter by a factor, coefficients fall by that to the power of the points, at first of fewer
+            panels = max(panels + 1, math.ceil(panels * (left / TAIL) ** (1.0 / (POINTS - EARLY))))
         raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")
 
     def _tau(self, arc: Arc, end: Values, dend: Values, rate: Values, values: Values, now: _Now) -> Array:
