@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import NONZERO
 from spear_pin.hybrid.lanes.numbers import OTHERS
 from spear_pin.hybrid.newton import Lanes
+from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.result import Moment, Run
 from spear_pin.hybrid.shooting import Cycle, Cycles
@@ -30,12 +31,18 @@ REFUSALS = SpearError, TypeError, ArithmeticError, np.linalg.LinAlgError
 """What stands for no derivative: a cycle that has none, a latch that branches on a value, an overflow."""
 
 
+class _Differentiated(NamedTuple):
+    cycle: Derivative
+    measured: list[Measure]
+    order: Order
+
+
 @dataclass
 class _Found:
     """The last cycle that was asked for, with its derivatives; None where there are none."""
 
     place: Any = np.nan
-    cycle: tuple[Derivative, list[Measure]] | None = None
+    cycle: _Differentiated | None = None
     count: int = 0
 
 
@@ -84,16 +91,20 @@ class TangentCycles:
         """
 
         def cycles(lanes: Lanes, q: Array, v: Array, values: Array) -> Cycles:
-            found = self._at(q[0], v[0], values[0]) if len(lanes) == 1 else None
-            if found is None:
-                return cycle(lanes, q, v, values)
-            whole, measured = found
-            durations = {phase: np.array([seconds.x]) for phase, seconds in whole.durations.items()}
-            ends = whole.y[None, : q.shape[1]], whole.y[None, q.shape[1] :]
-            closes, reference = np.array([""], dtype=object), np.zeros(1, dtype=bool)
-            return Cycles(*ends, np.array([[each.value for each in measured]]), durations, closes, reference)
+            found = self.one(q[0], v[0], values[0]) if len(lanes) == 1 else None
+            return cycle(lanes, q, v, values) if found is None else found
 
         return cycles
+
+    def one(self, q: Array, v: Array, values: Array) -> Cycles | None:
+        """The cycle of one lane, None where it has no derivatives."""
+        found = self._at(q, v, values)
+        if found is None:
+            return None
+        y, measured = found.cycle.y[None], np.array([[each.value for each in found.measured]])
+        durations = {phase: np.array([seconds.x]) for phase, seconds in found.cycle.durations.items()}
+        closes, reference = np.array([""], dtype=object), np.zeros(1, dtype=bool)
+        return Cycles(y[:, : len(q)], y[:, len(q) :], measured, durations, closes, reference, [found.order])
 
     def slopes(self, lanes: Lanes, q: Array, v: Array, values: Array) -> tuple[Array, Array]:
         """Derivatives of cycles; see `hybrid.shooting.Slopes`."""
@@ -102,11 +113,11 @@ class TangentCycles:
         ends, measured = np.full((n, rows, width), np.nan), np.full((n, len(self.measures), width), np.nan)
         for i in range(n):
             if (found := self._at(q[i], v[i], values[i])) is not None:
-                ends[i] = found[0].dy
-                measured[i] = np.reshape([each.derivative for each in found[1]], (-1, width))
+                ends[i] = found.cycle.dy
+                measured[i] = np.reshape([each.derivative for each in found.measured], (-1, width))
         return ends, measured
 
-    def _at(self, q: Array, v: Array, values: Array) -> tuple[Derivative, list[Measure]] | None:
+    def _at(self, q: Array, v: Array, values: Array) -> _Differentiated | None:
         """The cycle from a state, along all directions of the state and the numbers."""
         y = np.concatenate([q, v])
         place = np.concatenate([y, values])
@@ -115,18 +126,20 @@ class TangentCycles:
             self._found.count += 1
         return self._found.cycle
 
-    def _differentiated(self, y: Array, values: Array) -> tuple[Derivative, list[Measure]] | None:
+    def _differentiated(self, y: Array, values: Array) -> _Differentiated | None:
         if not (np.isfinite(y).all() and np.isfinite(values).all()):
             return None
         along = np.eye(len(y), len(y) + len(values))
         try:
             with_parameters(self.system, dict(zip(self.vary, values.tolist(), strict=True)))  # it says what is valid
             with LOCK:
-                cycle = differentiated(self.system, self._recorder(values), y, along, self._seeds)
+                recorder = self._recorder(values)
+                cycle = differentiated(self.system, recorder, y, along, self._seeds)
             measured = [measure(cycle, along, name) for name in self.measures]
         except REFUSALS:
             return None
-        return None if None in measured else (cycle, [each for each in measured if each is not None])
+        known = [each for each in measured if each is not None]
+        return _Differentiated(cycle, known, recorder.order) if len(known) == len(measured) else None
 
     @cached_property
     def _seeds(self) -> Array:

@@ -18,6 +18,7 @@ from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.compilation import Compilation
 from spear_pin.hybrid.lanes.lone_runner import Lap, LoneRunner
 from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import start
 from spear_pin.hybrid.tangent.fields import TangentFeet, TangentField, tangent_feet, tangent_field
@@ -40,6 +41,7 @@ class Recorder:
         law: parameters of the law.
         numbers: run-time parameters ahead of what is held, (p,).
         end: state at the end of the last cycle, (2 nv,).
+        order: the order of its events.
     """
 
     def __init__(self, system: HybridSystem, given: Mapping[str, float] | None = None) -> None:
@@ -50,6 +52,7 @@ class Recorder:
         self._constants = self._numbers.constants(0)
         self.numbers = np.array(self._constants, dtype=float)
         self.end = np.empty(0)
+        self.order: Order = ()
         # the system keeps its domains, so that their identities stay
         self._fields = _fields.setdefault(self._numbers.compilation, {})
         self._feet: dict[tuple[str, ...], TangentFeet] = {}
@@ -70,7 +73,7 @@ class Recorder:
         if lap is None:
             what = "toes alternate, bounce, or events crowd"
             raise NotDifferentiable(f"the cycle does not close, or what happens in it is not plain: {what}")
-        self.end = lap.y
+        self.end, self.order = lap.y, lap.order
         return lap.arcs
 
     def lap(self, phase: str, y: Array, held: Held) -> Lap | None:
