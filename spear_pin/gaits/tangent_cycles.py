@@ -106,6 +106,11 @@ class TangentCycles:
         closes, reference = np.array([""], dtype=object), np.zeros(1, dtype=bool)
         return Cycles(y[:, : len(q)], y[:, len(q) :], measured, durations, closes, reference, [found.order])
 
+    def borders(self, q: Array, v: Array, values: Array) -> tuple[str, ...]:
+        """Events of one lane's cycle that meet another, so that its derivatives are of one side."""
+        found = self._at(q, v, values)
+        return () if found is None else found.cycle.borders
+
     def slopes(self, lanes: Lanes, q: Array, v: Array, values: Array) -> tuple[Array, Array]:
         """Derivatives of cycles; see `hybrid.shooting.Slopes`."""
         n, rows = len(lanes), q.shape[1] + v.shape[1]
