@@ -51,11 +51,13 @@ def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[
         return return_map(trial, begun, rtol), np.empty(0)
 
     exact = tangent_cycles(system, inputs, ())
-    shooting = Shooting(local.lane, one_by_one(cycle), tuple(inputs), slopes=exact and exact.slopes)
+    slopes = None if exact is None else exact.slopes
+    shooting = Shooting(local.lane, one_by_one(cycle), tuple(inputs), slopes=slopes)
     if exact is not None and not exact.borders(*gait.state, nominal):
-        slopes = shooting.jacobians(np.zeros(1, dtype=np.int64), np.concatenate([np.zeros(n), nominal])[None])[0]
-        if np.isfinite(slopes).all():
-            return slopes[:, :n] + np.eye(n), slopes[:, n:]
+        here = np.concatenate([np.zeros(n), nominal])
+        found = shooting.jacobians(np.zeros(1, dtype=np.int64), here[None])[0]
+        if np.isfinite(found).all():
+            return found[:, :n] + np.eye(n), found[:, n:]
     centre, sizes = np.concatenate([np.zeros(n), nominal]), np.concatenate([np.ones(n), scales])
     found, why = jacobian(lambda lanes, z: shooting.mapped(lanes, centre + sizes * z), np.zeros(len(centre)))
     if why:
