@@ -1,8 +1,9 @@
-"""What exact derivatives cost, in plain cycles: `python -m benchmarks.tangents [--json]`.
+"""What exact derivatives cost, and what searches by them do: `python -m benchmarks.tangents [--json]`.
 
 Of the hop and of two bounds: all columns of the return map by the section's coordinates and by parameters, in
-plain cycles of the fast engine alone; central differences of the same columns by that engine; and the time in which the
-multipliers are found. The best of several repetitions, once all is compiled.
+plain cycles of the fast engine alone; the Jacobian that a search asks for, and central differences of the same engine,
+extrapolated once to be as exact; a search for the gait at another flight time or speed, by both. The best of several
+repetitions, once all is compiled, in seconds of the processor, with those of the clock beside the searches.
 """
 
 from __future__ import annotations
@@ -10,12 +11,29 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Callable
-from time import perf_counter
+from functools import partial
+from time import perf_counter, process_time
+from unittest.mock import patch
 
 import numpy as np
 
 from spear_pin import Gait, find_gait, hopping, load
+from spear_pin.gaits.lane_cycles import LaneCycles
+from spear_pin.gaits.many import MEASURES
 from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.gaits.tangent_cycles import tangent_cycles
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.engines.taylor import UNROLLED, Code
+from spear_pin.hybrid.lanes.lone_runner import LoneRunner
+from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.newton import jacobian
+from spear_pin.hybrid.parameters import parameter
+from spear_pin.hybrid.periodic import chart
+from spear_pin.hybrid.result import State
+from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.start import start
+from spear_pin.hybrid.shooting import Shooting
 from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.record import Recorder
 
@@ -36,25 +54,30 @@ def main() -> None:
     parser.add_argument("--json", action="store_true", help="print them as JSON")
     arguments = parser.parse_args()
     system = hopping(load("spear_ii", locked=["boom_x"]))
-    hop = find_gait(system, vary=["stance_torque"], target={"flight_time": 0.2})
-    rows = {"hop": row(hop, OF_HOP)}
-    for name in ("long_stride", "least_effort"):
-        rows[name] = row(Gait.load(name), OF_BOUND)
+    asked = ["stance_torque"], {"flight_time": 0.2}
+    hop = find_gait(system, *asked)
+    rows = {}
+    for name, speed in (("hop", None), ("long_stride", 2.55), ("least_effort", 2.51)):
+        gait, over, guess = hop, OF_HOP, None
+        if speed is not None:
+            gait, over, asked = Gait.load(name), OF_BOUND, (["posterior_hip_torque"], {"mean_speed": speed})
+            guess = gait.state
+        rows[name] = row(gait, over) | jacobian_of(gait, *asked) | search(gait, *asked, guess=guess)
+        if not arguments.json:
+            print(name, ", ".join(f"{what} {value:.4g}" for what, value in rows[name].items()), flush=True)
     if arguments.json:
         print(json.dumps(rows))
-        return
-    for name, figures in rows.items():
-        print(name, ", ".join(f"{what} {value:.4g}" for what, value in figures.items()))
 
 
 def row(gait: Gait, over: tuple[str, ...]) -> dict[str, float]:
-    """Figures of one gait."""
+    """Figures of one gait's derivatives by many parameters."""
     orbit = Orbit(gait.system, gait.state, over)
-    start, seeds = orbit.start, orbit.seeds
-    recorder, y = Recorder(gait.system), np.concatenate(orbit.chart.state(np.zeros(orbit.dimension)))
-    plain = best(lambda: recorder.cycle(y))
-    exact = best(lambda: differentiated(gait.system, recorder, y, start, seeds))
-    columns = start.shape[1]
+    begins, seeds = orbit.start, orbit.seeds
+    y = np.concatenate(orbit.chart.state(np.zeros(orbit.dimension)))
+    recorder, runner = Recorder(gait.system), fastest(gait.system)
+    plain = best(lambda: runner(y))
+    exact = best(lambda: differentiated(gait.system, recorder, y, begins, seeds))
+    columns = begins.shape[1]
     return {
         "columns": columns,
         "plain_ms": 1e3 * plain,
@@ -64,15 +87,62 @@ def row(gait: Gait, over: tuple[str, ...]) -> dict[str, float]:
     }
 
 
+def fastest(system: HybridSystem) -> Callable[[np.ndarray], object]:
+    """What runs a cycle by code that takes longest to compile."""
+    runner = LoneRunner(Numbers(system, {}, Code(1e-15, unrolled=system.robot.nv <= UNROLLED)), 0)
+    (phase, resets), nv = start(system, True), system.robot.nv
+    toes = [0.0] * len(system.robot.toes)
+    return lambda y: runner.lap(phase, y, latched({}, resets, y[:nv].tolist(), y[nv:].tolist(), system.law), toes)
+
+
+def jacobian_of(gait: Gait, vary: list[str], target: dict[str, float]) -> dict[str, float]:
+    """The Jacobian that Newton's method asks for, and differences of two steps that are extrapolated."""
+    system, names = gait.system, tuple(target)
+    charts, wanted = chart(system, gait.state).lane, np.array([[*target.values()]])
+    x = np.concatenate([np.zeros(charts.dimension), [parameter(system, name) for name in vary]])
+    lanes = LaneCycles(system, {}, tuple(vary), [MEASURES[name] for name in names], 1e-12)
+    by_lanes, one = Shooting(charts, lanes, tuple(vary), wanted), np.zeros(1, dtype=np.int64)
+
+    def exactly() -> np.ndarray:
+        cycles = tangent_cycles(system, vary, names)
+        assert cycles is not None
+        return Shooting(charts, lanes, tuple(vary), wanted, cycles.slopes).jacobians(one, x[None])[0]
+
+    def by_differences() -> np.ndarray:
+        wide, narrow = (jacobian(by_lanes.residuals, x, h)[0] for h in (1e-4, 5e-5))
+        return (4.0 * narrow - wide) / 3.0
+
+    off = float(np.abs(exactly() - by_differences()).max() / np.abs(exactly()).max())
+    return {"jacobian_ms": 1e3 * best(exactly), "differences_ms": 1e3 * best(by_differences), "they_differ_by": off}
+
+
+def search(gait: Gait, vary: list[str], target: dict[str, float], guess: State | None) -> dict[str, float]:
+    """A search once compiled, and without the engine that has derivatives."""
+    figures = {}
+    for name, there in (("search", True), ("search_by_differences", False)):
+        with patch.object(taylor, "available", lambda there=there: there):
+            run = partial(find_gait, gait.system, vary, target, guess=guess)
+            if there:
+                run()
+            figures[f"{name}_s"], figures[f"{name}_clock_s"] = least(run, 3 if there else 1)
+    return figures
+
+
 def best(run: Callable[[], object]) -> float:
-    """Least time of some repetitions, in s."""
-    times = []
+    """Least time of the processor of some repetitions, in s."""
     run()
-    for _ in range(REPEATED):
-        begun = perf_counter()
+    return least(run, REPEATED)[0]
+
+
+def least(run: Callable[[], object], repeated: int) -> tuple[float, float]:
+    """Least times of some repetitions, by the processor and by the clock, in s."""
+    times = []
+    for _ in range(repeated):
+        begun = process_time(), perf_counter()
         run()
-        times.append(perf_counter() - begun)
-    return min(times)
+        times.append((process_time() - begun[0], perf_counter() - begun[1]))
+    of_processor, of_clock = zip(*times, strict=True)
+    return min(of_processor), min(of_clock)
 
 
 if __name__ == "__main__":

@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     save_figure(elasticities(found), files[1])
     told = listed(arguments.out, STEM, files)
     return {
-        "parameters": dict(zip(found.parameters, found.at.tolist(), strict=True)),
+        "parameters": dict(zip(found.parameters, found.given.tolist(), strict=True)),
         "solved": {name: values.tolist() for name, values in found.solved.items()},
         "values": dict(found.outputs),
         "units": dict(found.output_units),

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.bounding_law import INPUTS
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.tangent_cycles import tangent_cycles
 from spear_pin.hybrid.newton import jacobian
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import chart, eigenvalues, multipliers, one_by_one, return_map
+from spear_pin.hybrid.periodic import chart, eigenvalues, one_by_one, return_map
 from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.shooting import Shooting
 from spear_pin.kinds import typed
@@ -27,6 +28,9 @@ GAINS, GAIN_STEP = (-150.0, 150.0), 20.0  # N·s: among which the best is sought
 @typed
 def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[Array, Array]:
     """A and B of ξ⁺ = A ξ + B w: the return map's derivatives by section coordinates and by parameters.
+
+    They are exact where the fast engine runs the gait and no events meet in it, which gives each side of it derivatives
+    of its own; else central differences of the reference engine's cycles, in the mean of both sides.
 
     Args:
         gait: the gait.
@@ -46,7 +50,14 @@ def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[
         trial = with_parameters(system, dict(zip(inputs, values.tolist(), strict=True)))
         return return_map(trial, begun, rtol), np.empty(0)
 
-    shooting = Shooting(local.lane, one_by_one(cycle), tuple(inputs))
+    exact = tangent_cycles(system, inputs, ())
+    slopes = None if exact is None else exact.slopes
+    shooting = Shooting(local.lane, one_by_one(cycle), tuple(inputs), slopes=slopes)
+    if exact is not None and not exact.borders(*gait.state, nominal):
+        here = np.concatenate([np.zeros(n), nominal])
+        found = shooting.jacobians(np.zeros(1, dtype=np.int64), here[None])[0]
+        if np.isfinite(found).all():
+            return found[:, :n] + np.eye(n), found[:, n:]
     centre, sizes = np.concatenate([np.zeros(n), nominal]), np.concatenate([np.ones(n), scales])
     found, why = jacobian(lambda lanes, z: shooting.mapped(lanes, centre + sizes * z), np.zeros(len(centre)))
     if why:
@@ -145,4 +156,4 @@ def _without_feedback(gait: Gait) -> None:
 
 def _multiplied(gait: Gait, rtol: float) -> Gait:
     """The gait with its multipliers anew."""
-    return replace(gait, multipliers=multipliers(gait.system, gait.state, rtol))
+    return replace(gait, multipliers=eigenvalues(linearized(gait, (), rtol)[0]))

@@ -3,41 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName
-from spear_pin.gaits.diagnosis import Reached, explained
+from spear_pin.errors import BadValue, NoGait, UnknownName
+from spear_pin.gaits.attempts import ENOUGH, Hopeless, Measure, sought
+from spear_pin.gaits.diagnosis import explained
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.targets import check_wanted
-from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
+from spear_pin.gaits.tolerances import TOLERANCE
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.newton import CONVERGED, NO_NEIGHBOUR, NO_PROGRESS, NO_START, TOO_LONG, Lanes
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import EVALUATIONS, chart, displacement, multipliers, one_by_one, return_map
-from spear_pin.hybrid.result import Moment, Options, Run, State
-from spear_pin.hybrid.run import run
-from spear_pin.hybrid.shooting import Shooting
-from spear_pin.hybrid.translation import translations, without
+from spear_pin.hybrid.periodic import EVALUATIONS
+from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
 
-Array = NDArray[np.float64]
-Measure = Callable[[Run], float]
-
-SETTLING = Options(rtol=1e-7, max_evaluations=EVALUATIONS)  # of each of these
-STRAINED = 2  # cycles with more evaluations than any gait's, after which a search is given up
-ENOUGH = 200_000  # evaluations after which no continuation is begun or refined
-ROUGH_RTOL, ROUGH_TOLERANCE = 1e-8, 1e-6  # of the integrator and of Newton's method until a solution is near
 FACTORS = (1.0, 0.9, 1.1, 0.8, 1.2)  # of the varied parameters' starting values, tried in turn
-SHORTEST_STEP = 1.0 / 16.0  # of the way to the targets: the first one, and the last where steps have to shrink
-WHY: Mapping[str, str] = {
-    NO_START: "the cycle does not close at the starting point",
-    NO_NEIGHBOUR: "the cycle does not close near an iterate",
-    NO_PROGRESS: "Newton's method makes no progress",
-    TOO_LONG: "Newton's method did not converge in {n} iterations",
-}
 
 
 @typed
@@ -51,6 +32,10 @@ def find_gait(
     on_iteration: Callable[[int, float], object] = lambda n, norm: None,
 ) -> Gait:
     """Solve x = P(x) of (4.12) together with the targets, by Newton's method on the return map.
+
+    Cycles come with exact derivatives where the fast engine runs them (in the plane, without hardware, heyoka being
+    installed, all targets measures by name); elsewhere they are the reference engine's, and differenced. That one has
+    the last word on every gait: its residual is of `rtol`.
 
     Where that fails, the same is tried from other starting values of the parameters, and then the
     fixed point of each start is carried to the targets step by step.
@@ -85,8 +70,7 @@ def find_gait(
         if not callable(name) and name not in system.measures:
             raise UnknownName("target", name, system.measures)
     check_wanted(system, target)
-    measures = tuple(name if callable(name) else system.measures[name] for name in target)
-    search = _Search(tuple(vary), measures, np.array(list(target.values()), dtype=float), rtol, on_iteration)
+    search = sought(system, vary, target, rtol, on_iteration)
     start = np.array([parameter(system, name) for name in vary])
     factors = FACTORS if vary else FACTORS[:1]
     begun = [with_parameters(system, dict(zip(vary, (k * start).tolist(), strict=True))) for k in factors]
@@ -97,7 +81,7 @@ def find_gait(
     try:
         for approach, i in attempts:
             if len(settled) == i:
-                settled.append(guess if guess is not None else _settle(begun[i]))
+                settled.append(guess if guess is not None else search.settled(begun[i]))
             try:
                 return search.gait(*approach(begun[i], settled[i]))
             except NoGait as failure:
@@ -105,7 +89,7 @@ def find_gait(
             tried = len(failures) >= len(begun)
             if search.effort.reached or (tried and search.effort.evaluations > ENOUGH):
                 break  # a path to the targets ends where it did, begun anywhere
-    except _Hopeless:
+    except Hopeless:
         residual = min((failure.residual for failure in failures), default=np.inf)
         failures = [NoGait(f"cycles take more than {EVALUATIONS} evaluations each, which no gait's does", residual)]
     nearest = min(failures, key=lambda each: each.residual)
@@ -127,164 +111,8 @@ def gait_beside(
     Raises:
         NoGait: Newton's method does not end in one.
     """
-    measures = tuple(system.measures[name] for name in target)
-    search = _Search(tuple(vary), measures, np.array(list(target.values()), dtype=float), rtol, lambda n, norm: None)
+    search = sought(system, vary, target, rtol)
     try:
         return search.gait(*search.newton(system, state, search.wanted, rtol, min(TOLERANCE, rtol)))
-    except _Hopeless:
+    except Hopeless:
         raise NoGait(f"cycles take more than {EVALUATIONS} evaluations each", np.inf) from None
-
-
-@dataclass
-class _Effort:
-    """What a search has done so far.
-
-    Attributes:
-        evaluations: right-hand sides of its cycles.
-        strained: cycles that ran into the cap on evaluations.
-        reached: the farthest that a continuation came.
-    """
-
-    evaluations: int = 0
-    strained: int = 0
-    reached: Reached | None = None
-
-
-@dataclass(frozen=True)
-class _Search:
-    """Search for the gait: what is varied, measured and wanted."""
-
-    vary: tuple[str, ...]
-    measures: tuple[Measure, ...]
-    wanted: Array
-    rtol: float
-    on_iteration: Callable[[int, float], object]
-    effort: _Effort = field(default_factory=_Effort)
-
-    def directly(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
-        """The system and state that meet the targets, by Newton's method."""
-        return self.newton(*self.roughly(system, state, self.wanted), self.wanted, self.rtol, min(TOLERANCE, self.rtol))
-
-    def by_continuation(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
-        """The system and state, from the fixed point of the system as it is, the targets moved step by step."""
-        unasked = _Search((), (), self.wanted[:0], self.rtol, self.on_iteration, self.effort)
-        system, state = unasked.roughly(system, state, self.wanted[:0])
-        begin = self.measure(return_map(system, state, self.rtol))
-        done, step, growth = 0.0, SHORTEST_STEP, 2.0
-        while done < 1.0:
-            reach = min(1.0, done + step)
-            try:
-                system, state = self.roughly(system, state, begin + reach * (self.wanted - begin))
-                done, step, growth = reach, growth * step, 2.0
-                self.effort.reached = Reached(done, system, state)
-            except NoGait:
-                step, growth = 0.5 * step, 1.0
-                if step < SHORTEST_STEP or self.effort.evaluations > ENOUGH:
-                    raise
-        return self.directly(system, state)
-
-    def roughly(self, system: HybridSystem, state: State, wanted: Array) -> tuple[HybridSystem, State]:
-        """The system and state that meet the targets to a few digits, at less than half the cost."""
-        return self.newton(system, state, wanted, max(ROUGH_RTOL, self.rtol), ROUGH_TOLERANCE)
-
-    def newton(
-        self, system: HybridSystem, state: State, wanted: Array, rtol: float, tolerance: float
-    ) -> tuple[HybridSystem, State]:
-        """Newton's method from a state on the section and the system's own parameters."""
-        local = chart(system, state)
-        start = np.array([[parameter(system, name) for name in self.vary]])
-
-        def cycle(begun: State, values: Array) -> tuple[Run, Array] | str:
-            try:
-                result = return_map(with_parameters(system, self.named(values)), begun, rtol)
-                self._look_after(result)
-                return result, self.measure(result) if result.cycles else np.empty(0)
-            except SpearError as error:  # a parameter out of range, a toe below ground, an event that did not happen
-                return str(error)
-
-        shooting = Shooting(local.lane, one_by_one(cycle, len(self.measures)), self.vary, wanted[None])
-        roots = shooting.solve(start, tolerance, on_iterates=self._tell)
-        if roots.end[0] != CONVERGED:
-            raise NoGait(WHY[roots.end[0]].format(n=roots.iteration[0]), float(roots.norm[0]))
-        q, v = shooting.states(np.zeros(1, dtype=np.int64), roots.x)
-        return with_parameters(system, self.named(roots.x[0, local.dimension :])), (q[0], v[0])
-
-    def named(self, values: Array) -> dict[str, float]:
-        """Values of what varies, by name."""
-        return dict(zip(self.vary, values.tolist(), strict=True))
-
-    def _tell(self, lanes: Lanes, iteration: Lanes, norm: Array) -> None:
-        for n, residual in zip(iteration.tolist(), norm.tolist(), strict=True):
-            self.on_iteration(n, residual)
-
-    def _look_after(self, result: Run) -> None:
-        """Count, and give the search up when too many cycles took more evaluations than any gait's."""
-        self.effort.evaluations += result.evaluations
-        if result.reason == "evaluation_cap":
-            self.effort.strained += 1
-            if self.effort.strained == STRAINED:
-                raise _Hopeless
-
-    def measure(self, result: Run) -> Array:
-        """The measures of a one-cycle run."""
-        return np.array([measure(result) for measure in self.measures], dtype=float)
-
-    def gait(self, system: HybridSystem, state: State) -> Gait:
-        """The gait at a solution, checked on the whole state, and on the cycle after it."""
-        result = return_map(system, state, self.rtol)
-        error = float(np.abs(displacement(system, state, result.state)).max())
-        allowed = max(RESIDUAL, 10.0 * self.rtol)
-        if not error <= allowed:
-            raise NoGait(f"the cycle that was found closes no better at rtol {self.rtol:g}", error)
-        values = multipliers(system, state, self.rtol)
-        _check_memory(system, result, allowed * max(1.0, float(np.abs(values).max())), self.rtol)
-        return Gait(
-            system=system,
-            state=state,
-            parameters={name: parameter(system, name) for name in self.vary},
-            residual=error,
-            multipliers=values,
-            durations=result.durations,
-        )
-
-
-def _check_memory(system: HybridSystem, cycle: Run, allowed: float, rtol: float) -> None:
-    """The next cycle, which remembers the first, closes as well.
-
-    Raises:
-        NoGait: something latched before the section acts after it, so that (q, v) is not all that a cycle depends on.
-    """
-    moment = Moment(*cycle.state, cycle.domain.phase, cycle.held)
-    again = run(system, moment, 1, Options(rtol=rtol, max_evaluations=EVALUATIONS))
-    error = float(np.abs(displacement(system, cycle.state, again.state)).max()) if again.cycles else np.inf
-    if not error <= allowed:
-        raise NoGait("the next cycle differs: something latched before the section acts after it", error)
-
-
-def _settle(system: HybridSystem) -> State:
-    """The system's guess, followed for a few cycles towards a stable gait; where that breaks off, the guess.
-
-    Raises:
-        _Hopeless: one cycle takes more evaluations than any gait's.
-    """
-    guess = system.guess()
-    result = run(system, guess, 1, SETTLING)
-    for _ in range(SETTLE - 1):
-        if not result.cycles:
-            break
-        moment = Moment(*result.state, system.section_phase, result.held)
-        try:
-            result = run(system, moment, 1, SETTLING)
-        except BadValue:  # so roughly integrated that a toe is below the ground: where it is is as near as it gets
-            break
-    if result.reason == "evaluation_cap":
-        raise _Hopeless
-    if not result.cycles:
-        return guess
-    along = translations(system)
-    q, v = result.state
-    return without(along, q) + (guess[0] - without(along, guess[0])), v  # back to where it began
-
-
-class _Hopeless(Exception):
-    """Cycles take more evaluations than any gait's."""

@@ -22,6 +22,8 @@ Evaluate = Callable[[Lanes, Array], tuple[Array, Words]]
 """Values of functions, (m, r), at unknowns, (m, k), each of the lane that is named for it, and why there is none, ""
 where there is one. A lane is named more than once only for differences, which are of no use when one of them has no
 value: the evaluator may leave out the others then, with the same word."""
+Slopes = Callable[[Lanes, Array], Array]
+"""Jacobians of the same functions, (m, r, k), at unknowns, (m, k), NaN where they are not known."""
 OnIterates = Callable[[Lanes, NDArray[np.int64], Array], object]
 
 STEP = 1e-5  # of differences: errors of order STEP, of order STEP² where they are central, and rtol / STEP
@@ -104,9 +106,12 @@ def newton(
     iterations: int = ITERATIONS,
     calls: int | None = None,
     quick: float = QUICK,
+    slopes: Slopes | None = None,
     on_iterates: OnIterates = ignored,
 ) -> Roots:
-    """Damped Newton's method with forward differences, updated (Broyden) while a step gains a lot.
+    """Damped Newton's method with exact Jacobians where they are known.
+
+    Elsewhere they are forward differences, updated (Broyden) while a step gains a lot.
 
     Args:
         evaluate: the residuals, as many as unknowns.
@@ -116,11 +121,16 @@ def newton(
         iterations: at most so many steps.
         calls: of the evaluator at most, if there is a bound.
         quick: of the residual, what a step may leave for the Jacobian to be updated, not differentiated anew.
+        slopes: the Jacobians, if there is anything that knows them.
         on_iterates: called with the lanes that have taken a step (or a first value), how many each, and the residuals.
     """
     lanes, k = _begun(start / scale, iterations), start.shape[1]
     for _ in range(calls) if calls is not None else count():
         going = lanes.end == ""
+        if slopes is not None and len(asking := np.flatnonzero(going & ~lanes.fresh & (lanes.iteration >= 0))):
+            exact = slopes(asking, lanes.x[asking] * scale[asking]) * scale[asking, None]
+            known = np.isfinite(exact).all(axis=(1, 2))
+            lanes.put(asking[known], _with_jacobian(lanes.take(asking[known]), exact[known]))
         trying, differing = np.flatnonzero(going & ~lanes.differs), np.flatnonzero(going & lanes.differs)
         if not len(trying) and not len(differing):
             break
@@ -201,16 +211,19 @@ def _refused(lanes: _Iterates, why: Words, tolerance: float) -> _Iterates:
 
 def _differentiated(lanes: _Iterates, values: Array, why: Words) -> _Iterates:
     """The lanes after forward differences with these values, (n, k, k), a row for each unknown."""
-    n, whole = len(values), np.asarray(np.isfinite(values).all(axis=(1, 2), keepdims=True))
+    whole = np.asarray(np.isfinite(values).all(axis=(1, 2), keepdims=True))
     return replace(
-        lanes,
-        jacobian=np.where(whole, np.swapaxes(values - lanes.residual[:, None], 1, 2) / STEP, 0.0),
-        fresh=np.ones(n, dtype=bool),
-        damping=np.ones(n),
-        differs=np.zeros(n, dtype=bool),
+        _with_jacobian(lanes, np.where(whole, np.swapaxes(values - lanes.residual[:, None], 1, 2) / STEP, 0.0)),
         end=np.where(whole[:, 0, 0], "", NO_NEIGHBOUR).astype(object),
         reason=first_words(why),
     )
+
+
+def _with_jacobian(lanes: _Iterates, jacobian: Array) -> _Iterates:
+    """The lanes with Jacobians at where they are."""
+    n = len(jacobian)
+    fresh, damping, differs = np.ones(n, dtype=bool), np.ones(n), np.zeros(n, dtype=bool)
+    return replace(lanes, jacobian=jacobian, fresh=fresh, damping=damping, differs=differs)
 
 
 def broyden(jacobian: Array, step: Array, change: Array) -> Array:

@@ -169,6 +169,12 @@ class Charts:
         parts = (self.q_bases, q - self.q), (self.v_bases, v - self.v)
         return np.concatenate([applied(np.swapaxes(bases, 1, 2), part) for bases, part in parts], axis=1)
 
+    def changes(self, moves: Array) -> Array:
+        """Changes of ξ, (n, d, c), with those of states, (n, nq + nv, c)."""
+        nv = self.q.shape[1]
+        parts = (self.q_bases, moves[:, :nv]), (self.v_bases, moves[:, nv:])
+        return np.concatenate([np.swapaxes(bases, 1, 2) @ part for bases, part in parts], axis=1)
+
 
 @dataclass(frozen=True)
 class Chart:

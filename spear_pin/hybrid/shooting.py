@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.newton import Lanes, OnIterates, Roots, Words, ignored, newton
+from spear_pin.hybrid.newton import Lanes, OnIterates, Roots, Words, differentiated, ignored, newton, stencil
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.section import Charts
 from spear_pin.hybrid.spatial_section import SpatialCharts
@@ -46,6 +46,9 @@ class Cycles:
 
 Cycle = Callable[[Lanes, Array, Array, Array], Cycles]
 """One cycle of some lanes, (n,), from states q and v with values of what varies, (n, k)."""
+Slopes = Callable[[Lanes, Array, Array, Array], tuple[Array, Array]]
+"""Derivatives of such cycles' ends (q, v), (n, 2 nv, 2 nv + k), and of what is measured, (n, r, 2 nv + k), by the state
+and by what varies; NaN where they are not known."""
 
 
 @dataclass(frozen=True)
@@ -57,12 +60,14 @@ class Shooting:
         cycle: runs the cycles.
         vary: names of the parameters that are solved for.
         wanted: the targets, (n, k).
+        slopes: derivatives of the cycles, if anything knows them.
     """
 
     charts: Charts | SpatialCharts
     cycle: Cycle
     vary: tuple[str, ...] = ()
     wanted: Array = field(default_factory=lambda: np.empty((1, 0)))
+    slopes: Slopes | None = None
 
     def states(self, lanes: Lanes, unknowns: Array) -> tuple[Array, Array]:
         """The states on the section, (n, nq) and (n, nv); it is on the ground as it varies."""
@@ -91,6 +96,22 @@ class Shooting:
         values[reason != ""] = np.nan
         return values, reason
 
+    def jacobians(self, lanes: Lanes, unknowns: Array) -> Array:
+        """Exact Jacobians of the residuals, (n, d + k, d + k), NaN where they are not known.
+
+        How a state moves on the section, with ξ and with the ground, is geometry, and differenced: no cycle is run.
+        """
+        n, width = unknowns.shape
+        charts, d = self._on_ground(lanes, unknowns), self.charts.dimension
+        assert self.slopes is not None and isinstance(charts, Charts)
+        offsets = stencil(width)
+        beside = self.states(np.repeat(lanes, 2 * width), (unknowns[:, None] + offsets).reshape(-1, width))
+        moves = differentiated(np.concatenate(beside, axis=1).reshape(n, 2 * width, -1))
+        held = np.broadcast_to(np.eye(width - d, width, d), (n, width - d, width))
+        ends, measured = self.slopes(lanes, *charts.states(unknowns[:, :d]), unknowns[:, d:])
+        along = np.concatenate([moves, held], axis=1)
+        return np.concatenate([charts.changes(ends @ along - moves), measured @ along], axis=1)
+
     def solve(
         self, start: Array, tolerance: float, calls: int | None = None, on_iterates: OnIterates = ignored
     ) -> Roots:
@@ -98,4 +119,5 @@ class Shooting:
         still = np.zeros((len(start), self.charts.dimension))
         scale = np.concatenate([np.ones_like(still), np.maximum(1.0, np.abs(start))], axis=1)
         begin = np.concatenate([still, start], axis=1)
-        return newton(self.residuals, begin, scale, tolerance, calls=calls, on_iterates=on_iterates)
+        slopes = None if self.slopes is None else self.jacobians
+        return newton(self.residuals, begin, scale, tolerance, calls=calls, slopes=slopes, on_iterates=on_iterates)

@@ -14,9 +14,10 @@ from types import MappingProxyType
 import numpy as np
 
 from spear_pin.errors import BadValue, NoGait, require
+from spear_pin.gaits.attempts import Measure
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
-from spear_pin.gaits.search import Measure, find_gait
+from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.kinds import typed

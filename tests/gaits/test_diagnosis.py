@@ -6,7 +6,7 @@ import pytest
 
 from spear_pin import HoppingLaw, Spring, find_gait, hopping, load, monopod
 from spear_pin.errors import NoGait
-from spear_pin.gaits import search
+from spear_pin.gaits import attempts
 from spear_pin.gaits.diagnosis import Reached, diagnosis, explained
 from spear_pin.model.loading import ROBOTS
 from tests.model.legged import quadruped
@@ -100,10 +100,10 @@ def test_is_told_soon(monkeypatch, leg):
         spent.append(result.evaluations)
         return result
 
-    run = search.return_map
-    monkeypatch.setattr(search, "return_map", counted)
+    run = attempts.return_map
+    monkeypatch.setattr(attempts, "return_map", counted)
     for asked in ({}, {"stiffness": 60.0}, {"damping": 1.3}):
         spent.clear()
         with pytest.raises(NoGait):
             find_gait(hop(leg, (), asked), ["stance_torque"], FLIGHT)
-        assert sum(spent) < 1.5 * search.ENOUGH
+        assert sum(spent) < 1.5 * attempts.ENOUGH

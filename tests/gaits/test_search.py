@@ -119,7 +119,7 @@ class TestRefuses:
 
     @pytest.mark.parametrize("seconds", [-0.1, 0.0, 0.03, 5.1])
     def test_a_flight_that_closes_no_cycle(self, robot, monkeypatch, seconds):
-        monkeypatch.setattr("spear_pin.gaits.search.run", lambda *_: pytest.fail("something was simulated"))
+        monkeypatch.setattr("spear_pin.gaits.attempts.run", lambda *_: pytest.fail("something was simulated"))
         expected = rf"^target flight_time is {seconds}; expected a number from 0\.05 to 5, in s"
         with pytest.raises(BadValue, match=expected):
             find_gait(hopping(robot), ["stance_torque"], {"flight_time": seconds})
@@ -159,7 +159,7 @@ class TestNoGait:
             evaluations.append(result.evaluations)
             return result
 
-        monkeypatch.setattr("spear_pin.gaits.search.return_map", counted)
+        monkeypatch.setattr("spear_pin.gaits.attempts.return_map", counted)
         with pytest.raises(NoGait):
             find_gait(hopping(robot), ["stance_torque"], {"flight_time": 5.0})
         assert sum(evaluations) < 250_000
@@ -174,7 +174,7 @@ class TestNoGait:
             evaluations.append(result.evaluations)
             return result
 
-        monkeypatch.setattr("spear_pin.gaits.search.run", counted)
+        monkeypatch.setattr("spear_pin.gaits.attempts.run", counted)
         monkeypatch.setattr("spear_pin.hybrid.periodic.run", counted)
         monkeypatch.setattr("spear_pin.hybrid.periodic.EVALUATIONS", 3000)
         system = hopping(robot, HoppingLaw(virtual_stiffness=1e300))

@@ -45,6 +45,43 @@ def hyperbola(x):
     return np.array([x[0] ** 2 - 2.0, x[0] * x[1] - 1.0])
 
 
+class TestExactJacobians:
+    @staticmethod
+    def slopes(lanes, x):
+        return np.array([[[2.0 * a, 0.0], [b, a]] for a, b in x])
+
+    def test_no_function_is_differenced(self):
+        """A value for each iterate, of which the errors are squares of those before."""
+        told = []
+        roots, asked = solve(
+            [hyperbola], [1.2, 1.0], slopes=self.slopes, on_iterates=lambda lanes, n, norm: told.append(norm[0])
+        )
+        np.testing.assert_allclose(roots.x, [[math.sqrt(2), math.sqrt(0.5)]], rtol=1e-14)
+        assert asked.rows == len(told) == roots.iteration[0] + 1
+        assert all(after < before**2 + 1e-14 for before, after in zip(told, told[1:], strict=False))
+
+    def test_they_are_of_scaled_unknowns(self):
+        start, scale = np.array([[1.2, 1.0]]), np.array([[1e3, 1e-2]])
+        asked = Asked(hyperbola)
+        roots = newton(asked, start, scale, 1e-12, slopes=self.slopes)
+        np.testing.assert_allclose(roots.x, [[math.sqrt(2), math.sqrt(0.5)]], rtol=1e-12)
+        assert asked.rows == roots.iteration[0] + 1
+
+    def test_those_that_are_not_known_are_differenced(self):
+        """In one lane of two: each goes as it would alone."""
+
+        def slopes(lanes, x):
+            found = self.slopes(lanes, x)
+            found[lanes == 1] = math.nan
+            return found
+
+        roots, asked = solve([hyperbola] * 2, [[1.2, 1.0]] * 2, slopes=slopes)
+        alone, own = solve([hyperbola], [[1.2, 1.0]])
+        assert roots.end.tolist() == [CONVERGED] * 2
+        assert roots.x[1].tolist() == alone.x[0].tolist() and roots.iteration[1] == alone.iteration[0]
+        assert asked.rows == own.rows + roots.iteration[0] + 1
+
+
 class TestOneLane:
     def test_finds_a_root(self):
         roots, _ = solve([hyperbola], [1.0, 1.0])

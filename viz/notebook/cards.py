@@ -161,7 +161,7 @@ def _(table: Sensitivity) -> Card:
     rows = [
         *(
             Row(_words(name), _number(value), unit)
-            for name, value, unit in zip(table.parameters, table.at, table.units, strict=True)
+            for name, value, unit in zip(table.parameters, table.given, table.units, strict=True)
         ),
         *(
             Row(_words(name), f"{_number(value)}; {_elasticities(table, name)}", table.output_units[name])

@@ -44,7 +44,7 @@ def elasticities(table: Sensitivity) -> Figure:
 
 def _parameters(table: Sensitivity) -> list[tuple[str, float, str]]:
     units = ["" if unit == "1" else unit for unit in table.units]
-    return list(zip(table.parameters, table.at.tolist(), units, strict=True))
+    return list(zip(table.parameters, table.given.tolist(), units, strict=True))
 
 
 def _said(table: Sensitivity, name: str) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
+from spear_pin.gaits.attempts import WHY
 from spear_pin.gaits.continuation.borders import Border
 from spear_pin.gaits.continuation.branch import BorderPoint, Branch, End, SpecialPoint
 from spear_pin.gaits.continuation.cycles import Family
@@ -17,7 +18,6 @@ from spear_pin.gaits.continuation.gaits import Gaits
 from spear_pin.gaits.continuation.problem import NoValue
 from spear_pin.gaits.continuation.stepping import Point, corrected, placed
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.search import WHY
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.result import Options

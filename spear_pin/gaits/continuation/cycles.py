@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadValue, MissingExtra, SpearError
 from spear_pin.gaits.lane_cycles import LaneCycles
 from spear_pin.gaits.many import MEASURES, OBSERVED
+from spear_pin.gaits.tangent_cycles import TangentCycles, tangent_cycles
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import FEW, check_lanes
 from spear_pin.hybrid.engines import taylor
@@ -81,6 +82,13 @@ class Family:
     def run(self, q: Array, v: Array, values: Array) -> Cycles:
         """One cycle each from states with values of the numbers, (m, k)."""
         return self._runner(q, v, values)
+
+    @cached_property
+    def exact(self) -> TangentCycles | None:
+        """Cycles with exact derivatives, if there are any: none of a robot whose number moves its section."""
+        if self.of_robot or not self._has_lanes():
+            return None
+        return tangent_cycles(self.system, self.names, self.measures)
 
     @cached_property
     def _runner(self) -> Callable[[Array, Array, Array], Cycles]:

@@ -1,6 +1,6 @@
 """Gaits as equations to continue: x = P(x), and targets, over one number or the value of one target.
 
-Derivatives are differences of cycles. `Gaits.local` is the one place that knows; what has exact ones goes there.
+Derivatives are exact where the fast engine runs the cycle, else differences of cycles. `Gaits.local` alone knows.
 """
 
 from __future__ import annotations
@@ -81,24 +81,52 @@ class Gaits:
 
     def _local(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Local, NDArray[np.bool_] | None]:
         """The equations about a chart's origin, and which toes slide after the cycle, if those are others."""
-        d = charts.dimension
-        seen: list[Cycles] = []
+        d, directions = charts.dimension, self._directions(charts, values)
+        residual, jacobian, cycle = self._exact(charts, values, directions) or self._differenced(charts, values)
+        durations = {phase: float(seconds[0]) for phase, seconds in cycle.durations.items()}
+        multipliers = eigenvalues(jacobian[:d, :d] + np.eye(d))
+        about = About(charts, durations, float(np.abs(residual[:d]).max()))
+        (q,), (v,) = charts.states(np.zeros((1, d)))
+        u, slides = self.point((q, v), values), None
+        if isinstance(charts, Charts):
+            after = charts.section.sliding(cycle.q[:1], cycle.v[:1])[0]
+            slides = None if (after == charts.slides).all() else after
+        return Local(u, residual, jacobian, directions, multipliers, cycle.orders[0], about), slides
+
+    def _exact(
+        self, charts: Charts | SpatialCharts, values: Array, directions: Array
+    ) -> tuple[Array, Array, Cycles] | None:
+        """F, its exact Jacobian and the cycle about a chart's origin, None where no derivatives are known."""
+        exact, d = self.family.exact, charts.dimension
+        if exact is None or not isinstance(charts, Charts):
+            return None
+        (q,), (v,), begins = self._placed(charts, np.zeros((1, d)), values[None])
+        numbers = self.numbers(values)
+        cycle = exact.one(q, v, numbers)
+        if cycle is None:
+            return None
+        (residual,), cycle = self._compared(charts, begins, values[None], cycle)
+        if cycle.reason[0]:
+            raise NoValue(cycle.reason[0], cycle.orders[0])
+        (ends,), (measured,) = exact.slopes(np.zeros(1, dtype=np.int64), q[None], v[None], numbers[None])
+        moves, own = directions[: len(q) + len(v)], np.eye(len(values), d + len(values), d) * self.scale[:, None]
+        along = np.concatenate([moves, self.numbers(own.T).T])
+        rows = measured @ along
+        if self.over_target:
+            rows[-1] -= own[-1]
+        return residual, np.concatenate([charts.changes((ends @ along - moves)[None])[0], rows]), cycle
+
+    def _differenced(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Array, Array, Cycles]:
+        """The same by differences."""
+        d, seen = charts.dimension, list[Cycles]()
 
         def around(points: Array) -> tuple[Array, list[str], list[Order]]:
             found, cycles = self._residuals(charts, points[:, :d], points[:, d:] * self.scale)
             seen.append(cycles)
             return found, list(cycles.reason), list(cycles.orders)
 
-        residual, jacobian, order = differentiated(around, np.concatenate([np.zeros(d), values / self.scale]))
-        durations = {phase: float(seconds[0]) for phase, seconds in seen[0].durations.items()}
-        multipliers = eigenvalues(jacobian[:d, :d] + np.eye(d))
-        about = About(charts, durations, float(np.abs(residual[:d]).max()))
-        (q,), (v,) = charts.states(np.zeros((1, d)))
-        u, slides = self.point((q, v), values), None
-        if isinstance(charts, Charts):
-            after = charts.section.sliding(seen[0].q[:1], seen[0].v[:1])[0]
-            slides = None if (after == charts.slides).all() else after
-        return Local(u, residual, jacobian, self._directions(charts, values), multipliers, order, about), slides
+        residual, jacobian, _ = differentiated(around, np.concatenate([np.zeros(d), values / self.scale]))
+        return residual, jacobian, seen[0]
 
     def glance(self, u: Array) -> tuple[Array, Order]:
         """F at a point, and the order of events; see `Problem`."""
@@ -149,10 +177,15 @@ class Gaits:
     def _residuals(self, charts: Charts | SpatialCharts, xi: Array, values: Array) -> tuple[Array, Cycles]:
         """F of lanes with coordinates ξ and values of the solved ones and the parameter."""
         q, v, begins = self._placed(charts, xi, values)
-        after = self.family.run(q, v, self.numbers(values))
-        whole = charts.take(np.zeros(len(xi), dtype=np.int64))
+        return self._compared(charts, begins, values, self.family.run(q, v, self.numbers(values)))
+
+    def _compared(
+        self, charts: Charts | SpatialCharts, begins: Array, values: Array, after: Cycles
+    ) -> tuple[Array, Cycles]:
+        """F of cycles that were run, from coordinates ξ; the reason with them says also what is no gait's cycle."""
+        whole = charts.take(np.zeros(len(begins), dtype=np.int64))
         ends = whole.coordinates(after.q, after.v)
-        wanted = np.broadcast_to(self.wanted, (len(xi), len(self.wanted)))
+        wanted = np.broadcast_to(self.wanted, (len(begins), len(self.wanted)))
         if self.over_target:
             wanted = np.column_stack([wanted, values[:, -1]])
         found = np.concatenate([ends - begins, after.measured - wanted], axis=1)

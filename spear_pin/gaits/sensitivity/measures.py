@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,31 +36,41 @@ class Measure:
 def measures(cycle: Derivative, start: Array, weight: Measure) -> dict[str, Measure]:
     """All named measures of a cycle.
 
-    Durations of phases and the period; work that the motors do on the joints on balance and where they drive; of each
-    joint the root mean square and the peak of its motor's torque; of each toe the peak of the normal force and the
-    friction it uses, |F_x| / F_z; state at events that are observed, such as the height at the apex; where the robot
-    moves on, its stride, its speed, and the cost of transport by positive work.
+    Durations of phases and the period; state at events that are observed, such as the height at the apex; where the
+    robot moves on, its stride and its speed; work that the motors do on the joints on balance and where they drive, and
+    of what moves on the cost of transport by it; of each joint the root mean square and the peak of its motor's torque;
+    of each toe the peak of the normal force and the friction it uses, |F_x| / F_z.
 
     Args:
         cycle: the cycle.
         start: derivatives of the state in which it begins, (2 nv, c).
         weight: of the robot.
     """
+    return {name: each for group in GROUPS for name, each in group(cycle, start, weight).items()}
+
+
+def measure(cycle: Derivative, start: Array, weight: Measure, name: str) -> Measure | None:
+    """One of the measures, at the cost of those alone that are found with it; None where there is none of that name."""
+    return next((found[name] for group in GROUPS if name in (found := group(cycle, start, weight))), None)
+
+
+def _times(cycle: Derivative, start: Array, weight: Measure) -> dict[str, Measure]:
+    found = {name: Measure(float(each.x), np.asarray(each.d), "s") for name, each in cycle.durations.items()}
+    period = sum(each.value for each in found.values()), np.sum([each.derivative for each in found.values()], axis=0)
+    return {**{f"{phase}_time": each for phase, each in found.items()}, "period": Measure(*period, "s")}
+
+
+def _efforts(cycle: Derivative, start: Array, weight: Measure) -> dict[str, Measure]:
     system = cycle.system
     robot, found = system.robot, dict[str, Measure]()
-    period, dperiod = 0.0, np.zeros(cycle.dy.shape[1])
-    for phase, seconds in cycle.durations.items():
-        found[f"{phase}_time"] = Measure(float(seconds.x), np.asarray(seconds.d), "s")
-        period, dperiod = period + float(seconds.x), dperiod + seconds.d
-    found["period"] = Measure(period, dperiod, "s")
-    found |= _at_events(cycle)
+    period = _times(cycle, start, weight)["period"]
     powers = [_power(cycle.stretches, j, robot.index(joint)) for j, joint in enumerate(robot.actuated)]
     found["work"] = _sum([integral(each) for each in powers], "J")
     found["positive_work"] = worked = _sum([positive(each) for each in powers], "J")
     for j, joint in enumerate(robot.actuated):
         square, change = integral([_squared(each) for each in _torque(cycle.stretches, j)])
-        rms = float(np.sqrt(square / period))
-        of_rms = 0.5 / max(rms, 1e-300) * (change / period - square / period**2 * dperiod)
+        rms = float(np.sqrt(square / period.value))
+        of_rms = 0.5 / max(rms, 1e-300) * (change / period.value - square / period.value**2 * period.derivative)
         found[f"rms_torque_{joint}"] = Measure(rms, of_rms, "N·m")
         found[f"peak_torque_{joint}"] = Measure(*_largest(_torque(cycle.stretches, j)), "N·m")
     pressed = PRESSED * weight.value, PRESSED * weight.derivative
@@ -69,12 +79,16 @@ def measures(cycle: Derivative, start: Array, weight: Measure) -> dict[str, Meas
         if forces:
             found[f"peak_force_{toe}"] = Measure(*peak([up for _, up in forces]), "N")
             found[f"friction_used_{toe}"] = Measure(*largest_ratio(forces, *pressed), "1")
-    if system.cyclic:
-        found |= _advance(cycle, start, robot.index(system.cyclic[0]), found["period"], worked, weight)
+    stride = _advance(cycle, start, weight).get("stride")
+    if stride is not None and abs(stride.value) > LEAST_STRIDE:
+        lifted = weight.value * stride.value
+        of_lifted = weight.derivative * stride.value + weight.value * stride.derivative
+        cost = worked.value / lifted
+        found["cost_of_transport"] = Measure(cost, (worked.derivative - cost * of_lifted) / lifted, "1")
     return found
 
 
-def _at_events(cycle: Derivative) -> dict[str, Measure]:
+def _at_events(cycle: Derivative, start: Array, weight: Measure) -> dict[str, Measure]:
     """Heights at events that are only observed, and the joints where the cycle closes."""
     robot, found = cycle.system.robot, dict[str, Measure]()
     for stretch in _long(cycle.stretches):
@@ -97,22 +111,20 @@ def _at_events(cycle: Derivative) -> dict[str, Measure]:
     return found
 
 
-def _advance(
-    cycle: Derivative, start: Array, i: int, period: Measure, worked: Measure, weight: Measure
-) -> Mapping[str, Measure]:
-    first = float(cycle.stretches[0].arc.y[i])
-    stride, change = float(cycle.y[i]) - first, cycle.dy[i] - start[i]
+def _advance(cycle: Derivative, start: Array, weight: Measure) -> dict[str, Measure]:
+    if not cycle.system.cyclic:
+        return {}
+    i = cycle.system.robot.index(cycle.system.cyclic[0])
+    period = _times(cycle, start, weight)["period"]
+    stride, change = float(cycle.y[i]) - float(cycle.stretches[0].arc.y[i]), cycle.dy[i] - start[i]
     speed = stride / period.value
-    found = {
+    return {
         "stride": Measure(stride, change, "m"),
         "mean_speed": Measure(speed, (change - speed * period.derivative) / period.value, "m/s"),
     }
-    if abs(stride) > LEAST_STRIDE:
-        lifted = weight.value * stride
-        cost = worked.value / lifted
-        of_lifted = weight.derivative * stride + weight.value * change
-        found["cost_of_transport"] = Measure(cost, (worked.derivative - cost * of_lifted) / lifted, "1")
-    return found
+
+
+GROUPS = (_times, _at_events, _advance, _efforts)  # from those soonest found to those that take longest
 
 
 def _sum(parts: Sequence[tuple[float, Array]], unit: str) -> Measure:

@@ -38,7 +38,7 @@ class Sensitivity(Shown):
         at: (q, v) on the section.
         parameters: their names.
         keep: names of the measures that what is solved for keeps.
-        at: their values, (m,).
+        given: their values, (m,).
         units: of the parameters, empty where nothing says one.
         state: derivatives of (q, v) on the section, (2 nv, m).
         solved: derivatives of what is solved for, by name, (m,) each.
@@ -61,7 +61,7 @@ class Sensitivity(Shown):
     at: State
     parameters: tuple[str, ...]
     keep: tuple[str, ...]
-    at: Array
+    given: Array
     units: tuple[str, ...]
     state: Array
     solved: Mapping[str, Array]
@@ -106,7 +106,7 @@ class Sensitivity(Shown):
             raise UnknownName("output", output, self.outputs)
         value = self.outputs[output]
         with np.errstate(divide="ignore", invalid="ignore"):
-            found: Array = self.derivatives[output] * self.at / value
+            found: Array = self.derivatives[output] * self.given / value
         return found
 
     @typed
@@ -116,10 +116,10 @@ class Sensitivity(Shown):
         Args:
             spread: standard deviations by the parameters' names, in their units or as text in per cent of their values,
                 such as "2 %", of independent errors, a parameter that is left out being exact; or the covariance,
-                (m, m), in the order of `over`.
+                (m, m), in the order of `parameters`.
 
         Raises:
-            UnknownName: a name is not in `over`.
+            UnknownName: a name is not in `parameters`.
             BadValue: a deviation is not a finite number >= 0, or a matrix no covariance.
 
         Example:
@@ -130,13 +130,13 @@ class Sensitivity(Shown):
             >>> round(spread.deviation("apex_height") * 1e3, 2), spread.best("apex_height")  # mm
             (1.88, 'damping')
         """
-        covariance = covariance_of(spread, self.parameters, self.at)
+        covariance = covariance_of(spread, self.parameters, self.given)
         d = len(self.solved)
         local = Neighbourhood(
             self.system,
             self.at,
             self.parameters,
-            self.at,
+            self.given,
             tuple(self.solved),
             np.array([number(self.system, name) for name in self.solved]),
             self.keep,
@@ -154,7 +154,7 @@ class Sensitivity(Shown):
     def to_json(self) -> str:
         """All of it, as JSON."""
         data = {
-            "parameters": dict(zip(self.parameters, self.at.tolist(), strict=True)),
+            "parameters": dict(zip(self.parameters, self.given.tolist(), strict=True)),
             "units": dict(zip(self.parameters, self.units, strict=True)),
             "outputs": {
                 name: {

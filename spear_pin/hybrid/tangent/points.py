@@ -15,6 +15,7 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
 MOST_PANELS = 64  # of an arc
+EARLY = 4  # points that do not count yet where panels are long
 
 
 def points(recorder: Recorder, arc: Arc) -> tuple[Array, float, Array]:
@@ -31,6 +32,6 @@ def points(recorder: Recorder, arc: Arc) -> tuple[Array, float, Array]:
         y = recorder.states(arc, t) if length > SHORTEST else np.tile(arc.y[:, None], (1, len(t)))
         if length <= SHORTEST or (left := roughness(y.T.reshape(panels, POINTS, -1))) <= TAIL:
             return t, h, y
-        # shorter by a factor, coefficients fall by that to the power of the points
-        panels = max(panels + 1, math.ceil(panels * (left / TAIL) ** (1.0 / POINTS)))
+        # shorter by a factor, coefficients fall by that to the power of the points, at first of fewer
+        panels = max(panels + 1, math.ceil(panels * (left / TAIL) ** (1.0 / (POINTS - EARLY))))
     raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")

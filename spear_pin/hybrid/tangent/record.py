@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cached_property
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +14,11 @@ from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Reset
 from spear_pin.hybrid.engines.structure import Structure, flattened, shape_of
-from spear_pin.hybrid.engines.taylor import UNROLLED, Code
+from spear_pin.hybrid.engines.taylor import Code
+from spear_pin.hybrid.lanes.compilation import Compilation
 from spear_pin.hybrid.lanes.lone_runner import Lap, LoneRunner
 from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import start
 from spear_pin.hybrid.tangent.fields import TangentFeet, TangentField, tangent_feet, tangent_field
@@ -23,12 +26,13 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
 PLAIN = "the cycle does not close, or what happens in it is not plain"
-TOLERANCE = 1e-15  # of the Taylor engine
+CODE = Code(1e-15, unrolled=False, level=0)  # compiled in a fiftieth of the time of the fastest, and four times as slow
+_fields: WeakKeyDictionary[Compilation, dict[Any, TangentField]] = WeakKeyDictionary()
 
 
 def many(system: HybridSystem, given: Mapping[str, Array]) -> Numbers:
     """The numbers of lanes for `Recorder`, which differ in those that are given, (n,) each."""
-    return Numbers(system, given, Code(TOLERANCE, unrolled=system.robot.nv <= UNROLLED))
+    return Numbers(system, given, CODE)
 
 
 class Recorder:
@@ -41,19 +45,23 @@ class Recorder:
 
     Attributes:
         planar: the robot's dynamics.
+        law: parameters of the law.
         numbers: run-time parameters ahead of what is held, (p,).
         end: state at the end of the last cycle, (2 nv,).
+        order: the order of its events.
     """
 
     def __init__(self, system: HybridSystem, numbers: Numbers | None = None, lane: int = 0) -> None:
         self.system, self._nv = system, system.robot.nv
         self._numbers = many(system, {}) if numbers is None else numbers
-        self.planar = self._numbers.planar
+        self.planar, self.law = self._numbers.planar, self._numbers.law_of(lane)
         self._runner = LoneRunner(self._numbers, lane)
-        self._constants, self._law = self._numbers.constants(lane), self._numbers.law_of(lane)
+        self._constants = self._numbers.constants(lane)
         self.numbers = np.array(self._constants, dtype=float)
         self.end = np.empty(0)
-        self._fields: dict[Any, TangentField] = {}  # the system keeps its domains, so that their identities stay
+        self.order: Order = ()
+        # the system keeps its domains, so that their identities stay
+        self._fields = _fields.setdefault(self._numbers.compilation, {})
         self._feet: dict[tuple[str, ...], TangentFeet] = {}
 
     @cached_property
@@ -68,7 +76,7 @@ class Recorder:
             NotDifferentiable: it does not close, or what happens in it is not plain.
         """
         lap = self.lap(y)
-        self.end = lap.y
+        self.end, self.order = lap.y, lap.order
         return lap.arcs
 
     def lap(self, y: Array) -> Lap:
@@ -78,11 +86,21 @@ class Recorder:
             NotDifferentiable: it does not close, or what happens in it is not plain.
         """
         phase, resets = self.start
-        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self._law)
-        lap = self._runner.lap(phase, y, held, [0.0] * len(self.system.robot.toes))
+        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law)
+        lap = self.motion(phase, y, held)
         if lap is None:
             raise NotDifferentiable(f"{PLAIN}: {self._runner.why}")
         return lap
+
+    def motion(self, phase: str, y: Array, held: Held) -> Lap | None:
+        """The motion from the beginning of a phase to the section, None where it does not close plainly.
+
+        Args:
+            phase: the phase.
+            y: state there, (2 nv,).
+            held: what is held there.
+        """
+        return self._runner.lap(phase, y, held, [0.0] * len(self.system.robot.toes))
 
     def states(self, arc: Arc, times: Array) -> Array:
         """States at times within an arc, (2 nv, n)."""

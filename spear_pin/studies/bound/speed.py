@@ -6,11 +6,12 @@ import math
 from collections.abc import Callable
 
 from spear_pin.errors import BadValue, NoGait, require
+from spear_pin.gaits.attempts import Measure
 from spear_pin.gaits.bounding import SPEED_BY
 from spear_pin.gaits.bounding_law import INPUTS
 from spear_pin.gaits.feedback import regulated, speed_regulated
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.search import Measure, find_gait
+from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.kinds import typed

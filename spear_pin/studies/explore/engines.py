@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import NoGait
+from spear_pin.gaits.attempts import WHY
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.lane_cycles import LaneCycles, multipliers
 from spear_pin.gaits.many import CONVERGED, MEASURES, REASONS, find_many
-from spear_pin.gaits.search import WHY, find_gait, gait_beside
+from spear_pin.gaits.search import find_gait, gait_beside
 from spear_pin.gaits.tolerances import TOLERANCE
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.engines import taylor

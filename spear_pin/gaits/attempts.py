@@ -1,0 +1,253 @@
+"""Attempts at a gait: Newton's method from a state, from one that has settled, or from target to target."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, NoGait, SpearError
+from spear_pin.gaits.diagnosis import Reached
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.modes import starting_phase
+from spear_pin.hybrid.newton import CONVERGED, NO_NEIGHBOUR, NO_PROGRESS, NO_START, TOO_LONG, Lanes
+from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.periodic import (
+    EVALUATIONS,
+    chart,
+    displacement,
+    eigenvalues,
+    multipliers,
+    one_by_one,
+    return_map,
+)
+from spear_pin.hybrid.result import Moment, Options, Run, State
+from spear_pin.hybrid.run import run
+from spear_pin.hybrid.section import Chart
+from spear_pin.hybrid.shooting import Shooting
+from spear_pin.hybrid.translation import translations, without
+
+if TYPE_CHECKING:
+    from spear_pin.gaits.tangent_cycles import TangentCycles
+
+Array = NDArray[np.float64]
+Measure = Callable[[Run], float]
+
+SETTLING = Options(rtol=1e-7, max_evaluations=EVALUATIONS)  # of each of these
+STRAINED = 2  # cycles with more evaluations than any gait's, after which a search is given up
+ENOUGH = 200_000  # evaluations after which no continuation is begun or refined
+ROUGH_RTOL, ROUGH_TOLERANCE = 1e-8, 1e-6  # of the integrator and of Newton's method until a solution is near
+A_CYCLE = 2000  # evaluations that one with derivatives is counted as
+MEANT = 1e-6  # of a measure, or its unit: what differs by more is not what was meant by its name
+SHORTEST_STEP = 1.0 / 16.0  # of the way to the targets: the first one, and the last where steps have to shrink
+WHY: Mapping[str, str] = {
+    NO_START: "the cycle does not close at the starting point",
+    NO_NEIGHBOUR: "the cycle does not close near an iterate",
+    NO_PROGRESS: "Newton's method makes no progress",
+    TOO_LONG: "Newton's method did not converge in {n} iterations",
+}
+
+
+def sought(
+    system: HybridSystem,
+    vary: Sequence[str],
+    target: Mapping[Any, float],
+    rtol: float,
+    on_iteration: Callable[[int, float], object] = lambda n, norm: None,
+) -> Search:
+    """Search for a gait; arguments as of `find_gait`. With derivatives, where something compiles the cycles."""
+    from spear_pin.gaits.tangent_cycles import tangent_cycles  # which imports heyoka: only who searches waits for that
+
+    measures = tuple(name if callable(name) else system.measures[name] for name in target)
+    exact = tangent_cycles(system, vary, tuple(target))
+    return Search(tuple(vary), measures, np.array([*target.values()], dtype=float), rtol, on_iteration, exact)
+
+
+@dataclass
+class Effort:
+    """What a search has done so far.
+
+    Attributes:
+        evaluations: right-hand sides of its cycles.
+        strained: cycles that ran into the cap on evaluations.
+        reached: the farthest that a continuation came.
+    """
+
+    evaluations: int = 0
+    strained: int = 0
+    reached: Reached | None = None
+
+
+@dataclass(frozen=True)
+class Search:
+    """Search for the gait: what is varied, measured and wanted, and cycles with derivatives, if there are any."""
+
+    vary: tuple[str, ...]
+    measures: tuple[Measure, ...]
+    wanted: Array
+    rtol: float
+    on_iteration: Callable[[int, float], object]
+    exact: TangentCycles | None
+    effort: Effort = field(default_factory=Effort)
+
+    def directly(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
+        """The system and state that meet the targets, by Newton's method."""
+        return self.newton(*self.roughly(system, state, self.wanted), self.wanted, self.rtol, min(TOLERANCE, self.rtol))
+
+    def by_continuation(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
+        """The system and state, from the fixed point of the system as it is, the targets moved step by step."""
+        unasked = replace(sought(system, (), {}, self.rtol, self.on_iteration), effort=self.effort)
+        system, state = unasked.roughly(system, state, self.wanted[:0])
+        begin = self.measure(return_map(system, state, self.rtol))
+        done, step, growth = 0.0, SHORTEST_STEP, 2.0
+        while done < 1.0:
+            reach = min(1.0, done + step)
+            try:
+                system, state = self.roughly(system, state, begin + reach * (self.wanted - begin))
+                done, step, growth = reach, growth * step, 2.0
+                self.effort.reached = Reached(done, system, state)
+            except NoGait:
+                step, growth = 0.5 * step, 1.0
+                if step < SHORTEST_STEP or self.effort.evaluations > ENOUGH:
+                    raise
+        return self.directly(system, state)
+
+    def roughly(self, system: HybridSystem, state: State, wanted: Array) -> tuple[HybridSystem, State]:
+        """The system and state that meet the targets to a few digits, at less than half the cost."""
+        return self.newton(system, state, wanted, max(ROUGH_RTOL, self.rtol), ROUGH_TOLERANCE)
+
+    def newton(
+        self, system: HybridSystem, state: State, wanted: Array, rtol: float, tolerance: float
+    ) -> tuple[HybridSystem, State]:
+        """Newton's method from a state on the section and the system's own parameters."""
+        local, before = chart(system, state), self._cycles
+        shooting = self._shooting(local, system, wanted, rtol)
+        roots = shooting.solve(self._values(system)[None], tolerance, on_iterates=self._tell)
+        self.effort.evaluations += A_CYCLE * (self._cycles - before)
+        if roots.end[0] != CONVERGED:
+            raise NoGait(WHY[roots.end[0]].format(n=roots.iteration[0]), float(roots.norm[0]))
+        q, v = shooting.states(np.zeros(1, dtype=np.int64), roots.x)
+        return with_parameters(system, self.named(roots.x[0, local.dimension :])), (q[0], v[0])
+
+    def _shooting(self, local: Chart, system: HybridSystem, wanted: Array, rtol: float) -> Shooting:
+        """The equations about a state, with derivatives where there are some."""
+
+        def cycle(begun: State, values: Array) -> tuple[Run, Array] | str:
+            try:
+                result = return_map(with_parameters(system, self.named(values)), begun, rtol)
+                self._look_after(result)
+                return result, self.measure(result) if result.cycles else np.empty(0)
+            except SpearError as error:  # a parameter out of range, a toe below ground, an event that did not happen
+                return str(error)
+
+        cycles = one_by_one(cycle, len(self.measures))
+        if self.exact is None:
+            return Shooting(local.lane, cycles, self.vary, wanted[None])
+        return Shooting(local.lane, self.exact.otherwise(cycles), self.vary, wanted[None], self.exact.slopes)
+
+    @property
+    def _cycles(self) -> int:
+        """How many there were with derivatives."""
+        return 0 if self.exact is None else self.exact.count
+
+    def named(self, values: Array) -> dict[str, float]:
+        """Values of what varies, by name."""
+        return dict(zip(self.vary, values.tolist(), strict=True))
+
+    def _tell(self, lanes: Lanes, iteration: Lanes, norm: Array) -> None:
+        for n, residual in zip(iteration.tolist(), norm.tolist(), strict=True):
+            self.on_iteration(n, residual)
+
+    def _look_after(self, result: Run) -> None:
+        """Count, and give the search up when too many cycles took more evaluations than any gait's."""
+        self.effort.evaluations += result.evaluations
+        if result.reason == "evaluation_cap":
+            self.effort.strained += 1
+            if self.effort.strained == STRAINED:
+                raise Hopeless
+
+    def measure(self, result: Run) -> Array:
+        """The measures of a one-cycle run."""
+        return np.array([measure(result) for measure in self.measures], dtype=float)
+
+    def gait(self, system: HybridSystem, state: State) -> Gait:
+        """The gait at a solution, checked on the whole state, and on the cycle after it."""
+        result = return_map(system, state, self.rtol)
+        error = float(np.abs(displacement(system, state, result.state)).max())
+        allowed = max(RESIDUAL, 10.0 * self.rtol)
+        if not error <= allowed:
+            raise NoGait(f"the cycle that was found closes no better at rtol {self.rtol:g}", error)
+        if self.exact is not None and not np.allclose(self.measure(result), self.wanted, rtol=MEANT, atol=MEANT):
+            differenced = replace(self, exact=None)  # the system means something else by a name
+            return differenced.gait(*differenced.directly(system, state))
+        values = self._multipliers(system, state)
+        _check_memory(system, result, allowed * max(1.0, float(np.abs(values).max())), self.rtol)
+        return Gait(
+            system=system,
+            state=state,
+            parameters={name: parameter(system, name) for name in self.vary},
+            residual=error,
+            multipliers=values,
+            durations=result.durations,
+        )
+
+    def _multipliers(self, system: HybridSystem, state: State) -> NDArray[np.complex128]:
+        """Floquet multipliers, exact where derivatives are."""
+        if self.exact is not None:
+            local = chart(system, state)
+            d, here = local.dimension, np.concatenate([np.zeros(local.dimension), self._values(system)])
+            shooting = self._shooting(local, system, self.wanted, self.rtol)
+            found = shooting.jacobians(np.zeros(1, dtype=np.int64), here[None])[0]
+            if np.isfinite(found).all():
+                return eigenvalues(found[:d, :d] + np.eye(d))
+        return multipliers(system, state, self.rtol)
+
+    def settled(self, system: HybridSystem) -> State:
+        """The system's guess, followed for a few cycles towards a stable gait; where that breaks off, the guess.
+
+        Raises:
+            Hopeless: one cycle takes more evaluations than any gait's.
+        """
+        guess, values = system.guess(), self._values(system)
+        moment = Moment(*guess, *starting_phase(system, guess))
+        for _ in range(SETTLE):
+            after = None if self.exact is None else self.exact.follow(moment, values)
+            if after is None:
+                try:
+                    result = run(system, moment, 1, SETTLING)
+                except BadValue:  # so roughly integrated that a toe is below the ground: that is as near as it gets
+                    break
+                if result.reason == "evaluation_cap":
+                    raise Hopeless
+                if not result.cycles:
+                    return guess
+                after = Moment(*result.state, system.section_phase, result.held)
+            moment = after
+        along = translations(system)
+        return without(along, moment.q) + (guess[0] - without(along, guess[0])), moment.v  # back to where it began
+
+    def _values(self, system: HybridSystem) -> Array:
+        """What varies, in a system, (k,)."""
+        return np.array([parameter(system, name) for name in self.vary])
+
+
+def _check_memory(system: HybridSystem, cycle: Run, allowed: float, rtol: float) -> None:
+    """The next cycle, which remembers the first, closes as well.
+
+    Raises:
+        NoGait: something latched before the section acts after it, so that (q, v) is not all that a cycle depends on.
+    """
+    moment = Moment(*cycle.state, cycle.domain.phase, cycle.held)
+    again = run(system, moment, 1, Options(rtol=rtol, max_evaluations=EVALUATIONS))
+    error = float(np.abs(displacement(system, cycle.state, again.state)).max()) if again.cycles else np.inf
+    if not error <= allowed:
+        raise NoGait("the next cycle differs: something latched before the section acts after it", error)
+
+
+class Hopeless(Exception):
+    """Cycles take more evaluations than any gait's."""

@@ -1,0 +1,177 @@
+"""Cycles of one lane by the fast engine, with their exact derivatives: what Newton's method asks for at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, SpearError
+from spear_pin.gaits.sensitivity.measures import Measure, measure
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.batch import LOCK, check_lanes
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.engines.structure import NONZERO
+from spear_pin.hybrid.lanes.numbers import OTHERS
+from spear_pin.hybrid.newton import Lanes
+from spear_pin.hybrid.orders import Order
+from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.result import Moment, Run
+from spear_pin.hybrid.shooting import Cycle, Cycles
+from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.derivative import Derivative
+from spear_pin.hybrid.tangent.record import Recorder, many
+from spear_pin.hybrid.tangent.seeds import weight
+
+Array = NDArray[np.float64]
+SAME = 1e-14  # of a number: places that differ by rounding, as charts leave it, have one cycle
+REFUSALS = SpearError, TypeError, ArithmeticError, np.linalg.LinAlgError
+"""What stands for no derivative: a cycle that has none, a latch that branches on a value, an overflow."""
+
+
+class _Differentiated(NamedTuple):
+    cycle: Derivative
+    measured: list[Measure]
+    order: Order
+
+
+@dataclass
+class _Found:
+    """The last cycle that was asked for, with its derivatives; None where there are none."""
+
+    place: Any = np.nan
+    cycle: _Differentiated | None = None
+    count: int = 0
+
+
+@dataclass(frozen=True)
+class TangentCycles:
+    """Cycles of a system that differ in a few numbers, a `Cycle` of `hybrid.shooting` with its `Slopes`.
+
+    Attributes:
+        system: the system.
+        vary: names of the numbers.
+        measures: names of the measures.
+    """
+
+    system: HybridSystem
+    vary: tuple[str, ...]
+    measures: tuple[str, ...]
+    _found: _Found = field(default_factory=_Found, repr=False)
+
+    @property
+    def count(self) -> int:
+        """Cycles that were run."""
+        return self._found.count
+
+    def follow(self, moment: Moment, values: Array) -> Moment | None:
+        """Where motion from the beginning of a phase meets the section, with values of the numbers, (k,).
+
+        None where it does not plainly.
+        """
+        try:
+            with LOCK:
+                lap = self._recorder(values).motion(moment.phase, np.concatenate([moment.q, moment.v]), moment.held)
+        except REFUSALS:
+            return None
+        nq = len(moment.q)
+        return None if lap is None else Moment(lap.y[:nq], lap.y[nq:], lap.phase, lap.held)
+
+    def _recorder(self, values: Array) -> Recorder:
+        """What runs cycles with values of the numbers, (k,)."""
+        given = {name: np.array([value]) for name, value in zip(self.vary, values.tolist(), strict=True)}
+        return Recorder(self.system, many(self.system, given))
+
+    def otherwise(self, cycle: Cycle) -> Cycle:
+        """Cycles that are these where they have derivatives, else another engine's, as all are that are differenced.
+
+        Args:
+            cycle: the other engine's.
+        """
+
+        def cycles(lanes: Lanes, q: Array, v: Array, values: Array) -> Cycles:
+            found = self.one(q[0], v[0], values[0]) if len(lanes) == 1 else None
+            return cycle(lanes, q, v, values) if found is None else found
+
+        return cycles
+
+    def one(self, q: Array, v: Array, values: Array) -> Cycles | None:
+        """The cycle of one lane, None where it has no derivatives."""
+        found = self._at(q, v, values)
+        if found is None:
+            return None
+        y, measured = found.cycle.y[None], np.array([[each.value for each in found.measured]])
+        durations = {phase: np.array([seconds.x]) for phase, seconds in found.cycle.durations.items()}
+        closes, reference = np.array([""], dtype=object), np.zeros(1, dtype=bool)
+        return Cycles(y[:, : len(q)], y[:, len(q) :], measured, durations, closes, reference, [found.order])
+
+    def borders(self, q: Array, v: Array, values: Array) -> tuple[str, ...]:
+        """Events of one lane's cycle that meet another, so that its derivatives are of one side."""
+        found = self._at(q, v, values)
+        return () if found is None else found.cycle.borders
+
+    def slopes(self, lanes: Lanes, q: Array, v: Array, values: Array) -> tuple[Array, Array]:
+        """Derivatives of cycles; see `hybrid.shooting.Slopes`."""
+        n, rows = len(lanes), q.shape[1] + v.shape[1]
+        width = rows + len(self.vary)
+        ends, measured = np.full((n, rows, width), np.nan), np.full((n, len(self.measures), width), np.nan)
+        for i in range(n):
+            if (found := self._at(q[i], v[i], values[i])) is not None:
+                ends[i] = found.cycle.dy
+                measured[i] = np.reshape([each.derivative for each in found.measured], (-1, width))
+        return ends, measured
+
+    def _at(self, q: Array, v: Array, values: Array) -> _Differentiated | None:
+        """The cycle from a state, along all directions of the state and the numbers."""
+        y = np.concatenate([q, v])
+        place = np.concatenate([y, values])
+        if not (np.abs(place - self._found.place) <= SAME * np.maximum(1.0, np.abs(place))).all():
+            self._found.place, self._found.cycle = place, self._differentiated(y, values)
+            self._found.count += 1
+        return self._found.cycle
+
+    def _differentiated(self, y: Array, values: Array) -> _Differentiated | None:
+        if not (np.isfinite(y).all() and np.isfinite(values).all()):
+            return None
+        along = np.eye(len(y), len(y) + len(values))
+        try:
+            with_parameters(self.system, dict(zip(self.vary, values.tolist(), strict=True)))  # it says what is valid
+            with LOCK:
+                recorder = self._recorder(values)
+                cycle = differentiated(self.system, recorder, y, along, self._seeds)
+            load = Measure(weight(self.system), np.zeros(along.shape[1]), "N")  # which none of the numbers changes
+            measured = [measure(cycle, along, load, name) for name in self.measures]
+        except REFUSALS:
+            return None
+        known = [each for each in measured if each is not None]
+        return _Differentiated(cycle, known, recorder.order) if len(known) == len(measured) else None
+
+    @cached_property
+    def _seeds(self) -> Array:
+        """Derivatives of the system's numbers, which are linear in those that vary, (p, 2 nv + k)."""
+        own = np.array([parameter(self.system, name) for name in self.vary])
+        here = self._recorder(own).numbers
+        columns = [self._recorder(own + unit).numbers - here for unit in np.eye(len(own))]
+        still = np.zeros((len(here), 2 * self.system.robot.nv))
+        return np.concatenate([still, np.array(columns).reshape(len(own), len(here)).T], axis=1)
+
+
+def tangent_cycles(
+    system: HybridSystem, vary: Sequence[str], measures: Sequence[str | Callable[[Run], float]]
+) -> TangentCycles | None:
+    """Cycles with derivatives, None where nothing compiles them: heyoka is missing, or the system is not for lanes."""
+    names = tuple(name for name in measures if isinstance(name, str))
+    known = {*vars(system.law), *OTHERS}
+    if not taylor.available() or system.section_toes or len(names) < len(measures) or not known.issuperset(vary):
+        return None
+    if any(name in NONZERO and parameter(system, name) == 0.0 for name in vary):
+        return None  # what is zero is not compiled
+    try:
+        check_lanes(system)
+    except BadValue:
+        return None
+    return TangentCycles(system, tuple(vary), names)
