@@ -72,6 +72,7 @@ class Design(Shown):
         objective: the measure at the minimum.
         parameters: by name.
         bounds: measures that are bounded: value and bound, by what the bound is called.
+        margins: of each event to happening otherwise, in its guard's unit, by name.
         active: bounds that hold the design back: by how much the measure changes for one unit more of the bound.
         assumptions: by name.
         largest: modulus of the largest multiplier.
@@ -89,6 +90,7 @@ class Design(Shown):
     objective: float
     parameters: Mapping[str, Chosen]
     bounds: Mapping[str, tuple[float, float]]
+    margins: Mapping[str, float]
     active: Mapping[str, float]
     assumptions: Mapping[str, Assumption]
     largest: float
@@ -110,6 +112,9 @@ class Design(Shown):
         for name, (value, bound) in self.bounds.items():
             lines.append(f"  {name:40} {value:10.5g}, bound {bound:g}")
         lines.append(f"  largest multiplier {self.largest:.4f}, {self.cycles} cycles")
+        if not self.converged:
+            lines.append("margins to other orders of events, in the units of their guards:")
+            lines += [f"  {name:40} {value:10.3g}" for name, value in self.margins.items()]
         if self.active:
             lines.append(f"held back by, with the change of {self.minimize} for one unit more of the bound:")
             lines += [f"  {name:40} {price:+10.4g}" for name, price in self.active.items()]
@@ -180,6 +185,7 @@ def design(
         objective,
         chosen,
         bounds,
+        {name: margin.value for name, margin in orbit.margins.items()},
         _prices(problem, orbit, end, scale),
         _assumptions(problem, orbit, end, scale, names) if names else {},
         largest(orbit),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -12,7 +13,7 @@ from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.codesign.closing import closed, led
 from spear_pin.gaits.codesign.design import Design, design
 from spear_pin.gaits.codesign.problem import Problem
-from spear_pin.gaits.codesign.trust_region import Local, minimised
+from spear_pin.gaits.codesign.trust_region import NO_VALUE, Local, minimised
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.sensitivity.orbit import Orbit
@@ -88,7 +89,7 @@ def optimize_design(
         minimize, dict(over), solved_for, dict(keep), dict(at_most), dict(at_least), largest_multiplier, dict(motors)
     )
     _check(gait, problem, tolerance, iterations)
-    cycles = 0
+    cycles, why = 0, ""
 
     def count() -> None:
         nonlocal cycles
@@ -99,13 +100,16 @@ def optimize_design(
     scale = abs(problem.values(orbit)[0]) or 1.0
 
     def value(x: Array, near: Local[Orbit]) -> Local[Orbit] | None:
+        nonlocal why
         change = dict(zip(over, ((x - near.x) * problem.span).tolist(), strict=True))
         try:
             there = led(near.more, solved_for, problem.keep, change, count)
-        except NoGait:
+        except NoGait as failure:
+            why = failure.reason
             return None
         if problem.stable(near.more) and not problem.stable(there) and (problem.values(there)[1] >= 0.0).all():
-            return None  # two multipliers left the circle at once: the step was too long
+            why = "two multipliers leave the circle at once"
+            return None
         return problem.local(there, scale, count)
 
     def tell(n: int, best: Local[Orbit]) -> None:
@@ -116,6 +120,8 @@ def optimize_design(
     end = minimised(value, start, np.zeros(n), np.ones(n), tolerance=tolerance, iterations=iterations, on_step=tell)
     best = end.local.more
     found = gait_beside(best.system, best.state, solved_for, problem.keep)
+    if end.reason == NO_VALUE:
+        end = replace(end, reason=f"{NO_VALUE}: {why}")
     return design(problem, gait, found, end, scale, cycles, assuming)
 
 

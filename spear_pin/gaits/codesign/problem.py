@@ -137,9 +137,13 @@ class Problem:
         """
         goal, c = self.values(orbit)
         allowed = np.inf if self.largest_multiplier is None else self.largest_multiplier
-        g, A = self.slopes(orbit, largest(orbit) > WATCHED * allowed, on_cycle)
         x = (np.array([number(orbit.system, name) for name in self.over]) - self.lower) / self.span
-        return Local(x, goal / scale, g * self.span / scale, c, A * self.span, orbit)
+
+        def derived() -> tuple[Array, Array]:
+            g, A = self.slopes(orbit, largest(orbit) > WATCHED * allowed, on_cycle)
+            return g * self.span / scale, A * self.span
+
+        return Local(x, goal / scale, c, derived, orbit)
 
     def stable(self, orbit: Orbit) -> bool:
         """Whether all multipliers are where they may be, however many ways out there are."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -19,6 +20,7 @@ T = TypeVar("T")
 FIRST, LARGEST = 0.1, 0.5  # radii, of the box
 GOOD, BAD = 0.75, 0.1  # shares of a predicted gain
 MARGIN = 2.0  # of the penalty over the largest multiplier
+NEARBY = 1e-4  # of the box: what holds a point is that near
 NEAR = 1e-12  # a row that is shorter is none
 ROUNDING = 1e-12  # by which constraints are eased, so that a box without an inside has one
 CONVERGED, STUCK, NO_VALUE, TOO_LONG = (
@@ -36,18 +38,31 @@ class Local(Generic[T]):
     Attributes:
         x: the point, (n,).
         f: the function.
-        g: its gradient, (n,).
         c: constraints, to be >= 0, (m,).
-        A: their derivatives, (m, n).
+        slopes: gives the gradient of the function, (n,), and the constraints' derivatives, (m, n). It may take long,
+            and is asked only where a step goes on from.
         more: what else is known there.
     """
 
     x: Array
     f: float
-    g: Array
     c: Array
-    A: Array
+    slopes: Callable[[], tuple[Array, Array]]
     more: T
+
+    @cached_property
+    def _slopes(self) -> tuple[Array, Array]:
+        return self.slopes()
+
+    @property
+    def g(self) -> Array:
+        """The gradient, (n,)."""
+        return self._slopes[0]
+
+    @property
+    def A(self) -> Array:  # noqa: N802
+        """Derivatives of the constraints, (m, n)."""
+        return self._slopes[1]
 
     @property
     def violation(self) -> float:
@@ -119,22 +134,28 @@ def minimised(
         there = value(best.x + step, best)
         beyond = there is None
         gained = -np.inf if there is None else best.f - there.f + penalty * (best.violation - there.violation)
-        if there is not None:
-            hessian = _updated(hessian, step, _of_lagrange(there, multipliers) - _of_lagrange(best, multipliers))
         if gained < BAD * predicted:
             radius = 0.3 * size
         elif gained > GOOD * predicted and size > 0.9 * radius:
             radius = min(2.0 * radius, LARGEST)
         if there is not None and gained > 0.0:
+            hessian = _updated(hessian, step, _of_lagrange(there, multipliers) - _of_lagrange(best, multipliers))
             best = there
         path.append((best.f, best.violation))
         on_step(n + 1, best)
         if radius < tolerance:
             reason = NO_VALUE if beyond else STUCK
             break
-    end = _step(best, hessian, lower - best.x, upper - best.x)
-    left = best.g - best.A.T @ end.multipliers - end.at_bounds[0] + end.at_bounds[1]
-    return Minimum(best, end.multipliers, end.at_bounds, float(np.abs(left).max()), tuple(path), reason)
+    return Minimum(best, *_held(best, hessian, lower, upper), tuple(path), reason)
+
+
+def _held(local: Local[T], hessian: Array, lower: Array, upper: Array) -> tuple[Array, Array, float]:
+    """Multipliers of what holds a point, of constraints and of bounds, and what they leave of the gradient."""
+    low, high = np.maximum(lower - local.x, -NEARBY), np.minimum(upper - local.x, NEARBY)
+    end = _step(local, hessian, low, high)
+    at_bounds = np.where(np.array([low > -NEARBY, high < NEARBY]), end.at_bounds, 0.0)
+    left = local.g - local.A.T @ end.multipliers - at_bounds[0] + at_bounds[1]
+    return end.multipliers, at_bounds, float(np.abs(left).max())
 
 
 def _of_lagrange(local: Local[T], multipliers: Array) -> Array:

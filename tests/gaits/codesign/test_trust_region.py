@@ -12,7 +12,7 @@ def problem(f, g, c=lambda x: np.empty(0), A=lambda x: np.empty((0, 2)), inside=
 
     def value(x, best=None):
         calls.append(x)
-        return Local(x, f(x), g(x), c(x), A(x), None) if inside(x) else None
+        return Local(x, f(x), c(x), lambda: (g(x), A(x)), None) if inside(x) else None
 
     return value, calls
 
