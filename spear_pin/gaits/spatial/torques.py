@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from spear_pin.gaits.bounding_law import Shape
-from spear_pin.gaits.spatial.legs import YAW, Leg, Pair
+from spear_pin.gaits.spatial.legs import YAW, Group, Leg
 from spear_pin.gaits.virtual_constraints import demanded
 from spear_pin.hybrid.domain import Held, Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations, Row
@@ -18,7 +18,7 @@ ADJUSTED = "adjusted"  # name in what is held of what event feedback adds to a l
 
 
 class LegLaw(Protocol):
-    """A law that has numbers for each leg and for each pair; `SpatialLaw` says what they mean."""
+    """A law that has numbers for each leg and for each group; `SpatialLaw` says what they mean."""
 
     @property
     def adduction_stiffness(self) -> float: ...  # noqa: D102
@@ -38,8 +38,8 @@ class LegLaw(Protocol):
     def swing(self, leg: Leg) -> Shape: ...  # noqa: D102
     def trailing(self, leg: Leg) -> Shape: ...  # noqa: D102
     def landing(self, leg: Leg, held: Held) -> Shape: ...  # noqa: D102
-    def span_of_stance(self, pair: Pair) -> float: ...  # noqa: D102
-    def span_of_flight(self, pair: Pair) -> float: ...  # noqa: D102
+    def span_of_stance(self, group: Group) -> float: ...  # noqa: D102
+    def span_of_flight(self, group: Group) -> float: ...  # noqa: D102
     def adduction_touchdown(self, leg: Leg, held: Held) -> float: ...  # noqa: D102
     def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]: ...  # noqa: D102
     def adjustment_halfway(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]: ...  # noqa: D102
@@ -86,8 +86,8 @@ def support(leg: Leg, q: Any, v: Any, held: Mapping[str, Any], p: LegLaw, dyn: D
     ]
 
 
-def law_of(bearing: Sequence[Leg], airborne: Sequence[tuple[Leg, Pair]]) -> Law:
-    """Torques while some legs bear, and others, each with the other pair, are in the air."""
+def law_of(bearing: Sequence[Leg], airborne: Sequence[tuple[Leg, Sequence[Leg]]]) -> Law:
+    """Torques while some legs bear, and others, each with those of the other group, are in the air."""
     in_the_air = [motor for leg, _ in airborne for motor in (*leg.motors[1:], leg.motors[0])]
 
     def law(t: Any, q: Any, v: Any, held: Any, p: LegLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:

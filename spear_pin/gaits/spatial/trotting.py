@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from spear_pin.errors import BadValue
-from spear_pin.gaits.spatial.automaton import Automaton, in_pairs
-from spear_pin.gaits.spatial.legs import Pairs, Z, diagonals_of, laterals_of
+from spear_pin.gaits.spatial.automaton import Automaton, in_groups
+from spear_pin.gaits.spatial.legs import Groups, Z, diagonals_of, laterals_of
 from spear_pin.gaits.spatial.trot_law import TrotLaw
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
@@ -100,7 +100,7 @@ def halfway(system: HybridSystem, cycle: Run) -> State:
 def _halved(
     kind: str,
     build: Callable[..., HybridSystem],
-    pairs: Pairs,
+    pairs: Groups,
     section: str,
     robot: Robot,
     law: TrotLaw,
@@ -108,7 +108,7 @@ def _halved(
     contact: Contact | None,
     ground: Ground | None,
 ) -> HybridSystem:
-    return in_pairs(
+    return in_groups(
         kind,
         Automaton(robot, pairs, (section, section if lopsided(robot) <= ALIKE else HALFWAY), pairs[::-1], law.lift_off),
         law,
@@ -120,7 +120,7 @@ def _halved(
     )
 
 
-def _guess(robot: Robot, law: TrotLaw, pairs: Pairs) -> tuple[Any, Any]:
+def _guess(robot: Robot, law: TrotLaw, pairs: Groups) -> tuple[Any, Any]:
     if not law.nominal:
         raise BadValue("TrotLaw.nominal", law.nominal, "the numbers of a section state, or give a state")
     q, v = np.array(law.nominal[: robot.nv]), np.array(law.nominal[robot.nv :])
