@@ -18,7 +18,7 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_guards import OVERLOAD, knee_back, mount, overload
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.spatial.latches import bears, landing, lands, swings, trails, waits
-from spear_pin.gaits.spatial.legs import YAW, Group, Groups, Leg
+from spear_pin.gaits.spatial.legs import YAW, Group, Groups, Leg, Z
 from spear_pin.gaits.spatial.torques import ADJUSTED, LegLaw, law_of
 from spear_pin.gaits.virtual_constraints import progress
 from spear_pin.hybrid.automaton import HybridSystem
@@ -81,6 +81,19 @@ def in_groups(
         phase_limit=LONGEST * scale.time,
         overlap=OVERLAP * scale.time,
     )
+
+
+def nominal_start(robot: Robot, law: Any, landing: Group) -> State:
+    """The section state that a law holds, its group that is about to land on the ground.
+
+    Raises:
+        BadValue: it holds none.
+    """
+    if not law.nominal:
+        raise BadValue(f"{type(law).__name__}.nominal", law.nominal, "the numbers of a section state, or give a state")
+    q, v = np.array(law.nominal[: robot.nv]), np.array(law.nominal[robot.nv :])
+    q[Z] -= min(robot.toe_position(q, leg.toe)[-1] for leg in landing)
+    return q, v
 
 
 @dataclass(frozen=True)
