@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
     from spear_pin.gaits.spatial.bounding import bounding_in_space
     from spear_pin.gaits.spatial.law import SpatialLaw
+    from spear_pin.gaits.spatial.pronking import pronking
     from spear_pin.gaits.spatial.trot_law import TrotLaw
     from spear_pin.gaits.spatial.trotting import pacing, trotting
     from spear_pin.hybrid.batch import simulate_many
@@ -68,6 +69,7 @@ __all__ = [
     "load",
     "monopod",
     "pacing",
+    "pronking",
     "sagittal",
     "simulate",
     "simulate_many",
@@ -106,6 +108,7 @@ _HOMES = {
     "SpatialLaw": "gaits.spatial.law",
     "trotting": "gaits.spatial.trotting",
     "pacing": "gaits.spatial.trotting",
+    "pronking": "gaits.spatial.pronking",
     "TrotLaw": "gaits.spatial.trot_law",
     "in_space": "gaits.orbits.embedding",
     "compare": "viz.compare.comparison",

@@ -18,7 +18,7 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_guards import OVERLOAD, knee_back, mount, overload
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.spatial.latches import bears, landing, lands, swings, trails, waits
-from spear_pin.gaits.spatial.legs import YAW, Group, Groups, Leg, Z
+from spear_pin.gaits.spatial.legs import YAW, Group, Groups, Leg
 from spear_pin.gaits.spatial.torques import ADJUSTED, LegLaw, law_of
 from spear_pin.gaits.virtual_constraints import progress
 from spear_pin.hybrid.automaton import HybridSystem
@@ -83,19 +83,6 @@ def in_groups(
     )
 
 
-def nominal_start(robot: Robot, law: Any, landing: Group) -> State:
-    """The section state that a law holds, its group that is about to land on the ground.
-
-    Raises:
-        BadValue: it holds none.
-    """
-    if not law.nominal:
-        raise BadValue(f"{type(law).__name__}.nominal", law.nominal, "the numbers of a section state, or give a state")
-    q, v = np.array(law.nominal[: robot.nv]), np.array(law.nominal[robot.nv :])
-    q[Z] -= min(robot.toe_position(q, leg.toe)[-1] for leg in landing)
-    return q, v
-
-
 @dataclass(frozen=True)
 class Automaton:
     """What its domains are made of.
@@ -130,14 +117,16 @@ class Automaton:
             bearing = tuple(leg for leg, bears in zip(self.legs, down, strict=True) if bears)
             for phase in [self.phase(bearing)] if bearing else [group.flight for group in self.groups]:
                 closing = self._closed_by(phase, bearing)
-                yield from self._of_phase(phase, bearing, spring, self._touchdowns(self.groups, phase, bearing, closing))
+                yield from self._of_phase(
+                    phase, bearing, spring, self._touchdowns(self.groups, phase, bearing, closing)
+                )
                 if closing is not None:
                     order = sorted(self.groups, key=lambda group: group is not closing)
                     touchdowns = self._touchdowns(order, phase, bearing, None)
                     yield from self._of_phase(_before(phase), bearing, spring, touchdowns)
 
     def phase(self, bearing: Sequence[Leg]) -> str:
-        """Name of the phase in which some legs bear: of a whole group "posterior_stance", of one leg "posterior_left"."""
+        """Name of the phase in which some legs bear: of a whole group "posterior_stance", of one "posterior_left"."""
         parts = []
         for group in self.groups:
             own = [leg for leg in group if leg in bearing]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from spear_pin.errors import BadValue
-from spear_pin.gaits.spatial.automaton import Automaton, in_groups, nominal_start
+from spear_pin.gaits.spatial.automaton import Automaton, in_groups
 from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.legs import together
+from spear_pin.gaits.spatial.torques import nominal_start
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.ground import Ground

@@ -1,4 +1,4 @@
-"""Motor torques in space: of legs that bear, and of those in the air."""
+"""Motor torques in space: of legs that bear, and of those in the air; what a law holds of its gait."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import Shape
-from spear_pin.gaits.spatial.legs import YAW, Group, Leg
+from spear_pin.gaits.spatial.legs import YAW, Group, Leg, Z
 from spear_pin.gaits.virtual_constraints import demanded
 from spear_pin.hybrid.domain import Held, Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations, Row
+from spear_pin.hybrid.result import State
 from spear_pin.hybrid.symmetry import headed
+from spear_pin.model.robot import Robot
 
 ADJUSTED = "adjusted"  # name in what is held of what event feedback adds to a law's inputs
 
@@ -70,6 +73,19 @@ def adjusted(
     wanted = np.array(feedback) @ (np.concatenate([at, moving]) - nominal)
     bounds = np.array(limits)
     return tuple(np.clip(wanted, -bounds, bounds).tolist())
+
+
+def nominal_start(robot: Robot, law: Any, landing: Group) -> State:
+    """The section state that a law holds, its group that is about to land on the ground.
+
+    Raises:
+        BadValue: it holds none.
+    """
+    if not law.nominal:
+        raise BadValue(f"{type(law).__name__}.nominal", law.nominal, "the numbers of a section state, or give a state")
+    q, v = np.array(law.nominal[: robot.nv]), np.array(law.nominal[robot.nv :])
+    q[Z] -= min(robot.toe_position(q, leg.toe)[-1] for leg in landing)
+    return q, v
 
 
 def support(leg: Leg, q: Any, v: Any, held: Mapping[str, Any], p: LegLaw, dyn: Dynamics) -> list[tuple[int, Any]]:

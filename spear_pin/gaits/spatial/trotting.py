@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from spear_pin.gaits.spatial.automaton import Automaton, in_groups, nominal_start
+from spear_pin.gaits.spatial.automaton import Automaton, in_groups
 from spear_pin.gaits.spatial.legs import Groups, diagonals_of, laterals_of
+from spear_pin.gaits.spatial.torques import nominal_start
 from spear_pin.gaits.spatial.trot_law import TrotLaw
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
