@@ -82,6 +82,8 @@ def galloping(gait: Gait, landing: Sequence[float], lifting: Sequence[float], *,
             if step < SHORTEST:
                 reason = f"no gallop further than {done:.0%} of the way: {failure.reason}"
                 raise NoGait(reason, failure.residual) from None
+            if done:
+                J = path.slopes(x, ONE_SIDED, path.values(x))
     measures = {"mean_speed": float(begin[path.n + 1]), "turn": 0.0}
     found = gait_beside(path.system(x), headed(*path.state(x)), KEPT_BY, measures, rtol)
     q, v = found.state
@@ -142,21 +144,22 @@ class _Path:
 
     def solved(self, x: Array, J: Array, wanted: Array) -> tuple[Array, Array]:
         """The unknowns at which the values are as wanted, and derivatives near there, kept up by Broyden's rule."""
-        values, before, fresh = self.values(x), np.inf, False
+        values, expected, fresh = self.values(x), np.inf, False
         for n in range(ITERATIONS):
             off = values - wanted
             size = float(np.abs(off).max())
             if size <= PATH_TOLERANCE:
                 return x, J
-            if n > 1 and size > SLOW * before and not fresh:
+            if n > 1 and size > expected and not fresh:
                 J, fresh = self.slopes(x, ONE_SIDED, values), True
             else:
                 fresh = False
-            least: Array = -np.asarray(np.linalg.lstsq(J, off, rcond=1e-10)[0], np.float64)
-            least *= min(1.0, FARTHEST / float(np.abs(least).max()))
-            step, after = self._shortened(x, least, wanted, size)
+            whole: Array = -np.asarray(np.linalg.lstsq(J, off, rcond=1e-10)[0], np.float64)
+            capped = min(1.0, FARTHEST / float(np.abs(whole).max())) * whole
+            step, after = self._shortened(x, capped, wanted, size)
             J = J + np.outer(after - values - J @ step, step) / float(step @ step)
-            x, values, before = x + step, after, size
+            taken = float(np.abs(step).max() / np.abs(whole).max())
+            x, values, expected = x + step, after, (1.0 - (1.0 - SLOW) * taken) * size
         raise NoGait("Newton's method did not converge", size)
 
     def _shortened(self, x: Array, step: Array, wanted: Array, size: float) -> tuple[Array, Array]:
