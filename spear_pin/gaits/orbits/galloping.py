@@ -1,4 +1,4 @@
-"""From a bound in space to a gallop: the feet of each pair land, and lift off, one after the other.
+"""From a bound in space to a gallop: the feet of each pair land one after the other.
 
 The gait goes on step by step, by Gauss and Newton's method: of all inputs those that change least, at the same speed
 and heading. Where feet of a pair land at once the return map has a kink, in which of them is first; derivatives there
@@ -7,6 +7,7 @@ are central differences, which do not see it, and beyond it one-sided ones withi
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -28,7 +29,6 @@ from spear_pin.kinds import typed
 from spear_pin.model.scale import scale_in_space
 
 Array = NDArray[np.float64]
-EVENTS = ("touchdown", "lift_off")
 FIRST, SHORTEST, LONGEST = 1.0 / 16.0, 1.0 / 256.0, 0.25  # of the way: steps of the continuation
 PATH_RTOL, PATH_TOLERANCE = 1e-9, 1e-6  # of the integrator and of each step's solution
 ITERATIONS, SLOW, FARTHEST, WORSE = 12, 0.5, 0.5, 3.0
@@ -37,40 +37,38 @@ KEPT_BY = ("posterior_hip_torque", "posterior_hip_difference")  # speed and head
 
 
 @typed
-def galloping(gait: Gait, landing: Sequence[float], lifting: Sequence[float], *, rtol: float = 1e-10) -> Gait:
-    """The gallop to which a bound in space goes on as feet of a pair land and lift off apart.
+def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> Gait:
+    """The gallop to which a bound in space goes on as feet of a pair land apart.
 
     Args:
         gait: of `bounding_in_space`, without feedback.
         landing: time from the touchdown of the left foot to that of the right one, of the posterior and of the anterior
             pair, in s.
-        lifting: the same of lift-offs.
         rtol: relative tolerance of the integrator.
 
     Returns:
         the gait, at the speed of the one given, straight ahead.
 
     Raises:
-        BadValue: the gait is another, or these are not two finite times each.
+        BadValue: the gait is another, or these are not two finite times.
         NoGait: the continuation gets stuck on the way; the text says where.
 
     Example:
         >>> from spear_pin import Gait, in_space
         >>> from spear_pin.gaits.orbits.galloping import galloping
         >>> bound = in_space(Gait.load("long_stride_3.00"))  # doctest: +SKIP
-        >>> gallop = galloping(bound, (0.02, 0.02), (0.008, 0.003))  # half an hour  # doctest: +SKIP
+        >>> gallop = galloping(bound, (0.02, 0.02))  # twenty minutes  # doctest: +SKIP
     """
     if gait.system.kind != "bounding_in_space" or gait.system.law.feedback:
         raise BadValue("gait", gait, "one of bounding_in_space, without feedback")
-    for name, times in (("landing", landing), ("lifting", lifting)):
-        if len(times) != len(LEGS):
-            raise BadValue(name, times, "two times, in s")
-        for i, time in enumerate(times):
-            require(f"{name}[{i}]", time, np.isfinite, "a finite number, in s")
+    if len(landing) != len(LEGS):
+        raise BadValue("landing", landing, "two times, in s")
+    for i, time in enumerate(landing):
+        require(f"landing[{i}]", time, math.isfinite, "a finite number, in s")
     path = _Path(gait.system, gait.state, PATH_RTOL)
     x = np.zeros(path.unknowns)
     begin, J = path.values(x), path.slopes(x, CENTRAL)
-    wanted = path.wanted(begin, [*landing, *lifting])
+    wanted = path.wanted(begin, landing)
     done, step = 0.0, FIRST
     while done < 1.0:
         reach = min(1.0, done + step)
@@ -114,7 +112,7 @@ class _Path:
         return np.array([*np.zeros(self.n + 1), begin[self.n + 1], *(gap / self._second for gap in gaps)])
 
     def values(self, x: Array) -> Array:
-        """By how much the state changes in a stride, the turn, the speed, and times between footfalls.
+        """By how much the state changes in a stride, the turn, the speed, and times between touchdowns.
 
         Raises:
             NoGait: the stride does not close, or a foot does not land.
@@ -128,10 +126,10 @@ class _Path:
             raise NoGait(f"a stride does not close: {run.message}", np.inf)
         closes = self._chart.coordinates(run.state) - x[: self.n]
         measured = [system.measures[name](run) for name in ("turn", "mean_speed")]
-        gaps = [footfall_gap(run, pair, event) / self._second for event in EVENTS for pair in LEGS]
+        gaps = [footfall_gap(run, pair) / self._second for pair in LEGS]
         found = np.array([*closes, *measured, *gaps])
         if not np.isfinite(found).all():
-            raise NoGait("a foot does not land and lift off in each stride", np.inf)
+            raise NoGait("a foot does not land in each stride", np.inf)
         return found
 
     def slopes(self, x: Array, step: float, at: Array | None = None) -> Array:
