@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from spear_pin.gaits.sensitivity.uncertainty import Uncertainty
     from spear_pin.gaits.spatial.bounding import bounding_in_space
     from spear_pin.gaits.spatial.law import SpatialLaw
+    from spear_pin.gaits.spatial.pronking import pronking
     from spear_pin.gaits.spatial.trot_law import TrotLaw
     from spear_pin.gaits.spatial.trotting import pacing, trotting
     from spear_pin.hybrid.batch import simulate_many
@@ -74,6 +75,7 @@ __all__ = [
     "monopod",
     "optimize_design",
     "pacing",
+    "pronking",
     "sagittal",
     "simulate",
     "simulate_many",
@@ -115,6 +117,7 @@ _HOMES = {
     "SpatialLaw": "gaits.spatial.law",
     "trotting": "gaits.spatial.trotting",
     "pacing": "gaits.spatial.trotting",
+    "pronking": "gaits.spatial.pronking",
     "TrotLaw": "gaits.spatial.trot_law",
     "in_space": "gaits.orbits.embedding",
     "compare": "viz.compare.comparison",

@@ -15,21 +15,21 @@ from spear_pin.errors import BadValue
 if TYPE_CHECKING:
     from spear_pin.gaits.gait import Gait
 
-TROT, PACE = "trot", "pace"
-GOES = {"trotting": TROT, "pacing": PACE}  # what a kind of gait is called
+TROT, PACE, PRONK = "trot", "pace", "pronk"
+GOES = {"trotting": TROT, "pacing": PACE, "pronking": PRONK}  # what a kind of gait is called
 DRAWN = 4  # strides
 
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    summary = "simulate a trot or a pace in space, held by feedback twice a stride, write page, plots and samples"
+    summary = "simulate a trot, a pace or a pronk in space, held by feedback, write page, plots and samples"
     parser = add_command(commands, "trot", run, summary)
     parser.add_argument(
         "gait",
         nargs="?",
         default=TROT,
         metavar="GAIT",
-        help=f"{TROT} or {PACE}, which ship, or a saved one (default: {TROT}); one with feedback, such as "
+        help=f"{TROT}, {PACE} or {PRONK}, which ship, or a saved one (default: {TROT}); one with feedback, such as "
         "trot_steady.json, is played as it is",
     )
     parser.add_argument(
@@ -45,6 +45,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         raise BadValue("--push", arguments.push, "a finite number, in m/s")
     from spear_pin import simulate
     from spear_pin.gaits.orbits.balance import balanced
+    from spear_pin.gaits.spatial.law import INPUTS
+    from spear_pin.gaits.spatial.trot_law import TrotLaw
     from spear_pin.studies.bound.in_space import summarize_in_space
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
@@ -57,7 +59,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     with progress() as show:
         if not gait.system.law.feedback:
             show("finding feedback")
-            gait = balanced(gait)
+            gait = balanced(gait, None if isinstance(gait.system.law, TrotLaw) else INPUTS)
             files = [gait.save(arguments.out / "trot_steady.json")]
         show(f"simulating {arguments.cycles} strides")
         start, cycles = pushed(gait, arguments.push), in_a_stride * arguments.cycles
@@ -92,7 +94,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _gait(name: str) -> Gait:
-    """A trot or a pace that ships, or was saved.
+    """A trot, a pace or a pronk that ships, or was saved.
 
     Raises:
         UnknownName: none of that name ships.
@@ -103,7 +105,7 @@ def _gait(name: str) -> Gait:
 
     gait = Gait.load(name)
     if gait.system.kind not in GOES:
-        raise BadValue("GAIT", name, f"{TROT}, {PACE} or a saved one of these")
+        raise BadValue("GAIT", name, f"{TROT}, {PACE}, {PRONK} or a saved one of these")
     return gait
 
 

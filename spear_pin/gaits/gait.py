@@ -21,6 +21,7 @@ from spear_pin.gaits.round_hopping import RoundHoppingLaw, round_hopping
 from spear_pin.gaits.series_hopping import SeriesHoppingLaw, series_hopping
 from spear_pin.gaits.spatial.bounding import bounding_in_space
 from spear_pin.gaits.spatial.law import SpatialLaw
+from spear_pin.gaits.spatial.pronking import pronking
 from spear_pin.gaits.spatial.trot_law import TrotLaw
 from spear_pin.gaits.spatial.trotting import pacing, trotting
 from spear_pin.hybrid.automaton import HybridSystem
@@ -46,6 +47,7 @@ KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
     "bounding_in_space": (bounding_in_space, SpatialLaw),
     "trotting": (trotting, TrotLaw),
     "pacing": (pacing, TrotLaw),
+    "pronking": (pronking, SpatialLaw),
 }
 
 

@@ -1,4 +1,4 @@
-"""`spear trot`: a trot or a pace in space held by feedback, its figures and its files."""
+"""`spear trot`: a trot, a pace or a pronk in space held by feedback, its figures and its files."""
 
 import math
 from pathlib import Path
@@ -9,12 +9,13 @@ import pytest
 from spear_pin import Gait, Trajectory, simulate
 from spear_pin.cli.durations import usual
 from spear_pin.gaits.orbits import balance
+from spear_pin.gaits.spatial.trot_law import TROT_INPUTS
 from tests.cli.calls import printed, refused, run
 
 
-def held(gait):
+def held(gait, inputs=TROT_INPUTS):
     """The gait with feedback that does nothing."""
-    nothing = tuple(map(tuple, np.zeros((10, 36))))
+    nothing = tuple(map(tuple, np.zeros((len(inputs or TROT_INPUTS), 36))))
     return gait.with_law(feedback=nothing, nominal=tuple(np.concatenate(gait.state)))
 
 
@@ -48,13 +49,21 @@ def test_feedback_is_found_and_kept(capsys, tmp_path, monkeypatch):
     np.testing.assert_allclose(motion.v[0], wanted.v[0], rtol=0, atol=1e-12)
 
 
+def test_a_pronk_is_held_by_all_inputs(capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr(balance, "balanced", held)
+    result = printed(capsys, "trot", "pronk", "--cycles", 1, "--out", tmp_path)
+    assert result["goes"] == "pronk" and result["in_a_stride"] == 1 and result["cycles"] == 1
+    assert result["period"] == pytest.approx(0.289, abs=1e-3) and result["speed"] == pytest.approx(2.0, abs=1e-6)
+    assert Gait.load(tmp_path / "trot_steady.json").system.kind == "pronking"
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         (("nowhere",), "unknown gait"),
         (("nowhere.json",), "nowhere.json"),
-        (("long_stride",), "trot, pace or a saved one"),
-        (("turn_9",), "trot, pace or a saved one"),
+        (("long_stride",), "trot, pace, pronk or a saved one"),
+        (("turn_9",), "trot, pace, pronk or a saved one"),
         (("--push", math.nan), "--push"),
         (("--cycles", 0), "--cycles"),
     ],

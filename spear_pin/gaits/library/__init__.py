@@ -30,7 +30,7 @@ TURNS: Mapping[str, tuple[float, float]] = MappingProxyType(
     | {f"turn_9_{speed:.2f}": (9, speed) for speed in (2.25, 2.75)}
 )
 """Turning gaits that ship, by name: degrees a stride, and speed along the heading, in m/s."""
-IN_SPACE = ("trot", "pace", *TURNS)
+IN_SPACE = ("trot", "pace", "pronk", "gallop", *TURNS)
 
 
 def names() -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 By the mirror a symmetric gait's return map is block diagonal to first order: what is symmetric, the plane's motion, and
 what is antisymmetric, with the heading, are systems of their own, with inputs of their own. A trot's, half a stride
-seen in the mirror, is one system.
+seen in the mirror, is one system, and so is that of a gait that is not symmetric.
 """
 
 from __future__ import annotations
@@ -93,9 +93,13 @@ def along(gait: Gait, inputs: Sequence[str] = INPUTS[len(ACROSS) :], *, rtol: fl
 
 
 @typed
-def halved(gait: Gait, inputs: Sequence[str] = TROT_INPUTS, *, rtol: float = 1e-10) -> Linear:
-    """A and B of half a stride of a trot, seen in the mirror, by central differences; arguments as of `across`."""
-    return _linear(gait, inputs, TROT_INPUTS, None, rtol)
+def entire(gait: Gait, inputs: Sequence[str], *, rtol: float = 1e-10) -> Linear:
+    """A and B of all motion without the heading, by central differences; arguments as of `across`.
+
+    Of a trot it is that of half a stride, seen in the mirror, and inputs are among `TROT_INPUTS`; of others among
+    `spear_pin.gaits.spatial.law.INPUTS`.
+    """
+    return _linear(gait, inputs, _inputs_of(gait), None, rtol)
 
 
 @typed
@@ -112,13 +116,14 @@ def balanced(
     What is across and what is along are regulated apart, each by those of the inputs that act on it: at the section
     w = -K a is added to them for the stride; K minimises Σ aᵀQ a + weight Σ (w / scale)², scales being `SCALES` and Q 1
     but for the yaw. Of a gait that is only nearly symmetric, as its robot is, it is the same feedback, and the
-    multipliers are those of all that there is.
+    multipliers are those of all that there is. Of one that is not, as a gallop, all is regulated at once.
 
     Args:
-        gait: in space, symmetric or nearly so, without such feedback.
-        inputs: among `spear_pin.gaits.spatial.law.INPUTS`; one of those across suffices to stay upright, by default
-            "posterior_adduction". Of a trot among `TROT_INPUTS`, by default all.
-        heading: weight of the yaw, to keep the heading too; 0: it goes on to wherever it was pushed, as a trot does.
+        gait: in space, without such feedback.
+        inputs: among `spear_pin.gaits.spatial.law.INPUTS`; one of those across suffices for a bound to stay upright, by
+            default "posterior_adduction". Of a gait that is not symmetric by default all; of a trot `TROT_INPUTS`.
+        heading: weight of the yaw, to keep the heading too; 0: it goes on to wherever it was pushed, as a trot, or
+            another that is not symmetric, does.
         weight: of the inputs; the larger, the gentler.
         rtol: of the integrator.
 
@@ -127,8 +132,8 @@ def balanced(
         of one that is only nearly symmetric all of them, without the heading's.
 
     Raises:
-        BadValue: the gait has feedback already, is not in space or not symmetric, a weight is not valid, or
-            inputs are none or name one twice.
+        BadValue: the gait has feedback already, or is not in space, a weight is not valid, or inputs are none or name
+            one twice.
         UnknownName: an input is not among these.
         NoGait: a perturbed stride does not close.
     """
@@ -136,12 +141,12 @@ def balanced(
         raise BadValue("gait", "one with event feedback", "one without")
     require("weight", weight, lambda w: w > 0, "a number > 0")
     require("heading", heading, lambda w: w >= 0, "a number >= 0")
-    trots = isinstance(gait.system.law, TrotLaw)
-    valid = TROT_INPUTS if trots else INPUTS
+    trots, valid, local = isinstance(gait.system.law, TrotLaw), _inputs_of(gait), _chart(gait)[0]
+    at_once = trots or asymmetry(gait.system.robot, gait.state) > NEARLY
     if inputs is None:
-        inputs = TROT_INPUTS if trots else ("posterior_adduction",)
-    if trots and heading:
-        raise BadValue("heading", heading, "0 for a trot")
+        inputs = valid if at_once else ("posterior_adduction",)
+    if at_once and heading:
+        raise BadValue("heading", heading, "0 for a trot, and for a gait that is not symmetric")
     for name in inputs:
         if name not in valid:
             raise UnknownName("input", name, valid)
@@ -149,33 +154,48 @@ def balanced(
         raise BadValue("inputs", inputs, "at least one, none of them twice")
     regulations: list[tuple[Linear, Array, NDArray[np.complex128]]] = []
     sides = [name for name in inputs if name in ACROSS], [name for name in inputs if name not in ACROSS]
-    if trots:
-        linear = halved(gait, inputs, rtol=rtol)
+    if at_once:
+        linear = entire(gait, inputs, rtol=rtol)
         regulations.append((linear, *regulated(linear, None, weight)))
-    if sides[0]:
+    if sides[0] and not at_once:
         linear = across(gait, sides[0], heading=heading > 0, rtol=rtol)
         Q = np.eye(len(linear.A))
         Q[-1, -1] = heading if heading > 0 else 1.0
         regulations.append((linear, *regulated(linear, Q, weight)))
-    if sides[1] and not trots:
+    if sides[1] and not at_once:
         linear = along(gait, sides[1], rtol=rtol)
         regulations.append((linear, *regulated(linear, None, weight)))
     rows: dict[str, list[float]] = {}
     for linear, gains, _ in regulations:
         rows |= dict(zip(linear.inputs, (-gains @ linear.coordinates).tolist(), strict=True))
-    local = chart(gait.system, gait.state)
     nominal = np.concatenate(local.state(np.zeros(local.dimension)))
     zero = [0.0] * len(nominal)
     feedback = tuple(tuple(rows.get(name, zero)) for name in valid)
     closed = gait.with_law(feedback=feedback, nominal=tuple(nominal.tolist()))
-    lopsided = not gait.system.mirrored_toes if trots else asymmetry(gait.system.robot, gait.state) > SYMMETRIC
-    if trots and lopsided:
+    halves = trots and not gait.system.mirrored_toes
+    if halves:
         between = np.concatenate(halfway(gait.system, return_map(gait.system, gait.state, rtol)))
         closed = closed.with_law(halfway=tuple(between.tolist()))
-    if lopsided:
+    if halves or (not at_once and asymmetry(gait.system.robot, gait.state) > SYMMETRIC):
         return replace(closed, multipliers=multipliers(closed.system, closed.state, rtol))
     values = np.concatenate([values for _, _, values in regulations])
     return replace(closed, multipliers=values[np.argsort(-np.abs(values), kind="stable")])
+
+
+def _chart(gait: Gait) -> tuple[Chart, NDArray[np.bool_]]:
+    """The chart of the section about a gait's state, and which of its coordinates are symmetric.
+
+    Raises:
+        BadValue: the gait is not in space.
+    """
+    local = chart(gait.system, gait.state)
+    if not isinstance(local.lane, SpatialCharts):
+        raise BadValue("gait", gait, "one in space")
+    return local, local.lane.even
+
+
+def _inputs_of(gait: Gait) -> tuple[str, ...]:
+    return TROT_INPUTS if isinstance(gait.system.law, TrotLaw) else INPUTS
 
 
 def unit_of(name: str, robot: Robot) -> float:
@@ -197,18 +217,16 @@ def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool 
     for name in inputs:
         if name not in valid:
             raise UnknownName("input", name, valid)
-    local = chart(gait.system, gait.state)
-    if not isinstance(local.lane, SpatialCharts):
-        raise BadValue("gait", gait, "one in space")
+    local, symmetric = _chart(gait)
     robot = gait.system.robot
     off = asymmetry(robot, local.state(np.zeros(local.dimension)))
     trots = isinstance(gait.system.law, TrotLaw)
-    if (even is None) != trots:
-        raise BadValue("gait", gait, "a bound" if trots else "a trot")
+    if trots and even is not None:
+        raise BadValue("gait", gait, "one whose strides do not consist of halves")
     if off > NEARLY and even is not None:
         raise BadValue("gait", gait, "a symmetric one, or nearly so")
     scales = tuple(unit_of(name, robot) for name in inputs)
-    own = np.arange(local.dimension) if even is None else np.flatnonzero(local.lane.even == even)
+    own = np.arange(local.dimension) if even is None else np.flatnonzero(symmetric == even)
 
     def after(state: State, values: dict[str, float]) -> Array:
         run = return_map(with_parameters(gait.system, values), state, rtol)

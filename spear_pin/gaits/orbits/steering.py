@@ -32,10 +32,10 @@ ITERATIONS, SLOW, LONGEST = 14, 0.3, 0.3
 DIFFERENCE = 1e-6
 
 
-def touchdown_gap(run: Run, pair: str) -> float:
-    """Time from the left touchdown of a pair to the right one in a stride, in s."""
-    times = {event.name: event.time for event in reversed(run.events)}
-    left, right = (times.get(f"{pair}_{side}_touchdown", np.nan) for side in SIDES)
+def footfall_gap(run: Run, pair: str, event: str = "touchdown") -> float:
+    """Time from the first touchdown, or "lift_off", of a pair's left foot in a stride to the right one's, in s."""
+    times = {each.name: each.time for each in reversed(run.events)}
+    left, right = (times.get(f"{pair}_{side}_{event}", np.nan) for side in SIDES)
     return float(right - left)
 
 
@@ -101,7 +101,7 @@ class _Beside:
             raise NoGait(f"a stride beside the turn does not close: {run.message}", np.inf)
         closes = self._chart.coordinates(run.state) - x[: self._n]
         measured = [system.measures[name](run) for name in ("turn", "mean_speed")]
-        gaps = [touchdown_gap(run, pair) / SECOND for pair in ("posterior", "anterior")]
+        gaps = [footfall_gap(run, pair) / SECOND for pair in ("posterior", "anterior")]
         return np.array([*closes, *measured, *gaps])
 
     def off(self, values: Array) -> Array:

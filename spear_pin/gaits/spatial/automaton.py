@@ -1,6 +1,6 @@
-"""The automaton of a quadruped in space whose legs bear in pairs, leg by leg: a phase for each set of legs that bear.
+"""The automaton of a quadruped in space whose legs bear in groups, leg by leg: a phase for each set of legs that bear.
 
-Which legs make a pair is data: the posterior and the anterior ones bound, diagonal ones trot.
+Which legs make a group is data: the posterior and the anterior pair bound, diagonal ones trot, all four at once pronk.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_guards import OVERLOAD, knee_back, mount, overload
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.spatial.latches import bears, landing, lands, swings, trails, waits
-from spear_pin.gaits.spatial.legs import FLIGHTS, YAW, Leg, Pair, Pairs
+from spear_pin.gaits.spatial.legs import YAW, Group, Groups, Leg
 from spear_pin.gaits.spatial.torques import ADJUSTED, LegLaw, law_of
 from spear_pin.gaits.virtual_constraints import progress
 from spear_pin.hybrid.automaton import HybridSystem
@@ -39,7 +39,7 @@ CLEAR = 5e-3  # m: up to where a toe of Q-SPEAR that bears bounces, and has not 
 OVERLAP = 0.010  # s: how long an impact of Q-SPEAR lasts (assumption; not in the source)
 
 
-def in_pairs(
+def in_groups(
     kind: str,
     automaton: Automaton,
     law: Any,
@@ -63,7 +63,7 @@ def in_pairs(
         raise BadValue("Spring.rest", spring.rest, "None: in space springs are switched")
     if not as_ground(contact).plain:
         raise BadValue("ground", contact, "level at height zero: in space there is no other yet")
-    first, *second = (tuple(leg.toe for leg in pair) for pair in automaton.closing)
+    first, *second = (tuple(leg.toe for leg in group) for group in automaton.closing)
     return HybridSystem(
         kind=kind,
         robot=robot,
@@ -89,60 +89,65 @@ class Automaton:
 
     Attributes:
         robot: the robot.
-        pairs: the legs that bear together.
-        sections: names of the events just before the touchdown of the pairs in `closing`. The first closes a cycle; so
+        groups: the legs that bear together, in the order in which they do.
+        sections: names of the events just before the touchdown of the groups in `closing`. The first closes a cycle; so
             does the second where it has the same name, half a stride being the other's mirror image.
-        closing: one pair, or both, first the one that lands in the first flight.
+        closing: one group, or both, first the one that lands in the first flight.
         lift_off: as of the law, "knee" or "force".
     """
 
     robot: Robot
-    pairs: Pairs
+    groups: Groups
     sections: Sequence[str]
-    closing: Sequence[Pair]
+    closing: Sequence[Group]
     lift_off: str
 
     @property
     def legs(self) -> tuple[Leg, ...]:
         """All four."""
-        return *self.pairs[0], *self.pairs[1]
+        return tuple(leg for group in self.groups for leg in group)
 
     def domains(self, spring: Spring) -> Iterator[Domain]:
-        """Those of all sets of legs that bear; before a touchdown of a pair in `closing` there is one more.
+        """Those of all sets of legs that bear; before a touchdown of a group in `closing` there is one more.
 
         Args:
             spring: of each knee.
         """
         for down in product((True, False), repeat=len(self.legs)):
             bearing = tuple(leg for leg, bears in zip(self.legs, down, strict=True) if bears)
-            for phase in [self.phase(bearing)] if bearing else FLIGHTS:
+            for phase in [self.phase(bearing)] if bearing else [group.flight for group in self.groups]:
                 closing = self._closed_by(phase, bearing)
-                touchdowns = [self._touchdowns(pair, phase, bearing, pair is closing) for pair in self.pairs]
-                yield from self._of_phase(phase, bearing, spring, [*touchdowns[0], *touchdowns[1]])
+                yield from self._of_phase(
+                    phase, bearing, spring, self._touchdowns(self.groups, phase, bearing, closing)
+                )
                 if closing is not None:
-                    pairs = closing, self._others(closing.legs[0])
-                    touchdowns = [self._touchdowns(pair, phase, bearing, False) for pair in pairs]
-                    yield from self._of_phase(_before(phase), bearing, spring, [*touchdowns[0], *touchdowns[1]])
+                    order = sorted(self.groups, key=lambda group: group is not closing)
+                    touchdowns = self._touchdowns(order, phase, bearing, None)
+                    yield from self._of_phase(_before(phase), bearing, spring, touchdowns)
 
     def phase(self, bearing: Sequence[Leg]) -> str:
-        """Name of the phase in which some legs bear: of both of a pair "posterior_stance", of one "posterior_left"."""
+        """Name of the phase in which some legs bear: of a whole group "posterior_stance", of one "posterior_left"."""
         parts = []
-        for pair in self.pairs:
-            own = [leg for leg in pair if leg in bearing]
-            parts += [pair.name] if len(own) == 2 else [leg.name for leg in own]
-        return f"{'+'.join(parts)}_stance" if len(parts) > 1 or len(bearing) == 2 else parts[0]
+        for group in self.groups:
+            own = [leg for leg in group if leg in bearing]
+            parts += [group.name] if len(own) == len(group.legs) else [leg.name for leg in own]
+        return f"{'+'.join(parts)}_stance" if len(bearing) > 1 else parts[0]
 
-    def _closed_by(self, phase: str, bearing: Sequence[Leg]) -> Pair | None:
-        """The pair whose touchdown closes a cycle: one in the air that is not just back, while no other such is."""
-        for pair in self.closing:
-            if phase != pair.flight and not set(bearing) & set(pair):
-                return pair
+    def _closed_by(self, phase: str, bearing: Sequence[Leg]) -> Group | None:
+        """The group whose touchdown closes a cycle: one in the air that is not just back, while no other such is."""
+        for group in self.closing:
+            if not self._back(group, phase) and not set(bearing) & set(group):
+                return group
         return None
+
+    def _back(self, group: Group, phase: str) -> bool:
+        """Whether legs of a group that land are just back: it bore last, and another one is the next."""
+        return phase == group.flight and self._next(group) is not group
 
     def _of_phase(
         self, phase: str, bearing: tuple[Leg, ...], spring: Spring, touchdowns: list[Guard]
     ) -> tuple[Domain, ...]:
-        airborne = [(leg, self._others(leg)) for leg in self.legs if leg not in bearing]
+        airborne = [(leg, self._others(self._own(leg))) for leg in self.legs if leg not in bearing]
         mounts = tuple(mount(leg, spring) for leg in bearing)
         switches = [
             guard for mount, leg in zip(mounts, bearing, strict=True) for guard in spring_switches(mount, leg.knee)
@@ -168,35 +173,39 @@ class Automaton:
 
     # touchdown
 
-    def _touchdowns(self, pair: Pair, phase: str, bearing: tuple[Leg, ...], closes: bool) -> list[Guard]:
-        """Those of a pair's legs in the air."""
-        if closes:
-            return self._closing(pair, phase)
-        back = phase == pair.flight
+    def _touchdowns(
+        self, groups: Sequence[Group], phase: str, bearing: tuple[Leg, ...], closing: Group | None
+    ) -> list[Guard]:
+        """Those of the legs in the air, group by group; those of the one that closes a cycle lead to just before it."""
         guards: list[Guard] = []
-        for leg in pair:
-            if leg not in bearing:
-                reset = self._touches(leg, bearing, not back and not set(pair) & set(bearing))
-                event = f"{leg.name}_{'return' if back else 'touchdown'}"
-                guards += [struck_together(leg.toe, event, reset), touchdown(leg.toe, reset, event)]
+        for group in groups:
+            if group is closing:
+                guards += self._closing(group, phase)
+                continue
+            back = self._back(group, phase)
+            for leg in group:
+                if leg not in bearing:
+                    reset = self._touches(leg, bearing, not back and not set(group) & set(bearing))
+                    event = f"{leg.name}_{'return' if back else 'touchdown'}"
+                    guards += [struck_together(leg.toe, event, reset), touchdown(leg.toe, reset, event)]
         return guards
 
-    def _closing(self, pair: Pair, phase: str) -> list[Guard]:
-        """Just before a pair's touchdown: from there on all depends on (q, v) alone."""
-        others, halfway = self._others(pair.legs[0]), pair is not self.closing[0]
+    def _closing(self, group: Group, phase: str) -> list[Guard]:
+        """Just before a group's touchdown: from there on all depends on (q, v) alone."""
+        last, others, halfway = self._previous(group), self._others(group), group is not self.closing[0]
         mirror = mirror_of(self.robot)
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: LegLaw) -> Held:
-            waiting = {name: each for leg in pair for name, each in waits(leg, others, q, p).items()}
+            waiting = {name: each for leg in group for name, each in waits(leg, last, others, q, p).items()}
             seen: Any = (mirror(np.array(q)), mirror(np.array(v))) if halfway else (q, v)
             return waiting | {ADJUSTED: (p.adjustment_halfway if halfway else p.adjustment)(*seen)}
 
         reset = Reset(latch=latch, phase=_before(phase))
-        return [Guard(self.sections[halfway], height(leg.toe), reset, tolerance=ON_GROUND) for leg in pair]
+        return [Guard(self.sections[halfway], height(leg.toe), reset, tolerance=ON_GROUND) for leg in group]
 
     def _touches(self, leg: Leg, bearing: tuple[Leg, ...], anew: bool) -> Reset:
-        own, others = self._own(leg), self._others(leg)
-        swinging = [other for other in others if other not in bearing]
+        own = self._own(leg)
+        swinging = [other for other in self._others(own) if other not in bearing]
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: LegLaw) -> Held:
             latched = bears(leg, own, q, v, held, p, anew)
@@ -209,19 +218,21 @@ class Automaton:
     # lift-off
 
     def _lifts(self, leg: Leg, bearing: tuple[Leg, ...]) -> Reset:
-        own, others = self._own(leg), self._others(leg)
+        own = self._own(leg)
+        follows, others = self._next(own), self._others(own)
         left = tuple(each for each in bearing if each != leg)
         supported = bool(set(left) & set(others))
         last = not set(left) & set(own)
         aloft = [other for other in others if other not in left]
+        leaves = lands if follows is own else trails
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: LegLaw) -> Held:
-            latched = swings(leg, others, q, v, held, p) if supported else trails(leg, own, others, q, v, held, p)
+            latched = swings(leg, follows, q, v, held, p) if supported else leaves(leg, own, others, q, v, held, p)
             for other in own:
                 if other != leg and other not in left and f"{other.name}_alpha" not in held:  # where a run begins
-                    latched |= trails(other, own, others, q, v, held, p)
+                    latched |= leaves(other, own, others, q, v, held, p)
             for other in landing(aloft, held) if last else ():
-                latched |= lands(other, own, q, v, held, p)
+                latched |= lands(other, own, own.legs, q, v, held, p)
             return latched
 
         phase = self.phase(left) if left else own.flight
@@ -231,11 +242,19 @@ class Automaton:
     def _overload(self) -> Guard:
         return overload(OVERLOAD * scale_in_space(self.robot).torque)
 
-    def _own(self, leg: Leg) -> Pair:
-        return self.pairs[0] if leg in self.pairs[0] else self.pairs[1]
+    def _own(self, leg: Leg) -> Group:
+        return next(group for group in self.groups if leg in group)
 
-    def _others(self, leg: Leg) -> Pair:
-        return self.pairs[1] if leg in self.pairs[0] else self.pairs[0]
+    def _next(self, group: Group) -> Group:
+        """The group that bears after one: of a single group itself."""
+        return self.groups[(self.groups.index(group) + 1) % len(self.groups)]
+
+    def _previous(self, group: Group) -> Group:
+        return self.groups[self.groups.index(group) - 1]
+
+    def _others(self, group: Group) -> tuple[Leg, ...]:
+        """The legs that are not in a group."""
+        return tuple(leg for leg in self.legs if leg not in group)
 
     def _with(self, bearing: Sequence[Leg], leg: Leg) -> list[Leg]:
         return [each for each in self.legs if each in bearing or each == leg]
@@ -246,7 +265,7 @@ def _before(phase: str) -> str:
     return f"{phase}_ends"
 
 
-def _passing(leg: Leg, others: Pair) -> Guard:
+def _passing(leg: Leg, others: Sequence[Leg]) -> Guard:
     """A leg's phase variable passes 1, either way."""
     past = f"{leg.name}_past"
 

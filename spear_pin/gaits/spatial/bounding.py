@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from spear_pin.errors import BadValue
-from spear_pin.gaits.spatial.automaton import Automaton, in_pairs
+from spear_pin.gaits.spatial.automaton import Automaton, in_groups
 from spear_pin.gaits.spatial.law import SpatialLaw
-from spear_pin.gaits.spatial.legs import Pairs, Z, moving, pairs_of, placed
+from spear_pin.gaits.spatial.legs import Groups, Z, moving, pairs_of, placed
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.ground import Ground
@@ -54,7 +54,7 @@ def bounding_in_space(
     if law.plane.feedback:
         raise BadValue("SpatialLaw.plane.feedback", "event feedback", "none of the plane's in space")
     pairs = pairs_of(robot)
-    return in_pairs(
+    return in_groups(
         "bounding_in_space",
         Automaton(robot, pairs, (SECTION,), pairs[:1], law.lift_off),
         law,
@@ -66,7 +66,7 @@ def bounding_in_space(
     )
 
 
-def _guess(robot: Robot, law: SpatialLaw, pairs: Pairs) -> tuple[Any, Any]:
+def _guess(robot: Robot, law: SpatialLaw, pairs: Groups) -> tuple[Any, Any]:
     if not law.plane.nominal:
         raise BadValue("SpatialLaw.plane.nominal", law.plane.nominal, "the numbers of a section state, or give a state")
     q, v = np.array([0.0, *law.plane.nominal[:6]]), np.array(law.plane.nominal[6:])

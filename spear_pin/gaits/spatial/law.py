@@ -12,7 +12,7 @@ import numpy as np
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.bounding_law import INPUTS as SAGITTAL
 from spear_pin.gaits.bounding_law import LEGS, PAIR, BoundingLaw, Shape
-from spear_pin.gaits.spatial.legs import FLIGHTS, Leg, Pair
+from spear_pin.gaits.spatial.legs import FLIGHTS, Group, Leg
 from spear_pin.gaits.spatial.torques import ADJUSTED, adjusted
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
@@ -192,13 +192,13 @@ class SpatialLaw:
         target = self._of_pair(leg, "leg_touchdown", held) + self._of(leg, "leg_difference", held)
         return (angle, *3 * (target,)), (knee, *3 * (leg.bends * self.plane.knee_touchdown,))
 
-    def span_of_stance(self, pair: Pair) -> float:
+    def span_of_stance(self, group: Group) -> float:
         """Δ of (5.10), of the mean leg angle of a pair that bears, in rad."""
-        return float(getattr(self.plane, f"{pair.name}_stance_span"))
+        return float(getattr(self.plane, f"{group.name}_stance_span"))
 
-    def span_of_flight(self, pair: Pair) -> float:
-        """Δ of (5.19), in the flight after the stance of a pair, in m."""
-        return float(getattr(self.plane, f"{_FLIGHTS[pair.name]}_span"))
+    def span_of_flight(self, group: Group) -> float:
+        """Δ of (5.19), in the flight after the stance of a pair, or of all legs, in m."""
+        return float(getattr(self.plane, f"{group.flight}_span"))
 
     def adduction_touchdown(self, leg: Leg, held: Mapping[str, Any]) -> float:
         """Angle of a leg's adduction at touchdown, to the left, in rad."""

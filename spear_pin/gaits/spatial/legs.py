@@ -1,8 +1,8 @@
-"""Legs of a quadruped in space, what of each is controlled, and the pairs that they bear in."""
+"""Legs of a quadruped in space, what of each is controlled, and the groups that they bear in."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -23,7 +23,7 @@ from spear_pin.model.tree import Tree
 Array = NDArray[np.float64]
 X, Y, Z, YAW, PITCH = (CHAIN.index(name) for name in ("torso_x", "torso_y", "torso_z", "yaw", "pitch"))
 SIDES = {"left": 1.0, "right": -1.0}
-FLIGHTS = ("flight_1", "flight_2")  # after the stance of the first pair, and of the second
+FLIGHTS = ("flight_1", "flight_2")  # after the stance of the first group, and of the second
 
 
 @dataclass(frozen=True)
@@ -89,16 +89,16 @@ class Leg:
         """How far the knee is flexed, in rad."""
         return self.side * (q[self.knee] - self.zeros[2])
 
-    def outputs(self, bearing: Pair, weights: tuple[Any, Any, Any]) -> Outputs:
+    def outputs(self, others: Sequence[Leg], weights: tuple[Any, Any, Any]) -> Outputs:
         """What is controlled in the air, over a phase variable.
 
         Args:
-            bearing: the other pair.
-            weights: of x, of y and of each γ of that pair in the phase variable.
+            others: the legs of the other group, if there is one.
+            weights: of x, of y and of each of their γ in the phase variable.
         """
         ahead, aside, angles = weights
         travel = ((X, ahead), (Y, aside))
-        phase = Sum(((1.0, travel), *((angles, leg.angle) for leg in bearing)))
+        phase = Sum(((1.0, travel), *((angles, leg.angle) for leg in others)))
         return Outputs(self.controlled, phase, self.motors[1:])
 
     def evolution(self, held: Mapping[str, Any]) -> Evolution:
@@ -107,17 +107,17 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class Pair:
-    """Two legs that bear together.
+class Group:
+    """Legs that bear together.
 
     Attributes:
         name: such as "posterior".
-        legs: the two.
+        legs: any of the four.
         flight: name of the flight after its stance.
     """
 
     name: str
-    legs: tuple[Leg, Leg]
+    legs: tuple[Leg, ...]
     flight: str
 
     def __iter__(self) -> Iterator[Leg]:
@@ -125,10 +125,11 @@ class Pair:
         return iter(self.legs)
 
 
-Pairs = tuple[Pair, Pair]
+Groups = tuple[Group, ...]
+"""One group, or two that bear in turn: all four legs in either case."""
 
 
-def pairs_of(robot: Robot) -> Pairs:
+def pairs_of(robot: Robot) -> Groups:
     """The posterior and the anterior pair, the left leg first.
 
     Raises:
@@ -142,30 +143,39 @@ def pairs_of(robot: Robot) -> Pairs:
         toes = ", ".join(leg.toe for pair in found for leg in pair)
         raise BadValue("robot.toes", robot.toes, f"those of its four legs, load(..., toes=...): {toes}")
     posterior, anterior = (
-        Pair(end, (_leg(robot, left, end, "left"), _leg(robot, right, end, "right")), flight)
+        Group(end, (_leg(robot, left, end, "left"), _leg(robot, right, end, "right")), flight)
         for end, flight, (left, right) in zip(LEGS, FLIGHTS, found, strict=True)
     )
     return posterior, anterior
 
 
-def diagonals_of(robot: Robot) -> Pairs:
+def diagonals_of(robot: Robot) -> Groups:
     """The pair of the posterior right leg and that of the posterior left one, each with the anterior leg across.
 
     Raises:
         BadValue: as of `pairs_of`.
     """
-    (left, right), (across, other) = (pair.legs for pair in pairs_of(robot))
-    return Pair("diagonal_right", (right, across), FLIGHTS[0]), Pair("diagonal_left", (left, other), FLIGHTS[1])
+    (left, right), (across, other) = pairs_of(robot)
+    return Group("diagonal_right", (right, across), FLIGHTS[0]), Group("diagonal_left", (left, other), FLIGHTS[1])
 
 
-def laterals_of(robot: Robot) -> Pairs:
+def laterals_of(robot: Robot) -> Groups:
     """The pair of the right legs and that of the left ones.
 
     Raises:
         BadValue: as of `pairs_of`.
     """
-    (left, right), (fore_left, fore_right) = (pair.legs for pair in pairs_of(robot))
-    return Pair("lateral_right", (right, fore_right), FLIGHTS[0]), Pair("lateral_left", (left, fore_left), FLIGHTS[1])
+    (left, right), (fore_left, fore_right) = pairs_of(robot)
+    return Group("lateral_right", (right, fore_right), FLIGHTS[0]), Group("lateral_left", (left, fore_left), FLIGHTS[1])
+
+
+def together(robot: Robot) -> Groups:
+    """All four legs as one group.
+
+    Raises:
+        BadValue: as of `pairs_of`.
+    """
+    return (Group("all", tuple(leg for pair in pairs_of(robot) for leg in pair), FLIGHTS[0]),)
 
 
 def _leg(robot: Robot, leg: RobotLeg, end: str, side: str) -> Leg:
@@ -194,7 +204,7 @@ def _leg(robot: Robot, leg: RobotLeg, end: str, side: str) -> Leg:
     )
 
 
-def placed(robot: Robot, pairs: Pairs, planar: Array) -> Array:
+def placed(robot: Robot, pairs: Groups, planar: Array) -> Array:
     """Configuration in space of one in the plane: x, z, pitch, then hip and knee of either pair, (nv,)."""
     q = moving(robot, pairs, planar)
     for pair in pairs:
@@ -203,7 +213,7 @@ def placed(robot: Robot, pairs: Pairs, planar: Array) -> Array:
     return q
 
 
-def moving(robot: Robot, pairs: Pairs, planar: Array) -> Array:
+def moving(robot: Robot, pairs: Groups, planar: Array) -> Array:
     """Velocity in space of one in the plane, (nv,), the coordinates of which are as of `placed`."""
     whole = np.zeros(robot.nv)
     whole[[X, Z, PITCH]] = planar[:3]

@@ -1,4 +1,4 @@
-"""Motor torques in space: of legs that bear, and of those in the air."""
+"""Motor torques in space: of legs that bear, and of those in the air; what a law holds of its gait."""
 
 from __future__ import annotations
 
@@ -7,18 +7,21 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import Shape
-from spear_pin.gaits.spatial.legs import YAW, Leg, Pair
+from spear_pin.gaits.spatial.legs import YAW, Group, Leg, Z
 from spear_pin.gaits.virtual_constraints import demanded
 from spear_pin.hybrid.domain import Held, Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations, Row
+from spear_pin.hybrid.result import State
 from spear_pin.hybrid.symmetry import headed
+from spear_pin.model.robot import Robot
 
 ADJUSTED = "adjusted"  # name in what is held of what event feedback adds to a law's inputs
 
 
 class LegLaw(Protocol):
-    """A law that has numbers for each leg and for each pair; `SpatialLaw` says what they mean."""
+    """A law that has numbers for each leg and for each group; `SpatialLaw` says what they mean."""
 
     @property
     def adduction_stiffness(self) -> float: ...  # noqa: D102
@@ -38,8 +41,8 @@ class LegLaw(Protocol):
     def swing(self, leg: Leg) -> Shape: ...  # noqa: D102
     def trailing(self, leg: Leg) -> Shape: ...  # noqa: D102
     def landing(self, leg: Leg, held: Held) -> Shape: ...  # noqa: D102
-    def span_of_stance(self, pair: Pair) -> float: ...  # noqa: D102
-    def span_of_flight(self, pair: Pair) -> float: ...  # noqa: D102
+    def span_of_stance(self, group: Group) -> float: ...  # noqa: D102
+    def span_of_flight(self, group: Group) -> float: ...  # noqa: D102
     def adduction_touchdown(self, leg: Leg, held: Held) -> float: ...  # noqa: D102
     def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]: ...  # noqa: D102
     def adjustment_halfway(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]: ...  # noqa: D102
@@ -72,6 +75,19 @@ def adjusted(
     return tuple(np.clip(wanted, -bounds, bounds).tolist())
 
 
+def nominal_start(robot: Robot, law: Any, landing: Group) -> State:
+    """The section state that a law holds, its group that is about to land on the ground.
+
+    Raises:
+        BadValue: it holds none.
+    """
+    if not law.nominal:
+        raise BadValue(f"{type(law).__name__}.nominal", law.nominal, "the numbers of a section state, or give a state")
+    q, v = np.array(law.nominal[: robot.nv]), np.array(law.nominal[robot.nv :])
+    q[Z] -= min(robot.toe_position(q, leg.toe)[-1] for leg in landing)
+    return q, v
+
+
 def support(leg: Leg, q: Any, v: Any, held: Mapping[str, Any], p: LegLaw, dyn: Dynamics) -> list[tuple[int, Any]]:
     """Motor torques of a supporting leg as (column, torque): half of a pair's, (5.4)-(5.6), and the adduction's."""
     adduction, hip, knee = leg.motors
@@ -86,8 +102,8 @@ def support(leg: Leg, q: Any, v: Any, held: Mapping[str, Any], p: LegLaw, dyn: D
     ]
 
 
-def law_of(bearing: Sequence[Leg], airborne: Sequence[tuple[Leg, Pair]]) -> Law:
-    """Torques while some legs bear, and others, each with the other pair, are in the air."""
+def law_of(bearing: Sequence[Leg], airborne: Sequence[tuple[Leg, Sequence[Leg]]]) -> Law:
+    """Torques while some legs bear, and others, each with those of the other group, are in the air."""
     in_the_air = [motor for leg, _ in airborne for motor in (*leg.motors[1:], leg.motors[0])]
 
     def law(t: Any, q: Any, v: Any, held: Any, p: LegLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.bounding_law import Shape, has_shape
-from spear_pin.gaits.spatial.legs import Leg, Pair
+from spear_pin.gaits.spatial.legs import Group, Leg
 from spear_pin.gaits.spatial.torques import ADJUSTED, adjusted
 from spear_pin.kinds import typed
 
@@ -155,11 +155,11 @@ class TrotLaw:
         angle, knee = getattr(self, f"{leg.end}_landing")
         return (angle, *3 * (self._of(leg, "leg_touchdown", held),)), (knee, *3 * (leg.bends * self.knee_touchdown,))
 
-    def span_of_stance(self, pair: Pair) -> float:
+    def span_of_stance(self, group: Group) -> float:
         """Δ of (5.10), of the mean leg angle of a pair that bears, in rad."""
         return self.stance_span
 
-    def span_of_flight(self, pair: Pair) -> float:
+    def span_of_flight(self, group: Group) -> float:
         """Δ of (5.19), in the flight after the stance of a pair, in m."""
         return self.flight_span
 

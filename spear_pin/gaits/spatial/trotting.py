@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
-import numpy as np
-
-from spear_pin.errors import BadValue
-from spear_pin.gaits.spatial.automaton import Automaton, in_pairs
-from spear_pin.gaits.spatial.legs import Pairs, Z, diagonals_of, laterals_of
+from spear_pin.gaits.spatial.automaton import Automaton, in_groups
+from spear_pin.gaits.spatial.legs import Groups, diagonals_of, laterals_of
+from spear_pin.gaits.spatial.torques import nominal_start
 from spear_pin.gaits.spatial.trot_law import TrotLaw
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
@@ -100,7 +97,7 @@ def halfway(system: HybridSystem, cycle: Run) -> State:
 def _halved(
     kind: str,
     build: Callable[..., HybridSystem],
-    pairs: Pairs,
+    pairs: Groups,
     section: str,
     robot: Robot,
     law: TrotLaw,
@@ -108,7 +105,7 @@ def _halved(
     contact: Contact | None,
     ground: Ground | None,
 ) -> HybridSystem:
-    return in_pairs(
+    return in_groups(
         kind,
         Automaton(robot, pairs, (section, section if lopsided(robot) <= ALIKE else HALFWAY), pairs[::-1], law.lift_off),
         law,
@@ -116,13 +113,5 @@ def _halved(
         contact,
         ground,
         build=build,
-        guess=lambda: _guess(robot, law, pairs),
+        guess=lambda: nominal_start(robot, law, pairs[1]),
     )
-
-
-def _guess(robot: Robot, law: TrotLaw, pairs: Pairs) -> tuple[Any, Any]:
-    if not law.nominal:
-        raise BadValue("TrotLaw.nominal", law.nominal, "the numbers of a section state, or give a state")
-    q, v = np.array(law.nominal[: robot.nv]), np.array(law.nominal[robot.nv :])
-    q[Z] -= min(robot.toe_position(q, leg.toe)[-1] for leg in pairs[1])
-    return q, v

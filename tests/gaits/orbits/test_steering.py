@@ -7,7 +7,7 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.gaits import library
-from spear_pin.gaits.orbits.steering import GAP, STEERED_BY, touchdown_gap, turned
+from spear_pin.gaits.orbits.steering import GAP, STEERED_BY, footfall_gap, turned
 from spear_pin.gaits.spatial.law import ACROSS
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import residual, return_map
@@ -37,7 +37,7 @@ class TestShipped:
     def test_feet_of_a_pair_land_soon_after_each_other(self, name):
         gait = Gait.load(name)
         run = return_map(gait.system, gait.state)
-        assert all(abs(touchdown_gap(run, pair)) < GAP + 1e-5 for pair in ("posterior", "anterior"))
+        assert all(abs(footfall_gap(run, pair)) < GAP + 1e-5 for pair in ("posterior", "anterior"))
 
 
 @pytest.mark.slow

@@ -8,11 +8,13 @@ import pytest
 from spear_pin import SpatialLaw, load, sagittal
 from spear_pin.errors import BadValue
 from spear_pin.gaits.orbits.embedding import embedded, whole
-from spear_pin.gaits.spatial.legs import diagonals_of, moving, pairs_of, placed
+from spear_pin.gaits.spatial.automaton import Automaton
+from spear_pin.gaits.spatial.legs import Group, diagonals_of, moving, pairs_of, placed, together
 from spear_pin.gaits.virtual_constraints import drift, gradient, value
 from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.symmetry import asymmetry, mirror_of
 from spear_pin.model.loading import path_of
+from spear_pin.model.spring import Spring
 from tests.gaits.orbits.test_embedding import planar, spatial
 from tests.model.legged import quadruped
 
@@ -143,6 +145,24 @@ def test_numbers_of_adduction_go_by_size(tmp_path):
     assert 0.0 < ratio < 0.5 and 0.5 < times < 1.0
     assert scaled.adduction_damping == pytest.approx(law.adduction_damping * ratio * times)
     assert scaled.feedback_limits[0] == pytest.approx(100.0 * ratio) and scaled.feedback_limits[2] == 0.2
+
+
+class TestGroups:
+    def test_all_four(self):
+        (group,) = together(load("q_spear_full", base="chain"))
+        pairs = pairs_of(load("q_spear_full", base="chain"))
+        assert group.legs == (*pairs[0], *pairs[1])
+
+    def test_phases_of_any_two(self):
+        """Three legs and one: a phase for each set that bears, and one more before each touchdown that closes."""
+        robot = load("q_spear_full", base="chain")
+        (group,) = together(robot)
+        three, one = Group("three", group.legs[:3], "flight_1"), Group("one", group.legs[3:], "flight_2")
+        automaton = Automaton(robot, (three, one), ("three_touchdown",), (three,), "knee")
+        assert automaton.phase(group.legs[:3]) == "three_stance" and automaton.phase(group.legs[3:]) == "one"
+        assert automaton.phase(group.legs[1:3]) == "posterior_right+anterior_left_stance"
+        phases = {domain.phase for domain in automaton.domains(Spring(28.0))}
+        assert len(phases) == 15 + 2 + 2  # three in the air, flying to their touchdown or with the one on the ground
 
 
 class TestPairs:

@@ -8,7 +8,7 @@ import pytest
 
 from spear_pin import Gait, TrotLaw, simulate, trotting
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.orbits.balance import across, balanced, halved
+from spear_pin.gaits.orbits.balance import across, balanced, entire
 from spear_pin.hybrid.newton import STEP
 from spear_pin.hybrid.periodic import chart, displacement, eigenvalues, residual, return_map
 from spear_pin.hybrid.result import Options
@@ -68,7 +68,7 @@ class TestMultipliers:
     def test_a_whole_strides_are_the_squares_of_halfs(self):
         """Along the eigenvectors of the three largest, by differences over a whole stride."""
         system, local = trot().system, chart(trot().system, trot().state)
-        values, vectors = np.linalg.eig(halved(trot(), ()).A)
+        values, vectors = np.linalg.eig(entire(trot(), ()).A)
         np.testing.assert_allclose(eigenvalues(np.diag(values))[:3], trot().multipliers[:3], rtol=1e-4)
         assert abs(trot().multipliers[0]) == pytest.approx(3.69, abs=0.02)
         for i in np.argsort(-abs(values))[:3]:

@@ -1,0 +1,173 @@
+"""From a bound in space to a gallop: the feet of each pair land one after the other.
+
+The gait goes on step by step, by Gauss and Newton's method: of all inputs those that change least, at the same speed
+and heading. Where feet of a pair land at once the return map has a kink, in which of them is first; derivatives there
+are central differences, which do not see it, and beyond it one-sided ones within the same order of footfalls.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, NoGait, SpearError, require
+from spear_pin.gaits.bounding_law import LEGS
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.orbits.balance import unit_of
+from spear_pin.gaits.orbits.steering import SECOND, footfall_gap
+from spear_pin.gaits.search import gait_beside
+from spear_pin.gaits.spatial.law import INPUTS
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.periodic import chart, return_map
+from spear_pin.hybrid.result import State
+from spear_pin.hybrid.symmetry import headed
+from spear_pin.kinds import typed
+from spear_pin.model.scale import scale_in_space
+
+Array = NDArray[np.float64]
+FIRST, SHORTEST, LONGEST = 1.0 / 16.0, 1.0 / 256.0, 0.25  # of the way: steps of the continuation
+PATH_RTOL, PATH_TOLERANCE = 1e-9, 1e-6  # of the integrator and of each step's solution
+ITERATIONS, SLOW, FARTHEST, WORSE = 12, 0.5, 0.5, 3.0
+CENTRAL, ONE_SIDED = 1e-5, 1e-6
+KEPT_BY = ("posterior_hip_torque", "posterior_hip_difference")  # speed and heading of the last solution
+
+
+@typed
+def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> Gait:
+    """The gallop to which a bound in space goes on as feet of a pair land apart.
+
+    Args:
+        gait: of `bounding_in_space`, without feedback.
+        landing: time from the touchdown of the left foot to that of the right one, of the posterior and of the anterior
+            pair, in s.
+        rtol: relative tolerance of the integrator.
+
+    Returns:
+        the gait, at the speed of the one given, straight ahead.
+
+    Raises:
+        BadValue: the gait is another, or these are not two finite times.
+        NoGait: the continuation gets stuck on the way; the text says where.
+
+    Example:
+        >>> from spear_pin import Gait, in_space
+        >>> from spear_pin.gaits.orbits.galloping import galloping
+        >>> bound = in_space(Gait.load("long_stride_3.00"))  # doctest: +SKIP
+        >>> gallop = galloping(bound, (0.02, 0.02))  # twenty minutes  # doctest: +SKIP
+    """
+    if gait.system.kind != "bounding_in_space" or gait.system.law.feedback:
+        raise BadValue("gait", gait, "one of bounding_in_space, without feedback")
+    if len(landing) != len(LEGS):
+        raise BadValue("landing", landing, "two times, in s")
+    for i, time in enumerate(landing):
+        require(f"landing[{i}]", time, math.isfinite, "a finite number, in s")
+    path = _Path(gait.system, gait.state, PATH_RTOL)
+    x = np.zeros(path.unknowns)
+    begin, J = path.values(x), path.slopes(x, CENTRAL)
+    wanted = path.wanted(begin, landing)
+    done, step = 0.0, FIRST
+    while done < 1.0:
+        reach = min(1.0, done + step)
+        try:
+            x, J = path.solved(x, J, begin + reach * (wanted - begin))
+            done, step = reach, min(2.0 * step, LONGEST)
+        except NoGait as failure:
+            step *= 0.5
+            if step < SHORTEST:
+                reason = f"no gallop further than {done:.0%} of the way: {failure.reason}"
+                raise NoGait(reason, failure.residual) from None
+            if done:
+                J = path.slopes(x, ONE_SIDED, path.values(x))
+    measures = {"mean_speed": float(begin[path.n + 1]), "turn": 0.0}
+    found = gait_beside(path.system(x), headed(*path.state(x)), KEPT_BY, measures, rtol)
+    q, v = found.state
+    return found.with_law(nominal=(*q.tolist(), *v.tolist()))
+
+
+class _Path:
+    """Equations of a gallop over coordinates of the section and scaled changes of `INPUTS`."""
+
+    def __init__(self, system: HybridSystem, state: State, rtol: float) -> None:
+        self._system, self._rtol, self._chart = system, rtol, chart(system, state)
+        self._second = SECOND * scale_in_space(system.robot).time
+        self._inputs = [(name, parameter(system, name), unit_of(name, system.robot)) for name in INPUTS]
+        self.n = self._chart.dimension
+        self.unknowns = self.n + len(INPUTS)
+
+    def system(self, x: Array) -> HybridSystem:
+        """The system with the inputs."""
+        changes = zip(self._inputs, x[self.n :].tolist(), strict=True)
+        return with_parameters(self._system, {name: value + unit * by for (name, value, unit), by in changes})
+
+    def state(self, x: Array) -> State:
+        """On the section."""
+        return self._chart.state(x[: self.n])
+
+    def wanted(self, begin: Array, gaps: Sequence[float]) -> Array:
+        """Values of a gallop: it closes, straight ahead, at the speed that it has."""
+        return np.array([*np.zeros(self.n + 1), begin[self.n + 1], *(gap / self._second for gap in gaps)])
+
+    def values(self, x: Array) -> Array:
+        """By how much the state changes in a stride, the turn, the speed, and times between touchdowns.
+
+        Raises:
+            NoGait: the stride does not close, or a foot does not land.
+        """
+        system = self.system(x)
+        try:
+            run = return_map(system, self.state(x), self._rtol)
+        except SpearError as error:
+            raise NoGait(str(error), np.inf) from None
+        if not run.cycles:
+            raise NoGait(f"a stride does not close: {run.message}", np.inf)
+        closes = self._chart.coordinates(run.state) - x[: self.n]
+        measured = [system.measures[name](run) for name in ("turn", "mean_speed")]
+        gaps = [footfall_gap(run, pair) / self._second for pair in LEGS]
+        found = np.array([*closes, *measured, *gaps])
+        if not np.isfinite(found).all():
+            raise NoGait("a foot does not land in each stride", np.inf)
+        return found
+
+    def slopes(self, x: Array, step: float, at: Array | None = None) -> Array:
+        """Derivatives of the values: central, or one-sided from those at x."""
+        columns = []
+        for each in step * np.eye(self.unknowns):
+            ahead = self.values(x + each)
+            columns.append((ahead - self.values(x - each)) / (2.0 * step) if at is None else (ahead - at) / step)
+        return np.array(columns).T
+
+    def solved(self, x: Array, J: Array, wanted: Array) -> tuple[Array, Array]:
+        """The unknowns at which the values are as wanted, and derivatives near there, kept up by Broyden's rule."""
+        values, expected, fresh = self.values(x), np.inf, False
+        for n in range(ITERATIONS):
+            off = values - wanted
+            size = float(np.abs(off).max())
+            if size <= PATH_TOLERANCE:
+                return x, J
+            if n > 1 and size > expected and not fresh:
+                J, fresh = self.slopes(x, ONE_SIDED, values), True
+            else:
+                fresh = False
+            whole: Array = -np.asarray(np.linalg.lstsq(J, off, rcond=1e-10)[0], np.float64)
+            capped = min(1.0, FARTHEST / float(np.abs(whole).max())) * whole
+            step, after = self._shortened(x, capped, wanted, size)
+            J = J + np.outer(after - values - J @ step, step) / float(step @ step)
+            taken = float(np.abs(step).max() / np.abs(whole).max())
+            x, values, expected = x + step, after, (1.0 - (1.0 - SLOW) * taken) * size
+        raise NoGait("Newton's method did not converge", size)
+
+    def _shortened(self, x: Array, step: Array, wanted: Array, size: float) -> tuple[Array, Array]:
+        """A step, halved until the values after it are not much worse, and these."""
+        for _ in range(3):
+            try:
+                after = self.values(x + step)
+                if float(np.abs(after - wanted).max()) <= max(WORSE * size, 1e-3):
+                    return step, after
+            except NoGait:
+                pass
+            step = 0.5 * step
+        raise NoGait("no step leads nearer", size)
