@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.gaits import BOUND, named_gait
 from spear_pin.cli.output import aligned, listed, progress
-from spear_pin.cli.pairs import RANGE, ranges, values, words
+from spear_pin.cli.pairs import RANGE, names, ranges, values, words
 
 if TYPE_CHECKING:
     from spear_pin.model.motor import Motor
@@ -38,7 +38,7 @@ def add(commands: Commands) -> None:
         parser.add_argument(
             option, type=values, action="extend", default=[], metavar="MEASURE=VALUE", help=f"{text}, apart by commas"
         )
-    parser.add_argument("--vary", action="append", metavar="NAME", help="a parameter that is solved for")
+    parser.add_argument("--vary", type=names, action="extend", metavar="NAME", help="a parameter that is solved for")
     parser.add_argument("--largest-multiplier", type=float, metavar="X", help="upper bound of all moduli")
     parser.add_argument(
         "--motor",
@@ -90,6 +90,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "start": found.start,
         "objective": found.objective,
         "parameters": {name: each.value for name, each in found.parameters.items()},
+        "bounds": {name: list(pair) for name, pair in found.bounds.items()},
+        "margins": dict(found.margins),
         "active": dict(found.active),
         "assumptions": {name: found.elasticity(name) for name in found.ranked},
         "largest_multiplier": found.largest,

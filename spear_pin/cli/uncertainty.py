@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.gaits import BOUND, named_gait
 from spear_pin.cli.output import aligned, listed, progress
+from spear_pin.cli.pairs import names
 from spear_pin.cli.sensitivity import WHAT
 
 if TYPE_CHECKING:
@@ -43,8 +44,12 @@ def add(commands: Commands) -> None:
         metavar="NAME,NAME=R",
         help="correlation of two parameters' errors (default: 0)",
     )
-    parser.add_argument("--vary", action="append", default=[], metavar="NAME", help="a parameter that is solved for")
-    parser.add_argument("--keep", action="append", default=[], metavar="MEASURE", help="the measure that it keeps")
+    parser.add_argument(
+        "--vary", type=names, action="extend", default=[], metavar="NAME", help="a parameter that is solved for"
+    )
+    parser.add_argument(
+        "--keep", type=names, action="extend", default=[], metavar="MEASURE", help="the measure that it keeps"
+    )
     parser.add_argument(
         "--monte-carlo", type=int, metavar="N", help="find the gait anew for N samples, and say where first order fails"
     )

@@ -42,7 +42,7 @@ def _path(panel: Axes, design: Design) -> None:
     if missed.any():
         other = panel.twinx()
         other.semilogy(iterations, np.maximum(missed, LEAST), color=VERMILLION, marker=".", linestyle="--")
-        other.set_ylabel("Bounds missed, relative (1)", color=VERMILLION)
+        other.set_ylabel("Bounds missed (1)", color=VERMILLION)
 
 
 def _box(panel: Axes, design: Design) -> None:

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
+from spear_pin.gaits.tangent_cycles import REFUSALS
 from spear_pin.hybrid.parameters import number
-from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
 CLOSED = 1e-10  # of coordinates and of what is kept
@@ -52,7 +52,7 @@ def closed(
             step = np.linalg.solve(np.vstack([rows, *kept]), -residual)
             values = {name: number(orbit.system, name) + step[d + j] for j, name in enumerate(vary)}
             orbit = orbit.beside(values, orbit.start[:, : d + k] @ step, orbit.names)
-        except (NotDifferentiable, SpearError, np.linalg.LinAlgError) as error:
+        except REFUSALS as error:
             raise NoGait(str(error), before) from None
         before = size
     raise NoGait("Newton's method makes no progress", before)

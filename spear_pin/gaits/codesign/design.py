@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,6 +65,14 @@ class Assumption:
 class Design(Shown):
     """A local minimum of a measure over parameters, within bounds.
 
+    Example:
+        >>> from spear_pin import find_gait, hopping, load, optimize_design
+        >>> gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])))
+        >>> kept = {"flight_time": gait.durations["flight"]}
+        >>> best = optimize_design(gait, "work", {"stiffness": (47.0, 58.0)}, kept, vary=["stance_torque"])
+        >>> round(best.parameters["stiffness"].value, 3), list(best.active)
+        (58.0, ['greatest stiffness'])
+
     Attributes:
         gait: the gait there, confirmed by the reference engine.
         minimize: name of the measure.
@@ -121,7 +130,7 @@ class Design(Shown):
         if self.assumptions:
             lines.append(f"% of {self.minimize} for one more % of what was assumed:")
             for name in self.ranked[:10]:
-                lines.append(f"  {name:40} {self.elasticity(name):+10.4f}")
+                lines.append(f"  {name:40} {self.elasticity(name) + 0.0:+10.4f}")
         return "\n".join(lines)
 
     @property
@@ -142,7 +151,16 @@ class Design(Shown):
             "assumptions": {name: vars(each) for name, each in self.assumptions.items()},
         }
         del plain["gait"]
-        return json.dumps(plain, indent=1)
+        return json.dumps(_plain(plain), indent=1, allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    """Data for JSON, null where a number is not finite."""
+    if isinstance(value, dict):
+        return {name: _plain(each) for name, each in value.items()}
+    if isinstance(value, (tuple, list)):
+        return [_plain(each) for each in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def design(
@@ -152,7 +170,7 @@ def design(
     end: Minimum[Orbit],
     scale: float,
     cycles: int,
-    assuming: Sequence[str] | None = None,
+    names: Sequence[str],
 ) -> Design:
     """What there is to say of an end.
 
@@ -163,7 +181,7 @@ def design(
         end: the end.
         scale: of what is minimised.
         cycles: that it took.
-        assuming: names of assumptions; None: those of gears, springs, ground and masses.
+        names: of assumptions.
     """
     orbit = end.local.more
     objective, c = problem.values(orbit)
@@ -176,7 +194,6 @@ def design(
         bounds |= {f"{name} {word}": (found[name].value, bound) for name, bound in limits.items() if name in found}
     if problem.largest_multiplier is not None:
         bounds["largest multiplier at most"] = largest(orbit), problem.largest_multiplier
-    names = assumed(orbit.system, problem.names) if assuming is None else tuple(assuming)
     return Design(
         gait,
         problem.minimize,
@@ -199,9 +216,11 @@ def design(
 
 def assumed(system: HybridSystem, besides: Sequence[str]) -> tuple[str, ...]:
     """Numbers of gears, springs, ground and masses that equations have in them, other than some."""
-    robot, own = system.robot, parameters_of(system.robot)
+    robot = system.robot
+    # a robot whose bodies are changed is not varied any more
+    own = () if set(besides) & set(body_numbers(robot)) else parameters_of(robot)
     masses = [name for name in body_numbers(robot) if name.endswith("_mass")]
-    if "torso_mass" in own:  # which is that of the base's last joint
+    if "torso_mass" in parameters_of(robot):  # which is that of the base's last joint
         masses = [name for name in masses if name.removesuffix("_mass") in robot.actuated]
     found = []
     for name in (*own, "stiffness", "damping", "friction", *masses):

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.codesign.closing import closed, led
-from spear_pin.gaits.codesign.design import Design, design
+from spear_pin.gaits.codesign.design import Design, assumed, design
 from spear_pin.gaits.codesign.problem import Problem
 from spear_pin.gaits.codesign.trust_region import NO_VALUE, Local, minimised
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.gaits.tangent_cycles import REFUSALS
 from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import number
@@ -78,7 +79,7 @@ def optimize_design(
         >>> from spear_pin import find_gait, hopping, load, optimize_design
         >>> gait = find_gait(hopping(load("spear_ii", locked=["boom_x"])))
         >>> kept = {"flight_time": gait.durations["flight"]}
-        >>> best = optimize_design(gait, "work", {"stiffness": (50.0, 58.0)}, kept, vary=["stance_torque"])
+        >>> best = optimize_design(gait, "work", {"stiffness": (47.0, 58.0)}, kept, vary=["stance_torque"])
         >>> best.converged, list(best.parameters)
         (True, ['stiffness'])
     """
@@ -89,14 +90,20 @@ def optimize_design(
         minimize, dict(over), solved_for, dict(keep), dict(at_most), dict(at_least), largest_multiplier, dict(motors)
     )
     _check(gait, problem, tolerance, iterations)
+    assumptions = assumed(gait.system, problem.names) if assuming is None else tuple(assuming)
+    for name in assumptions:
+        number(gait.system, name)
+        if name in problem.names:
+            raise BadValue("assuming", name, "numbers that are neither chosen nor solved for")
     cycles, why = 0, ""
 
     def count() -> None:
         nonlocal cycles
         cycles += 1
 
-    orbit = closed(Orbit(gait.system, gait.state, problem.names), solved_for, problem.keep, count)
-    problem.named(orbit)
+    begun = Orbit(gait.system, gait.state, problem.names)
+    problem.named(begun)
+    orbit = closed(begun, solved_for, problem.keep, count)
     scale = abs(problem.values(orbit)[0]) or 1.0
 
     def value(x: Array, near: Local[Orbit]) -> Local[Orbit] | None:
@@ -104,13 +111,13 @@ def optimize_design(
         change = dict(zip(over, ((x - near.x) * problem.span).tolist(), strict=True))
         try:
             there = led(near.more, solved_for, problem.keep, change, count)
-        except NoGait as failure:
-            why = failure.reason
+            if problem.hidden(there) and not problem.hidden(near.more):
+                raise NoGait("two multipliers leave the circle at once", np.nan)
+            local = problem.local(there, scale, count)
+        except (NoGait, *REFUSALS) as failure:
+            why = failure.reason if isinstance(failure, NoGait) else str(failure)
             return None
-        if problem.stable(near.more) and not problem.stable(there) and (problem.values(there)[1] >= 0.0).all():
-            why = "two multipliers leave the circle at once"
-            return None
-        return problem.local(there, scale, count)
+        return local
 
     def tell(n: int, best: Local[Orbit]) -> None:
         on_iteration(n, best.f * scale, best.violation)
@@ -118,11 +125,29 @@ def optimize_design(
     n = len(over)
     start = problem.local(orbit, scale, count)
     end = minimised(value, start, np.zeros(n), np.ones(n), tolerance=tolerance, iterations=iterations, on_step=tell)
-    best = end.local.more
-    found = gait_beside(best.system, best.state, solved_for, problem.keep)
-    if end.reason == NO_VALUE:
-        end = replace(end, reason=f"{NO_VALUE}: {why}")
-    return design(problem, gait, found, end, scale, cycles, assuming)
+    best, reason = end.local.more, end.reason
+    if reason == NO_VALUE:
+        reason = f"{NO_VALUE}: {why}"
+    elif end.converged and not problem.stable(best):
+        reason = "multipliers are outside of their circle"
+    try:
+        found = gait_beside(best.system, best.state, solved_for, problem.keep)
+    except NoGait as failure:
+        found, reason = unconfirmed(best, solved_for), f"the reference engine does not confirm it: {failure.reason}"
+    return design(problem, gait, found, replace(end, reason=reason), scale, cycles, assumptions)
+
+
+def unconfirmed(orbit: Orbit, vary: Sequence[str]) -> Gait:
+    """The gait as the fast engine has it."""
+    values = np.linalg.eigvals(orbit.jacobian)
+    return Gait(
+        system=orbit.system,
+        state=orbit.state,
+        parameters={name: number(orbit.system, name) for name in vary},
+        residual=float(np.abs(orbit.displacement).max()),
+        multipliers=np.asarray(values[np.argsort(-np.abs(values))], np.complex128),
+        durations={phase: float(seconds.x) for phase, seconds in orbit.cycle.durations.items()},
+    )
 
 
 def _check(gait: Gait, problem: Problem, tolerance: float, iterations: int) -> None:
@@ -137,6 +162,18 @@ def _check(gait: Gait, problem: Problem, tolerance: float, iterations: int) -> N
             raise BadValue(f"over[{name!r}]", bounds, f"a range with the gait's own value in it, {value:g}")
         if name in problem.vary:
             raise BadValue("over", name, "parameters other than those that are solved for")
+    for name in problem.vary:
+        number(gait.system, name)
+    if len(set(problem.vary)) != len(problem.vary):
+        raise BadValue("vary", problem.vary, "each parameter once")
+    if problem.minimize in problem.keep:
+        raise BadValue("minimize", problem.minimize, "a measure that is not kept")
+    for name, least in problem.at_least.items():
+        if least > problem.at_most.get(name, np.inf):
+            raise BadValue(f"at_least[{name!r}]", least, f"no more than at_most, {problem.at_most[name]:g}")
+    for name, kept in problem.keep.items():
+        if not problem.at_least.get(name, -np.inf) <= kept <= problem.at_most.get(name, np.inf):
+            raise BadValue(f"keep[{name!r}]", kept, "a value within the measure's own bounds")
     if len(problem.vary) != len(problem.keep):
         raise BadValue("keep", dict(problem.keep), f"as many measures as are solved for, {len(problem.vary)}")
     if not (0.0 < tolerance < 1.0):

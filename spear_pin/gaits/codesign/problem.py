@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import UnknownName
+from spear_pin.errors import NoGait, UnknownName
 from spear_pin.gaits.codesign.stability import borders, slopes
 from spear_pin.gaits.codesign.trust_region import Local
 from spear_pin.gaits.sensitivity.heat import with_heat
@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 OnCycle = Callable[[], object]
 MARGIN = "margin_"
 STABILITY = ("multiplier at +1", "multiplier at -1", "multipliers in a complex pair")
+ROUNDING = 1e-5  # by which multipliers may miss their bound at an end
 WATCHED = 0.8  # of the largest multiplier that is allowed: above this its derivatives are needed
 
 
@@ -91,14 +92,19 @@ class Problem:
         Raises:
             UnknownName: it has not.
         """
+        for name in self.keep:
+            if name not in orbit.measures:
+                raise UnknownName("measure to keep", name, orbit.measures)
         found = self.measures(orbit)
-        for name in (self.minimize, *self.keep, *self.at_most, *self.at_least):
+        for name in (self.minimize, *self.at_most, *self.at_least):
             if name not in found:
                 raise UnknownName("measure", name, found)
 
     def values(self, orbit: Orbit) -> tuple[float, Array]:
         """What is minimised, and the constraints, which are met where they are >= 0, in their sizes, (m,)."""
         found, values = self.measures(orbit), []
+        if self.minimize not in found:
+            raise NoGait(f"there is no {self.minimize} here", np.nan)
         for bounds, side in ((self.at_most, -1.0), (self.at_least, 1.0)):
             for name, bound in bounds.items():
                 # an event that is not armed has no margin, and needs none
@@ -146,8 +152,14 @@ class Problem:
         return Local(x, goal / scale, c, derived, orbit)
 
     def stable(self, orbit: Orbit) -> bool:
-        """Whether all multipliers are where they may be, however many ways out there are."""
-        return self.largest_multiplier is None or largest(orbit) <= self.largest_multiplier
+        """Whether all multipliers are where they may be, rounding apart."""
+        return self.largest_multiplier is None or largest(orbit) <= self.largest_multiplier * (1.0 + ROUNDING)
+
+    def hidden(self, orbit: Orbit) -> bool:
+        """Whether multipliers are outside though no border says so: an even number left the circle by the same way."""
+        if self.largest_multiplier is None or self.stable(orbit):
+            return False
+        return bool((borders(orbit.jacobian, self.largest_multiplier) >= 0.0).all())
 
 
 def largest(orbit: Orbit) -> float:

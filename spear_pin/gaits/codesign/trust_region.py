@@ -20,6 +20,9 @@ T = TypeVar("T")
 FIRST, LARGEST = 0.1, 0.5  # radii, of the box
 GOOD, BAD = 0.75, 0.1  # shares of a predicted gain
 MARGIN = 2.0  # of the penalty over the largest multiplier
+STILL = 1e-3  # of the function, over the whole box: what a minimum leaves of the gradient
+HIGHEST = 1e6  # of a multiplier
+FAILURES = RuntimeError, ArithmeticError, np.linalg.LinAlgError  # of solvers
 NEARBY = 1e-4  # of the box: what holds a point is that near
 NEAR = 1e-12  # a row that is shorter is none
 ROUNDING = 1e-12  # by which constraints are eased, so that a box without an inside has one
@@ -29,6 +32,7 @@ CONVERGED, STUCK, NO_VALUE, TOO_LONG = (
     "there is no value beyond",
     "iterations ran out",
 )
+UNSOLVED = "the quadratic model has no solution"
 
 
 @dataclass(frozen=True)
@@ -117,30 +121,43 @@ def minimised(
         iterations: at most.
         on_step: called after each.
     """
-    best, radius, penalty = start, FIRST, 1.0
+    best, radius, penalty, steep = start, FIRST, 1.0, False
     hessian = np.eye(len(start.x)) * max(float(np.abs(start.g).max()), 1e-3)
     path, reason, beyond = [(best.f, best.violation)], TOO_LONG, False
     for n in range(iterations):
         low, high = np.maximum(lower - best.x, -radius), np.minimum(upper - best.x, radius)
-        ahead = _step(best, hessian, low, high)
+        try:
+            ahead = _step(best, hessian, low, high)
+        except FAILURES:
+            reason = UNSOLVED
+            break
         step, multipliers = ahead.s, ahead.multipliers
         penalty = max(0.5 * penalty, 1.0, MARGIN * float(multipliers.max(initial=0.0)))
         predicted = -(best.g @ step + 0.5 * step @ hessian @ step) + penalty * (best.violation - ahead.missed)
         size = float(np.abs(step).max())
         reach = radius if size > 0.9 * radius else 1.0  # a step that the region cuts short says little
         if predicted <= tolerance * max(abs(best.f), 1.0) * reach:
-            reason = CONVERGED if best.violation <= tolerance else STUCK
-            break
+            left = _held(best, hessian, lower, upper)[2]
+            if left <= STILL * max(abs(best.f), 1.0) or steep:
+                reason = CONVERGED if best.violation <= tolerance else STUCK
+                break
+            hessian, steep = np.eye(len(best.x)) * left, True  # the first curvature was of steeper directions
+            continue
         there = value(best.x + step, best)
         beyond = there is None
         gained = -np.inf if there is None else best.f - there.f + penalty * (best.violation - there.violation)
+        if there is not None and gained > 0.0:
+            try:
+                change = _of_lagrange(there, multipliers) - _of_lagrange(best, multipliers)
+            except FAILURES:  # a value without derivatives is none to go on from
+                there, beyond, gained = None, True, -np.inf
         if gained < BAD * predicted:
             radius = 0.3 * size
         elif gained > GOOD * predicted and size > 0.9 * radius:
             radius = min(2.0 * radius, LARGEST)
         if there is not None and gained > 0.0:
-            hessian = _updated(hessian, step, _of_lagrange(there, multipliers) - _of_lagrange(best, multipliers))
-            best = there
+            hessian = _updated(hessian, step, change)
+            best, steep = there, False
         path.append((best.f, best.violation))
         on_step(n + 1, best)
         if radius < tolerance:
@@ -149,17 +166,21 @@ def minimised(
     return Minimum(best, *_held(best, hessian, lower, upper), tuple(path), reason)
 
 
+def _of_lagrange(local: Local[T], multipliers: Array) -> Array:
+    return np.asarray(local.g - local.A.T @ multipliers)
+
+
 def _held(local: Local[T], hessian: Array, lower: Array, upper: Array) -> tuple[Array, Array, float]:
     """Multipliers of what holds a point, of constraints and of bounds, and what they leave of the gradient."""
     low, high = np.maximum(lower - local.x, -NEARBY), np.minimum(upper - local.x, NEARBY)
-    end = _step(local, hessian, low, high)
+    try:
+        end = _step(local, hessian, low, high)
+    except FAILURES:
+        return np.zeros(len(local.c)), np.zeros((2, len(local.x))), np.inf
+    found = np.where(local.c >= -NEARBY, end.multipliers, 0.0)  # what is missed has no price
     at_bounds = np.where(np.array([low > -NEARBY, high < NEARBY]), end.at_bounds, 0.0)
-    left = local.g - local.A.T @ end.multipliers - at_bounds[0] + at_bounds[1]
-    return end.multipliers, at_bounds, float(np.abs(left).max())
-
-
-def _of_lagrange(local: Local[T], multipliers: Array) -> Array:
-    return np.asarray(local.g - local.A.T @ multipliers)
+    left = local.g - local.A.T @ found - at_bounds[0] + at_bounds[1]
+    return found, at_bounds, float(np.abs(left).max())
 
 
 @dataclass(frozen=True)
@@ -187,6 +208,8 @@ def _step(local: Local[T], hessian: Array, low: Array, high: Array) -> _Step:
         cost = np.concatenate([np.zeros(n), np.ones(m)])
         box = [*zip(low, high, strict=True), *[(0.0, None)] * m]
         found = scipy.optimize.linprog(cost, -np.hstack([local.A, np.eye(m)]), local.c, bounds=box)
+        if found.x is None:
+            raise RuntimeError(found.message)
         slack = np.maximum(found.x[n:], 0.0)
     rows = np.concatenate([local.A, np.eye(n), -np.eye(n)])
     right = np.concatenate([-local.c - slack, low, -high]) - ROUNDING
@@ -207,7 +230,10 @@ def _quadratic(hessian: Array, g: Array, rows: Array, right: Array) -> tuple[Arr
     scale = np.maximum(np.linalg.norm(to, axis=1), NEAR)
     above = np.column_stack([to, height]) / scale[:, None]
     y, _ = scipy.optimize.nnls(above.T, np.eye(1, len(g) + 1, len(g))[0], maxiter=100 * len(rows))
-    multipliers = np.asarray(y / (1.0 - above[:, -1] @ y) / scale)
+    left = 1.0 - above[:, -1] @ y
+    if not left > 0.0:
+        raise RuntimeError("no step meets the constraints")
+    multipliers = np.asarray(np.minimum(y / left / scale, HIGHEST))
     u = to.T @ multipliers - far
     return scipy.linalg.solve_triangular(half.T, u, lower=False), multipliers
 

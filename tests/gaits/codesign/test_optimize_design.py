@@ -101,6 +101,10 @@ def test_shown_and_written(found, tmp_path):
         ({"stiffness": (42.0, 60.0)}, {"vary": []}, "as many measures"),
         ({"stiffness": (42.0, 60.0)}, {"largest_multiplier": 0.0}, "a number > 0"),
         ({"stiffness": (42.0, 60.0)}, {"at_most": {"work": np.inf}}, "a finite number"),
+        ({"stiffness": (42.0, 60.0)}, {"at_most": {"work": 5.0}, "at_least": {"work": 6.0}}, "no more than at_most"),
+        ({"stiffness": (42.0, 60.0)}, {"at_most": {"flight_time": 0.1}}, "within the measure's own bounds"),
+        ({"stiffness": (42.0, 60.0)}, {"assuming": ["stiffness"]}, "neither chosen nor solved for"),
+        ({"stiffness": (42.0, 60.0)}, {"vary": ["stance_torque"] * 2}, "as many measures|each parameter once"),
     ],
 )
 def test_ranges_that_are_none(hop, over, options, text):
@@ -114,6 +118,23 @@ def test_names_that_are_none(hop):
             best(hop, {"stiffness": (42.0, 60.0)}, **given)
     with pytest.raises(UnknownName, match="nope"):
         best(hop, {"nope": (42.0, 60.0)})
+    with pytest.raises(UnknownName, match="nope"):
+        best(hop, {"stiffness": (42.0, 60.0)}, assuming=["nope"])
+    for name in ("nope", "energy", "margin_spring_switch"):  # the last two are no measures that a search keeps
+        with pytest.raises(UnknownName, match=name):
+            optimize_design(hop, "work", {"stiffness": (42.0, 60.0)}, {name: 1.0})
+
+
+def test_over_a_number_of_a_body(hop):
+    found = optimize_design(hop, "work", {"knee_mass": (0.4, 0.6)}, {"flight_time": 0.2}, iterations=1)
+    assert "knee_ratio" not in found.assumptions and "damping" in found.assumptions
+
+
+def test_bounds_that_cannot_be_met_have_no_price(hop):
+    bounds = {"at_most": {"peak_torque_knee": 6.0}, "at_least": {"peak_force_toe": 1e4}, "assuming": []}
+    found = best(hop, {"stiffness": (47.0, 50.0)}, **bounds)
+    assert not found.converged and found.reason
+    assert all("peak" not in name for name in found.active)
 
 
 def test_gaits_in_space_are_refused():

@@ -32,6 +32,16 @@ def test_rosenbrock_without_constraints():
     assert end.local.x == pytest.approx([1.0, 1.0], abs=1e-4)
 
 
+def test_directions_of_unequal_steepness():
+    """A first curvature that fits the steep direction hides the other."""
+    value, _ = problem(
+        lambda x: 0.5 * 1e-3 * float((x[0] - 0.3) ** 2) + float(x[1] ** 2),
+        lambda x: np.array([1e-3 * (x[0] - 0.3), 2.0 * x[1]]),
+    )
+    end = found(value, (-1.9, 1.0))
+    assert end.local.f < 1e-6 and end.local.x[1] == pytest.approx(0.0, abs=1e-4)
+
+
 def test_multiplier_of_a_circle():
     """The nearest point of a disc to (2, 1): x = (2, 1)/√5, and λ = (√5 - 1) / 2 for 1 - x·x >= 0."""
     value, _ = problem(
