@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood, matched
+from spear_pin.gaits.sensitivity.multipliers import along_branch
+from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.gaits.sensitivity.spread import covariance_of
 from spear_pin.gaits.sensitivity.uncertainty import Uncertainty
@@ -20,12 +20,10 @@ from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import number, unit
 from spear_pin.hybrid.result import State
-from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
-STEP = 2.0**-11  # of a parameter, in which exact multipliers are differenced
 CLOSED = 1e-6  # of the return map's displacement: what closes no better is no fixed point
 
 
@@ -219,7 +217,7 @@ def sensitivity(
         raise BadValue("state", off, f"a fixed point, from which the cycle leads away by at most {CLOSED:g}")
     dxi, dz = solved(orbit, vary, keep)
     chain = np.concatenate([dxi, dz, np.eye(len(over))])
-    multipliers, slopes = _multipliers(orbit, over, orbit.start @ chain, dict(zip(vary, dz, strict=True)))
+    multipliers, slopes = along_branch(orbit, over, orbit.start @ chain, dict(zip(vary, dz, strict=True)))
     outputs = {name: measure.value for name, measure in orbit.measures.items()}
     derivatives = {name: measure.derivative @ chain for name, measure in orbit.measures.items()}
     units = {name: measure.unit for name, measure in orbit.measures.items()}
@@ -243,39 +241,3 @@ def sensitivity(
         slopes,
         orbit.cycle.borders,
     )
-
-
-def _multipliers(
-    orbit: Orbit, over: Sequence[str], dy: Array, dz: Mapping[str, Array]
-) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Multipliers, and their derivatives along the branch by extrapolated differences, NaN where they meet."""
-    here = _sorted(np.linalg.eigvals(orbit.jacobian))
-    slopes = np.full((len(here), len(over)), np.nan, complex)
-    for j, name in enumerate(over):
-        value = number(orbit.system, name)
-        h = STEP * (abs(value) or 1.0)
-        try:
-            found = [_slope(orbit, name, value, h / 2**i, dy[:, j], {z: dz[z][j] for z in dz}, here) for i in (0, 1)]
-        except (NotDifferentiable, BadValue):
-            continue  # the branch ends so near
-        slopes[:, j] = (4.0 * found[1] - found[0]) / 3.0
-    return here, slopes
-
-
-def _slope(
-    orbit: Orbit, name: str, value: float, h: float, dy: Array, dz: Mapping[str, float], here: NDArray[np.complex128]
-) -> NDArray[np.complex128]:
-    ends = []
-    for step in (h, -h):
-        given = {name: value + step, **{z: number(orbit.system, z) + step * slope for z, slope in dz.items()}}
-        there = orbit.beside(given, step * dy)
-        if there.cycle.order != orbit.cycle.order:
-            raise NotDifferentiable("another order of events is too near")
-        ends.append(matched(here, np.linalg.eigvals(there.jacobian)))
-    slope: NDArray[np.complex128] = (ends[0] - ends[1]) / (2.0 * h)
-    return slope
-
-
-def _sorted(values: Any) -> NDArray[np.complex128]:
-    order = np.lexsort((-values.imag, -np.abs(values).round(12)))
-    return np.asarray(values[order], np.complex128)

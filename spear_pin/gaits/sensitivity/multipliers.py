@@ -1,0 +1,64 @@
+"""Floquet multipliers, and what they do along a branch: of the exact Jacobian's change, not of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.hybrid.parameters import number
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
+
+Array = NDArray[np.float64]
+Multipliers = NDArray[np.complex128]
+STEP = 2.0**-11  # of a parameter, in which exact Jacobians are differenced
+
+
+def along_branch(
+    orbit: Orbit, over: Sequence[str], dy: Array, dz: Mapping[str, Array]
+) -> tuple[Multipliers, Multipliers]:
+    """Multipliers by decreasing modulus, (d,), and their derivatives along a branch of gaits, (d, m).
+
+    Of a simple multiplier λ with the eigenvectors l and r it is λ' = lᴴ M' r / (lᴴ r). M' is an extrapolated difference
+    of exact Jacobians: multipliers bend sharply where two of them nearly meet, the Jacobian does not. NaN where the
+    order of events changes too near.
+
+    Args:
+        orbit: the gait.
+        over: parameters.
+        dy: derivatives of the state by these, (2 nv, m).
+        dz: of what is solved for, by name, (m,) each.
+    """
+    values, left, right = scipy.linalg.eig(orbit.jacobian, left=True, right=True)
+    order = np.lexsort((-values.imag, -np.abs(values).round(12)))
+    values, left, right = values[order], left[:, order], right[:, order]
+    slopes = np.full((len(values), len(over)), np.nan, complex)
+    for j, name in enumerate(over):
+        h = STEP * (abs(number(orbit.system, name)) or 1.0)
+        given = {other: float(slope[j]) for other, slope in dz.items()}
+        try:
+            far, near = (_difference(orbit, {name: 1.0, **given}, dy[:, j], step) for step in (h, 0.5 * h))
+        except (NotDifferentiable, BadValue):
+            continue  # the branch ends so near
+        change = left.conj().T @ ((4.0 * near - far) / 3.0) @ right
+        slopes[:, j] = np.diag(change) / np.einsum("ij,ij->j", left.conj(), right)
+    return np.asarray(values, np.complex128), slopes
+
+
+def _difference(orbit: Orbit, along: Mapping[str, float], dy: Array, h: float) -> Array:
+    """Change of the Jacobian for one unit along numbers and state, in the coordinates of the gait's own chart."""
+    ends = []
+    for step in (h, -h):
+        values = {name: number(orbit.system, name) + step * slope for name, slope in along.items()}
+        there = orbit.beside(values, step * dy)
+        if there.cycle.order != orbit.cycle.order:
+            raise NotDifferentiable("another order of events is too near")
+        here, other = orbit.chart, there.chart
+        to = scipy.linalg.block_diag(here.q_basis.T @ other.q_basis, here.v_basis.T @ other.v_basis)
+        ends.append(to @ there.jacobian @ np.linalg.inv(to))
+    found: Array = (ends[0] - ends[1]) / (2.0 * h)
+    return found
