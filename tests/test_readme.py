@@ -23,6 +23,7 @@ EXTRAS = {
     "studies.sweep": "heyoka",
     "collocated": "casadi",
     ".sensitivity(": "heyoka",
+    "optimize_design(": "heyoka",
     'load("solo12"': "example-robot-data",
 }
 SLOW = {

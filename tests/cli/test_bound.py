@@ -203,10 +203,10 @@ class TestMistakes:
     @pytest.mark.parametrize(
         ("arguments", "parts"),
         [
-            (["--gait", "gallop"], ["unknown gait 'gallop'", "least_effort", "long_stride"]),
+            (["--gait", "canter"], ["unknown gait 'canter'", "least_effort", "long_stride"]),
             (["--gait", "missing.json"], ["missing.json"]),
             (["--gait", "hop.npz"], ["hop.npz", "not a saved gait (.json)"]),
-            (["--gait", "gallop", "--speed", "2.6"], ["unknown gait 'gallop'", "long_stride"]),
+            (["--gait", "canter", "--speed", "2.6"], ["unknown gait 'canter'", "long_stride"]),
             (["--speed", "0"], ["--speed", "m/s"]),
             (["--speed", "-2.5"], ["--speed"]),
             (["--speed", "nan"], ["--speed"]),
