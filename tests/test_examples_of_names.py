@@ -7,7 +7,7 @@ import pytest
 import spear_pin
 
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
-EXTRAS = {"simulate_many": "heyoka", "Sensitivity": "heyoka", "optimize_design": "heyoka", "Design": "heyoka", "Uncertainty": "heyoka"}
+EXTRAS = dict.fromkeys(("simulate_many", "Sensitivity", "optimize_design", "Design", "Uncertainty"), "heyoka")
 
 
 SLOW = {"compare"}

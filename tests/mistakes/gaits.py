@@ -70,7 +70,7 @@ MUTATIONS = [
     *mistakes_in(
         "gaits/sensitivity/measures",
         ["hybrid/tangent/test_bound"],
-        {"derivatives: a cost by a weight that stays": ("weight.derivative * stride.value + weight.value", "weight.value")},
+        {"derivatives: a cost by a weight that stays": ("weight.derivative * stride.value + ", "")},
     ),
     *mistakes_in(
         "gaits/sensitivity/orbit",

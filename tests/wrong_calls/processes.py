@@ -23,7 +23,7 @@ sys.addaudithook(watch)
 runpy.run_module("spear_pin", run_name="__main__", alter_sys=True)
 """
 HOP = ("hop.npz", "hop.html", "hop.svg")  # in the order in which they are written
-PUSH = ("push_test.html", "push_test.svg")
+PUSH = ("push_test.html", "push_test.npz", "push_test.svg")
 WHOLE = ("bound.npz", "sweep.zarr.parts", "sweep.zarr.parts/manifest.json")  # what was written before, or begun
 IMPORTS = (
     *("spear_pin.cli", "argparse", "spear_pin.cli.hop", "numpy", "numpy.linalg", "pinocchio", "lxml"),

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from spear_pin.gaits.codesign.design import Design
-from spear_pin.viz.plots.paper import BLUE, ORANGE, VERMILLION, Picture, style
+from spear_pin.viz.plots.paper import BLUE, ORANGE, VERMILLION, Picture, style, with_unit
 
 MOST = 10  # assumptions
 LEAST = 1e-6  # of what is missed in all, the end of the scale
@@ -28,7 +28,7 @@ def optimised(design: Design) -> Figure:
         bars.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
         bars.invert_yaxis()
         bars.axvline(0.0, color="0.4", linewidth=0.5)
-        bars.set_xlabel(f"% of {_words(design.minimize)} for one more % of what is assumed")
+        bars.set_xlabel("Elasticity")
         return figure
 
 
@@ -36,13 +36,12 @@ def _path(panel: Axes, design: Design) -> None:
     values, missed = np.array(design.path).T
     iterations = np.arange(len(values))
     panel.plot(iterations, values, color=BLUE, marker=".")
-    unit = "" if design.unit == "1" else f" ({design.unit})"
     panel.set_xlabel("Iteration")
-    panel.set_ylabel(f"{_words(design.minimize).capitalize()}{unit}", color=BLUE)
+    panel.set_ylabel(with_unit(design.minimize, design.unit or "1"), color=BLUE)
     if missed.any():
         other = panel.twinx()
         other.semilogy(iterations, np.maximum(missed, LEAST), color=VERMILLION, marker=".", linestyle="--")
-        other.set_ylabel("Bounds missed (1)", color=VERMILLION)
+        other.set_ylabel("Bounds missed", color=VERMILLION)
 
 
 def _box(panel: Axes, design: Design) -> None:

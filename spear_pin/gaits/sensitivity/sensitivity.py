@@ -185,7 +185,8 @@ def sensitivity(
     """Derivatives of a gait's state, measures and multipliers with respect to parameters.
 
     They are exact: of the cycle's own equations, through its events; of the multipliers' they come from
-    differences of exact Jacobians along the branch. Where a cycle has none, for a guard grazes or two events meet, that is refused.
+    differences of exact Jacobians along the branch. Where a cycle has none, for a guard grazes or two events meet, that
+    is refused.
 
     Args:
         system: the system, with which the state is a fixed point.

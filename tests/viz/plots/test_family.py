@@ -24,7 +24,7 @@ def branch():
     family = SimpleNamespace(system=SimpleNamespace(robot=SimpleNamespace(name="spear_ii")))
     return Branch(
         family=family, over="stance_torque", vary=("stiffness",), target={"flight_time": 0.2}, start=1,
-        parameter=PARAMETER, q=np.zeros((n, 3)), v=np.zeros((n, 3)), solved={"stiffness": np.linspace(40, 50, n)},
+        values=PARAMETER, q=np.zeros((n, 3)), v=np.zeros((n, 3)), solved={"stiffness": np.linspace(40, 50, n)},
         multipliers=multipliers, durations={"stance": np.full(n, 0.3), "flight": np.full(n, 0.2)},
         residual=np.zeros(n), orders=(BEFORE,) * 3 + (AFTER,) * 3, tangents=np.zeros((n, 8)),
         specials=(

@@ -18,6 +18,8 @@ WITHOUT_UNIT = {  # ratios, numbers of something, names of what is compared
         "Electrical cost of transport",
         "Correlation",
         "Elasticity",
+        "Iteration",
+        "Bounds missed",
         "Share that survives",
         "Samples",
         "Largest multiplier",
