@@ -44,7 +44,6 @@ VARY, KEEP = ("stance_torque",), {"flight_time": 0.2}
 BOUNDS = {"at_least": {"margin_spring_switch": 0.02}, "largest_multiplier": 0.6}
 MARGINS = {"margin_spring_switch": 0.02, "margin_slip": 0.5, "margin_lift_off": 0.5}  # rad, N, N
 MOTORS = {"knee": motor("spear_ii_knee")}
-KNOWN = 20.4919  # J: by another program
 STARTS, HALVINGS, BUDGET = 5, 5, 3000
 NO_GAIT, PENALTY = 1e3, 1e3  # J; of bounds missed, relative to them
 
