@@ -54,7 +54,11 @@ def system():
 
 def test_the_other_kind_of_hop(system):
     order = checked(with_numbers(system, {"stance_torque": 6.5}))
-    assert order[-3:] == ("torque_switch", "lift_off", "touchdown")  # it lifts off at once after the switch
+    assert [*map(set, order[-3:])] == [
+        {"torque_switch"},
+        {"lift_off"},
+        {"touchdown"},
+    ]  # it lifts off at once after the switch
 
 
 def test_of_springs_ratios_and_friction(system):
@@ -63,6 +67,6 @@ def test_of_springs_ratios_and_friction(system):
         stiffness, ratio, friction = rng.uniform(42, 60), rng.uniform(10, 25), rng.uniform(0.2, 1.0)
         told.append(checked(with_numbers(system, {"stiffness": stiffness, "knee_ratio": ratio, "friction": friction})))
     orders = {each for each in told if isinstance(each, tuple)}
-    assert {"stick" in order for order in orders} == {True, False}  # some land sliding
+    assert {any("stick" in met for met in order) for order in orders} == {True, False}  # some land sliding
     refused = {each for each in told if isinstance(each, str)} - {"no gait"}
     assert all(each.startswith(PLAIN) and each.endswith("a toe bounces") for each in refused), refused
