@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadValue, NoGait, SpearError
 from spear_pin.gaits.diagnosis import Reached
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.tangent_cycles import TangentCycles, tangent_cycles
 from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.modes import starting_phase
@@ -31,9 +32,6 @@ from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import Chart
 from spear_pin.hybrid.shooting import Shooting
 from spear_pin.hybrid.translation import translations, without
-
-if TYPE_CHECKING:
-    from spear_pin.gaits.tangent_cycles import TangentCycles
 
 Array = NDArray[np.float64]
 Measure = Callable[[Run], float]
@@ -61,8 +59,6 @@ def sought(
     on_iteration: Callable[[int, float], object] = lambda n, norm: None,
 ) -> Search:
     """Search for a gait; arguments as of `find_gait`. With derivatives, where something compiles the cycles."""
-    from spear_pin.gaits.tangent_cycles import tangent_cycles  # which imports heyoka: only who searches waits for that
-
     measures = tuple(name if callable(name) else system.measures[name] for name in target)
     exact = tangent_cycles(system, vary, tuple(target))
     return Search(tuple(vary), measures, np.array([*target.values()], dtype=float), rtol, on_iteration, exact)

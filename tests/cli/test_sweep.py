@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from spear_pin.errors import BadFile
-from spear_pin.hybrid.engines import taylor
 from spear_pin.studies.sweep import store
 from tests.cli.calls import printed, refused, run, words
 
@@ -112,7 +111,7 @@ class TestMistakes:
 
     def test_of_what_is_not_installed(self, capsys, tmp_path, monkeypatch):
         """One extra has everything, and a mistake needs none."""
-        monkeypatch.setattr(taylor, "hy", None)
+        monkeypatch.setitem(sys.modules, "heyoka", None)
         monkeypatch.setitem(sys.modules, "xarray", None)
         monkeypatch.chdir(tmp_path)
         assert "'.[sweep]'" in refused(capsys, "sweep", "hop", *OVER)

@@ -1,5 +1,7 @@
 """Many gaits at once against the search for one, and what they say where there is none."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,6 @@ from spear_pin import Gait, find_gait
 from spear_pin.errors import BadValue, MissingExtra, UnknownName
 from spear_pin.gaits import many
 from spear_pin.gaits.many import CONVERGED, REASONS, find_many
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import multipliers
 
@@ -130,6 +131,6 @@ class TestBadInput:
             find_many(hop.system, {"stiffnes": [48.0]})
 
     def test_without_the_extra(self, hop, monkeypatch):
-        monkeypatch.setattr(taylor, "hy", None)
+        monkeypatch.setitem(sys.modules, "heyoka", None)
         with pytest.raises(MissingExtra, match=r"\.\[fast\]"):
             find_many(hop.system, {"stiffness": [48.0]})

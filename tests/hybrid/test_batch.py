@@ -1,5 +1,6 @@
 """Many lanes at once by the Taylor engine, each against the reference engine."""
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,6 @@ from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping
 from spear_pin.errors import BadValue, MissingExtra, UnknownName
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.dry_friction import with_dry_friction
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
@@ -156,6 +156,6 @@ class TestBadInput:
                 simulate_many(system, *np.zeros((2, 1, 3)))
 
     def test_without_the_extra(self, hop, monkeypatch):
-        monkeypatch.setattr(taylor, "hy", None)
+        monkeypatch.setitem(sys.modules, "heyoka", None)
         with pytest.raises(MissingExtra, match=r"\.\[fast\]"):
             simulate_many(hop.system, np.array([hop.state[0]]), np.array([hop.state[1]]))

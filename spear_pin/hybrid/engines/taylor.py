@@ -25,11 +25,6 @@ from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.rules.footing import Footing, closed_toes, fitness, footing
 from spear_pin.model.planar import Planar
 
-try:
-    import heyoka as hy
-except ImportError:  # pragma: no cover
-    hy = None
-
 Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 TIME_LIMIT = -1  # ends of an arc that no guard ended
@@ -44,7 +39,11 @@ STEPS = 5000  # an arc takes some tens
 
 def available() -> bool:
     """Whether heyoka is installed."""
-    return hy is not None
+    try:
+        require()
+    except MissingExtra:
+        return False
+    return True
 
 
 def width() -> int:
@@ -214,28 +213,28 @@ class Compiled:
         for block in zip(times, states, stops, numbers, codes, strict=True):
             self._run(*block)
         codes = codes.ravel()[:n]
-        ends = np.where(codes == _LIMIT, TIME_LIMIT, FAILED)
+        ends = np.where(codes == int(require().taylor_outcome.time_limit), TIME_LIMIT, FAILED)
         events = (codes < 0) & (codes >= -len(self.meaning))  # the first is -1
         ends[events] = self.meaning[-codes[events] - 1]
         return times.ravel()[:n], states.transpose(1, 0, 2).reshape(len(y), -1)[:, :n].copy(), ends
 
     def _run(self, t: Array, y: Array, until: Array, parameters: Array, codes: NDArray[np.int64]) -> None:
         """Integrate as many lanes as go at a time; times, states and heyoka's outcomes are set."""
-        integrator = self._integrator
+        integrator, success = self._integrator, int(require().taylor_outcome.success)
         integrator.set_time(t)
         integrator.state[:] = y
         integrator.pars[:] = parameters
         integrator.reset_cooldowns()
-        codes[:] = _SUCCESS
+        codes[:] = success
         while True:
             integrator.propagate_until(until, max_steps=STEPS)
             outcomes = np.array([int(result[0]) for result in integrator.propagate_res])
-            done = (codes == _SUCCESS) & (outcomes != _SUCCESS)
+            done = (codes == success) & (outcomes != success)
             t[done], y[:, done], codes[done] = integrator.time[done], integrator.state[:, done], outcomes[done]
-            if _SUCCESS not in codes:
+            if success not in codes:
                 return
             # those that are done stay where they are while the others go on
-            ready = codes != _SUCCESS
+            ready = codes != success
             integrator.state[:, ready] = self._somewhere
             until = np.where(ready, integrator.time, until)
 
@@ -285,25 +284,23 @@ def operations(kinks: list[Any]) -> Operations:
 
 
 def _expression(value: Any) -> Any:
-    return hy.expression(value) if isinstance(value, (int, float)) else value
+    return require().expression(value) if isinstance(value, (int, float)) else value
 
 
 def require() -> Any:
-    """heyoka, its cache on disk bounded.
+    """heyoka, its cache on disk bounded; only who computes waits for it to load.
 
     Raises:
         MissingExtra: it is not installed.
     """
-    if hy is None:
-        raise MissingExtra("heyoka", "fast", "the Taylor engine")
-    _bound_cache()
-    return hy
+    try:
+        import heyoka
+    except ImportError:
+        raise MissingExtra("heyoka", "fast", "the Taylor engine") from None
+    _bound_cache(heyoka.llvm_state)
+    return heyoka
 
 
 @cache
-def _bound_cache() -> None:
-    hy.llvm_state.set_diskcache_limit(CACHE)
-
-
-_LIMIT = int(hy.taylor_outcome.time_limit) if hy is not None else 0
-_SUCCESS = int(hy.taylor_outcome.success) if hy is not None else 0
+def _bound_cache(state: Any) -> None:
+    state.set_diskcache_limit(CACHE)
