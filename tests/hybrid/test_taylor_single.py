@@ -89,6 +89,23 @@ def test_a_step_ahead_is_exact(hop):
     np.testing.assert_allclose(reached, back[1], rtol=0, atol=1e-13)
 
 
+def test_polynomials_are_the_motion(hop):
+    """At any time as the integrator's that stops there; beyond what can be followed they are not finite."""
+    numbers = Numbers(hop.system, {}, Code(1e-15))
+    held = first_held(numbers, hop)
+    single = single_of(numbers, hop.system.domains[0], held)
+    parameters, y = np.array([*numbers.constants(0), *flat(held)]), np.concatenate(hop.state)
+    begun = single.enter(0.0, y, parameters)
+    motion = single.polynomials(begun.t, begun.y, 0.05, parameters)
+    assert len(motion.begins) > 1 and motion.begins[0] == begun.t
+    np.testing.assert_array_equal(motion.at(np.array([begun.t]))[:, 0], begun.y)
+    for time in (begun.t + 1e-6, 0.01, motion.begins[1], 0.037, 0.05):
+        t, reached, end = single.run(begun.t, begun.y, time, parameters)
+        assert (t, end) == (time, taylor.TIME_LIMIT)
+        np.testing.assert_allclose(motion.at(np.array([time]))[:, 0], reached, rtol=0, atol=1e-12)
+    assert not np.isfinite(single.polynomials(0.0, np.full(6, np.nan), 0.05, parameters).at(np.array([0.01]))).any()
+
+
 def test_what_is_not_finite_is_unclear(hop):
     numbers = Numbers(hop.system, {}, Code(1e-12))
     held = first_held(numbers, hop)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.elimination import factorize, substitute
+from spear_pin.hybrid.engines.polynomials import Polynomials
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.taylor import FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, operations, require
 from spear_pin.hybrid.rules.entry import AWAY, NONE, bent, clear, falls, stays_on_zero, thresholds
@@ -52,7 +53,9 @@ class Single:
         self._integrator, self._function = code.alone, entering(code)
         self._state, self._parameters = self._integrator.state, self._integrator.pars  # views
         self._pars, self._timed = self._function.nparams, self._function.is_time_dependent
-        self._limit, self._meaning = int(require().taylor_outcome.time_limit), code.meaning.tolist()
+        outcomes = require().taylor_outcome
+        self._limit, self._meaning = int(outcomes.time_limit), code.meaning.tolist()
+        self._goes_on = {self._limit, int(outcomes.success)}
         guards = self.domain.guards
         self._thresholds = [each for each in enumerate(thresholds(guards)) if each[1] > -math.inf]
         # where things are in what the function returns, see `entering`
@@ -111,16 +114,21 @@ class Single:
             end = self._meaning[-outcome - 1]
         return integrator.time, self._state.copy(), end
 
-    def states(self, t: float, y: Array, times: Array, parameters: Array) -> Array:
-        """States at later times of the same arc, rising, (n, 2 nv); not finite where they cannot be reached."""
+    def polynomials(self, t: float, y: Array, end: float, parameters: Array) -> Polynomials:
+        """The motion up to a time, whatever its guards say; not finite where it cannot be followed."""
         integrator = self._code.free
         integrator.time = t
         integrator.state[:] = y
         integrator.pars[:] = parameters[: len(integrator.pars)]
-        found: Array = integrator.propagate_grid(np.concatenate([[t], times]), max_steps=STEPS)[-1]
-        states = np.full((len(times), len(y)), math.nan)
-        states[: len(found) - 1] = found[1:]
-        return states
+        begins, coefficients = list[float](), list[Array]()
+        while integrator.time < end and len(begins) < STEPS:
+            begins.append(integrator.time)
+            outcome, _ = integrator.step(max_delta_t=end - integrator.time, write_tc=True)
+            coefficients.append(integrator.tc.copy())
+            if int(outcome) not in self._goes_on:
+                coefficients[-1][:] = math.nan
+                break
+        return Polynomials(np.array(begins), np.array(coefficients))
 
 
 @lru_cache(MOST)

@@ -25,13 +25,19 @@ def points(recorder: Recorder, arc: Arc) -> tuple[Array, float, Array]:
         NotDifferentiable: the motion is not smooth, or cannot be followed again.
     """
     gauss, length = rule(), max(arc.end - arc.t, 0.0)
-    panels = 1
+    if length <= SHORTEST:
+        t = arc.t + length * gauss.nodes
+        return t, length, np.tile(arc.y[:, None], (1, len(t)))
+    motion, panels = recorder.polynomials(arc), 1
     while panels <= MOST_PANELS:
         h = length / panels
         t = (arc.t + h * (np.arange(panels)[:, None] + gauss.nodes)).ravel()
-        y = recorder.states(arc, t) if length > SHORTEST else np.tile(arc.y[:, None], (1, len(t)))
-        if length <= SHORTEST or (left := roughness(y.T.reshape(panels, POINTS, -1))) <= TAIL:
+        y = motion.at(t)
+        left = roughness(y.T.reshape(panels, POINTS, -1))
+        if left <= TAIL:
             return t, h, y
+        if not math.isfinite(left):
+            raise NotDifferentiable(f"the motion in {arc.domain.name} cannot be followed again")
         # shorter by a factor, coefficients fall by that to the power of the points, at first of fewer
         panels = max(panels + 1, math.ceil(panels * (left / TAIL) ** (1.0 / (POINTS - EARLY))))
     raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")

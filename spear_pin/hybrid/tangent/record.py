@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Reset
+from spear_pin.hybrid.engines.polynomials import Polynomials
 from spear_pin.hybrid.engines.structure import Structure, flattened, shape_of
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.compilation import Compilation
@@ -102,14 +103,10 @@ class Recorder:
         """
         return self._runner.lap(phase, y, held, [0.0] * len(self.system.robot.toes))
 
-    def states(self, arc: Arc, times: Array) -> Array:
-        """States at times within an arc, (2 nv, n)."""
+    def polynomials(self, arc: Arc) -> Polynomials:
+        """The motion of an arc again."""
         single = self._numbers.compilation.single(arc.domain, arc.held)
-        parameters: Any = np.array(self._constants + flattened(arc.held.values()))
-        found = single.states(arc.t, arc.y, times, parameters)
-        if not np.isfinite(found).all():
-            raise NotDifferentiable(f"the motion in {arc.domain.name} cannot be followed again")
-        return found.T
+        return single.polynomials(arc.t, arc.y, arc.end, np.array(self._constants + flattened(arc.held.values())))
 
     def field(self, domain: Domain, held: Held) -> TangentField:
         """What a domain's derivatives are taken from."""
