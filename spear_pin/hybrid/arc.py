@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.domain import Domain, Held
+from spear_pin.hybrid.orders import Order
 
 Array = NDArray[np.float64]
 
@@ -34,3 +36,51 @@ class Arc(NamedTuple):
     after: Array
     event: Any
     switches: int
+
+
+class Record(Protocol):
+    """A cycle from a state just behind the section, where a phase begins.
+
+    Attributes:
+        y: state just behind the section at its end, (2 nv,).
+        phase: the phase that begins there.
+        held: what is held there.
+        spent: seconds in each phase.
+        order: the order of its events.
+        arcs: the motion from event to event.
+    """
+
+    @property
+    def y(self) -> Array: ...  # noqa: D102
+
+    @property
+    def phase(self) -> str: ...  # noqa: D102
+
+    @property
+    def held(self) -> Held: ...  # noqa: D102
+
+    @property
+    def spent(self) -> Mapping[str, float]: ...  # noqa: D102
+
+    @property
+    def order(self) -> Order: ...  # noqa: D102
+
+    @property
+    def arcs(self) -> Sequence[Arc]: ...  # noqa: D102
+
+
+class Runner(Protocol):
+    """What runs cycles for records.
+
+    Attributes:
+        why: what the last cycle of which there is no record was refused for.
+    """
+
+    @property
+    def why(self) -> str: ...  # noqa: D102
+
+    def lap(self, phase: str, y: Array, held: Held) -> Record | None:
+        """The cycle from where a phase begins just behind the section, None where it does not close plainly."""
+
+    def along(self, arc: Arc) -> Callable[[Array], Array]:
+        """The motion of an arc of the last cycle: from times, (n,), to states, (2 nv, n)."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.hybrid.domain import Domain, Held
+from spear_pin.hybrid.domain import Domain, Guard, Held
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.trajectory import Event
 from spear_pin.kinds import typed
@@ -53,13 +53,23 @@ class Piece:
 
 @dataclass
 class Segment:
-    """Motion in one domain between two events; `began` is the absolute time of the phase's beginning."""
+    """Motion in one domain between two events.
+
+    Attributes:
+        domain: the domain.
+        held: what is held.
+        cycle: in which it is.
+        began: absolute time of the phase's beginning, in s.
+        pieces: steps of the integrator.
+        ended: what ends it; None for a knot of a spring's curve, and where it breaks off.
+    """
 
     domain: Domain
     held: Held
     cycle: int
     began: float
     pieces: list[Piece] = field(default_factory=list)
+    ended: Guard | None = None
 
 
 @dataclass

@@ -125,7 +125,8 @@ class _Runner:
         if watch.at_once != NONE:
             y = self.y
             segment.pieces.append(Piece(self.t, self.t, lambda times: np.tile(y[:, None], len(times))))
-            self._leave(self.flow.domain.guards[watch.at_once])
+            segment.ended = self.flow.domain.guards[watch.at_once]
+            self._leave(segment.ended)
             return
         until = min(rules.due(self.flow.domain, self.switches, self.system.law), self.system.phase_limit)
         if until <= self.t:
@@ -135,6 +136,7 @@ class _Runner:
         else:
             event = self._move(segment, watch, until)
             if event is not None:
+                segment.ended = event
                 self._happen(event)
 
     def _leave(self, guard: Guard) -> None:

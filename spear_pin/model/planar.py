@@ -20,6 +20,7 @@ import pinocchio as pin
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.robot import Robot
+from spear_pin.model.scalars import vanishes
 
 Vector = tuple[Any, Any]
 ZERO: Vector = (0.0, 0.0)
@@ -169,7 +170,7 @@ class Planar:
                 yield j, also * _cross(_added(load.moment, _scaled(load.mass, lever)), axis)
             else:
                 along = _dot(axis, other.axis)
-                yield j, along if _vanishes(along) else load.mass * along
+                yield j, along if vanishes(along) else load.mass * along
             inertia, lever = inertia + _dot(load.moment, other.arm), _added(lever, other.arm)
             j = self.bodies[j].parent
 
@@ -207,9 +208,9 @@ class Planar:
             if not body.turns:
                 axis = _turned(body.slides, cosine, sine)
                 arm = _added(arm, _scaled(q[i], axis))
-                if not _vanishes(spin):
+                if not vanishes(spin):
                     acceleration = _added(acceleration, _scaled(2.0 * spin * v[i], (-axis[1], axis[0])))
-            if not _vanishes(above.spin):
+            if not vanishes(above.spin):
                 acceleration = _added(acceleration, _scaled(-above.spin * above.spin, arm))
             joints.append(_Joint(angle, cosine, sine, arm, _added(above.origin, arm), spin, acceleration, axis))
         return joints
@@ -304,15 +305,11 @@ def _plane(vector: Any) -> tuple[float, float]:
     return float(vector[0]), float(vector[2])
 
 
-def _vanishes(value: Any) -> bool:
-    return isinstance(value, float) and value == 0.0
-
-
 def _turned(vector: Vector, cosine: Any, sine: Any) -> Vector:
     x, z = vector
-    if x == 0.0:  # most limbs hang straight down
+    if vanishes(x):  # most limbs hang straight down
         return -sine * z, cosine * z
-    if z == 0.0:
+    if vanishes(z):
         return cosine * x, sine * x
     return cosine * x - sine * z, sine * x + cosine * z
 

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from spear_pin.gaits.sensitivity.measures import LEAST_STRIDE, PRESSED
 from spear_pin.gaits.sensitivity.panels import Panels
-from spear_pin.hybrid.arc import Arc
+from spear_pin.hybrid.arc import Arc, Record
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.structure import flattened
-from spear_pin.hybrid.lanes.lone_runner import Lap
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.tangent.collocation import POINTS
@@ -91,7 +90,7 @@ class _Part:
 class _Laid:
     """A cycle with its arcs at their points."""
 
-    lap: Lap
+    lap: Record
     parts: list[_Part]
 
 
@@ -122,7 +121,7 @@ class _Chunk:
 
     system: HybridSystem
     count: int
-    laps: dict[int, tuple[Array, Lap]] = field(default_factory=dict)
+    laps: dict[int, tuple[Array, Record]] = field(default_factory=dict)
     groups: dict[int, list[tuple[int, _Part]]] = field(default_factory=dict)
 
     def add(self, lane: int, y: Array, laid: _Laid) -> None:

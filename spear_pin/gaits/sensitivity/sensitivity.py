@@ -17,7 +17,6 @@ from spear_pin.gaits.sensitivity.spread import covariance_of
 from spear_pin.gaits.sensitivity.uncertainty import Uncertainty
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_lanes
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import number, unit
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
@@ -196,14 +195,12 @@ def sensitivity(
         keep: as many measures.
 
     Raises:
-        MissingExtra: heyoka is not installed.
         UnknownName: there is no parameter or measure of a name.
         BadValue: a name is given twice, as many are not kept as are solved for, a parameter is zero and with it part
             of the equations, the state is no fixed point, or the system moves in space or has hardware.
         NotDifferentiable: the cycle has no derivative.
     """
     check_lanes(system)
-    taylor.require()
     names = (*vary, *over)
     if len(set(names)) != len(names) or not over:
         raise BadValue("over", list(over), "one parameter or more, each once, none of them solved for")

@@ -28,11 +28,11 @@ def points(recorder: Recorder, arc: Arc) -> tuple[Array, float, Array]:
     if length <= SHORTEST:
         t = arc.t + length * gauss.nodes
         return t, length, np.tile(arc.y[:, None], (1, len(t)))
-    motion, panels = recorder.polynomials(arc), 1
+    motion, panels = recorder.along(arc), 1
     while panels <= MOST_PANELS:
         h = length / panels
         t = (arc.t + h * (np.arange(panels)[:, None] + gauss.nodes)).ravel()
-        y = motion.at(t)
+        y = motion(t)
         left = roughness(y.T.reshape(panels, POINTS, -1))
         if left <= TAIL:
             return t, h, y

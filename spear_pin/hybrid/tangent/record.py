@@ -1,8 +1,8 @@
-"""Run a cycle by the fast engine and keep its arcs; what that leaves to the reference engine is refused."""
+"""Run a cycle and keep its arcs, by the fast engine where heyoka is installed; what is not plain is refused."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -10,10 +10,10 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.arc import Arc
+from spear_pin.hybrid.arc import Arc, Record, Runner
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Reset
-from spear_pin.hybrid.engines.polynomials import Polynomials
+from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import Structure, flattened, shape_of
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.compilation import Compilation
@@ -23,6 +23,7 @@ from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import start
 from spear_pin.hybrid.tangent.fields import TangentFeet, TangentField, tangent_feet, tangent_field
+from spear_pin.hybrid.tangent.reference_runner import ReferenceRunner
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
@@ -36,12 +37,40 @@ def many(system: HybridSystem, given: Mapping[str, Array]) -> Numbers:
     return Numbers(system, given, CODE)
 
 
+class CompiledRunner:
+    """A lane's cycles by the fast engine, see `hybrid.arc.Runner`.
+
+    Args:
+        numbers: the lanes'.
+        lane: which of them.
+    """
+
+    def __init__(self, numbers: Numbers, lane: int) -> None:
+        self._runner, self._compilation = LoneRunner(numbers, lane), numbers.compilation
+        self._constants, self._toes = numbers.constants(lane), len(numbers.system.robot.toes)
+
+    @property
+    def why(self) -> str:
+        """What the last cycle of which there is no record was refused for."""
+        return self._runner.why
+
+    def lap(self, phase: str, y: Array, held: Held) -> Lap | None:
+        """The cycle, None where it calls for a second look."""
+        return self._runner.lap(phase, y, held, [0.0] * self._toes)
+
+    def along(self, arc: Arc) -> Callable[[Array], Array]:
+        """The motion of an arc, followed again."""
+        single = self._compilation.single(arc.domain, arc.held)
+        parameters = np.array(self._constants + flattened(arc.held.values()))
+        return single.polynomials(arc.t, arc.y, arc.end, parameters).at
+
+
 class Recorder:
-    """Cycles of a system by the fast engine, as records.
+    """Cycles of a system, as records.
 
     Args:
         system: the system.
-        numbers: of many lanes (default: the system's own alone).
+        numbers: of many lanes, which takes heyoka (default: the system's own alone).
         lane: which of them.
 
     Attributes:
@@ -56,9 +85,9 @@ class Recorder:
         self.system, self._nv = system, system.robot.nv
         self._numbers = many(system, {}) if numbers is None else numbers
         self.planar, self.law = self._numbers.planar, self._numbers.law_of(lane)
-        self._runner = LoneRunner(self._numbers, lane)
-        self._constants = self._numbers.constants(lane)
-        self.numbers = np.array(self._constants, dtype=float)
+        alone = numbers is None and not taylor.available()
+        self._runner: Runner = ReferenceRunner(system) if alone else CompiledRunner(self._numbers, lane)
+        self.numbers = np.array(self._numbers.constants(lane), dtype=float)
         self.end = np.empty(0)
         self.order: Order = ()
         # the system keeps its domains, so that their identities stay
@@ -70,7 +99,7 @@ class Recorder:
         """The phase that begins at the section, and the resets that say what is held."""
         return start(self.system, True)
 
-    def cycle(self, y: Array) -> list[Arc]:
+    def cycle(self, y: Array) -> Sequence[Arc]:
         """The arcs of a cycle from a state just behind the section, (2 nv,).
 
         Raises:
@@ -80,7 +109,7 @@ class Recorder:
         self.end, self.order = lap.y, lap.order
         return lap.arcs
 
-    def lap(self, y: Array) -> Lap:
+    def lap(self, y: Array) -> Record:
         """A cycle from a state just behind the section, (2 nv,).
 
         Raises:
@@ -93,7 +122,7 @@ class Recorder:
             raise NotDifferentiable(f"{PLAIN}: {self._runner.why}")
         return lap
 
-    def motion(self, phase: str, y: Array, held: Held) -> Lap | None:
+    def motion(self, phase: str, y: Array, held: Held) -> Record | None:
         """The motion from the beginning of a phase to the section, None where it does not close plainly.
 
         Args:
@@ -101,12 +130,11 @@ class Recorder:
             y: state there, (2 nv,).
             held: what is held there.
         """
-        return self._runner.lap(phase, y, held, [0.0] * len(self.system.robot.toes))
+        return self._runner.lap(phase, y, held)
 
-    def polynomials(self, arc: Arc) -> Polynomials:
-        """The motion of an arc again."""
-        single = self._numbers.compilation.single(arc.domain, arc.held)
-        return single.polynomials(arc.t, arc.y, arc.end, np.array(self._constants + flattened(arc.held.values())))
+    def along(self, arc: Arc) -> Callable[[Array], Array]:
+        """The motion of an arc of the last cycle: from times, (n,), to states, (2 nv, n)."""
+        return self._runner.along(arc)
 
     def field(self, domain: Domain, held: Held) -> TangentField:
         """What a domain's derivatives are taken from."""

@@ -1,0 +1,104 @@
+"""Cycles by the reference engine, as records: slower, where nothing compiles them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.arc import Arc
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Guard, Held, Switch
+from spear_pin.hybrid.orders import Order, order_of
+from spear_pin.hybrid.result import FINEST, Moment, Options, Segment
+from spear_pin.hybrid.rules.cycles import RETOUCH, left_at_once
+from spear_pin.hybrid.run import run
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ReferenceLap:
+    """A cycle, see `hybrid.arc.Record`."""
+
+    y: Array
+    phase: str
+    held: Held
+    spent: Mapping[str, float]
+    order: Order
+    arcs: list[Arc]
+
+
+class ReferenceRunner:
+    """A system's cycles, see `hybrid.arc.Runner`.
+
+    Args:
+        system: the system.
+    """
+
+    def __init__(self, system: HybridSystem) -> None:
+        self._system, self._nv = system, system.robot.nv
+        self._motions: list[tuple[Arc, Segment]] = []
+        self.why = ""
+
+    def lap(self, phase: str, y: Array, held: Held) -> ReferenceLap | None:
+        """The cycle, at the finest tolerance; None where it does not close, toes bounce, or share their load."""
+        begun = Moment(y[: self._nv], y[self._nv :], phase, held)
+        found = run(self._system, begun, 1, Options(FINEST, keep=True))
+        self.why = ""
+        if found.reason != "complete":
+            self.why = found.message
+        elif any(event.name == RETOUCH for event in found.events):
+            self.why = "a toe bounces"
+        for segment in found.segments:
+            self.why = self.why or self._not_plain(segment)
+        if self.why:
+            return None
+        self._motions, switches, came = [], 0, -1.0
+        for segment in found.segments:
+            switches, came = 0 if segment.began != came else switches, segment.began
+            event = _event(segment)
+            switches += isinstance(event, Switch)
+            self._motions.append((self._arc(segment, event, switches), segment))
+        end = np.concatenate(found.state)
+        arcs = [arc for arc, _ in self._motions]
+        return ReferenceLap(end, found.domain.phase, found.held, found.durations, order_of(self._system, found), arcs)
+
+    def _not_plain(self, segment: Segment) -> str:
+        """Why a cycle with a motion in it is not recorded, "" where it is."""
+        domain = segment.domain
+        if not any(domain is each for each in self._system.domains):
+            return f"toes alternate in {domain.phase}"
+        event = _event(segment)
+        if isinstance(event, Guard) and left_at_once(event, segment.pieces[-1].end):
+            return f"{domain.name} ends as it begins: a toe bounces"
+        return ""
+
+    def _arc(self, segment: Segment, event: Any, switches: int) -> Arc:
+        first, last = segment.pieces[0], segment.pieces[-1]
+        y, after = (
+            piece.state(np.array([time]))[: 2 * self._nv, 0] for piece, time in ((first, first.begin), (last, last.end))
+        )
+        return Arc(segment.domain, segment.held, first.begin, y, last.end, after, event, switches)
+
+    def along(self, arc: Arc) -> Callable[[Array], Array]:
+        """The motion of an arc of the last cycle, by the integrator's own interpolants."""
+        pieces = next(segment.pieces for each, segment in self._motions if each is arc)
+        ends = np.array([piece.end for piece in pieces[:-1]])
+
+        def states(times: Array) -> Array:
+            found, of = np.empty((2 * self._nv, len(times))), np.searchsorted(ends, times)
+            for i in np.unique(of):
+                found[:, of == i] = pieces[i].state(times[of == i])[: 2 * self._nv]
+            return found
+
+        return states
+
+
+def _event(segment: Segment) -> Guard | Switch | None:
+    """What ends a motion: a guard of its domain, or what was scheduled."""
+    guards, ended = segment.domain.guards, segment.ended
+    return ended if ended is None or any(ended is guard for guard in guards) else segment.domain.switch
