@@ -191,6 +191,7 @@ OPTIONS = {
         "--over": ("", "x", "slope", "stiffness"),
         "--vary": ("x", "stance_torque", "stiffness"),
         "--keep": ("x", "flight_time"),
+        "--motor": ("", "x", "knee=", "knee=x", "x=spear_ii_knee"),
         "--out": FOLDER,
     },
     "uncertainty hop --sigma stiffness=1%": {

@@ -120,9 +120,12 @@ def test_names_that_are_none(hop):
         best(hop, {"nope": (42.0, 60.0)})
     with pytest.raises(UnknownName, match="nope"):
         best(hop, {"stiffness": (42.0, 60.0)}, assuming=["nope"])
-    for name in ("nope", "energy", "margin_spring_switch"):  # the last two are no measures that a search keeps
+    # all but the first are measures, but none that a search keeps
+    for name in ("nope", "energy", "clearance_toe", "margin_spring_switch"):
         with pytest.raises(UnknownName, match=name):
-            optimize_design(hop, "work", {"stiffness": (42.0, 60.0)}, {name: 1.0})
+            optimize_design(hop, "work", {"stiffness": (42.0, 60.0)}, {name: 1.0}, motors=MOTORS)
+    with pytest.raises(UnknownName, match="energy"):  # there is none without motors
+        best(hop, {"stiffness": (42.0, 60.0)}, motors={})
 
 
 def test_over_a_number_of_a_body(hop):
