@@ -31,8 +31,8 @@ from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.parameters import LIMITS, PARTS, Fitted, limits, parameter, rebuilt, replaced
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
-from spear_pin.model.origin import check_origin, origin, robot_of, unsaid
 from spear_pin.model.motor import NO_MOTORS, Motor
+from spear_pin.model.origin import check_origin, origin, robot_of, unsaid
 from spear_pin.model.spring import Spring
 from spear_pin.showing import Shown
 
