@@ -1,13 +1,14 @@
 """Design spring, gears and crouch of the hop together, for the least energy, away from where there is no hop.
 
-Objective: one optimisation over numbers of spring, robot and law, each step of it a gait: least energy, work and the heat
-of the knee's motor, for 0.2 s of flight, with the knee at least 20 mrad from the angle at which its spring would grow slack
-as the toe leaves, all multipliers within 0.6. Then what holds the design back, at what price, and what it rests on.
+Objective: one optimisation over numbers of spring, robot and law, each step of it a gait: least energy, work and the
+heat of the knee's motor, for 0.2 s of flight, with the knee at least 20 mrad from the angle at which its spring would
+grow slack as the toe leaves, all multipliers within 0.6. Then what holds the design back, at what price, and what it
+rests on.
 
 What to notice: the hop that it begins with takes less than the design, but is 5.5 mrad from where its family ends: what
-is asked for has to be paid, and each mrad more costs 0.09 J. The price is known without another design, as is what other
-numbers would do: 1 % more damping takes 0.7 % more energy, the design being chosen anew, where it takes 1.1 % of the hop
-that is not.
+is asked for has to be paid, and each mrad more costs 0.09 J. The price is known without another design, as is what
+other numbers would do: 1 % more damping takes 0.7 % more energy with the design chosen anew, and 1.1 % with the hop
+that it began with, see what_numbers_do.py.
 
 Needs heyoka: pip install '.[fast]'
 

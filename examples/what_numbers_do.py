@@ -1,13 +1,13 @@
 """What one more per cent of each number does to the hop, by exact derivatives.
 
-Objective: which numbers of spring, gears, ground and body matter for what. The hop keeps its 0.2 s of flight, the stance
-torque being solved for, and its derivatives are those of the equations, through touchdown, latch and slip; nothing is
-simulated twice. Then a prediction is held against a gait that is found anew.
+Objective: which numbers of spring, gears, ground and body matter for what. The hop keeps its 0.2 s of flight, the
+stance torque being solved for. Derivatives of its measures are those of the equations, through touchdown, latch and
+slip, from one cycle. Then a prediction is held against a gait that is found anew.
 
 What to notice: damping is the number to know. One more per cent of it takes 1.1 % more energy, for nearly all that the
 motor gives ends there; of the spring's stiffness it takes 0.6 % less. Of the gears' ratio it takes 0.8 % less heat, but
 the knee has a peak torque higher by 1.7 %. Friction of the ground matters for nothing but the |F_x| / F_z that is used,
-which is all there is, as the toe slips at touchdown. What 5 % more damping do is foretold to 0.1 % of the energy.
+which is all there is, as the toe slips at touchdown. What 5 % more damping does is foretold to 0.1 % of the energy.
 
 Needs heyoka: pip install '.[fast]'
 

@@ -48,7 +48,7 @@ def test_derivatives_against_gaits_found_again(hop, table, name):
     for output in ("heat_knee", "heat_hip", "energy"):
         a, b, c, d = (each[output].value for each in ends)
         expected = (8.0 * (a - b) - (c - d)) / (12.0 * h)  # of fourth order
-        assert table.derivatives[output][j] * value == pytest.approx(expected * value, rel=1e-6, abs=2e-7 * a)
+        assert table.derivatives[output][j] * value == pytest.approx(expected * value, rel=1e-8, abs=1e-9 * a)
 
 
 def test_energy_that_is_kept(hop, table):
