@@ -140,6 +140,16 @@ def test_bounds_that_cannot_be_met_have_no_price(hop):
     assert all("peak" not in name for name in found.active)
 
 
+@pytest.mark.slow
+def test_a_toe_that_is_to_be_lifted_higher(hop):
+    """Its height is Pinocchio's along the reference engine's motion."""
+    bounds, over = {"clearance_toe": 0.072}, {"knee_ratio": (12.0, 18.0)}
+    found = optimize_design(hop, "peak_torque_knee", over, {"flight_time": 0.2}, at_least=bounds, assuming=[])
+    assert found.converged and list(found.active) == ["clearance_toe at least"]
+    run = simulate(found.gait.system, found.gait.state, 1, samples=4000, progress=False)
+    assert max(found.gait.system.robot.toe_position(q, "toe")[-1] for q in run.q) == pytest.approx(0.072, abs=1e-7)
+
+
 def test_gaits_in_space_are_refused():
     with pytest.raises(BadValue, match="plane"):
         optimize_design(Gait.load("trot"), "work", {"stiffness": (100.0, 120.0)})

@@ -59,6 +59,7 @@ def test_energy_that_is_kept(hop, table):
     assert kept.derivatives["energy"] == pytest.approx([0.0], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_motors_of_a_pair_share_its_torque():
     gait = Gait.load("long_stride")
     joint, one = "posterior_knee", Motor("one", torque_constant=0.1, resistance=0.5)

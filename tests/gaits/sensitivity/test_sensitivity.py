@@ -68,7 +68,7 @@ def test_more_friction_is_used_by_as_much_where_a_toe_slips(table):
     assert table.elasticity("friction_used_toe")[OVER.index("friction")] == pytest.approx(1.0, abs=1e-9)
 
 
-@pytest.mark.parametrize("name", ["hop", "long_stride"])
+@pytest.mark.parametrize("name", ["hop", pytest.param("long_stride", marks=pytest.mark.slow)])
 def test_clearance_is_how_high_a_toe_gets(hop, name):
     """Against the heights that Pinocchio has along samples of the reference engine, through the three highest."""
     gait = hop if name == "hop" else Gait.load(name)
