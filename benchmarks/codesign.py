@@ -80,7 +80,7 @@ class Followed:
     def __init__(self, over: Ranges) -> None:
         begun, self.over, self.cycles = hop(), over, 0
         self.problem = problem(over)
-        first = closed(Orbit(begun.system, begun.state, self.problem.names), VARY, KEEP)
+        first = closed(Orbit(begun.system, begun.state, self.problem.names, MOTORS), VARY, KEEP)
         self.known = {tuple(self.at(first)): first}
 
     def at(self, orbit: Orbit) -> Array:

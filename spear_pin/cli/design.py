@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.gaits import BOUND, named_gait
+from spear_pin.cli.motors import add_motors, motors
 from spear_pin.cli.output import aligned, listed, progress
-from spear_pin.cli.pairs import RANGE, names, ranges, values, words
-
-if TYPE_CHECKING:
-    from spear_pin.model.motor import Motor
+from spear_pin.cli.pairs import RANGE, names, ranges, values
 
 WHAT = "hop|bound|GAIT"
 STEM = "design"
@@ -40,14 +38,7 @@ def add(commands: Commands) -> None:
         )
     parser.add_argument("--vary", type=names, action="extend", metavar="NAME", help="a parameter that is solved for")
     parser.add_argument("--largest-multiplier", type=float, metavar="X", help="upper bound of all moduli")
-    parser.add_argument(
-        "--motor",
-        type=words,
-        action="extend",
-        default=[],
-        metavar="JOINT=MOTOR",
-        help="of the catalogue, for its heat",
-    )
+    add_motors(parser)
     parser.add_argument("--iterations", type=int, default=100, metavar="N", help="at most (default: 100)")
     add_out(parser, f"{STEM}.json, {STEM}.svg and {STEM}_gait.json")
     add_open(parser, f"the picture, {STEM}.svg,")
@@ -73,7 +64,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             at_most=dict(arguments.at_most),
             at_least=dict(arguments.at_least),
             largest_multiplier=arguments.largest_multiplier,
-            motors=_motors(arguments.motor),
+            motors=motors(arguments.motor),
             iterations=arguments.iterations,
             on_iteration=lambda n, value, missed: show(
                 f"iteration {n}: {arguments.minimize} {value:.6g}, bounds missed by {missed:.2g}"
@@ -102,9 +93,3 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "opened": files[1],
         "text": f"{found}\n\n{aligned(told)}",
     }
-
-
-def _motors(pairs: list[tuple[str, str]]) -> dict[str, Motor]:
-    from spear_pin.model.catalogue import motor
-
-    return {joint: motor(name) for joint, name in pairs}

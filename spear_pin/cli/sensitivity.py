@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.gaits import BOUND, named_gait
+from spear_pin.cli.motors import add_motors, motors
 from spear_pin.cli.output import aligned, listed, progress
 from spear_pin.cli.pairs import names
 
@@ -37,6 +38,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--keep", type=names, action="extend", default=[], metavar="MEASURE", help="the measure that it keeps"
     )
+    add_motors(parser)
     add_out(parser, f"{STEM}.json and {STEM}.svg")
     add_open(parser, f"the picture, {STEM}.svg,")
 
@@ -52,7 +54,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         show("looking for the gait")
         gait = named_gait(arguments.what)
         show("differentiating")
-        found = gait.sensitivity(arguments.over or _usual(gait), arguments.vary, arguments.keep)
+        over = arguments.over or _usual(gait)
+        found = gait.sensitivity(over, arguments.vary, arguments.keep, motors(arguments.motor))
     files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
     with atomic(files[0]) as temporary:
         temporary.write_text(found.to_json() + "\n", encoding="utf-8")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.gaits import BOUND, named_gait
+from spear_pin.cli.motors import add_motors, motors
 from spear_pin.cli.output import aligned, listed, progress
 from spear_pin.cli.pairs import names
 from spear_pin.cli.sensitivity import WHAT
@@ -50,6 +51,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--keep", type=names, action="extend", default=[], metavar="MEASURE", help="the measure that it keeps"
     )
+    add_motors(parser)
     parser.add_argument(
         "--monte-carlo", type=int, metavar="N", help="find the gait anew for N samples, and say where first order fails"
     )
@@ -76,7 +78,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         show("looking for the gait")
         gait = named_gait(arguments.what)
         show("differentiating")
-        spread = _spread(gait.sensitivity(over, arguments.vary, arguments.keep), arguments.sigma, arguments.correlation)
+        table = gait.sensitivity(over, arguments.vary, arguments.keep, motors(arguments.motor))
+        spread = _spread(table, arguments.sigma, arguments.correlation)
         show(f"finding it {samples} times")
         drawn = None if samples is None else spread.monte_carlo(samples, arguments.seed)
     figures = {"uncertainty": json.loads(spread.to_json())}

@@ -31,6 +31,7 @@ from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.parameters import LIMITS, PARTS, Fitted, limits, parameter, rebuilt, replaced
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
+from spear_pin.model.motor import NO_MOTORS, Motor
 from spear_pin.model.origin import check_origin, origin, robot_of, unsaid
 from spear_pin.model.spring import Spring
 from spear_pin.showing import Shown
@@ -100,23 +101,31 @@ class Gait(Shown):
         law = replace(system.law, **values)
         return replace(self, system=rebuilt(system, law=law))
 
-    def sensitivity(self, over: Sequence[str], vary: Sequence[str] = (), keep: Sequence[str] = ()) -> Sensitivity:
+    def sensitivity(
+        self,
+        over: Sequence[str],
+        vary: Sequence[str] = (),
+        keep: Sequence[str] = (),
+        motors: Mapping[str, Motor] = NO_MOTORS,
+    ) -> Sensitivity:
         """What a change of any parameters does to the gait: exact derivatives of its state, measures and multipliers.
 
         Args:
             over: parameters, by the names of law, springs, ground or robot, such as "stiffness" or "knee_ratio".
             vary: parameters that are solved for, so that measures stay as they are.
             keep: names of as many measures.
+            motors: of joints, by name, for the measures `heat_JOINT`, in J a cycle, and `energy`, the net work of all
+                motors and this heat; gears have the robot's ratio and lose nothing.
 
         Raises:
-            UnknownName: there is no parameter or measure of a name.
-            BadValue: names do not fit together, a parameter is zero and with it part of the equations, or the gait is
-                in space or has hardware.
+            UnknownName: there is no parameter, measure or joint with a motor of a name.
+            BadValue: names do not fit together, a parameter is zero and with it part of the equations, a motor's
+                resistance or torque constant is not known, or the gait is in space or has hardware.
             NotDifferentiable: the cycle has no derivative; the text says why.
         """
         from spear_pin.gaits.sensitivity.sensitivity import sensitivity  # which compiles: only who asks for it waits
 
-        return sensitivity(self.system, self.state, over, vary, keep)
+        return sensitivity(self.system, self.state, over, vary, keep, motors)
 
     @typed
     def save(self, path: str | Path) -> Path:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -92,6 +94,10 @@ class Motor:
         if self.nominal_torque is None and self.nominal_current is not None:
             return self.known("torque_constant") * self.nominal_current
         return self.known("nominal_torque")
+
+
+NO_MOTORS: Mapping[str, Motor] = MappingProxyType({})
+"""Where no joint has one, by joint."""
 
 
 @typed

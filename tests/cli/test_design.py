@@ -7,13 +7,13 @@ import pytest
 from spear_pin import Gait
 from tests.cli.calls import printed, refused, words
 
-HOP = ("design", "hop", "--minimize", "energy", "--keep", "flight_time=0.2")
+HOP = ("design", "hop", "--minimize", "energy", "--motor", "knee=spear_ii_knee", "--keep", "flight_time=0.2")
 
 
 @pytest.mark.extra("heyoka")
 def test_a_hop(capsys, tmp_path):
     given = ("--over", "stiffness=46:56,knee_touchdown=0.85:1.02", "--at-least", "margin_spring_switch=0.01")
-    also = ("--motor", "knee=spear_ii_knee", "--largest-multiplier", "0.6", "--out", tmp_path)
+    also = ("--largest-multiplier", "0.6", "--out", tmp_path)
     result = printed(capsys, *HOP, *given, *also)
     assert result["converged"] and result["objective"] < 21.0 and result["cycles"] < 100
     assert set(result["parameters"]) == {"stiffness", "knee_touchdown"} and result["active"]

@@ -25,12 +25,23 @@ def test_with_a_flight_that_is_kept(capsys, tmp_path):
 
 
 @pytest.mark.extra("heyoka")
+def test_with_a_motor(capsys, tmp_path):
+    given = ("--over", "knee_ratio", "--motor", "knee=spear_ii_knee", "--out", tmp_path)
+    result = printed(capsys, "sensitivity", "hop", *given)
+    assert result["values"]["heat_knee"] == pytest.approx(9.991, abs=1e-3) and result["units"]["energy"] == "J"
+    assert result["elasticities"]["heat_knee"] == pytest.approx([-1.335], abs=1e-3)
+
+
+@pytest.mark.extra("heyoka")
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
         (("fly",), "'fly'"),
         (("hop", "--over", "nope"), "'nope'"),
         (("hop", "--over", "stiffness", "--vary", "stance_torque"), "as many measures"),
+        (("hop", "--motor", "knee=nope"), "'nope'"),
+        (("hop", "--motor", "toe=spear_ii_knee"), "'toe'"),
+        (("hop", "--motor", "knee=ec_45"), "'ec_45'"),
         (("trot", "--over", "stiffness"), "in the plane"),
         (("hop", "--out", "none"), "--out is 'none'; expected"),
     ],

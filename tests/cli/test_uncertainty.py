@@ -37,6 +37,14 @@ def test_correlated_errors(capsys, tmp_path):
 
 
 @pytest.mark.extra("heyoka")
+def test_with_a_motor(capsys, tmp_path):
+    """1 % of the gear ratio, of which heat has an elasticity of -1.335, is 1.335 % of 9.991 J."""
+    given = ("uncertainty", "hop", "--sigma", "knee_ratio=1%", "--motor", "knee=spear_ii_knee", "--out", tmp_path)
+    heat = printed(capsys, *given)["uncertainty"]["outputs"]["heat_knee"]
+    assert heat["deviation"] == pytest.approx(0.1334, abs=1e-4)
+
+
+@pytest.mark.extra("heyoka")
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
@@ -45,6 +53,7 @@ def test_correlated_errors(capsys, tmp_path):
         (("hop", "--sigma", "stiffness=x"), "'x'"),
         (("hop", "--sigma", "stiffness=-1"), ">= 0"),
         (("hop", "--sigma", "nope=1"), "'nope'"),
+        (("hop", "--sigma", "stiffness=1", "--motor", "knee=nope"), "'nope'"),
         (("hop", "--sigma", "stiffness=1", "--sigma", "stiffness=2"), "each once"),
         (("hop", "--sigma", "stiffness=1", "--correlation", "stiffness=1"), "--correlation is 'stiffness=1'"),
         (("hop", "--sigma", "stiffness=1", "--correlation", "stiffness,damping=1"), "'damping'"),

@@ -191,6 +191,7 @@ OPTIONS = {
         "--over": ("", "x", "slope", "stiffness"),
         "--vary": ("x", "stance_torque", "stiffness"),
         "--keep": ("x", "flight_time"),
+        "--motor": ("", "x", "knee=", "knee=x", "x=spear_ii_knee"),
         "--out": FOLDER,
     },
     "uncertainty hop --sigma stiffness=1%": {
@@ -198,6 +199,7 @@ OPTIONS = {
         "--correlation": ("", "x", "stiffness,damping=0.5", "stiffness,stiffness=1", "stiffness=2"),
         "--vary": ("x", "stance_torque", "stiffness"),
         "--keep": ("x", "flight_time"),
+        "--motor": ("", "x", "knee=", "knee=x", "x=spear_ii_knee"),
         "--monte-carlo": (*COUNT, "1", "9" * 20),
         "--seed": SEED,
         "--out": FOLDER,

@@ -257,7 +257,7 @@ def _assumptions(
     problem: Problem, orbit: Orbit, end: Minimum[Orbit], scale: float, names: Sequence[str]
 ) -> dict[str, Assumption]:
     """By how much the minimum changes with each, to first order: of Lagrange's function, the design being as it is."""
-    whole = Orbit(orbit.system, orbit.state, (*problem.vary, *names))
+    whole = Orbit(orbit.system, orbit.state, (*problem.vary, *names), orbit.motors)
     watch = bool(problem.largest_multiplier is not None and end.multipliers[-len(STABILITY) :].any())
     goal, rows = problem.slopes(whole, watch)
     slopes = goal - scale * rows.T @ end.multipliers

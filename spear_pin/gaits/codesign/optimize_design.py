@@ -22,11 +22,10 @@ from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import number
 from spear_pin.kinds import typed
-from spear_pin.model.motor import Motor
+from spear_pin.model.motor import NO_MOTORS, Motor
 
 Array = NDArray[np.float64]
 NOTHING: Mapping[str, float] = MappingProxyType({})
-NO_MOTORS: Mapping[str, Motor] = MappingProxyType({})
 
 
 @typed
@@ -53,7 +52,7 @@ def optimize_design(
 
     Args:
         gait: where it begins; it need not keep what is to be kept.
-        minimize: a measure: of `gait.sensitivity`, `energy`, `heat_JOINT`, or `margin_EVENT`.
+        minimize: a measure: of `gait.sensitivity`, with motors `energy` and `heat_JOINT`, or `margin_EVENT`.
         over: least and greatest values of parameters, by the names of law, springs, ground or robot.
         keep: measures of which the values are kept.
         vary: as many parameters, which are solved for; those that the gait was solved for.
@@ -101,7 +100,7 @@ def optimize_design(
         nonlocal cycles
         cycles += 1
 
-    begun = Orbit(gait.system, gait.state, problem.names)
+    begun = Orbit(gait.system, gait.state, problem.names, problem.motors)
     problem.named(begun)
     orbit = closed(begun, solved_for, problem.keep, count)
     scale = abs(problem.values(orbit)[0]) or 1.0

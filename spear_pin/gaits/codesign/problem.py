@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from spear_pin.errors import NoGait, UnknownName
 from spear_pin.gaits.codesign.stability import borders, slopes
 from spear_pin.gaits.codesign.trust_region import Local
-from spear_pin.gaits.sensitivity.heat import with_heat
 from spear_pin.gaits.sensitivity.measures import Measure
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.hybrid.parameters import number
@@ -82,9 +81,8 @@ class Problem:
         return np.array([abs(bound) or 1.0 for bound in bounds] + of_stability)
 
     def measures(self, orbit: Orbit) -> dict[str, Measure]:
-        """All measures of a gait, with heat, energy and margins."""
-        found = with_heat(orbit.measures, orbit.system, self.motors, orbit.names, orbit.dimension)
-        return found | {MARGIN + name: margin for name, margin in orbit.margins.items()}
+        """All measures of a gait, and margins."""
+        return orbit.measures | {MARGIN + name: margin for name, margin in orbit.margins.items()}
 
     def named(self, orbit: Orbit) -> None:
         """Check that a gait has the measures.
@@ -92,9 +90,10 @@ class Problem:
         Raises:
             UnknownName: it has not.
         """
+        kept = [name for name in orbit.measures if name in orbit.system.measures]  # the end is searched for with them
         for name in self.keep:
-            if name not in orbit.measures:
-                raise UnknownName("measure to keep", name, orbit.measures)
+            if name not in kept:
+                raise UnknownName("measure to keep", name, kept)
         found = self.measures(orbit)
         for name in (self.minimize, *self.at_most, *self.at_least):
             if name not in found:

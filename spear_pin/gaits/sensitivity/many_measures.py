@@ -9,19 +9,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.gaits.sensitivity.measures import LEAST_STRIDE, PRESSED
+from spear_pin.gaits.sensitivity.heat import ENERGY, HEAT, WORK, heating
+from spear_pin.gaits.sensitivity.measures import CLEARANCE, LEAST_STRIDE, PRESSED
 from spear_pin.gaits.sensitivity.panels import Panels
 from spear_pin.hybrid.arc import Arc, Record
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.structure import flattened
+from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.tangent.collocation import POINTS
+from spear_pin.hybrid.tangent.heights import Heights
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder, many
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.hybrid.tangent.seeds import weight as weight_of
+from spear_pin.model.motor import NO_MOTORS, Motor
 
 Array = NDArray[np.float64]
 CHUNK = 256  # cycles at a time, which bounds memory
@@ -45,6 +49,7 @@ def measured(
     given: Mapping[str, Array],
     q: Array,
     v: Array,
+    motors: Mapping[str, Motor] = NO_MOTORS,
     on_lanes: Callable[[int], object] = lambda n: None,
 ) -> Measured:
     """Measures of one cycle of each lane.
@@ -54,15 +59,17 @@ def measured(
         given: numbers in which lanes differ, (n,) each, those that `simulate_many` takes.
         q: configurations on the section, (n, nq).
         v: velocities there, (n, nv).
+        motors: of joints, by their names, whose heat is measured; none.
         on_lanes: called with the number of lanes done since the last call.
     """
     n = len(q)
-    recorder = _Recorders(system, given)
+    numbers = many(system, given)
+    recorder = _Recorders(system, numbers)
     found: dict[str, Array] = {}
     orders: list[Order] = [()] * n
     for first in range(0, n, CHUNK):
         lanes = range(first, min(first + CHUNK, n))
-        chunk = _Chunk(system, len(lanes))
+        chunk = _Chunk(numbers, motors, lanes)
         for i in lanes:
             laid = recorder(i, np.concatenate([q[i], v[i]]))
             if laid is not None:
@@ -97,8 +104,8 @@ class _Laid:
 class _Recorders:
     """Runs the lanes' cycles."""
 
-    def __init__(self, system: HybridSystem, given: Mapping[str, Array]) -> None:
-        self._system, self._numbers = system, many(system, given)
+    def __init__(self, system: HybridSystem, numbers: Numbers) -> None:
+        self._system, self._numbers = system, numbers
         self._fields = Recorder(system, self._numbers, 0)  # what derivatives are taken from is the same for all lanes
 
     def __call__(self, lane: int, y: Array) -> _Laid | None:
@@ -119,10 +126,21 @@ class _Recorders:
 class _Chunk:
     """Cycles that are measured together."""
 
-    system: HybridSystem
-    count: int
+    numbers: Numbers
+    motors: Mapping[str, Motor]
+    chosen: range
     laps: dict[int, tuple[Array, Record]] = field(default_factory=dict)
     groups: dict[int, list[tuple[int, _Part]]] = field(default_factory=dict)
+
+    @property
+    def system(self) -> HybridSystem:
+        """The system."""
+        return self.numbers.system
+
+    @property
+    def count(self) -> int:
+        """Number of cycles."""
+        return len(self.chosen)
 
     def add(self, lane: int, y: Array, laid: _Laid) -> None:
         """Take a cycle in."""
@@ -136,7 +154,7 @@ class _Chunk:
         found = self._of_laps()
         sums = {name: np.zeros(self.count) for name in ("work", "positive_work")}
         squares, tops = np.zeros((robot.nu, self.count)), np.full((robot.nu, self.count), -np.inf)
-        force, friction = ({toe: np.full(self.count, -np.inf) for toe in robot.toes} for _ in range(2))
+        force, friction, aloft = ({toe: np.full(self.count, -np.inf) for toe in robot.toes} for _ in range(3))
         weight = weight_of(self.system)
         for parts in self.groups.values():
             panels, values, y, domain = self._evaluated(parts)
@@ -158,12 +176,21 @@ class _Chunk:
                 along, up = (values.forces[2 * k + i].reshape(-1, POINTS) for i in (0, 1))
                 force[toe] = np.maximum(force[toe], panels.peak(up))
                 friction[toe] = np.maximum(friction[toe], panels.ratio(along, up, PRESSED * weight))
+            ground = self.numbers.ground(self.chosen.start + np.repeat(panels.lanes, POINTS))
+            for toe in set(robot.toes).difference(closed):
+                height = Heights(self.numbers.planar, ground).at(toe, list(y[: robot.nv]))
+                aloft[toe] = np.maximum(aloft[toe], panels.peak(height.reshape(-1, POINTS)))
         found |= sums
         for j, joint in enumerate(robot.actuated):
             found[f"rms_torque_{joint}"] = np.sqrt(squares[j] / found["period"])
             found[f"peak_torque_{joint}"] = tops[j]
         for toe in robot.toes:
             found[f"peak_force_{toe}"], found[f"friction_used_{toe}"] = force[toe], friction[toe]
+            found[CLEARANCE + toe] = aloft[toe]
+        for joint, motor in self.motors.items():
+            found[HEAT + joint] = heating(self.system, joint, motor) * squares[robot.actuated.index(joint)]
+        if self.motors:
+            found[ENERGY] = np.sum([sums[WORK], *(found[HEAT + joint] for joint in self.motors)], axis=0)
         if self.system.cyclic:
             moves = np.abs(found["stride"]) > LEAST_STRIDE
             with np.errstate(divide="ignore"):

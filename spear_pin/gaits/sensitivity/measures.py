@@ -12,8 +12,10 @@ from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio,
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.tangent.derivative import Derivative, Stretch
+from spear_pin.hybrid.tangent.heights import dual_heights
 
 Array = NDArray[np.float64]
+CLEARANCE = "clearance_"
 PRESSED = 0.02  # of a robot's weight: friction counts under forces above this
 LEAST_STRIDE = 1e-3  # m: over a shorter one nothing is transported
 
@@ -39,7 +41,9 @@ def measures(cycle: Derivative, start: Array, weight: Measure) -> dict[str, Meas
     Durations of phases and the period; state at events that are observed, such as the height at the apex; where the
     robot moves on, its stride and its speed; work that the motors do on the joints on balance and where they drive, and
     of what moves on the cost of transport by it; of each joint the root mean square and the peak of its motor's torque;
-    of each toe the peak of the normal force and the friction it uses, |F_x| / F_z.
+    of each toe the peak of the normal force, the friction it uses, |F_x| / F_z, and its clearance: the greatest height
+    above the ground, along its normal, between its lift-off and its touchdown, of several such ways in a cycle that of
+    the highest.
 
     Args:
         cycle: the cycle.
@@ -124,7 +128,18 @@ def _advance(cycle: Derivative, start: Array, weight: Measure) -> dict[str, Meas
     }
 
 
-GROUPS = (_times, _at_events, _advance, _efforts)  # from those soonest found to those that take longest
+def _clearances(cycle: Derivative, start: Array, weight: Measure) -> dict[str, Measure]:
+    toes, nv = cycle.system.robot.toes, cycle.system.robot.nv
+    heights, found = dual_heights(cycle.system, cycle.numbers, cycle.dnumbers), dict[str, Measure]()
+    for toe in toes:
+        aloft = [each for each in _long(cycle.stretches) if toe not in _closed(each, toes)]
+        if aloft:
+            pieces = [Pieces(each, *heights.along(toe, each.y[:nv], each.dy[:nv])) for each in aloft]
+            found[CLEARANCE + toe] = Measure(*peak(pieces), "m")
+    return found
+
+
+GROUPS = (_times, _at_events, _advance, _efforts, _clearances)  # those first that searches ask for, the soonest found
 
 
 def _sum(parts: Sequence[tuple[float, Array]], unit: str) -> Measure:
@@ -148,12 +163,17 @@ def _power(stretches: Sequence[Stretch], j: int, i: int) -> list[Pieces]:
 
 def _forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Iterator[tuple[Pieces, Pieces]]:
     for each in _lasting(stretches):
-        closed = [name for name, mode in closed_toes(tuple(toes), each.arc.domain) if mode != OPEN]
+        closed = _closed(each, toes)
         if toe in closed:
             k = 2 * closed.index(toe)
             values, changes, rates = each.values.forces, each.derivatives.forces, each.rate.forces
             along, up = (Pieces(each, values[n], changes[n], float(rates[n])) for n in (k, k + 1))
             yield along, up
+
+
+def _closed(stretch: Stretch, toes: Sequence[str]) -> list[str]:
+    """Toes that are on the ground."""
+    return [name for name, mode in closed_toes(tuple(toes), stretch.arc.domain) if mode != OPEN]
 
 
 def _long(stretches: Sequence[Stretch]) -> list[Stretch]:

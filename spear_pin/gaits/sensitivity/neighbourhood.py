@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import section
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
+from spear_pin.model.motor import Motor
 
 Array = NDArray[np.float64]
 
@@ -34,6 +35,7 @@ class Neighbourhood:
         state_slopes: derivatives of (q, v), (2 nv, m).
         solved_slopes: of what is solved for, (k, m).
         multipliers: (d,).
+        motors: of joints, by their names, whose heat is measured.
     """
 
     system: HybridSystem
@@ -47,6 +49,7 @@ class Neighbourhood:
     state_slopes: Array
     solved_slopes: Array
     multipliers: NDArray[np.complex128]
+    motors: Mapping[str, Motor] = field(default_factory=dict)
 
     @property
     def columns(self) -> tuple[str, ...]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.gaits.sensitivity.heat import with_heat
 from spear_pin.gaits.sensitivity.margins import margins
 from spear_pin.gaits.sensitivity.measures import Measure, measures
 from spear_pin.hybrid.automaton import HybridSystem
@@ -24,6 +25,7 @@ from spear_pin.hybrid.tangent.fields import tangent_feet
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import derivatives
 from spear_pin.hybrid.tangent.seeds import numbers, seeds, weight, weight_seeds
+from spear_pin.model.motor import Motor
 
 Array = NDArray[np.float64]
 
@@ -36,11 +38,13 @@ class Orbit:
         system: the system.
         state: (q, v) on the section.
         names: of the parameters.
+        motors: of joints, by their names, whose heat is measured.
     """
 
     system: HybridSystem
     state: State
     names: tuple[str, ...]
+    motors: Mapping[str, Motor] = field(default_factory=dict)
 
     @cached_property
     def chart(self) -> Chart:
@@ -92,8 +96,14 @@ class Orbit:
 
     @cached_property
     def measures(self) -> dict[str, Measure]:
-        """All measures, with derivatives by ξ and by the parameters."""
-        return measures(self.cycle, self.start, self.weight)
+        """All measures, with derivatives by ξ and by the parameters.
+
+        Raises:
+            UnknownName: a joint has no motor torque.
+            BadValue: a motor's resistance or torque constant is not known.
+        """
+        found = measures(self.cycle, self.start, self.weight)
+        return with_heat(found, self.system, self.motors, self.names, self.dimension) if self.motors else found
 
     @property
     def weight(self) -> Measure:
@@ -136,7 +146,7 @@ class Orbit:
         system, y = with_numbers(self.system, values), np.concatenate(self.state) + dy
         nv = system.robot.nv
         local = chart(system, (y[:nv], y[nv:]), self.slides if slides is None else slides)
-        return Orbit(system, local.state(np.zeros(local.dimension)), names)
+        return Orbit(system, local.state(np.zeros(local.dimension)), names, self.motors)
 
 
 def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int) -> Array:

@@ -82,7 +82,7 @@ def _in_lanes(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Sam
     table = find_many(system, start, local.vary, target, guess=local.placed(system, y, given))
     found = np.flatnonzero(table.converged)
     own = {name: table.parameters[name][found] for name in (*local.over, *local.vary)}
-    cycles = measured(system, own, table.q[found], table.v[found], on_lanes)
+    cycles = measured(system, own, table.q[found], table.v[found], local.motors, on_lanes)
     on_lanes(len(parameters) - len(found))
     outputs = {name: table.parameters[name] for name in local.vary}
     outputs |= {name: _spread(values, found, len(parameters)) for name, values in cycles.values.items()}
@@ -149,7 +149,7 @@ def _solved(local: Neighbourhood, system: HybridSystem, y: Array, z: Array) -> t
     for _ in range(ITERATIONS):
         whole = with_numbers(system, dict(zip(local.vary, z.tolist(), strict=True))) if local.vary else system
         q, v = local.placed(whole, y[None])
-        orbit = Orbit(whole, (q[0], v[0]), local.vary)
+        orbit = Orbit(whole, (q[0], v[0]), local.vary, local.motors)
         d = orbit.dimension
         missed = np.array([orbit.measures[name].value for name in local.keep]) - local.kept
         scale = np.maximum(np.abs(local.kept), 1e-12)

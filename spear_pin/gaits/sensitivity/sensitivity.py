@@ -20,6 +20,7 @@ from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.parameters import number, unit
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
+from spear_pin.model.motor import NO_MOTORS, Motor
 from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
@@ -45,6 +46,7 @@ class Sensitivity(Shown):
         multipliers: by decreasing modulus, (d,).
         multiplier_derivatives: (d, m), NaN where the order of events changes too near.
         one_sided: events that meet another in this gait, whose derivatives are of the order that happens.
+        motors: of joints, by their names, whose heat is among the outputs.
 
     Example:
         >>> from spear_pin import find_gait, hopping, load
@@ -68,6 +70,7 @@ class Sensitivity(Shown):
     multipliers: NDArray[np.complex128]
     multiplier_derivatives: NDArray[np.complex128]
     one_sided: tuple[str, ...]
+    motors: Mapping[str, Motor]
 
     def __repr__(self) -> str:
         return f"Sensitivity({len(self.outputs)} outputs over {', '.join(self.parameters)})"
@@ -141,6 +144,7 @@ class Sensitivity(Shown):
             self.state,
             np.array(list(self.solved.values())).reshape(d, len(self.parameters)),
             self.multipliers,
+            self.motors,
         )
         derivatives = {**self.solved, **self.derivatives, **dict(zip(local.columns, self.state, strict=True))}
         outputs = {**dict(zip(local.vary, local.solved.tolist(), strict=True)), **self.outputs}
@@ -180,6 +184,7 @@ def sensitivity(
     over: Sequence[str],
     vary: Sequence[str] = (),
     keep: Sequence[str] = (),
+    motors: Mapping[str, Motor] = NO_MOTORS,
 ) -> Sensitivity:
     """Derivatives of a gait's state, measures and multipliers with respect to parameters.
 
@@ -193,11 +198,14 @@ def sensitivity(
         over: parameters, by the names of law, springs, ground or robot.
         vary: parameters that are solved for, so that the measures of `keep` stay as they are.
         keep: as many measures.
+        motors: of joints, by name, for the measures `heat_JOINT`, in J a cycle, and `energy`, the net work of all
+            motors and this heat; gears have the robot's ratio and lose nothing.
 
     Raises:
-        UnknownName: there is no parameter or measure of a name.
+        UnknownName: there is no parameter, measure or joint with a motor of a name.
         BadValue: a name is given twice, as many are not kept as are solved for, a parameter is zero and with it part
-            of the equations, the state is no fixed point, or the system moves in space or has hardware.
+            of the equations, the state is no fixed point, a motor's resistance or torque constant is not known, or the
+            system moves in space or has hardware.
         NotDifferentiable: the cycle has no derivative.
     """
     check_lanes(system)
@@ -206,7 +214,7 @@ def sensitivity(
         raise BadValue("over", list(over), "one parameter or more, each once, none of them solved for")
     if len(vary) != len(keep):
         raise BadValue("keep", list(keep), f"as many measures as are solved for, {len(vary)}")
-    orbit = Orbit(system, state, names)
+    orbit = Orbit(system, state, names, motors)
     for name in keep:
         if name not in orbit.measures:
             raise UnknownName("measure", name, orbit.measures)
@@ -238,4 +246,5 @@ def sensitivity(
         multipliers,
         slopes,
         orbit.cycle.borders,
+        dict(motors),
     )

@@ -69,7 +69,7 @@ def differentiated(system: HybridSystem, recorder: Recorder, y: Array, dy: Array
         stretch = whole.carry(arc, now)
         stretches.append(stretch)
         whole.pass_event(stretch, now)
-    return Derivative(system, recorder.end, now.dy, now.durations, stretches, now.steepness)
+    return Derivative(system, recorder.end, now.dy, now.durations, stretches, whole.raw, seeds, now.steepness)
 
 
 class _Whole:

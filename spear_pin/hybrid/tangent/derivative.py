@@ -99,6 +99,8 @@ class Derivative:
         dy: its derivatives, (2 nv, c).
         durations: of each phase, in s, dual.
         stretches: the arcs.
+        numbers: run-time parameters without what is held, (p,).
+        dnumbers: their derivatives, (p, c).
         steepness: of the guard that falls most slowly through zero, in its mean fall over its arc.
     """
 
@@ -107,6 +109,8 @@ class Derivative:
     dy: Array
     durations: Mapping[str, Any]
     stretches: Sequence[Stretch]
+    numbers: Array
+    dnumbers: Array
     steepness: float
 
     @property

@@ -204,5 +204,15 @@ class _Math:
     sqrt, exp, atan2, maximum = math.sqrt, math.exp, math.atan2, max
 
 
+class _Arrays:
+    """Elementary functions of arrays."""
+
+    sin, cos, tan, tanh = np.sin, np.cos, np.tan, np.tanh
+    sqrt, exp, atan2, maximum = np.sqrt, np.exp, np.arctan2, np.maximum
+
+
 NUMBERS = operations(_Math, lambda x: float(x > 0.0))
 """Those of numbers with arrays of derivatives."""
+
+ARRAYS = operations(_Arrays, lambda x: np.heaviside(x, 0.0))
+"""Those of arrays, with arrays of derivatives or without."""

@@ -20,7 +20,7 @@ from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import Structure, flattened, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.rules.footing import closed_toes
-from spear_pin.hybrid.tangent.dual import Dual, derivative_of, operations, value_of
+from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, operations, value_of
 from spear_pin.model.scalars import dot
 
 Array = NDArray[np.float64]
@@ -123,7 +123,7 @@ class TangentField:
         parts = [(t[:, None], np.broadcast_to(dt, (n, c)))]
         parts += [(x[:, None], d) for x, d in zip(y, dy, strict=True)]
         parts += [(np.full((n, 1), x), np.broadcast_to(d, (n, c))) for x, d in zip(numbers, dnumbers, strict=True)]
-        outputs = self._of([Dual(x, d) for x, d in parts], operations(_Arrays, lambda x: np.heaviside(x, 0.0)))
+        outputs = self._of([Dual(x, d) for x, d in parts], ARRAYS)
         values = np.array([np.broadcast_to(value_of(each), (n, 1))[:, 0] for each in outputs])
         derivatives = np.array([np.broadcast_to(derivative_of(each), (n, c)) for each in outputs])
         return self._split(values), self._split(derivatives)
@@ -153,7 +153,7 @@ class TangentFeet:
         x, d = np.concatenate([y, numbers]), np.concatenate([dy, dnumbers])
         if self._function is None:
             duals = [Dual(float(value), slopes) for value, slopes in zip(x, d, strict=True)]
-            outputs = self._of(duals, operations(_Arrays, lambda x: float(x > 0.0)))
+            outputs = self._of(duals, ARRAYS)
             return self._named(outputs)
         c = d.shape[1]
         found = self._function(np.concatenate([np.repeat(x[:, None], c, axis=1), d]))
@@ -244,13 +244,6 @@ class _Counting:
     def __getitem__(self, i: int) -> float:
         self.count = max(self.count, i + 1)
         return 1.0
-
-
-class _Arrays:
-    """Elementary functions of arrays, by the names of `Operations`."""
-
-    sin, cos, tan, tanh = np.sin, np.cos, np.tan, np.tanh
-    sqrt, exp, atan2, maximum = np.sqrt, np.exp, np.arctan2, np.maximum
 
 
 def numbers_of(law_and_others: Sequence[Any], held: Any) -> list[Any]:

@@ -5,15 +5,11 @@ import pytest
 
 from spear_pin import simulate
 from spear_pin.gaits.codesign.closing import closed, led
-from spear_pin.gaits.sensitivity.heat import with_heat
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.hybrid.parameters import number
-from spear_pin.model.catalogue import motor
-from spear_pin.model.motor import Drive, Gearbox
 
 pytestmark = pytest.mark.extra("heyoka")
 VARY, KEEP, OVER = ("stance_torque",), {"flight_time": 0.2}, ("stiffness", "knee_ratio", "friction")
-MOTORS = {"knee": motor("spear_ii_knee")}
 
 
 @pytest.fixture(scope="module")
@@ -49,22 +45,8 @@ def test_derivatives_against_gaits_nearby(begun, j):
     others = dict.fromkeys(OVER, 0.0)
     ends = [led(begun, VARY, KEEP, {**others, name: k * h}) for k in (1, -1, 2, -2)]
 
-    def measured(orbit):
-        return orbit.margins | with_heat(orbit.measures, orbit.system, MOTORS, orbit.names, orbit.dimension)
-
-    values = [measured(each) for each in ends]
-    for margin, found in measured(begun).items():
-        a, b, c, d = (each[margin].value for each in values)
+    for margin, found in begun.margins.items():
+        a, b, c, d = (each.margins[margin].value for each in ends)
         expected = (8.0 * (a - b) - (c - d)) / 12.0
         scale = max(abs(found.value), 1e-3)
         assert h * along(begun, found, margin, j) == pytest.approx(expected, rel=1e-5, abs=1e-9 * scale)
-
-
-def test_heat_and_energy_of_a_hop(hop, begun):
-    found = with_heat(begun.measures, begun.system, MOTORS, begun.names, begun.dimension)
-    run = simulate(hop.system, hop.state, 1, progress=False)
-    drive = Drive(MOTORS["knee"], Gearbox(15.0), 24.0)
-    watts = drive.joule_power(run.u[:, run.actuated.index("knee")], 1.0)
-    assert found["heat_knee"].value == pytest.approx(np.trapezoid(watts, run.t), rel=2e-4)
-    assert found["energy"].value == pytest.approx(found["work"].value + found["heat_knee"].value)
-    assert found["energy"].value == pytest.approx(20.2142, abs=1e-4)

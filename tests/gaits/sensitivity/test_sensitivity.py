@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from spear_pin import Gait, find_gait, hopping, in_space, load
+from spear_pin import Gait, find_gait, hopping, in_space, load, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.sensitivity.orbit import Orbit
@@ -66,6 +66,19 @@ def test_what_is_kept_stays(hop):
 
 def test_more_friction_is_used_by_as_much_where_a_toe_slips(table):
     assert table.elasticity("friction_used_toe")[OVER.index("friction")] == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["hop", pytest.param("long_stride", marks=pytest.mark.slow)])
+def test_clearance_is_how_high_a_toe_gets(hop, name):
+    """Against the heights that Pinocchio has along samples of the reference engine, through the three highest."""
+    gait = hop if name == "hop" else Gait.load(name)
+    outputs = gait.sensitivity(["knee_ratio"]).outputs
+    run = simulate(gait.system, gait.state, 1, samples=2000, progress=False)
+    for toe in gait.system.robot.toes:
+        heights = np.array([gait.system.ground.foot(gait.system.robot, q, toe)[0] for q in run.q])
+        i = int(heights.argmax())
+        bend, slope, top = np.polyfit(run.t[i - 1 : i + 2] - run.t[i], heights[i - 1 : i + 2], 2)
+        assert outputs[f"clearance_{toe}"] == pytest.approx(top - slope**2 / (4.0 * bend), abs=1e-8)
 
 
 def test_it_is_told_drawn_and_written(table, tmp_path):

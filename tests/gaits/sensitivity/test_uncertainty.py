@@ -16,6 +16,8 @@ from spear_pin.gaits.sensitivity.spread import covariance_of, factor
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.simulate import simulate
+from spear_pin.model.catalogue import motor
+from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.viz.notebook import card
 from spear_pin.viz.plots import save_figure
 from spear_pin.viz.plots.uncertainty import monte_carlo, variance_shares
@@ -33,7 +35,7 @@ def hop():
 
 @pytest.fixture(scope="module")
 def table(hop):
-    return hop.sensitivity(OVER, ["stance_torque"], ["flight_time"])
+    return hop.sensitivity(OVER, ["stance_torque"], ["flight_time"], {"knee": motor("spear_ii_knee")})
 
 
 @pytest.fixture(scope="module")
@@ -94,7 +96,8 @@ class TestFirstOrder:
 
     def test_the_order_of_parameters_does_not_matter(self, hop, spread):
         order = [2, 0, 1]
-        other = hop.sensitivity([OVER[i] for i in order], ["stance_torque"], ["flight_time"]).uncertainty(SMALL)
+        motors = spread.local.motors
+        other = hop.sensitivity([OVER[i] for i in order], ["stance_torque"], ["flight_time"], motors).uncertainty(SMALL)
         for name in spread.outputs:
             # derivatives of multipliers are differences
             assert other.deviation(name) == pytest.approx(spread.deviation(name), rel=1e-6, abs=1e-12)
@@ -165,6 +168,11 @@ class TestMonteCarlo:
             powers = np.maximum(run.u * rates, 0.0).sum(axis=1)
             worked = float(np.trapezoid(powers, run.t))
             assert worked == pytest.approx(found.outputs["positive_work"][i], rel=1e-4)
+            heights = [system.robot.toe_position(q, "toe")[-1] for q in run.q]
+            assert max(heights) == pytest.approx(found.outputs["clearance_toe"][i], rel=1e-5)
+            knee = run.u[:, system.robot.actuated.index("knee")]
+            heat = float(np.trapezoid(Drive(motor("spear_ii_knee"), Gearbox(15.0), 24.0).joule_power(knee, 1.0), run.t))
+            assert heat == pytest.approx(found.outputs["heat_knee"][i], rel=1e-3)
             peak = np.abs(run.u).max(axis=0)
             for j, joint in enumerate(system.robot.actuated):
                 assert peak[j] == pytest.approx(found.outputs[f"peak_torque_{joint}"][i], rel=1e-3)

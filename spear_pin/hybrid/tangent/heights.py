@@ -1,0 +1,60 @@
+"""How high toes are above the ground, at many states at once, with derivatives or without."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.engines.structure import symbols
+from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, value_of
+from spear_pin.model.planar import Planar
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Heights:
+    """Heights of toes.
+
+    Attributes:
+        planar: the robot, whose lengths may be dual.
+        ground: whose numbers may be dual, or arrays of lanes.
+    """
+
+    planar: Planar
+    ground: Ground
+
+    def at(self, toe: str, q: Sequence[Any]) -> Any:
+        """Distance of a toe from the ground, along its normal, in m, as the coordinates are: arrays, dual or not."""
+        return self.ground.above(*self.planar.position(toe, q, ARRAYS), ARRAYS)
+
+    def along(self, toe: str, q: Array, dq: Array) -> tuple[Array, Array]:
+        """Heights at n states, (n,), and derivatives along c directions at each, (n, c).
+
+        Args:
+            toe: its name.
+            q: coordinates, (nv, n).
+            dq: their derivatives, (nv, n, c).
+        """
+        found = self.at(toe, [Dual(x[:, None], d) for x, d in zip(q, dq, strict=True)])
+        n, c = dq.shape[1:]
+        return np.broadcast_to(value_of(found), (n, 1))[:, 0], np.broadcast_to(derivative_of(found), (n, c))
+
+
+def dual_heights(system: HybridSystem, numbers: Array, dnumbers: Array) -> Heights:
+    """Heights that depend on a system's numbers, too.
+
+    Args:
+        system: the system.
+        numbers: its run-time parameters without what is held, (p,).
+        dnumbers: their derivatives, (p, c).
+    """
+    duals = [Dual(x, d) if d.any() else x for x, d in zip(numbers.tolist(), dnumbers, strict=True)]
+    planar, scalars, _ = symbols(system, Planar(system.robot), {}, duals)
+    return Heights(planar, scalars.ground)
