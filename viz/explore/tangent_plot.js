@@ -30,6 +30,8 @@ function makeTangentPlot(panel) {
     })];
   }
 
+  const plain = (value) => String(Number(value.toPrecision(6))).replace("-", "−");
+
   function range(u, low, high) {
     const middle = 0.5 * (low + high);
     const half = Math.max(0.6 * (high - low), 1e-3 * Math.abs(middle), 1e-9);
@@ -58,7 +60,7 @@ function makeTangentPlot(panel) {
       legend: { show: false },
       cursor: { show: false },
       scales: { x: { time: false, range: [first, last] }, y: { range } },
-      axes: axesOf(said(knob.label, knob.unit), unit),
+      axes: axesOf(said(knob.label, knob.unit), unit).map((axis) => ({ ...axis, values: (u, marks) => marks.map(plain) })),
       series: [{}, { stroke: tangent, width: 1.6, spanGaps: true, points: { show: false } },
         dots(5, own, own), dots(10, own, "transparent"), dots(9, own, own)],
     }, table(lines), chart);
@@ -73,5 +75,5 @@ function makeTangentPlot(panel) {
   }
 
   new ResizeObserver(fit).observe(panel);
-  return { show };
+  return { show, drawn: () => plot.data };
 }

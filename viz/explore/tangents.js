@@ -125,6 +125,7 @@ function makeTangents(data, questions, at) {
       state.a = a;
       draw();
     },
+    drawn: () => plot.drawn(),
     // the answer, when it is there
     async arrived() {
       await questions.idle();

@@ -114,7 +114,7 @@ def _branch(motion: Motion) -> _Branch:
             for name in without:
                 refused[name] = str(error)
                 del moved[name]
-    d, k, whole = orbit.dimension, len(held), len(orbit.names)
+    k, whole = len(held), len(orbit.names)
     kept = np.concatenate([*solved(orbit, list(held), list(held.values())), np.eye(whole - k)])
     free = np.concatenate([solved(orbit, (), ())[0], np.eye(whole)])
     ways = {}
