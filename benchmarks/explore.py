@@ -45,6 +45,16 @@ def row(name: str, values: list[float]) -> None:
     print(f"| {name} | {statistics.median(values):.0f} | {max(values):.0f} |")
 
 
+def spent_on(explorer: Explorer, path: str, questions: list[str]) -> float:
+    """Median of the processor's time for an answer, in ms."""
+    found = []
+    for question in questions:
+        begun = time.process_time()
+        explorer.answer(f"{path}?{question}")
+        found.append(1e3 * (time.process_time() - begun))
+    return statistics.median(found)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--moves", type=int, default=20)
@@ -53,18 +63,20 @@ def main() -> None:
     parser.add_argument("--picture", type=Path, metavar="FILE")
     given = parser.parse_args()
     explorer = Explorer(spear_ii_hop(), {"Taylor": TAYLOR, "reference": REFERENCE}[given.engine])
-    begun = time.process_time()
-    for name, value in drawn(given.moves, given.rounds):
-        explorer.answer(f"/hop?{urlencode({name: value})}")
-    spent = 1e3 * (time.process_time() - begun) / given.moves
+    questions = [urlencode({name: value}) for name, value in drawn(given.moves, given.rounds)]
+    spent = {path: spent_on(explorer, path, questions) for path in ("/hop", "/tangents", "/tangents/multiplier")}
     with serving(explorer) as server, Browser(1280, 900) as browser:
         if given.picture:
             visit(browser, server, SHOWN)
+            for stiffness in (48, 49, 50, 51, 52, 53, 54):
+                move(browser, "stiffness", stiffness)
+            browser.run("explorer.tangents.arrived()")
             time.sleep(1.0)
             browser.screenshot(given.picture)
             return
         machine = f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}"
-        print(f"{given.engine} engine; {machine}; an answer takes {spent:.0f} ms of CPU\n")
+        told = ", ".join(f"{path} {value:.0f}" for path, value in spent.items())
+        print(f"{given.engine} engine; {machine}; answers take, in ms of CPU: {told}\n")
         for number in range(given.rounds):
             visit(browser, server)
             found = []

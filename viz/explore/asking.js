@@ -3,6 +3,7 @@
 // `heard(answer, wish, latest)` and `refused(text, wish)` give the next wish, if one follows, or true of what is shown
 function makeAsking({ kind, client }, { heard, refused, lost }) {
   const own = crypto.randomUUID();
+  const get = (path) => fetch(path, { headers: { [client]: own } });
   const timings = []; // of what was shown, in ms
   let wish = null;
   let asking = null;
@@ -30,7 +31,7 @@ function makeAsking({ kind, client }, { heard, refused, lost }) {
   async function answer(present) {
     const { search, begun } = present;
     const sent = performance.now();
-    const response = await fetch("/" + kind + search, { headers: { [client]: own } });
+    const response = await get("/" + kind + search);
     const said = await response.json();
     const received = performance.now();
     if (response.status === 409) return; // it has something newer to compute for this page
@@ -45,5 +46,5 @@ function makeAsking({ kind, client }, { heard, refused, lost }) {
       total: performance.now() - begun, ...Object.fromEntries([...server].map(([, name, ms]) => [name, Number(ms)])) });
   }
 
-  return { ask, timings, idle: () => asking };
+  return { ask, get, timings, idle: () => asking };
 }

@@ -31,18 +31,21 @@
     turn,
     enter,
     refuse: (name, text) => ask(query({ [name]: text })), // the answer says what is valid
+    touch: (name) => tangents.over(name),
   });
+  const tangents = makeTangents(data, questions, at);
 
   // what is shown
 
   let { time: named, playing } = begins();
-  function show(hop) {
+  function show(hop, search) {
     const time = named ?? clock.time;
     [named, state.hop] = [null, hop];
     for (const path of data.overlays) viewer.handle_command({ type: "delete", path });
     handle(viewer, hop.commands);
     clock.setMotion({ duration: hop.duration, hold: REPEATS.includes(hop.verdict) ? 0 : HOLD });
     timeline.show({ ...hop, start: 0 });
+    tangents.show(hop, search);
     compare();
     clock.seek(time % hop.duration);
   }
@@ -60,6 +63,7 @@
     const { a, hop } = state;
     const other = a !== original || !sameNumbers(a.knobs, hop.knobs) ? a : null;
     plots.show(other, hop);
+    tangents.compare(a);
     readouts(other, hop);
     at("unpin").disabled = a === original;
   }
@@ -67,7 +71,8 @@
   function pin() {
     const { hop } = state;
     if (!hop) return;
-    state.a = { series: hop.series, figures: hop.figures, knobs: hop.knobs, name: "A, pinned" };
+    state.a = { series: hop.series, figures: hop.figures, multipliers: hop.multipliers, knobs: hop.knobs, view: hop.view,
+      kept: hop.kept, verdict: hop.verdict, name: "A, pinned" };
     compare();
   }
 
@@ -99,12 +104,13 @@
     if (adopt) take({ knobs: { ...hop.knobs }, view: hop.view, kept: hop.kept });
     if (!instead) tell(hop);
     if (hop.verdict === "none") {
+      tangents.clear();
       if (hop.onward) return { search, keep, instead };
       return state.hop ? null : { search: "", keep: true, instead: true }; // the default one, to begin with
     }
     if (state.kept && hop.kept && latest) take({ knobs: { ...state.knobs, [data.solved]: hop.knobs[data.solved] } });
     at("script").href = "/script" + (instead ? search : query());
-    show(hop);
+    show(hop, search);
     return true;
   }
 
@@ -134,6 +140,7 @@
   }
 
   function turn(name, value) {
+    tangents.over(name);
     want({ knobs: { ...state.knobs, [name]: value } });
   }
 
@@ -199,5 +206,5 @@
   place();
   clock.setPlaying(playing);
   window.explorer = { state, viewer, camera, clock, pin, unpin, setKept, seek: clock.seek, timings: questions.timings,
-    idle: questions.idle, opened: ask(location.search, { adopt: true }) };
+    idle: questions.idle, tangents, opened: ask(location.search, { adopt: true }) };
 })();

@@ -6,6 +6,7 @@ sliders, plots and an address that holds the state would still have to be writte
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
@@ -19,6 +20,7 @@ from spear_pin.studies.explore.engines import Engine
 from spear_pin.studies.explore.figures import figures
 from spear_pin.studies.explore.knobs import Subject
 from spear_pin.studies.explore.motion import Motion
+from spear_pin.studies.explore.tangents import MULTIPLIER, Tangents
 from spear_pin.studies.explore.views import views_of
 from spear_pin.viz.bench.samples import packed, samples_of, thinned
 from spear_pin.viz.playback import meshcat_commands as c
@@ -59,6 +61,29 @@ READOUTS: Mapping[str, Mapping[str, tuple[str, str, int]]] = {  # label, unit an
         "posterior_hip_torque": ("Post. hip, solved", "N·m", 2),
     },
 }
+EFFECTS: Mapping[str, tuple[str, ...]] = {  # figures whose derivatives are shown, the first at first
+    "hop": (
+        "apex_height",
+        "flight_time",
+        "stance_time",
+        "peak_force",
+        "peak_torque",
+        "rotor_torque",
+        "motor_work",
+        MULTIPLIER,
+    ),
+    "bound": (
+        "cost_of_transport",
+        "stride",
+        "period",
+        "peak_force",
+        "friction_used",
+        "knee_torque",
+        "hip_torque",
+        "posterior_hip_torque",
+        MULTIPLIER,
+    ),
+}
 PLOTS: Mapping[str, tuple[tuple[str, str, dict[str, str]], ...]] = {  # title, unit, and the series with their labels
     "hop": (
         ("Height of the hip", "m", {"height": "hip"}),
@@ -74,9 +99,6 @@ PLOTS: Mapping[str, tuple[tuple[str, str, dict[str, str]], ...]] = {  # title, u
 }
 
 
-SOLVED = {"hop": "stance_torque", "bound": ""}  # the knob that what is kept is solved by
-
-
 def page(subject: Subject, engine: Engine) -> str:
     """The text of the page."""
     return environment().get_template("explore/page.html").render(title=subject.title, data=_opening(subject, engine))
@@ -85,7 +107,6 @@ def page(subject: Subject, engine: Engine) -> str:
 def answer(view: str, hops: Motion) -> dict[str, Any]:
     """A motion as the page shows it: playback, series to plot, samples, figures."""
     frames, scene = _scene(hops)
-    multipliers = hops.gait.multipliers.tolist() if hops.gait is not None else []
     return {
         "view": view,
         "knobs": hops.knobs.values,
@@ -93,7 +114,7 @@ def answer(view: str, hops: Motion) -> dict[str, Any]:
         "verdict": hops.verdict,
         "message": hops.message,
         "figures": figures(hops),
-        "multipliers": [[value.real, value.imag] for value in multipliers],
+        "multipliers": _multipliers(hops),
         "duration": frames.duration,
         "spans": [[in_words(span.name), span.begin, span.end] for span in frames.spans],
         "events": [[in_words(name), time] for name, time in frames.events],
@@ -102,6 +123,20 @@ def answer(view: str, hops: Motion) -> dict[str, Any]:
         "commands": [encoded(command) for command in _changes(scene)]
         + [encoded(c.set_animation(scene.clips, frames.duration))],
     }
+
+
+def _multipliers(motion: Motion) -> list[list[float]]:
+    """Real and imaginary parts, none of what is no gait."""
+    return [] if motion.gait is None else [[each.real, each.imag] for each in motion.gait.multipliers.tolist()]
+
+
+def slopes(found: Tangents) -> dict[str, Any]:
+    """Derivatives as the page shows them: null where there is none."""
+    known = {
+        knob: {name: value if math.isfinite(value) else None for name, value in row.items()}
+        for knob, row in found.slopes.items()
+    }
+    return {**asdict(found), "slopes": known}
 
 
 def series(motion: Motion) -> dict[str, list[float]]:
@@ -146,13 +181,16 @@ def _opening(subject: Subject, engine: Engine) -> dict[str, Any]:
         "kind": subject.kind,
         "title": subject.title,
         "keeps": subject.keeps,
-        "solved": SOLVED[subject.kind],
+        "solved": next((name for name in subject.held(True) if name in subject.knobs), ""),
+        "multiplier": MULTIPLIER,
+        "effects": [name for name in EFFECTS[subject.kind] if known.get(name, 0.0) is not None] if engine.extra else [],
         "knobs": {name: asdict(knob) for name, knob in subject.knobs.items()},
         "views": list(views),
         "engine": {"name": engine.name, "extra": engine.extra},
         "readouts": {name: said for name, said in READOUTS[subject.kind].items() if known[name] is not None},
         "plots": PLOTS[subject.kind],
-        "default": {"series": series(hops), "figures": known, "knobs": hops.knobs.values},
+        "default": {"series": series(hops), "figures": known, "knobs": hops.knobs.values}
+        | {"multipliers": _multipliers(hops), "view": next(iter(views)), "verdict": hops.verdict},
         "legend": [
             ["spring engaged", css(COIL_COLOR)],
             ["ground force", css(ARROW_COLOR)],

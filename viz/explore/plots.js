@@ -1,5 +1,14 @@
 // plots over time: B, what is shown, in full lines, and A, what it is compared with, dashed
 
+// what all plots of the page have along their sides
+function axesOf(across, up) {
+  const style = getComputedStyle(document.documentElement);
+  const [soft, line] = ["--soft", "--line"].map((name) => style.getPropertyValue(name).trim());
+  const font = "11px system-ui, DejaVu Sans, sans-serif";
+  const axis = { stroke: soft, font, labelFont: font, labelSize: 15, labelGap: 0, grid: { stroke: line, width: 1 }, ticks: { show: false } };
+  return [{ ...axis, size: 20, gap: 3, label: across }, { ...axis, size: 44, gap: 4, label: up }];
+}
+
 function makeComparison(data, panel, clock) {
   const at = { a: null, b: null, theme: "light" };
   let plots = [];
@@ -30,8 +39,6 @@ function makeComparison(data, panel, clock) {
     draw() {
       if (this.plot) this.plot.destroy();
       const { a, b } = at;
-      const style = getComputedStyle(document.documentElement);
-      const [soft, line] = ["--soft", "--line"].map((name) => style.getPropertyValue(name).trim());
       const colors = LINES[at.theme];
       const head = document.createElement("span");
       head.textContent = `${this.title} (${this.unit})`;
@@ -42,8 +49,6 @@ function makeComparison(data, panel, clock) {
         item.append(swatch, this.lines[name]);
         return item;
       }));
-      const font = "11px system-ui, DejaVu Sans, sans-serif";
-      const axis = { stroke: soft, font, labelFont: font, labelSize: 15, labelGap: 0, grid: { stroke: line, width: 1 }, ticks: { show: false } };
       const times = b.series.t;
       const before = a ? this.names.map((name) => onTimes(times, a.series.t, a.series[name])) : [];
       this.plot = new uPlot({
@@ -53,10 +58,7 @@ function makeComparison(data, panel, clock) {
         legend: { show: false },
         cursor: { show: false },
         scales: { x: { time: false, range: [0, b.duration] } },
-        axes: [
-          { ...axis, size: 20, gap: 3, label: "time (s)" },
-          { ...axis, size: 44, gap: 4, label: this.unit },
-        ],
+        axes: axesOf("time (s)", this.unit),
         series: [
           {},
           ...before.map((_, i) => ({ stroke: colors[i], width: 1.2, alpha: 0.65, dash: [4, 4], points: { show: false } })),

@@ -5,14 +5,12 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler
 from socketserver import ThreadingTCPServer
-from threading import Condition
 from typing import Any
 from urllib.parse import parse_qsl, urlsplit
 
@@ -22,9 +20,11 @@ from spear_pin.studies.explore.engines import Engine
 from spear_pin.studies.explore.figures import script
 from spear_pin.studies.explore.knobs import Knobs, Subject
 from spear_pin.studies.explore.motion import Motion
+from spear_pin.studies.explore.tangents import Tangents, tangents, tangents_of_multiplier
 from spear_pin.studies.explore.views import views_of
 from spear_pin.viz import template
-from spear_pin.viz.explore.page import CLIENT, answer, page
+from spear_pin.viz.explore.page import CLIENT, answer, page, slopes
+from spear_pin.viz.explore.turns import Superseded, Turns
 
 HOST = "127.0.0.1"
 PATIENCE = 10.0  # s that a client may take to say what it wants
@@ -64,47 +64,6 @@ def _none(view: str, knobs: Knobs, error: NoGait) -> Answer:
     return _text(HTTPStatus.OK, json.dumps(said), "application/json")
 
 
-class _Superseded(Exception):
-    """Its client has asked something newer."""
-
-
-class _Turns:
-    """One computation at a time, for compiled integrators have one state; of each client only the newest waits."""
-
-    def __init__(self) -> None:
-        self._changed, self._busy = Condition(), False
-        self._newest: dict[str, object] = {}
-
-    @contextmanager
-    def turn(self, client: str) -> Iterator[None]:
-        """Wait for a turn, and have it.
-
-        Raises:
-            _Superseded: the client asks for another one meanwhile.
-        """
-        own = object()
-        with self._changed:
-            self._newest[client] = own
-            self._changed.notify_all()
-            self._changed.wait_for(lambda: not self._busy or self._newest.get(client) is not own)
-            if self._newest.get(client) is not own:
-                raise _Superseded
-            del self._newest[client]
-            self._busy = True
-        try:
-            yield
-        finally:
-            with self._changed:
-                self._busy = False
-                self._changed.notify_all()
-
-    def end(self) -> None:
-        """Wait for the present turn, and give none any more."""
-        with self._changed:
-            self._changed.wait_for(lambda: not self._busy)
-            self._busy = True
-
-
 class Explorer:
     """Answers to the page's questions, computed one at a time; of those that a client has waiting, the newest.
 
@@ -114,16 +73,19 @@ class Explorer:
     """
 
     def __init__(self, subject: Subject, engine: Engine) -> None:
-        self._turns, self._subject = _Turns(), subject
+        self._turns, self._subject = Turns(), subject
         self._views = views_of(subject)
         self._motions = lru_cache(KEPT)(lambda view, knobs: self._views[view](knobs, engine))
+        self._tangents = lru_cache(KEPT)(lambda of, view, knobs: of(self._motions(view, knobs)))
         self._page = page(subject, engine)
         for knobs in subject.thorough if engine.extra else ():  # compiled before somebody waits for it
-            self._motions(next(iter(self._views)), knobs)
+            self._tangents(tangents, next(iter(self._views)), knobs)
         self._routes: Mapping[str, Callable[[str, Knobs, str], Answer]] = {
             "/": lambda view, knobs, client: _text(HTTPStatus.OK, self._page, "text/html"),
             f"/{subject.kind}": self._motion,
             "/script": self._script,
+            "/tangents": partial(self._slopes, tangents),
+            "/tangents/multiplier": partial(self._slopes, tangents_of_multiplier),
         }
 
     def answer(self, target: str, client: str = "") -> Answer:
@@ -141,7 +103,7 @@ class Explorer:
             return self._routes[parts.path](view, knobs, client)
         except NoGait as error:
             return _none(view, knobs, error)
-        except _Superseded:
+        except Superseded:
             return _error(HTTPStatus.CONFLICT, "not computed: the same client has asked something newer")
         except SpearError as error:
             return _error(HTTPStatus.INTERNAL_SERVER_ERROR, str(error))
@@ -179,6 +141,13 @@ class Explorer:
             text = json.dumps(answer(view, motion), allow_nan=False, separators=(",", ":"))
         drawn = time.perf_counter()
         timing = f"simulate;dur={1e3 * (simulated - begun):.1f}, draw;dur={1e3 * (drawn - simulated):.1f}"
+        return _text(HTTPStatus.OK, text, "application/json", Server_Timing=timing)
+
+    def _slopes(self, of: Callable[[Motion], Tangents], view: str, knobs: Knobs, client: str) -> Answer:
+        with self._turns.turn(client):
+            begun = time.perf_counter()
+            text = json.dumps(slopes(self._tangents(of, view, knobs)), allow_nan=False, separators=(",", ":"))
+        timing = f"tangents;dur={1e3 * (time.perf_counter() - begun):.1f}"
         return _text(HTTPStatus.OK, text, "application/json", Server_Timing=timing)
 
     def _script(self, view: str, knobs: Knobs, client: str) -> Answer:

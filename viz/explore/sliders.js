@@ -7,8 +7,9 @@ function make(tag, attributes = {}, ...children) {
   return element;
 }
 
-// `turn(name, value)` as a slider moves, `enter()` when it has been let go, `refuse(name, text)` of what is not valid
-function makeSliders(knobs, panel, { turn, enter, refuse }) {
+// `turn(name, value)` as a slider moves, `enter()` when it has been let go, `refuse(name, text)` of what is not valid,
+// `touch(name)` when it gets the focus
+function makeSliders(knobs, panel, { turn, enter, refuse, touch }) {
   const sliders = [];
 
   function build(name) {
@@ -26,6 +27,7 @@ function makeSliders(knobs, panel, { turn, enter, refuse }) {
       "aria-label": `${said}: ${knob.label} back to it` }, said);
     slider.addEventListener("input", () => turn(name, Number(Number(slider.value).toFixed(knob.digits))));
     slider.addEventListener("change", enter);
+    for (const input of [slider, number]) input.addEventListener("focus", () => touch(name));
     number.addEventListener("keydown", (event) => event.stopPropagation()); // digits are no keys of the page here
     number.addEventListener("change", () => {
       if (!number.value || !number.checkValidity()) return refuse(name, number.value);
@@ -33,7 +35,8 @@ function makeSliders(knobs, panel, { turn, enter, refuse }) {
       enter();
     });
     origin.addEventListener("click", () => (turn(name, knob.default), enter()));
-    panel.append(make("div", { class: "knob" }, label, make("div", { class: "track" }, mark, slider), origin));
+    panel.append(make("div", { class: "knob" }, label, make("div", { class: "track" }, mark, slider), origin,
+      make("p", { class: "effect", id: "effect_" + name })));
     sliders.push(slider);
   }
   Object.keys(knobs).forEach(build);

@@ -49,6 +49,12 @@ def along_branch(
     return np.asarray(values, np.complex128), slopes
 
 
+def moduli(multipliers: Multipliers, slopes: Multipliers) -> tuple[Array, Array]:
+    """Moduli, (d,), and their derivatives, (d, m), NaN where the multiplier is zero."""
+    sizes = np.abs(multipliers)
+    return sizes, np.real(np.conj(multipliers)[:, None] * slopes) / np.where(sizes > 0.0, sizes, np.nan)[:, None]
+
+
 def _difference(orbit: Orbit, along: Mapping[str, float], dy: Array, h: float) -> Array:
     """Change of the Jacobian for one unit along numbers and state, in the coordinates of the gait's own chart."""
     ends = []

@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.sensitivity.heat import with_heat
 from spear_pin.gaits.sensitivity.margins import margins
 from spear_pin.gaits.sensitivity.measures import Measure, measures
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.engines.structure import Structure
 from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.result import State
@@ -25,9 +27,10 @@ from spear_pin.hybrid.tangent.fields import tangent_feet
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import derivatives
 from spear_pin.hybrid.tangent.seeds import numbers, seeds, weight, weight_seeds
-from spear_pin.model.motor import Motor
+from spear_pin.model.motor import NO_MOTORS, Motor
 
 Array = NDArray[np.float64]
+CLOSED = 1e-6  # of the return map's displacement: what closes no better is no fixed point
 
 
 @dataclass(frozen=True)
@@ -147,6 +150,46 @@ class Orbit:
         nv = system.robot.nv
         local = chart(system, (y[:nv], y[nv:]), self.slides if slides is None else slides)
         return Orbit(system, local.state(np.zeros(local.dimension)), names, self.motors)
+
+
+def orbit_of_gait(
+    system: HybridSystem,
+    state: State,
+    over: Sequence[str],
+    vary: Sequence[str] = (),
+    keep: Sequence[str] = (),
+    motors: Mapping[str, Motor] = NO_MOTORS,
+) -> Orbit:
+    """The orbit of a gait, its cycle and its measures found; its names are those of `vary`, then those of `over`.
+
+    Args:
+        system: the system, with which the state is a fixed point.
+        state: (q, v) on the section.
+        over: parameters, by the names of law, springs, ground or robot.
+        vary: parameters that are solved for, so that the measures of `keep` stay as they are.
+        keep: as many measures.
+        motors: of joints, by name.
+
+    Raises:
+        UnknownName: there is no parameter or measure of a name.
+        BadValue: a name is given twice, as many are not kept as are solved for, a parameter is zero and with it part
+            of the equations, the state is no fixed point, or the system moves in space or has hardware.
+        NotDifferentiable: the cycle has no derivative.
+    """
+    check_lanes(system)
+    names = (*vary, *over)
+    if len(set(names)) != len(names) or not over:
+        raise BadValue("over", list(over), "one parameter or more, each once, none of them solved for")
+    if len(vary) != len(keep):
+        raise BadValue("keep", list(keep), f"as many measures as are solved for, {len(vary)}")
+    orbit = Orbit(system, state, names, motors)
+    for name in keep:
+        if name not in orbit.measures:
+            raise UnknownName("measure", name, orbit.measures)
+    off = float(np.abs(orbit.displacement).max())
+    if not off <= CLOSED:
+        raise BadValue("state", off, f"a fixed point, from which the cycle leads away by at most {CLOSED:g}")
+    return orbit
 
 
 def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int) -> Array:

@@ -9,14 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.sensitivity.multipliers import along_branch
+from spear_pin.errors import UnknownName
+from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
 from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
-from spear_pin.gaits.sensitivity.orbit import Orbit, solved
+from spear_pin.gaits.sensitivity.orbit import orbit_of_gait, solved
 from spear_pin.gaits.sensitivity.spread import covariance_of
 from spear_pin.gaits.sensitivity.uncertainty import Uncertainty
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.parameters import number, unit
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
@@ -24,7 +23,6 @@ from spear_pin.model.motor import NO_MOTORS, Motor
 from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
-CLOSED = 1e-6  # of the return map's displacement: what closes no better is no fixed point
 
 
 @dataclass(frozen=True, repr=False)
@@ -208,29 +206,16 @@ def sensitivity(
             system moves in space or has hardware.
         NotDifferentiable: the cycle has no derivative.
     """
-    check_lanes(system)
-    names = (*vary, *over)
-    if len(set(names)) != len(names) or not over:
-        raise BadValue("over", list(over), "one parameter or more, each once, none of them solved for")
-    if len(vary) != len(keep):
-        raise BadValue("keep", list(keep), f"as many measures as are solved for, {len(vary)}")
-    orbit = Orbit(system, state, names, motors)
-    for name in keep:
-        if name not in orbit.measures:
-            raise UnknownName("measure", name, orbit.measures)
-    off = float(np.abs(orbit.displacement).max())
-    if not off <= CLOSED:
-        raise BadValue("state", off, f"a fixed point, from which the cycle leads away by at most {CLOSED:g}")
+    orbit = orbit_of_gait(system, state, over, vary, keep, motors)
     dxi, dz = solved(orbit, vary, keep)
     chain = np.concatenate([dxi, dz, np.eye(len(over))])
     multipliers, slopes = along_branch(orbit, over, orbit.start @ chain, dict(zip(vary, dz, strict=True)))
     outputs = {name: measure.value for name, measure in orbit.measures.items()}
     derivatives = {name: measure.derivative @ chain for name, measure in orbit.measures.items()}
     units = {name: measure.unit for name, measure in orbit.measures.items()}
-    for i, (value, slope) in enumerate(zip(multipliers, slopes, strict=True)):
+    for i, (value, slope) in enumerate(zip(*moduli(multipliers, slopes), strict=True)):
         name = f"multiplier_{i + 1}"
-        outputs[name], units[name] = float(abs(value)), "1"
-        derivatives[name] = np.real(np.conj(value) * slope) / abs(value) if value else np.full(len(over), np.nan)
+        outputs[name], units[name], derivatives[name] = float(value), "1", slope
     return Sensitivity(
         system,
         state,

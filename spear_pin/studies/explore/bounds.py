@@ -27,7 +27,7 @@ from spear_pin.studies.explore.engines import Engine
 from spear_pin.studies.explore.knobs import Knob, Knobs, Subject
 from spear_pin.studies.explore.motion import Motion, periodic
 
-SPEED = "speed"
+SPEED, MEAN_SPEED = "speed", "mean_speed"
 RATIOS = ("knee_ratio", "hip_ratio")
 FARTHER = 1.0  # m/s from the gait's own speed, either way
 SLOWEST = 0.1  # of its own speed
@@ -82,6 +82,14 @@ class Bound(Subject):
         """A system with the default numbers but for the gears, and the others."""
         numbers = {name: value for name, value in values.items() if name not in (SPEED, *RATIOS)}
         return self._template(*(values.get(name) for name in RATIOS)), numbers
+
+    def held(self, kept: bool) -> Mapping[str, str]:
+        """β_sp keeps the speed."""
+        return {SPEED_BY: MEAN_SPEED}
+
+    def moved(self, name: str, values: Mapping[str, float]) -> Mapping[str, float]:
+        """The speed is that of the measure."""
+        return {} if name == SPEED else {name: 1.0}
 
     @property
     def start(self) -> State:
@@ -148,7 +156,7 @@ def stride(knobs: Knobs, engine: Engine) -> Motion:
         share = min(1.0, step / max(subject.distance(near.numbers, knobs.numbers), 1e-12))
         numbers = tuple(a + share * (b - a) for a, b in zip(near.numbers, knobs.numbers, strict=True))
         wanted = knobs if share == 1.0 else replace(knobs, numbers=numbers)
-        target = {"mean_speed": wanted.values[SPEED]}
+        target = {MEAN_SPEED: wanted.values[SPEED]}
         try:
             gait = engine.beside(wanted, near.state, {SPEED_BY: near.torque}, target, until)
         except SpearError as error:

@@ -80,15 +80,16 @@ VIEWS: Mapping[str, Callable[[Knobs, Engine], Motion]] = MappingProxyType({"sett
 def _kept(knobs: Knobs, engine: Engine) -> Motion:
     """The hop with the default flight time, the stance torque solved for."""
     subject = knobs.subject
-    knob = subject.knobs["stance_torque"]
-    knobs = knobs.turned(stance_torque=knob.default)  # so that it does not matter where the slider stood
-    gait = engine.solve(knobs, subject.start, ("stance_torque",), {"flight_time": subject.wanted})
+    ((solved, measure),) = subject.held(kept=True).items()
+    knob = subject.knobs[solved]
+    knobs = knobs.turned(**{solved: knob.default})  # so that it does not matter where the slider stood
+    gait = engine.solve(knobs, subject.start, (solved,), {measure: subject.wanted})
     if gait is None:
         raise NoGait(f"no stance torque was found with {subject.keeps}", float("inf"))
-    torque = gait.parameters["stance_torque"]
+    torque = gait.parameters[solved]
     if not knob.admits(torque):
         raise NoGait(f"{subject.keeps} takes {torque:.3f} N·m of stance torque, beyond the slider", gait.residual)
-    return periodic(knobs.turned(stance_torque=torque), gait)
+    return periodic(knobs.turned(**{solved: torque}), gait)
 
 
 def _ended(knobs: Knobs, engine: Engine, done: int) -> Motion:

@@ -86,6 +86,25 @@ class Subject(ABC):
     def thorough(self) -> Sequence[Knobs]:
         """Numbers whose motions between them have every domain, to be compiled first."""
 
+    def held(self, kept: bool) -> Mapping[str, str]:
+        """Parameters of the system that are solved for while numbers are turned, each with the measure that it keeps.
+
+        Args:
+            kept: whether what may be kept is kept.
+        """
+        return {}
+
+    def moved(self, name: str, values: Mapping[str, float]) -> Mapping[str, float]:
+        """Parameters of the system that a knob moves, by how much for one more unit of it.
+
+        It is empty where the knob is the value of a measure that is kept.
+
+        Args:
+            name: of the knob.
+            values: of all knobs.
+        """
+        return {name: 1.0}
+
     def at(self, *, kept: bool = False, **values: float) -> Knobs:
         """Knobs that are not named at their defaults.
 

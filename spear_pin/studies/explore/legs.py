@@ -15,6 +15,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
+from spear_pin.model.legs import lean
 from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
@@ -25,12 +26,12 @@ from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
 
 FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
 MATERIAL = ("stiffness", "damping")  # of the spring
-RATIO = "knee_ratio"
+RATIO, TORQUE, KNEE = "knee_ratio", "stance_torque", "knee_touchdown"
 KNOBS: Mapping[str, Knob] = {
     "stiffness": Knob("Spring stiffness", "N·m/rad", Spring().stiffness, 20, 100, 2, "source", "Table 4.2"),
     RATIO: Knob("Knee gear ratio", "1", PARAMETERS[RATIO].default, 5, 25, 1, "source", "Tables 2.4 and 5.1"),
-    "stance_torque": Knob("Stance torque", "N·m", 7.8262, 0, 14, 4, "solved", "for 0.2 s of flight"),
-    "knee_touchdown": Knob(
+    TORQUE: Knob("Stance torque", "N·m", 7.8262, 0, 14, 4, "solved", "for 0.2 s of flight"),
+    KNEE: Knob(
         "Knee at touchdown", "rad", HoppingLaw().knee_touchdown, 0.5, 1.4, 3, "assumption", "commanded in flight"
     ),
     "friction": Knob("Friction coefficient", "1", Contact().friction, 0.1, 1.5, 2, "assumption", "of the ground"),
@@ -71,9 +72,9 @@ class Leg(Subject):
     def system(self, values: Mapping[str, float]) -> HybridSystem:
         """The hop with these numbers."""
         of_spring: dict[str, Any] = {name: values[name] for name in MATERIAL}
-        of_law: dict[str, Any] = {name: values[name] for name in ("stance_torque", "knee_touchdown", "frequency")}
+        of_law: dict[str, Any] = {name: values[name] for name in (TORQUE, KNEE, "frequency")}
         if self.law.hip_touchdown is not None:  # the toe stays below the hip
-            of_law["hip_touchdown"] = self.robot.legs[0].lean(values["knee_touchdown"])
+            of_law["hip_touchdown"] = self.robot.legs[0].lean(values[KNEE])
         ratio = {RATIO: values[RATIO]} if RATIO in values else {}
         robot = vary(self.robot, **ratio) if ratio else self.robot
         contact = Contact(friction=values["friction"])
@@ -83,8 +84,20 @@ class Leg(Subject):
         """A system with the default numbers but for the gear, and the others."""
         numbers = {name: value for name, value in values.items() if name != RATIO}
         if self.law.hip_touchdown is not None:
-            numbers["hip_touchdown"] = self.robot.legs[0].lean(values["knee_touchdown"])
+            numbers["hip_touchdown"] = self.robot.legs[0].lean(values[KNEE])
         return self._template(values.get(RATIO)), numbers
+
+    def held(self, kept: bool) -> Mapping[str, str]:
+        """The stance torque keeps the flight time."""
+        return {TORQUE: "flight_time"} if kept else {}
+
+    def moved(self, name: str, values: Mapping[str, float]) -> Mapping[str, float]:
+        """The hip follows the knee where the toe stays below it."""
+        if name != KNEE or self.law.hip_touchdown is None:
+            return {name: 1.0}
+        leg = self.robot.legs[0]
+        _, slope, _ = lean(leg.thigh, leg.shank, values[KNEE], math)
+        return {KNEE: 1.0, "hip_touchdown": float(slope)}
 
     @cached_property
     def start(self) -> State:
@@ -142,7 +155,7 @@ def hop_of_leg(robot: Robot, title: str) -> Leg:
         "frequency": _scaled(KNOBS["frequency"], usual.law.frequency, 1.0 / scale.time, "scaled", "from SPEAR-II's"),
         "damping": _scaled(KNOBS["damping"], usual.spring.damping, scale.torque * scale.time, *by_file),
     }
-    knee = KNOBS["knee_touchdown"].default
+    knee = KNOBS[KNEE].default
     law = replace(
         usual.law,
         knee_touchdown=knee,
@@ -153,7 +166,7 @@ def hop_of_leg(robot: Robot, title: str) -> Leg:
     gait = hop_of(usual.build(robot, law, spring, usual.ground), scale.time * FLIGHT_TIME, within_limits=True)
     flight, torque = gait.durations["flight"], gait.system.law.stance_torque
     note = f"for {flight:.3g} s of flight"
-    given["stance_torque"] = _scaled(KNOBS["stance_torque"], torque, scale.torque, "solved", note)
+    given[TORQUE] = _scaled(KNOBS[TORQUE], torque, scale.torque, "solved", note)
     knobs = {name: given.get(name, knob) for name, knob in KNOBS.items() if name != RATIO}
     return Leg(robot, gait.system.law, spring, knobs, title, flight, gait.state)
 

@@ -16,12 +16,12 @@ class TestServer:
     def test_it_listens_on_the_loopback_alone(self, server):
         assert server.server_address[0] == "127.0.0.1" and server.url == f"http://127.0.0.1:{server.port}/"
 
-    @pytest.mark.parametrize("path", ["/", "/hop", "/script"])
+    @pytest.mark.parametrize("path", ["/", "/hop", "/script", "/tangents"])
     def test_it_answers_its_own_names(self, server, path):
         for name in ("127.0.0.1", "localhost", "LocalHost"):
             assert ask(server, path, hosts=[f"{name}:{server.port}"])[0] == 200
 
-    @pytest.mark.parametrize("path", ["/", "/hop", "/script", "/nothing"])
+    @pytest.mark.parametrize("path", ["/", "/hop", "/script", "/tangents", "/nothing"])
     @pytest.mark.parametrize(
         "host", ["evil.example", "127.0.0.1", "localhost:1", "localhost.evil.example:{}", "[::1]:{}"]
     )
@@ -33,7 +33,7 @@ class TestServer:
         own = f"localhost:{server.port}"
         assert refusal(server, "/hop", hosts=[])[0] == refusal(server, "/hop", hosts=[own, own])[0] == 403
 
-    @pytest.mark.parametrize("path", ["/", "/hop", "/script", "/nothing"])
+    @pytest.mark.parametrize("path", ["/", "/hop", "/script", "/tangents", "/nothing"])
     @pytest.mark.parametrize(
         "header",
         [
@@ -76,7 +76,7 @@ class TestServer:
         status, text = refusal(server, path)
         assert status == 404 and "/hop, /script" in text
 
-    @pytest.mark.parametrize("path", ["/hop", "/script"])
+    @pytest.mark.parametrize("path", ["/hop", "/script", "/tangents"])
     @pytest.mark.parametrize("name", KNOBS)
     def test_a_number_out_of_its_range_is_refused_by_naming_it(self, server, path, name):
         status, text = refusal(server, f"{path}?{name}=1e6")

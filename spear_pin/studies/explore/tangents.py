@@ -1,0 +1,191 @@
+"""What each knob does to the figures of a motion that is shown: derivatives at its present place."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue, SpearError
+from spear_pin.gaits.bounding import SPEED_BY
+from spear_pin.gaits.bounding_law import LEGS
+from spear_pin.gaits.sensitivity.measures import Measure
+from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
+from spear_pin.gaits.sensitivity.orbit import Orbit, orbit_of_gait, solved
+from spear_pin.hybrid.parameters import number
+from spear_pin.studies.explore.figures import figures
+from spear_pin.studies.explore.legs import RATIO
+from spear_pin.studies.explore.motion import Motion
+
+Array = NDArray[np.float64]
+ALIKE = 1e-3  # of a figure, which is of samples, that it may differ by from the measure that is differentiated
+MULTIPLIER = "multiplier"
+LONE = "only what repeats each cycle has derivatives here"
+SOLVED = "it is solved for"
+
+
+@dataclass(frozen=True)
+class Tangents:
+    """Derivatives of a motion's figures by the numbers that are turned.
+
+    Attributes:
+        slopes: by knob and figure, of the figure for one more unit of the knob; NaN where there is none.
+        refused: why a knob has none, by knob.
+        reason: why there are none at all; empty where there are some.
+        one_sided: events that meet another, for which derivatives are of the order that happens.
+    """
+
+    slopes: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    refused: Mapping[str, str] = field(default_factory=dict)
+    reason: str = ""
+    one_sided: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Branch:
+    """Gaits beside one as knobs are turned.
+
+    Attributes:
+        orbit: of the gait.
+        ways: by knob, derivatives of ξ and of the orbit's parameters, (d + m,).
+        refused: why a knob has none.
+    """
+
+    orbit: Orbit
+    ways: Mapping[str, Array]
+    refused: Mapping[str, str]
+
+    def of(self, name: str) -> Measure:
+        """A measure of the orbit with its derivatives by the knobs."""
+        found = self.orbit.measures[name]
+        return Measure(found.value, np.array([found.derivative @ way for way in self.ways.values()]), found.unit)
+
+    def number(self, name: str) -> Measure:
+        """A parameter of the orbit."""
+        i = self.orbit.dimension + self.orbit.names.index(name)
+        return Measure(number(self.orbit.system, name), np.array([way[i] for way in self.ways.values()]), "")
+
+
+def tangents(motion: Motion) -> Tangents:
+    """Derivatives of the figures that are measures of a whole cycle; what is kept stays kept."""
+    return _told(motion, lambda branch: dict(_slopes(motion, branch)))
+
+
+def tangents_of_multiplier(motion: Motion) -> Tangents:
+    """Those of the modulus of the largest multiplier, named `MULTIPLIER`, which take many times as long."""
+    return _told(motion, lambda branch: {MULTIPLIER: _of_multiplier(branch)})
+
+
+def _told(motion: Motion, of: Callable[[_Branch], Mapping[str, Array]]) -> Tangents:
+    if motion.gait is None:
+        return Tangents(reason=LONE)
+    try:
+        branch = _branch(motion)
+        rows = of(branch)
+    except (SpearError, np.linalg.LinAlgError) as error:
+        return Tangents(reason=str(error))
+    slopes = {knob: {name: float(row[j]) for name, row in rows.items()} for j, knob in enumerate(branch.ways)}
+    return Tangents(slopes, branch.refused, "", branch.orbit.cycle.borders)
+
+
+def _branch(motion: Motion) -> _Branch:
+    """The branch through the gait.
+
+    Raises:
+        SpearError: there is none; the text says why.
+    """
+    subject, values, gait = motion.knobs.subject, motion.knobs.values, motion.gait
+    assert gait is not None
+    held = subject.held(motion.knobs.kept)
+    refused = {name: SOLVED for name in held if name in values}
+    moved = {name: subject.moved(name, values) for name in values if name not in refused}
+    while True:
+        over = list(dict.fromkeys(part for parts in moved.values() for part in parts))
+        try:
+            orbit = orbit_of_gait(gait.system, gait.state, over, list(held), list(held.values()))
+            break
+        except BadValue as error:
+            without = [name for name, parts in moved.items() if error.name in parts]
+            if not without:
+                raise
+            for name in without:
+                refused[name] = str(error)
+                del moved[name]
+    k, whole = len(held), len(orbit.names)
+    kept = np.concatenate([*solved(orbit, list(held), list(held.values())), np.eye(whole - k)])
+    free = np.concatenate([solved(orbit, (), ())[0], np.eye(whole)])
+    ways = {}
+    for name, parts in moved.items():
+        if parts:
+            ways[name] = kept @ np.array([parts.get(part, 0.0) for part in over])
+        else:  # the value of what is kept
+            ((_, measure),) = held.items()
+            ways[name] = free[:, 0] / (orbit.measures[measure].derivative @ free[:, 0])
+    return _Branch(orbit, ways, refused)
+
+
+def _slopes(motion: Motion, branch: _Branch) -> Iterator[tuple[str, Array]]:
+    """Derivatives of each figure that is what is differentiated: not a peak of stance where that of swing is higher."""
+    of = _of_bound if motion.knobs.subject.kind == "bound" else _of_hop
+    shown = figures(motion)
+    for name, measure in of(branch):
+        value = shown[name]
+        if value is not None and math.isclose(value, measure.value, rel_tol=ALIKE):
+            yield name, measure.derivative
+
+
+def _of_hop(branch: _Branch) -> Iterator[tuple[str, Measure]]:
+    (toe,) = branch.orbit.system.robot.toes
+    torque = branch.of("peak_torque_knee")
+    for name in ("apex_height", "flight_time", "stance_time"):
+        if name in branch.orbit.measures:
+            yield name, branch.of(name)
+    yield "peak_force", branch.of(f"peak_force_{toe}")
+    yield "peak_torque", torque
+    if RATIO in branch.orbit.names:
+        yield "rotor_torque", _ratio(torque, branch.number(RATIO))
+    yield "motor_work", branch.of("positive_work")
+
+
+def _of_bound(branch: _Branch) -> Iterator[tuple[str, Measure]]:
+    found, stride = branch.orbit.measures, branch.of("stride")
+
+    def largest(*names: str) -> Measure:
+        return branch.of(max(names, key=lambda name: found[name].value))
+
+    yield "speed", branch.of("mean_speed")
+    yield "stride", stride
+    yield "period", branch.of("period")
+    for name in ("peak_force", "friction_used"):
+        yield name, largest(*(f"{name}_{toe}" for toe in branch.orbit.system.robot.toes if f"{name}_{toe}" in found))
+    for joint in ("knee", "hip"):
+        yield f"{joint}_torque", _times(0.5, largest(*(f"peak_torque_{leg}_{joint}" for leg in LEGS)))  # of a pair
+    # where the motors brake as well: twice what they drive by, less what is left on balance
+    drive, net = branch.of("positive_work"), branch.of("work")
+    by_amount = Measure(2.0 * drive.value - net.value, 2.0 * drive.derivative - net.derivative, "J")
+    yield "cost_of_transport", _ratio(by_amount, _times(branch.orbit.weight.value, stride))
+    yield "posterior_hip_torque", branch.number(SPEED_BY)
+
+
+def _of_multiplier(branch: _Branch) -> Array:
+    """Derivatives of the largest multiplier's modulus, each along a parameter that the knob changes."""
+    orbit, row = branch.orbit, []
+    for way in branch.ways.values():
+        changes = dict(zip(orbit.names, way[orbit.dimension :].tolist(), strict=True))
+        lead = max(changes, key=lambda name: abs(changes[name] / (number(orbit.system, name) or 1.0)))
+        rest = {name: np.array([each / changes[lead]]) for name, each in changes.items() if name != lead}
+        values, slopes = along_branch(orbit, (lead,), (orbit.start @ way)[:, None] / changes[lead], rest)
+        row.append(float(moduli(values, slopes)[1][0, 0]) * changes[lead])
+    return np.array(row)
+
+
+def _ratio(above: Measure, below: Measure) -> Measure:
+    value = above.value / below.value
+    return Measure(value, (above.derivative - value * below.derivative) / below.value, "")
+
+
+def _times(factor: float, measure: Measure) -> Measure:
+    return Measure(factor * measure.value, factor * measure.derivative, measure.unit)
