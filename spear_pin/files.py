@@ -33,6 +33,17 @@ def atomic(path: str | Path) -> Iterator[Path]:
             temporary.unlink()
 
 
+def write_text(path: str | Path, text: str) -> Path:
+    """Write a text file, in UTF-8, whole or not at all.
+
+    Raises:
+        BadFile: the file cannot be written.
+    """
+    with atomic(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return Path(path)
+
+
 def parse_json(text: str) -> Any:
     """Value of a JSON text: its numbers finite, no key twice in an object.
 
