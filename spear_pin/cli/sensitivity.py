@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.gaits import add_gait, add_kept, named_gait
 from spear_pin.cli.output import aligned, listed, progress
 from spear_pin.cli.pairs import names
-
-if TYPE_CHECKING:
-    from spear_pin.gaits.gait import Gait
 
 STEM = "sensitivity"
 OVER = ("stiffness", "damping", "knee_ratio", "hip_ratio", "friction")
@@ -39,6 +36,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Differentiate the gait, write the table and draw it."""
     check_out(arguments)
     from spear_pin.files import write_text
+    from spear_pin.hybrid.parameters import nonzero
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.sensitivity import elasticities
 
@@ -46,7 +44,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         show("looking for the gait")
         gait = named_gait(arguments.what)
         show("differentiating")
-        found = gait.sensitivity(arguments.over or _usual(gait), arguments.vary, arguments.keep)
+        found = gait.sensitivity(arguments.over or nonzero(gait.system, OVER), arguments.vary, arguments.keep)
     files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
     write_text(files[0], found.to_json() + "\n")
     save_figure(elasticities(found), files[1])
@@ -62,18 +60,3 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "opened": files[1],
         "text": f"{found}\n\n{aligned(told)}",
     }
-
-
-def _usual(gait: Gait) -> list[str]:
-    """Parameters of springs, gears and ground that the gait has."""
-    from spear_pin.errors import SpearError
-    from spear_pin.hybrid.parameters import number
-
-    found = []
-    for name in OVER:
-        try:
-            if number(gait.system, name) != 0.0:
-                found.append(name)
-        except SpearError:
-            continue
-    return found

@@ -10,14 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import SpearError
 from spear_pin.gaits.codesign.problem import STABILITY, Problem, largest
 from spear_pin.gaits.codesign.stability import borders
 from spear_pin.gaits.codesign.trust_region import Minimum
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.parameters import number, unit
+from spear_pin.hybrid.parameters import nonzero, number, unit
 from spear_pin.model.numbers import body_numbers
 from spear_pin.model.variants import parameters_of
 from spear_pin.showing import Shown
@@ -222,14 +221,8 @@ def assumed(system: HybridSystem, besides: Sequence[str]) -> tuple[str, ...]:
     masses = [name for name in body_numbers(robot) if name.endswith("_mass")]
     if "torso_mass" in parameters_of(robot):  # which is that of the base's last joint
         masses = [name for name in masses if name.removesuffix("_mass") in robot.actuated]
-    found = []
-    for name in (*own, "stiffness", "damping", "friction", *masses):
-        try:
-            if name not in besides and number(system, name) != 0.0:
-                found.append(name)
-        except SpearError:
-            continue
-    return tuple(found)
+    names = (*own, "stiffness", "damping", "friction", *masses)
+    return nonzero(system, [name for name in names if name not in besides])
 
 
 def _prices(problem: Problem, orbit: Orbit, end: Minimum[Orbit], scale: float) -> dict[str, float]:
