@@ -3,11 +3,12 @@
 import json
 import os
 
+import numpy as np
 import pytest
 
 from spear_pin import Gait, Trajectory
 from spear_pin.errors import BadFile
-from spear_pin.files import atomic, parse_json, regular, write_text
+from spear_pin.files import atomic, parse_json, plain, regular, write_text
 from spear_pin.model.loading import load
 from spear_pin.studies.identification.columns import read_columns
 
@@ -116,3 +117,9 @@ class TestOnlyFilesAreRead:
         for path in (tmp_path / "none.csv", "a\0b.csv"):
             with pytest.raises(BadFile, match="cannot be read"):
                 reader(path)
+
+
+def test_what_json_has():
+    found = plain({"a": np.array([1.0, np.nan]), "b": (1, 2j, None), "c": [{"d": -np.inf}], "e": np.int64(3), "f": "g"})
+    assert found == {"a": [1.0, None], "b": [1, [0.0, 2.0], None], "c": [{"d": None}], "e": 3, "f": "g"}
+    assert json.loads(json.dumps(found, allow_nan=False)) == found

@@ -54,7 +54,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "solved": {name: values.tolist() for name, values in found.solved.items()},
         "values": dict(found.outputs),
         "units": dict(found.output_units),
-        "elasticities": {name: found.plain(found.elasticity(name)) for name in found.measures},
+        "elasticities": {name: found.elasticity(name) for name in found.measures},
         "one_sided": list(found.one_sided),
         "files": [str(path) for path in files],
         "opened": files[1],

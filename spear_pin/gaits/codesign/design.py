@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.files import plain
 from spear_pin.gaits.codesign.problem import STABILITY, Problem, largest
 from spear_pin.gaits.codesign.stability import borders
 from spear_pin.gaits.codesign.trust_region import Minimum
@@ -144,22 +144,11 @@ class Design(Shown):
 
     def to_json(self) -> str:
         """All of it but the gait, as JSON."""
-        plain = {field.name: getattr(self, field.name) for field in fields(self)} | {
-            "gait": None,
+        data = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "gait"} | {
             "parameters": {name: vars(each) for name, each in self.parameters.items()},
             "assumptions": {name: vars(each) for name, each in self.assumptions.items()},
         }
-        del plain["gait"]
-        return json.dumps(_plain(plain), indent=1, allow_nan=False)
-
-
-def _plain(value: Any) -> Any:
-    """Data for JSON, null where a number is not finite."""
-    if isinstance(value, dict):
-        return {name: _plain(each) for name, each in value.items()}
-    if isinstance(value, (tuple, list)):
-        return [_plain(each) for each in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
+        return json.dumps(plain(data), indent=1, allow_nan=False)
 
 
 def design(
