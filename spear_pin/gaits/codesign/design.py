@@ -23,7 +23,7 @@ from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
 STEP = 1e-6  # of the largest multiplier that is allowed
-NOTHING = 1e-6  # of the objective: a price for a whole bound, or a whole range, that is none
+NO_PRICE = 1e-6  # of the objective, for a whole bound or range: a price that is none
 
 
 @dataclass(frozen=True)
@@ -177,9 +177,9 @@ def design(
         name: Chosen(number(begun.system, name), number(gait.system, name), low, high, unit(gait.system, name))
         for name, (low, high) in problem.over.items()
     }
-    found, bounds = problem.measures(orbit), dict[str, tuple[float, float]]()
-    for word, limits in (("at most", problem.at_most), ("at least", problem.at_least)):
-        bounds |= {f"{name} {word}": (found[name].value, bound) for name, bound in limits.items() if name in found}
+    found = problem.measures(orbit)
+    known = [each for each in problem.bounds if each.measure in found]
+    bounds = {each.label: (found[each.measure].value, each.value) for each in known}
     if problem.largest_multiplier is not None:
         bounds["largest multiplier at most"] = largest(orbit), problem.largest_multiplier
     return Design(
@@ -219,18 +219,17 @@ def _prices(problem: Problem, orbit: Orbit, end: Minimum[Orbit], scale: float) -
     found = dict[str, float]()
     for word, side, prices in zip(("least", "greatest"), (1.0, -1.0), end.at_bounds, strict=True):
         for name, price, span in zip(problem.over, prices, problem.span, strict=True):
-            if price > NOTHING:
+            if price > NO_PRICE:
                 found[f"{word} {name}"] = side * float(price) * scale / float(span)
-    measured = len(problem.at_most) + len(problem.at_least)
-    sides = [-1.0] * len(problem.at_most) + [1.0] * len(problem.at_least)
-    for label, price, side, size in zip(problem.labels, end.multipliers, sides, problem.sizes, strict=False):
-        if price > NOTHING:
-            found[label] = side * float(price) * scale / float(size)
+    bounds = problem.bounds
+    for bound, price in zip(bounds, end.multipliers[: len(bounds)], strict=True):
+        if price > NO_PRICE:
+            found[bound.label] = bound.side * float(price) * scale / bound.size
     if problem.largest_multiplier is not None:
         rho = problem.largest_multiplier
         grown = borders(orbit.jacobian, rho * (1.0 + STEP)) - borders(orbit.jacobian, rho * (1.0 - STEP))
-        for label, price, change in zip(STABILITY, end.multipliers[measured:], grown, strict=True):
-            if price > NOTHING:
+        for label, price, change in zip(STABILITY, end.multipliers[len(bounds) :], grown, strict=True):
+            if price > NO_PRICE:
                 found[label] = -float(price) * scale * float(change) / (2.0 * STEP * rho)
     return found
 
