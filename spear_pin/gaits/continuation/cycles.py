@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import SpearError
 from spear_pin.gaits.lane_cycles import LaneCycles
-from spear_pin.gaits.many import MEASURES, OBSERVED
+from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.tangent_cycles import TangentCycles, tangent_cycles
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import FEW, has_lanes
@@ -112,9 +112,7 @@ class Family:
         if self.of_robot:
             names, own = names[:-1], [*map(float, (*self.values()[:-1], values[0, -1]))]
             system, values = self.member(own), values[:, :-1]
-        measures = [MEASURES[str(name)] for name in self.measures]
-        observe = any(name in OBSERVED for name in self.measures)
-        run = LaneCycles(system, {}, names, measures, self.rtol, observe)
+        run = LaneCycles(system, {}, names, [str(name) for name in self.measures], self.rtol)
         return run(np.arange(len(q)), q, v, values)
 
     def _by_reference(self, q: Array, v: Array, values: Array) -> Cycles:

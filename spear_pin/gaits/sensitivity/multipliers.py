@@ -18,6 +18,11 @@ Multipliers = NDArray[np.complex128]
 STEP = 2.0**-11  # of a parameter
 
 
+def step_of(orbit: Orbit, name: str) -> float:
+    """Step of a parameter, with which exact Jacobians are differenced."""
+    return STEP * (abs(number(orbit.system, name)) or 1.0)
+
+
 def along_branch(
     orbit: Orbit, over: Sequence[str], dy: Array, dz: Mapping[str, Array]
 ) -> tuple[Multipliers, Multipliers]:
@@ -47,11 +52,6 @@ def along_branch(
         change = left.conj().T @ ((4.0 * near - far) / 3.0) @ right
         slopes[:, j] = np.diag(change) / np.einsum("ij,ij->j", left.conj(), right)
     return np.asarray(values, np.complex128), slopes
-
-
-def step_of(orbit: Orbit, name: str) -> float:
-    """Step of a parameter, with which exact Jacobians are differenced."""
-    return STEP * (abs(number(orbit.system, name)) or 1.0)
 
 
 def _difference(orbit: Orbit, along: Mapping[str, float], dy: Array, h: float) -> Array:

@@ -23,7 +23,7 @@ import numpy as np
 import spear_pin
 from spear_pin.errors import BadFile, MissingExtra
 from spear_pin.files import atomic, parse_json, write_text
-from spear_pin.gaits.many import CONVERGED, REASONS
+from spear_pin.gaits.gait_table import CONVERGED, REASONS
 from spear_pin.model.origin import origin
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import PARAMETERS
