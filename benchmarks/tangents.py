@@ -19,7 +19,6 @@ import numpy as np
 
 from spear_pin import Gait, find_gait, hopping, load
 from spear_pin.gaits.lane_cycles import LaneCycles
-from spear_pin.gaits.many import MEASURES
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.tangent_cycles import tangent_cycles
 from spear_pin.hybrid.automaton import HybridSystem
@@ -100,7 +99,7 @@ def jacobian_of(gait: Gait, vary: list[str], target: dict[str, float]) -> dict[s
     system, names = gait.system, tuple(target)
     charts, wanted = chart(system, gait.state).lane, np.array([[*target.values()]])
     x = np.concatenate([np.zeros(charts.dimension), [parameter(system, name) for name in vary]])
-    lanes = LaneCycles(system, {}, tuple(vary), [MEASURES[name] for name in names], 1e-12)
+    lanes = LaneCycles(system, {}, tuple(vary), names, 1e-12)
     by_lanes, one = Shooting(charts, lanes, tuple(vary), wanted), np.zeros(1, dtype=np.int64)
 
     def exactly() -> np.ndarray:

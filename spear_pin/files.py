@@ -1,4 +1,4 @@
-"""Write files whole or not at all; read what is a file alone, and JSON that is what it seems."""
+"""Write files whole or not at all, and JSON; read what is a file alone, and JSON that is what it seems."""
 
 from __future__ import annotations
 
@@ -31,6 +31,30 @@ def atomic(path: str | Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):  # it may be gone, or its folder may be none
             temporary.unlink()
+
+
+def write_text(path: str | Path, text: str) -> Path:
+    """Write a text file, in UTF-8, whole or not at all.
+
+    Raises:
+        BadFile: the file cannot be written.
+    """
+    with atomic(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return Path(path)
+
+
+def plain(value: Any) -> Any:
+    """What JSON has: lists of arrays, [re, im] of complex numbers, null of what is not finite."""
+    if isinstance(value, dict):
+        return {name: plain(each) for name, each in value.items()}
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, (tuple, list)):
+        return [plain(each) for each in value]
+    if isinstance(value, complex):
+        return [plain(value.real), plain(value.imag)]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def parse_json(text: str) -> Any:

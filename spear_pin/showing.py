@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.files import atomic
+from spear_pin.files import write_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,9 +49,7 @@ class Player:
         Raises:
             BadFile: the file cannot be written.
         """
-        with atomic(path) as temporary:
-            temporary.write_text(self.page, encoding="utf-8")
-        return Path(path)
+        return write_text(path, self.page)
 
 
 def playing(robot: Any, trajectory: Any, title: str, height: int) -> Player:

@@ -3,30 +3,26 @@
 import json
 import os
 
+import numpy as np
 import pytest
 
 from spear_pin import Gait, Trajectory
 from spear_pin.errors import BadFile
-from spear_pin.files import atomic, parse_json, regular
+from spear_pin.files import atomic, parse_json, plain, regular, write_text
 from spear_pin.model.loading import load
 from spear_pin.studies.identification.columns import read_columns
 
 
-def write(path, text):
-    with atomic(path) as temporary:
-        temporary.write_text(text)
-
-
 def test_writes(tmp_path):
-    write(tmp_path / "new.txt", "text")
+    assert write_text(tmp_path / "new.txt", "Länge\n") == tmp_path / "new.txt"
     assert [file.name for file in tmp_path.iterdir()] == ["new.txt"]
-    assert (tmp_path / "new.txt").read_text() == "text"
+    assert (tmp_path / "new.txt").read_bytes() == b"L\xc3\xa4nge\n"
 
 
 def test_replaces(tmp_path):
     path = tmp_path / "old.txt"
     path.write_text("old")
-    write(str(path), "new")
+    write_text(str(path), "new")
     assert path.read_text() == "new"
 
 
@@ -61,7 +57,7 @@ def test_where_nothing_can_be_written(tmp_path, place):
     (tmp_path / "folder" / "inside").touch()
     (tmp_path / "file").touch()
     with pytest.raises(BadFile, match="cannot be written") as error:
-        write(tmp_path / place, "text")
+        write_text(tmp_path / place, "text")
     assert place.split("/")[-1] in str(error.value) and "\n" not in str(error.value)
     assert sorted(os.listdir(tmp_path)) == ["file", "folder"]
     assert os.listdir(tmp_path / "folder") == ["inside"]
@@ -121,3 +117,9 @@ class TestOnlyFilesAreRead:
         for path in (tmp_path / "none.csv", "a\0b.csv"):
             with pytest.raises(BadFile, match="cannot be read"):
                 reader(path)
+
+
+def test_what_json_has():
+    found = plain({"a": np.array([1.0, np.nan]), "b": (1, 2j, None), "c": [{"d": -np.inf}], "e": np.int64(3), "f": "g"})
+    assert found == {"a": [1.0, None], "b": [1, [0.0, 2.0], None], "c": [{"d": None}], "e": 3, "f": "g"}
+    assert json.loads(json.dumps(found, allow_nan=False)) == found

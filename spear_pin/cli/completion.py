@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command
+from spear_pin.cli.gaits import WHAT
 from spear_pin.errors import MissingExtra
 
 SHELLS = ("bash", "zsh", "fish")
 # metavars, or names of arguments without any, of what is a folder, a file, a robot's name or path, and a gait's
 FOLDERS, FILES = ("DIR",), ("FILE", "PATH")
-FAMILIES = "hop|bound|GAIT"
 ROBOTS, GAITS = ("ROBOT", "NAME|URDF", "robot", "what"), ("NAME|PATH", "gait", "GAIT", "A B")
 
 
@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         **dict.fromkeys(FILES, shtab.FILE),
         **dict.fromkeys(ROBOTS, named("robot", SHIPPED)),
         **dict.fromkeys(GAITS, named("gait", library.names())),
-        FAMILIES: named("family", ("hop", "bound", *library.names())),
+        WHAT: named("family", ("hop", "bound", *library.names())),
     }
     for parser in _commands(arguments.every):
         for action in parser._actions:  # argparse has no other way to them

@@ -6,12 +6,11 @@ import argparse
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import BOUND, named_gait
+from spear_pin.cli.gaits import add_gait, named_gait
 from spear_pin.cli.motors import add_motors, motors
 from spear_pin.cli.output import aligned, listed, progress
 from spear_pin.cli.pairs import RANGE, names, ranges, values
 
-WHAT = "hop|bound|GAIT"
 STEM = "design"
 
 
@@ -23,7 +22,7 @@ def add(commands: Commands) -> None:
         run,
         "the best robot and gait together: a measure made small over any numbers, within bounds",
     )
-    parser.add_argument("what", metavar=WHAT, help=f"SPEAR-II's hop in place, {BOUND}, or a gait by name or path")
+    add_gait(parser)
     parser.add_argument("--minimize", required=True, metavar="MEASURE", help="such as energy or cost_of_transport")
     parser.add_argument(
         "--over", type=ranges, action="extend", required=True, metavar=RANGE, help="parameters, apart by commas"
@@ -47,7 +46,7 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Optimise the design, write and draw it."""
     check_out(arguments)
-    from spear_pin.files import atomic
+    from spear_pin.files import write_text
     from spear_pin.gaits.codesign.optimize_design import optimize_design
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.design_by_gradient import optimised
@@ -71,8 +70,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             ),
         )
     files = [arguments.out / name for name in (f"{STEM}.json", f"{STEM}.svg", f"{STEM}_gait.json")]
-    with atomic(files[0]) as temporary:
-        temporary.write_text(found.to_json() + "\n", encoding="utf-8")
+    write_text(files[0], found.to_json() + "\n")
     save_figure(optimised(found), files[1])
     found.gait.save(files[2])
     told = listed(arguments.out, STEM, files)

@@ -90,7 +90,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str, Any]:
-    from spear_pin.files import atomic
+    from spear_pin.files import write_text
     from spear_pin.model.mjcf import to_mjcf
     from spear_pin.model.srdf import to_srdf
 
@@ -99,8 +99,7 @@ def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str
     writers = {"mjcf": to_mjcf, "srdf": to_srdf}
     texts = {path: writers[form](robot, postures) for form, path in paths.items()}
     for path, text in texts.items():
-        with atomic(path) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+        write_text(path, text)
     names = ["home", *postures]
     rows = [("robot", f"{robot.name}, {robot.mass:.4g} kg"), ("postures", ", ".join(names))]
     return {"robot": robot.name, "mass": robot.mass, "postures": names, "rows": rows}

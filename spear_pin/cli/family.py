@@ -7,7 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import BOUND
+from spear_pin.cli.gaits import BOUND, WHAT
 from spear_pin.cli.legs import add_leg, one_leg, rests_on
 from spear_pin.cli.output import aligned, listed, progress
 from spear_pin.cli.pairs import RANGE, one_range
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from spear_pin.gaits.continuation import Branch
     from spear_pin.gaits.gait import Gait
 
-WHAT = "hop|bound|GAIT"
 STEM = "family"
 
 
@@ -47,7 +46,7 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Follow the branch, write and draw it."""
     _check(arguments)
-    from spear_pin.files import atomic
+    from spear_pin.files import write_text
     from spear_pin.gaits.continuation import continue_gait
     from spear_pin.hybrid.result import Options
     from spear_pin.viz.plots import save_figure
@@ -70,8 +69,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             step=arguments.step, points=arguments.points, rtol=arguments.rtol, on_point=tell,
         )  # fmt: skip
     files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
-    with atomic(files[0]) as temporary:
-        temporary.write_text(branch.to_json() + "\n", encoding="utf-8")
+    write_text(files[0], branch.to_json() + "\n")
     save_figure(family(branch), files[1])
     robot = branch.family.system.robot
     summary = _figures(branch) | ({"cut": str(robot.cut)} if robot.cut is not None else {})

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import argparse
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from spear_pin.cli.pairs import names
 from spear_pin.errors import BadFile, BadValue
 
 if TYPE_CHECKING:
     from spear_pin.gaits.gait import Gait
 
 BOUND = "long_stride"  # the one that is shown unless another is asked for
+WHAT = "hop|bound|GAIT"
 SPEED_SUFFIX = r"_(\d+(?:\.\d+)?)$"  # of a gait's name: in m/s
 
 
@@ -49,6 +52,20 @@ def bounding_gait(name: str, speed: float | None) -> tuple[str, Gait]:
     if gait.system.kind != "bounding":
         raise BadValue("--gait", name, f"a bounding gait; this one is of the kind {gait.system.kind!r}")
     return name, gait
+
+
+def add_gait(parser: argparse.ArgumentParser) -> None:
+    """Declare the gait, which `named_gait` finds."""
+    parser.add_argument("what", metavar=WHAT, help=f"SPEAR-II's hop in place, {BOUND}, or a gait by name or path")
+
+
+def add_kept(parser: argparse.ArgumentParser) -> None:
+    """Declare --vary and --keep: what is solved for, and the measures that stay as the gait has them."""
+    for option, metavar, text in (
+        ("--vary", "NAME", "a parameter that is solved for"),
+        ("--keep", "MEASURE", "the measure that it keeps"),
+    ):
+        parser.add_argument(option, type=names, action="extend", default=[], metavar=metavar, help=text)
 
 
 def named_gait(what: str) -> Gait:

@@ -154,18 +154,18 @@ def _figures(estimate: Estimate) -> dict[str, Any]:
                 "name": parameter.name,
                 "release": None if parameter.trial is None else parameter.trial + 1,
                 "value": parameter.value,
-                "deviation": _finite(parameter.deviation),
+                "deviation": parameter.deviation,
                 "inflation": parameter.inflation,
                 "unit": parameter.unit,
             }
             for parameter in estimate.parameters
         ],
         "held": _held(estimate),
-        "correlation": [[_finite(value) for value in row] for row in estimate.correlation.tolist()],
-        "condition": _finite(estimate.condition),
+        "correlation": estimate.correlation,
+        "condition": estimate.condition,
         "fit": estimate.fit,
         "fits": estimate.fits,
-        "noise": _finite(estimate.noise),
+        "noise": estimate.noise,
         "steps": [rounding.step for rounding in estimate.roundings],
         "whiteness": estimate.whiteness,
         "converged": estimate.converged,
@@ -180,11 +180,6 @@ def _held(estimate: Estimate) -> dict[str, float]:
     everything = dict(zip(KNOWN, (knee.stiffness, knee.damping, knee.coulomb, knee.zero, rotor), strict=True))
     estimated = {parameter.name for parameter in estimate.parameters}
     return {name: value for name, value in everything.items() if name not in estimated}
-
-
-def _finite(value: float) -> float | None:
-    """JSON has no infinity."""
-    return value if abs(value) < float("inf") else None
 
 
 def _lines(estimates: dict[str, Estimate]) -> list[str]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
 from spear_pin.errors import RobotWarning, SpearError
+from spear_pin.files import plain
 
 if TYPE_CHECKING:
     from spear_pin.viz.playback.trajectory import TrajectoryLike
@@ -33,7 +34,7 @@ def print_result(result: dict[str, Any], as_json: bool) -> None:
     """
     if as_json:
         result.pop("text", None)
-        emit(json.dumps(_plain(result), allow_nan=False) + "\n")
+        emit(json.dumps(plain(result), allow_nan=False) + "\n")
     else:
         emit(result["text"] + "\n")
 
@@ -75,19 +76,6 @@ def _write(stream: TextIO, text: str) -> None:
     except OSError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())  # Python would try once more at the end
         raise
-
-
-def _plain(value: Any) -> Any:
-    """Numbers, lists and objects that JSON has; complex numbers as [re, im]."""
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if hasattr(value, "tolist"):
-        return _plain(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
-    if isinstance(value, complex):
-        return [value.real, value.imag]
-    return value
 
 
 def aligned(rows: Iterable[tuple[str, str]]) -> str:

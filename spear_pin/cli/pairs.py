@@ -17,7 +17,13 @@ def names(word: str) -> list[str]:
 
 def ranges(word: str) -> list[tuple[str, tuple[float, float]]]:
     """Read ranges, `NAME=LOW:HIGH`, apart by commas."""
-    return [(name, (_number(low, name), _number(high, name))) for name, (low, high) in _parts(word, RANGE, ":")]
+    found = []
+    for name, value in _pairs(word, RANGE):
+        ends = value.split(":")
+        if len(ends) != 2 or not all(ends):
+            raise argparse.ArgumentTypeError(f"'{name}={value}' is not {RANGE}")
+        found.append((name, (_number(ends[0], name), _number(ends[1], name))))
+    return found
 
 
 def one_range(word: str) -> tuple[str, tuple[float, float]]:
@@ -30,23 +36,24 @@ def one_range(word: str) -> tuple[str, tuple[float, float]]:
 
 def values(word: str) -> list[tuple[str, float]]:
     """Read values, `NAME=VALUE`, apart by commas."""
-    return [(name, _number(value, name)) for name, (value,) in _parts(word, "NAME=VALUE")]
+    return [(name, _number(value, name)) for name, value in _pairs(word, "NAME=VALUE")]
 
 
 def words(word: str) -> list[tuple[str, str]]:
     """Read names that belong to names, `NAME=NAME`, apart by commas."""
-    return [(name, value) for name, (value,) in _parts(word, "NAME=NAME")]
+    return _pairs(word, "NAME=NAME")
 
 
-def _parts(word: str, expected: str, between: str = "") -> list[tuple[str, list[str]]]:
-    found = []
-    for part in word.split(","):
-        name, sign, value = part.partition("=")
-        pieces = value.split(between) if between else [value]
-        if not (name and sign and all(pieces) and len(pieces) == 1 + bool(between)):
-            raise argparse.ArgumentTypeError(f"{part!r} is not {expected}")
-        found.append((name.strip(), pieces))
-    return found
+def one_pair(word: str, expected: str = "NAME=VALUE") -> tuple[str, str]:
+    """Read one `NAME=VALUE`, of which either side may have commas."""
+    name, sign, value = (piece.strip() for piece in word.partition("="))
+    if not (name and sign and value):
+        raise argparse.ArgumentTypeError(f"{word!r} is not {expected}")
+    return name, value
+
+
+def _pairs(word: str, expected: str) -> list[tuple[str, str]]:
+    return [one_pair(part, expected) for part in word.split(",")]
 
 
 def _number(text: str, name: str) -> float:

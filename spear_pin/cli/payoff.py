@@ -87,7 +87,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         raise BadValue("--workers", arguments.workers, "a whole number, at least 1")
     drives = given_drives(arguments)
 
-    from spear_pin.files import atomic
+    from spear_pin.files import write_text
     from spear_pin.studies.payoff import answer, rests_of
     from spear_pin.viz.payoff import as_json, render
     from spear_pin.viz.plots import save_figure
@@ -117,8 +117,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         return {key: draw(study) for key, draw in FIGURES.items()}
 
     def write(path: Path) -> None:
-        with atomic(path) as temporary:
-            temporary.write_text(render(study, found, name, rests, drawn()), encoding="utf-8")
+        write_text(path, render(study, found, name, rests, drawn()))
 
     def save(key: str, path: Path) -> None:
         save_figure(drawn()[key], path)

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import BOUND, named_gait
+from spear_pin.cli.gaits import add_gait, add_kept, named_gait
 from spear_pin.cli.motors import add_motors, motors
 from spear_pin.cli.output import aligned, listed, progress
 from spear_pin.cli.pairs import names
 
-if TYPE_CHECKING:
-    from spear_pin.gaits.gait import Gait
-
-WHAT = "hop|bound|GAIT"
 STEM = "sensitivity"
 OVER = ("stiffness", "damping", "knee_ratio", "hip_ratio", "friction")
 
@@ -24,7 +20,7 @@ def add(commands: Commands) -> None:
     parser = add_command(
         commands, "sensitivity", run, "what a change of any number does to a gait: its measures and its multipliers"
     )
-    parser.add_argument("what", metavar=WHAT, help=f"SPEAR-II's hop in place, {BOUND}, or a gait by name or path")
+    add_gait(parser)
     parser.add_argument(
         "--over",
         type=names,
@@ -32,12 +28,7 @@ def add(commands: Commands) -> None:
         metavar="NAME",
         help="parameters, apart by commas (default: those of springs, gears and ground)",
     )
-    parser.add_argument(
-        "--vary", type=names, action="extend", default=[], metavar="NAME", help="a parameter that is solved for"
-    )
-    parser.add_argument(
-        "--keep", type=names, action="extend", default=[], metavar="MEASURE", help="the measure that it keeps"
-    )
+    add_kept(parser)
     add_motors(parser)
     add_out(parser, f"{STEM}.json and {STEM}.svg")
     add_open(parser, f"the picture, {STEM}.svg,")
@@ -46,7 +37,8 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Differentiate the gait, write the table and draw it."""
     check_out(arguments)
-    from spear_pin.files import atomic
+    from spear_pin.files import write_text
+    from spear_pin.hybrid.parameters import nonzero
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.sensitivity import elasticities
 
@@ -54,11 +46,10 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         show("looking for the gait")
         gait = named_gait(arguments.what)
         show("differentiating")
-        over = arguments.over or _usual(gait)
+        over = arguments.over or nonzero(gait.system, OVER)
         found = gait.sensitivity(over, arguments.vary, arguments.keep, motors(arguments.motor))
     files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
-    with atomic(files[0]) as temporary:
-        temporary.write_text(found.to_json() + "\n", encoding="utf-8")
+    write_text(files[0], found.to_json() + "\n")
     save_figure(elasticities(found), files[1])
     told = listed(arguments.out, STEM, files)
     return {
@@ -66,24 +57,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "solved": {name: values.tolist() for name, values in found.solved.items()},
         "values": dict(found.outputs),
         "units": dict(found.output_units),
-        "elasticities": {name: found.plain(found.elasticity(name)) for name in found.measures},
+        "elasticities": {name: found.elasticity(name) for name in found.measures},
         "one_sided": list(found.one_sided),
         "files": [str(path) for path in files],
         "opened": files[1],
         "text": f"{found}\n\n{aligned(told)}",
     }
-
-
-def _usual(gait: Gait) -> list[str]:
-    """Parameters of springs, gears and ground that the gait has."""
-    from spear_pin.errors import SpearError
-    from spear_pin.hybrid.parameters import number
-
-    found = []
-    for name in OVER:
-        try:
-            if number(gait.system, name) != 0.0:
-                found.append(name)
-        except SpearError:
-            continue
-    return found

@@ -186,7 +186,7 @@ def _asked(arguments: argparse.Namespace, names: set[str]) -> tuple[HybridSystem
 
 def _check_names(system: HybridSystem, axes: Axes) -> None:
     """Refuse a misspelt name, before anything is missed that is not installed."""
-    from spear_pin.gaits.many import MEASURES
+    from spear_pin.gaits.lane_measures import MEASURES
     from spear_pin.hybrid.parameters import with_parameters
     from spear_pin.model.variants import parameters_of
 

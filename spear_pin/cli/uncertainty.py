@@ -8,15 +8,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import BOUND, named_gait
+from spear_pin.cli.gaits import add_gait, add_kept, named_gait
 from spear_pin.cli.motors import add_motors, motors
 from spear_pin.cli.output import aligned, listed, progress
-from spear_pin.cli.pairs import names
-from spear_pin.cli.sensitivity import WHAT
+from spear_pin.cli.pairs import one_pair
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
     from spear_pin.gaits.sensitivity.uncertainty import Uncertainty
 
@@ -28,12 +25,12 @@ def add(commands: Commands) -> None:
     parser = add_command(
         commands, "uncertainty", run, "how far a gait is known with numbers that are not, and which to measure better"
     )
-    parser.add_argument("what", metavar=WHAT, help=f"SPEAR-II's hop in place, {BOUND}, or a gait by name or path")
+    add_gait(parser)
     parser.add_argument(
         "--sigma",
         action="append",
         required=True,
-        type=_assigned,
+        type=one_pair,
         metavar="NAME=VALUE",
         help="standard deviation of a parameter, in its unit or in %% of its value; several times for several",
     )
@@ -41,16 +38,11 @@ def add(commands: Commands) -> None:
         "--correlation",
         action="append",
         default=[],
-        type=_assigned,
+        type=one_pair,
         metavar="NAME,NAME=R",
         help="correlation of two parameters' errors (default: 0)",
     )
-    parser.add_argument(
-        "--vary", type=names, action="extend", default=[], metavar="NAME", help="a parameter that is solved for"
-    )
-    parser.add_argument(
-        "--keep", type=names, action="extend", default=[], metavar="MEASURE", help="the measure that it keeps"
-    )
+    add_kept(parser)
     add_motors(parser)
     parser.add_argument(
         "--monte-carlo", type=int, metavar="N", help="find the gait anew for N samples, and say where first order fails"
@@ -63,6 +55,7 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Differentiate the gait, spread its numbers, write the tables and draw them."""
     from spear_pin.errors import BadValue
+    from spear_pin.files import write_text
     from spear_pin.gaits.sensitivity.uncertainty import MOST
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.uncertainty import monte_carlo, variance_shares
@@ -85,7 +78,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     figures = {"uncertainty": json.loads(spread.to_json())}
     figures |= {} if drawn is None else {"monte_carlo": drawn.plain()}
     files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
-    _write(files[0], figures)
+    write_text(files[0], json.dumps(figures, indent=1, allow_nan=False) + "\n")
     save_figure(variance_shares(spread), files[1])
     if drawn is not None and any(drawn.verdict(name) != "stays" for name in drawn.first):
         files.append(save_figure(monte_carlo(drawn), arguments.out / "monte_carlo.svg"))
@@ -126,18 +119,3 @@ def _spread(
         matrix[i, j] = matrix[j, i] = value
     deviations = spread.parameter_deviations
     return table.uncertainty(matrix * np.outer(deviations, deviations))
-
-
-def _write(path: Path, figures: dict[str, Any]) -> None:
-    from spear_pin.files import atomic
-
-    with atomic(path) as temporary:
-        temporary.write_text(json.dumps(figures, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-
-
-def _assigned(word: str) -> tuple[str, str]:
-    """Read NAME=VALUE."""
-    name, sign, value = word.partition("=")
-    if not (name.strip() and sign and value.strip()):
-        raise argparse.ArgumentTypeError(f"{word!r} is no NAME=VALUE")
-    return name.strip(), value.strip()

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName, require
-from spear_pin.files import atomic, check_keys, parse_json, regular
+from spear_pin.files import check_keys, parse_json, regular, write_text
 from spear_pin.gaits import library
 from spear_pin.gaits.bounding import bounding
 from spear_pin.gaits.bounding_law import BoundingLaw
@@ -153,9 +153,7 @@ class Gait(Shown):
             "multipliers": [[value.real, value.imag] for value in self.multipliers],
             "durations": dict(self.durations),
         }
-        with atomic(path) as temporary:
-            temporary.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-        return Path(path)
+        return write_text(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
 
     @classmethod
     @typed

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import NoGait, SpearError
+from spear_pin.gaits.lane_measures import MEASURES, OBSERVED
 from spear_pin.hybrid import periodic
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import Batch, simulate_many
+from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.newton import CONVERGED, Words, differentiated, stencil
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import eigenvalues
@@ -33,17 +34,15 @@ class LaneCycles:
         system: the system.
         fixed: parameters that differ from lane to lane, (n,) each.
         vary: names of those that are solved for.
-        measures: what the targets are of.
+        measures: what the targets are of, by the names of `MEASURES`.
         rtol: relative tolerance of the integration.
-        observe: whether a measure is of what is only observed.
     """
 
     system: HybridSystem
     fixed: Mapping[str, Array]
     vary: tuple[str, ...]
-    measures: Sequence[Callable[[HybridSystem, Array, Batch], Array]]
+    measures: Sequence[str]
     rtol: float
-    observe: bool = False
 
     def __call__(self, lanes: Lanes, q: Array, v: Array, values: Array) -> Cycles:
         """One cycle of some lanes from states with values of what varies, and why those fail that do."""
@@ -55,9 +54,12 @@ class LaneCycles:
         reason[finite & ~valid(self.system, solved, n)] = NOT_VALID
         can = np.flatnonzero(reason == "")
         own = {name: column[can] for name, column in given.items()}
-        batch = simulate_many(self.system, q[can], v[can], 1, self.rtol, parameters=own, observe=self.observe)
+        observe = any(name in OBSERVED for name in self.measures)
+        batch = simulate_many(self.system, q[can], v[can], 1, self.rtol, parameters=own, observe=observe)
         reason[can] = np.where(batch.reason == "complete", "", batch.reason)
-        measured = np.column_stack([measure(self.system, q[can], batch) for measure in self.measures] or [q[can, :0]])
+        measured = np.column_stack(
+            [MEASURES[name](self.system, q[can], batch) for name in self.measures] or [q[can, :0]]
+        )
         durations = {phase: _spread(seconds, can, n) for phase, seconds in batch.durations.items()}
         q, v, measured = (_spread(part, can, n) for part in (batch.q, batch.v, measured))
         orders = dict(zip(can.tolist(), batch.orders, strict=True))

@@ -15,108 +15,25 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.lane_cycles import NO_MULTIPLIERS, NOT_VALID, LaneCycles, multipliers, valid
+from spear_pin.gaits.gait_table import NO_CONVERGENCE, GaitTable
+from spear_pin.gaits.lane_cycles import NOT_VALID, LaneCycles, multipliers, valid
+from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
-from spear_pin.hybrid import reasons
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import Batch, simulate_many
+from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import OF_GROUND
-from spear_pin.hybrid.newton import CONVERGED as CONVERGED
-from spear_pin.hybrid.newton import Roots, Words
+from spear_pin.hybrid.newton import CONVERGED, Roots, Words
 from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import section
-from spear_pin.hybrid.shooting import SHORT_CYCLE, Shooting
+from spear_pin.hybrid.shooting import Shooting
 from spear_pin.kinds import typed
-from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
-Measure = Callable[[HybridSystem, Array, Batch], Array]
 ROUNDS = 6  # times at most that a lane begins from a neighbour
 CALLS = 30  # of the engine at most, in which a lane has to converge
-
-NO_CONVERGENCE = "no_convergence"
-REASONS: Mapping[str, str] = {
-    CONVERGED: "a fixed point was found, with its multipliers",
-    NO_CONVERGENCE: "Newton's method makes no progress",
-    NO_MULTIPLIERS: "a fixed point was found, but a cycle that begins beside it does not close",
-    SHORT_CYCLE: "the toe leaves the ground and returns at once",
-    NOT_VALID: "a parameter is out of its range",
-    **{name: text for name, text in reasons.REASONS.items() if name != "complete"},
-}
-
-
-def _durations(phase: str) -> Measure:
-    return lambda system, q, batch: batch.durations[phase]
-
-
-def _period(system: HybridSystem, q: Array, batch: Batch) -> Array:
-    return np.asarray(sum(batch.durations.values()))
-
-
-def _stride(system: HybridSystem, q: Array, batch: Batch) -> Array:
-    if not system.cyclic:
-        return np.zeros(len(q))
-    forward = system.robot.index(system.cyclic[0])
-    return np.asarray(batch.q[:, forward] - q[:, forward])
-
-
-OBSERVED = ("apex_height",)  # measures of events that change nothing, which cost a stop in each cycle
-MEASURES: Mapping[str, Measure] = {
-    "apex_height": lambda system, q, batch: batch.observed["apex"][:, system.robot.index("boom_z")],
-    "flight_time": _durations("flight"),
-    "stance_time": _durations("stance"),
-    "period": _period,
-    "stride": _stride,
-    "mean_speed": lambda system, q, batch: _stride(system, q, batch) / _period(system, q, batch),
-}
-
-
-@dataclass(frozen=True, repr=False)
-class GaitTable(Shown):
-    """Outcomes of the lanes, a row each; NaN where no fixed point was found.
-
-    Attributes:
-        q: configurations on the section, (n, nq).
-        v: velocities there, (n, nv).
-        parameters: those given and those solved for, by name, (n,) each.
-        residual: ‖P(x) - x‖∞, (n,), in m, rad, m/s, rad/s.
-        multipliers: Floquet multipliers by decreasing modulus, (n, d); NaN beyond the section's dimension.
-        durations: seconds in each phase, (n,) each.
-        reason: a key of `REASONS`, (n,).
-    """
-
-    q: Array
-    v: Array
-    parameters: Mapping[str, Array]
-    residual: Array
-    multipliers: NDArray[np.complex128]
-    durations: Mapping[str, Array]
-    reason: NDArray[np.str_]
-
-    def __len__(self) -> int:
-        """Number of lanes."""
-        return len(self.reason)
-
-    def __repr__(self) -> str:
-        return f"GaitTable({len(self)} lanes: {self.converged.sum()} gaits found, {self.stable.sum()} stable)"
-
-    @property
-    def converged(self) -> NDArray[np.bool_]:
-        """Whether the gait was found, (n,)."""
-        return np.asarray(self.reason == CONVERGED)
-
-    @property
-    def largest(self) -> Array:
-        """Modulus of the largest multiplier, (n,)."""
-        return np.asarray(np.abs(self.multipliers[:, 0]))
-
-    @property
-    def stable(self) -> NDArray[np.bool_]:
-        """Whether the gait was found and every multiplier lies inside the unit circle, (n,)."""
-        return self.converged & (self.largest < 1.0)
 
 
 @typed
@@ -212,9 +129,7 @@ class _Search:
     def cycle(self, lanes: NDArray[np.int64]) -> LaneCycles:
         """Cycles of some lanes."""
         fixed = {name: values[lanes] for name, values in self.fixed.items()}
-        measures = [MEASURES[name] for name in self.target]
-        observe = any(name in OBSERVED for name in self.target)
-        return LaneCycles(self.system, fixed, self.vary, measures, self.rtol, observe)
+        return LaneCycles(self.system, fixed, self.vary, self.target, self.rtol)
 
 
 class _Lanes:

@@ -10,13 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue, SpearError
+from spear_pin.errors import SpearError
 from spear_pin.gaits.sensitivity.measures import Measure, measure
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import LOCK, check_lanes
-from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.batch import LOCK, has_lanes
 from spear_pin.hybrid.engines.structure import NONZERO
-from spear_pin.hybrid.lanes.numbers import OTHERS
 from spear_pin.hybrid.newton import Lanes
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.parameters import parameter, with_parameters
@@ -165,13 +163,8 @@ def tangent_cycles(
 ) -> TangentCycles | None:
     """Cycles with derivatives, None where nothing compiles them: heyoka is missing, or the system is not for lanes."""
     names = tuple(name for name in measures if isinstance(name, str))
-    known = {*vars(system.law), *OTHERS}
-    if not taylor.available() or system.section_toes or len(names) < len(measures) or not known.issuperset(vary):
+    if system.section_toes or len(names) < len(measures) or not has_lanes(system, vary):
         return None
     if any(name in NONZERO and parameter(system, name) == 0.0 for name in vary):
         return None  # what is zero is not compiled
-    try:
-        check_lanes(system)
-    except BadValue:
-        return None
     return TangentCycles(system, tuple(vary), names)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from threading import Lock
 
@@ -145,6 +145,15 @@ def check_lanes(system: HybridSystem) -> None:
 def may_differ(system: HybridSystem, name: str) -> bool:
     """Whether lanes may differ in a number: of the law, the springs' but their fixed rest angle, or the ground's."""
     return name in OTHERS or any(field.name == name for field in fields(system.law))
+
+
+def has_lanes(system: HybridSystem, names: Iterable[str]) -> bool:
+    """Whether lanes of a system can be run, and may differ in some numbers; not where heyoka is missing."""
+    try:
+        check_lanes(system)
+    except BadValue:
+        return False
+    return taylor.available() and all(may_differ(system, name) for name in names)
 
 
 def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array], cycles: int) -> None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue, SpearError, UnknownName
 from spear_pin.hybrid.automaton import REPLACED, HybridSystem
 from spear_pin.hybrid.hardware import Hardware
 from spear_pin.kinds import typed
@@ -121,6 +122,16 @@ def number(system: HybridSystem, name: str) -> float:
         if name not in bodies:
             raise UnknownName("parameter", name, [*error.valid, *parameters_of(robot), *bodies]) from None
         return bodies[name].value
+
+
+def nonzero(system: HybridSystem, names: Iterable[str]) -> tuple[str, ...]:
+    """Those of some names that a system has a number of, other than zero."""
+    found = []
+    for name in names:
+        with suppress(SpearError):
+            if number(system, name) != 0.0:
+                found.append(name)
+    return tuple(found)
 
 
 def unit(system: HybridSystem, name: str) -> str:

@@ -49,7 +49,7 @@ def test_with_a_motor(capsys, tmp_path):
     ("arguments", "text"),
     [
         (("hop",), "--sigma"),
-        (("hop", "--sigma", "stiffness"), "no NAME=VALUE"),
+        (("hop", "--sigma", "stiffness"), "is not NAME=VALUE"),
         (("hop", "--sigma", "stiffness=x"), "'x'"),
         (("hop", "--sigma", "stiffness=-1"), ">= 0"),
         (("hop", "--sigma", "nope=1"), "'nope'"),

@@ -8,7 +8,8 @@ import pytest
 from spear_pin import Gait, find_gait
 from spear_pin.errors import BadValue, MissingExtra, UnknownName
 from spear_pin.gaits import many
-from spear_pin.gaits.many import CONVERGED, REASONS, find_many
+from spear_pin.gaits.gait_table import CONVERGED, REASONS
+from spear_pin.gaits.many import find_many
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import multipliers
 

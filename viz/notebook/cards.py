@@ -14,7 +14,7 @@ from spear_pin.errors import listed
 from spear_pin.gaits.codesign.design import Design
 from spear_pin.gaits.continuation.branch import Branch
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.many import GaitTable
+from spear_pin.gaits.gait_table import GaitTable
 from spear_pin.gaits.sensitivity.monte_carlo import MonteCarlo
 from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
 from spear_pin.gaits.sensitivity.uncertainty import Uncertainty

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.gaits.tangent_cycles import REFUSALS
-from spear_pin.hybrid.parameters import number
 
 Array = NDArray[np.float64]
 CLOSED = 1e-10  # of coordinates and of what is kept
@@ -50,8 +49,8 @@ def closed(
             rows = orbit.columns[:, : d + k] - np.eye(d, d + k)
             kept = [orbit.measures[name].derivative[: d + k] for name in keep]
             step = np.linalg.solve(np.vstack([rows, *kept]), -residual)
-            values = {name: number(orbit.system, name) + step[d + j] for j, name in enumerate(vary)}
-            orbit = orbit.beside(values, orbit.start[:, : d + k] @ step, orbit.names)
+            change = dict(zip(vary, step[d:].tolist(), strict=True))
+            orbit = orbit.beside(change, orbit.start[:, : d + k] @ step, orbit.names)
         except REFUSALS as error:
             raise NoGait(str(error), before) from None
         before = size
@@ -77,14 +76,12 @@ def led(
     Raises:
         NoGait: Newton's method does not lead to one, or a number is not valid.
     """
-    k = len(vary)
     dxi, dz = solved(orbit, vary, list(keep))
-    by = np.array([change[name] for name in orbit.names[k:]])
-    values = {name: number(orbit.system, name) + slope @ by for name, slope in zip(vary, dz, strict=True)}
-    values |= {name: number(orbit.system, name) + change[name] for name in orbit.names[k:]}
-    dy = orbit.start @ np.concatenate([dxi @ by, dz @ by, by])
+    by = np.array([change[name] for name in orbit.names[len(vary) :]])
+    step = np.concatenate([dxi @ by, dz @ by, by])
+    numbers = dict(zip(orbit.names, step[orbit.dimension :].tolist(), strict=True))
     try:
-        begun = orbit.beside(values, dy, orbit.names)
+        begun = orbit.beside(numbers, orbit.start @ step, orbit.names)
     except SpearError as error:
         raise NoGait(str(error), np.inf) from None
     return closed(begun, vary, keep, on_cycle)

@@ -5,26 +5,25 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import SpearError
+from spear_pin.files import plain
 from spear_pin.gaits.codesign.problem import STABILITY, Problem, largest
 from spear_pin.gaits.codesign.stability import borders
 from spear_pin.gaits.codesign.trust_region import Minimum
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.parameters import number, unit
+from spear_pin.hybrid.parameters import nonzero, number, unit
 from spear_pin.model.numbers import body_numbers
 from spear_pin.model.variants import parameters_of
 from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
 STEP = 1e-6  # of the largest multiplier that is allowed
-NOTHING = 1e-6  # of the objective: a price for a whole bound, or a whole range, that is none
+NO_PRICE = 1e-6  # of the objective, for a whole bound or range: a price that is none
 
 
 @dataclass(frozen=True)
@@ -145,22 +144,11 @@ class Design(Shown):
 
     def to_json(self) -> str:
         """All of it but the gait, as JSON."""
-        plain = {field.name: getattr(self, field.name) for field in fields(self)} | {
-            "gait": None,
+        data = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "gait"} | {
             "parameters": {name: vars(each) for name, each in self.parameters.items()},
             "assumptions": {name: vars(each) for name, each in self.assumptions.items()},
         }
-        del plain["gait"]
-        return json.dumps(_plain(plain), indent=1, allow_nan=False)
-
-
-def _plain(value: Any) -> Any:
-    """Data for JSON, null where a number is not finite."""
-    if isinstance(value, dict):
-        return {name: _plain(each) for name, each in value.items()}
-    if isinstance(value, (tuple, list)):
-        return [_plain(each) for each in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
+        return json.dumps(plain(data), indent=1, allow_nan=False)
 
 
 def design(
@@ -189,9 +177,9 @@ def design(
         name: Chosen(number(begun.system, name), number(gait.system, name), low, high, unit(gait.system, name))
         for name, (low, high) in problem.over.items()
     }
-    found, bounds = problem.measures(orbit), dict[str, tuple[float, float]]()
-    for word, limits in (("at most", problem.at_most), ("at least", problem.at_least)):
-        bounds |= {f"{name} {word}": (found[name].value, bound) for name, bound in limits.items() if name in found}
+    found = problem.measures(orbit)
+    known = [each for each in problem.bounds if each.measure in found]
+    bounds = {each.label: (found[each.measure].value, each.value) for each in known}
     if problem.largest_multiplier is not None:
         bounds["largest multiplier at most"] = largest(orbit), problem.largest_multiplier
     return Design(
@@ -222,14 +210,8 @@ def assumed(system: HybridSystem, besides: Sequence[str]) -> tuple[str, ...]:
     masses = [name for name in body_numbers(robot) if name.endswith("_mass")]
     if "torso_mass" in parameters_of(robot):  # which is that of the base's last joint
         masses = [name for name in masses if name.removesuffix("_mass") in robot.actuated]
-    found = []
-    for name in (*own, "stiffness", "damping", "friction", *masses):
-        try:
-            if name not in besides and number(system, name) != 0.0:
-                found.append(name)
-        except SpearError:
-            continue
-    return tuple(found)
+    names = (*own, "stiffness", "damping", "friction", *masses)
+    return nonzero(system, [name for name in names if name not in besides])
 
 
 def _prices(problem: Problem, orbit: Orbit, end: Minimum[Orbit], scale: float) -> dict[str, float]:
@@ -237,18 +219,17 @@ def _prices(problem: Problem, orbit: Orbit, end: Minimum[Orbit], scale: float) -
     found = dict[str, float]()
     for word, side, prices in zip(("least", "greatest"), (1.0, -1.0), end.at_bounds, strict=True):
         for name, price, span in zip(problem.over, prices, problem.span, strict=True):
-            if price > NOTHING:
+            if price > NO_PRICE:
                 found[f"{word} {name}"] = side * float(price) * scale / float(span)
-    measured = len(problem.at_most) + len(problem.at_least)
-    sides = [-1.0] * len(problem.at_most) + [1.0] * len(problem.at_least)
-    for label, price, side, size in zip(problem.labels, end.multipliers, sides, problem.sizes, strict=False):
-        if price > NOTHING:
-            found[label] = side * float(price) * scale / float(size)
+    bounds = problem.bounds
+    for bound, price in zip(bounds, end.multipliers[: len(bounds)], strict=True):
+        if price > NO_PRICE:
+            found[bound.label] = bound.side * float(price) * scale / bound.size
     if problem.largest_multiplier is not None:
         rho = problem.largest_multiplier
         grown = borders(orbit.jacobian, rho * (1.0 + STEP)) - borders(orbit.jacobian, rho * (1.0 - STEP))
-        for label, price, change in zip(STABILITY, end.multipliers[measured:], grown, strict=True):
-            if price > NOTHING:
+        for label, price, change in zip(STABILITY, end.multipliers[len(bounds) :], grown, strict=True):
+            if price > NO_PRICE:
                 found[label] = -float(price) * scale * float(change) / (2.0 * STEP * rho)
     return found
 

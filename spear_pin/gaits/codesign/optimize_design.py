@@ -25,7 +25,7 @@ from spear_pin.kinds import typed
 from spear_pin.model.motor import NO_MOTORS, Motor
 
 Array = NDArray[np.float64]
-NOTHING: Mapping[str, float] = MappingProxyType({})
+NO_MEASURES: Mapping[str, float] = MappingProxyType({})
 
 
 @typed
@@ -33,11 +33,11 @@ def optimize_design(
     gait: Gait,
     minimize: str,
     over: Mapping[str, tuple[float, float]],
-    keep: Mapping[str, float] = NOTHING,
+    keep: Mapping[str, float] = NO_MEASURES,
     *,
     vary: Sequence[str] | None = None,
-    at_most: Mapping[str, float] = NOTHING,
-    at_least: Mapping[str, float] = NOTHING,
+    at_most: Mapping[str, float] = NO_MEASURES,
+    at_least: Mapping[str, float] = NO_MEASURES,
     largest_multiplier: float | None = None,
     motors: Mapping[str, Motor] = NO_MOTORS,
     assuming: Sequence[str] | None = None,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,24 @@ MARGIN = "margin_"
 STABILITY = ("multiplier at +1", "multiplier at -1", "multipliers in a complex pair")
 ROUNDING = 1e-5  # by which multipliers may miss their bound at an end
 WATCHED = 0.8  # of the largest multiplier that is allowed: above this its derivatives are needed
+
+
+class Bound(NamedTuple):
+    """A bound of a measure; side is -1 where it is the upper one, 1 where it is the lower."""
+
+    measure: str
+    side: float
+    value: float
+
+    @property
+    def label(self) -> str:
+        """What it is called."""
+        return f"{self.measure} at {'most' if self.side < 0.0 else 'least'}"
+
+    @property
+    def size(self) -> float:
+        """Unit in which it is counted."""
+        return abs(self.value) or 1.0
 
 
 @dataclass(frozen=True)
@@ -64,21 +83,10 @@ class Problem:
         return np.array([high - low for low, high in self.over.values()])
 
     @property
-    def labels(self) -> tuple[str, ...]:
-        """Names of the constraints, in the order of `Local.c`."""
-        stability = () if self.largest_multiplier is None else STABILITY
-        return (
-            *(f"{name} at most" for name in self.at_most),
-            *(f"{name} at least" for name in self.at_least),
-            *stability,
-        )
-
-    @property
-    def sizes(self) -> Array:
-        """Units in which constraints are counted: of their bounds; of stability 1."""
-        bounds = [*self.at_most.values(), *self.at_least.values()]
-        of_stability = [] if self.largest_multiplier is None else [1.0] * len(STABILITY)
-        return np.array([abs(bound) or 1.0 for bound in bounds] + of_stability)
+    def bounds(self) -> tuple[Bound, ...]:
+        """Bounds of measures, in the order of `Local.c`, of which those of the multipliers are the last."""
+        upper = [Bound(name, -1.0, value) for name, value in self.at_most.items()]
+        return (*upper, *(Bound(name, 1.0, value) for name, value in self.at_least.items()))
 
     def measures(self, orbit: Orbit) -> dict[str, Measure]:
         """All measures of a gait, and margins."""
@@ -100,14 +108,14 @@ class Problem:
                 raise UnknownName("measure", name, found)
 
     def values(self, orbit: Orbit) -> tuple[float, Array]:
-        """What is minimised, and the constraints, which are met where they are >= 0, in their sizes, (m,)."""
+        """What is minimised, and the constraints, which are met where they are >= 0, in units of their size, (m,)."""
         found, values = self.measures(orbit), []
         if self.minimize not in found:
             raise NoGait(f"there is no {self.minimize} here", np.nan)
-        for bounds, side in ((self.at_most, -1.0), (self.at_least, 1.0)):
-            for name, bound in bounds.items():
-                # an event that is not armed has no margin, and needs none
-                values.append(side * (found[name].value - bound) / (abs(bound) or 1.0) if name in found else 1.0)
+        for each in self.bounds:
+            # an event that is not armed has no margin, and needs none
+            known = each.measure in found
+            values.append(each.side * (found[each.measure].value - each.value) / each.size if known else 1.0)
         if self.largest_multiplier is not None:
             values.extend(borders(orbit.jacobian, self.largest_multiplier).tolist())
         return found[self.minimize].value, np.array(values)
@@ -123,10 +131,9 @@ class Problem:
         others, found = len(orbit.names) - len(self.vary), self.measures(orbit)
         dxi, dz = solved(orbit, self.vary, list(self.keep))
         chain, rows = np.concatenate([dxi, dz, np.eye(others)]), []
-        for bounds, side in ((self.at_most, -1.0), (self.at_least, 1.0)):
-            for name, bound in bounds.items():
-                along = found[name].derivative @ chain if name in found else np.zeros(others)
-                rows.append(side * along / (abs(bound) or 1.0))
+        for each in self.bounds:
+            along = found[each.measure].derivative @ chain if each.measure in found else np.zeros(others)
+            rows.append(each.side * along / each.size)
         if self.largest_multiplier is not None:
             of = slopes(orbit, self.vary, list(self.keep), self.largest_multiplier, on_cycle) if watch else None
             rows.extend(np.zeros((len(STABILITY), others)) if of is None else of)

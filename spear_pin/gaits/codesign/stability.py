@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import SpearError
+from spear_pin.gaits.sensitivity.multipliers import step_of
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
-from spear_pin.hybrid.parameters import number
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
-STEP = 2.0**-11  # of a parameter, in which exact multipliers are differenced
 
 
 def borders(jacobian: Array, radius: float) -> Array:
@@ -49,13 +48,13 @@ def slopes(
     found = np.zeros((3, len(over)))
     for j, name in enumerate(over):
         along = np.concatenate([dxi[:, j], dz[:, j], np.eye(len(over))[j]])
-        value = number(orbit.system, name)
-        h = STEP * (abs(value) or 1.0)
-        ends = []
+        change = {name: 1.0, **dict(zip(vary, dz[:, j].tolist(), strict=True))}
+        h, ends = step_of(orbit, name), []
         for step in (h, -h):
-            given = {z: number(orbit.system, z) + step * slope for z, slope in zip(vary, dz[:, j], strict=True)}
             try:
-                there = orbit.beside({name: value + step, **given}, orbit.start @ (step * along))
+                there = orbit.beside(
+                    {each: step * slope for each, slope in change.items()}, orbit.start @ (step * along)
+                )
                 on_cycle()
                 if there.cycle.order == orbit.cycle.order:
                     ends.append((step, borders(there.jacobian, radius)))

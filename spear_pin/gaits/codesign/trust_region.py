@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 T = TypeVar("T")
 FIRST, LARGEST = 0.1, 0.5  # radii, of the box
 GOOD, BAD = 0.75, 0.1  # shares of a predicted gain
-MARGIN = 2.0  # of the penalty over the largest multiplier
+PENALTY = 2.0  # of the largest multiplier, at least
 STILL = 1e-3  # of the function, over the whole box: what a minimum leaves of the gradient
 HIGHEST = 1e6  # of a multiplier
 FAILURES = RuntimeError, ArithmeticError, np.linalg.LinAlgError  # of solvers
@@ -132,7 +132,7 @@ def minimised(
             reason = UNSOLVED
             break
         step, multipliers = ahead.s, ahead.multipliers
-        penalty = max(0.5 * penalty, 1.0, MARGIN * float(multipliers.max(initial=0.0)))
+        penalty = max(0.5 * penalty, 1.0, PENALTY * float(multipliers.max(initial=0.0)))
         predicted = -(best.g @ step + 0.5 * step @ hessian @ step) + penalty * (best.violation - ahead.missed)
         size = float(np.abs(step).max())
         reach = radius if size > 0.9 * radius else 1.0  # a step that the region cuts short says little

@@ -14,7 +14,7 @@ from spear_pin.gaits.continuation.borders import CONTINUOUS, DISCONTINUOUS, LOST
 from spear_pin.gaits.continuation.cycles import Family
 from spear_pin.gaits.continuation.signs import CROSSING, FLIP, FOLD, KINK, SADDLE, TORUS
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.many import REASONS
+from spear_pin.gaits.gait_table import REASONS
 from spear_pin.hybrid.orders import Order, differing, said
 from spear_pin.showing import Shown
 
@@ -73,7 +73,7 @@ class BorderPoint:
         parameter: there.
         before: (domain, event) of each event on the near side.
         after: of each on the far side; of a cycle that does not close as far as it is known.
-        reason: why the cycle does not close there, a key of `gaits.many.REASONS`; empty if it does.
+        reason: why the cycle does not close there, a key of `gaits.gait_table.REASONS`; empty if it does.
         jump: where the branch ends ‖P(x) - x‖∞ just beyond; else zero.
     """
 

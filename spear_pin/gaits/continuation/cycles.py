@@ -9,14 +9,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue, MissingExtra, SpearError
+from spear_pin.errors import SpearError
 from spear_pin.gaits.lane_cycles import LaneCycles
-from spear_pin.gaits.many import MEASURES, OBSERVED
+from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.tangent_cycles import TangentCycles, tangent_cycles
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import FEW, check_lanes
-from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.lanes.numbers import OTHERS
+from spear_pin.hybrid.batch import FEW, has_lanes
 from spear_pin.hybrid.orders import Order, order_of
 from spear_pin.hybrid.parameters import number, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import return_map
@@ -96,14 +94,8 @@ class Family:
 
     def _has_lanes(self) -> bool:
         """Whether lanes can run it, which are faster."""
-        try:
-            taylor.require()
-            check_lanes(self.system)
-        except (BadValue, MissingExtra):
-            return False
         own = self.names[:-1] if self.of_robot else self.names
-        known = {*vars(self.system.law), *OTHERS}
-        return known.issuperset(own) and all(measure in MEASURES for measure in self.measures)
+        return has_lanes(self.system, own) and all(measure in MEASURES for measure in self.measures)
 
     def _by_lanes(self, q: Array, v: Array, values: Array) -> Cycles:
         parts: list[tuple[NDArray[np.int64], Cycles]] = []
@@ -113,16 +105,14 @@ class Family:
             for first in range(0, len(chosen), FEW):  # of more, nobody keeps the order of events
                 lanes = chosen[first : first + FEW]
                 parts.append((lanes, self._few(q[lanes], v[lanes], values[lanes])))
-        return _joined(parts, len(q))
+        return _joined(parts)
 
     def _few(self, q: Array, v: Array, values: Array) -> Cycles:
         names, system = self.names, self.system
         if self.of_robot:
             names, own = names[:-1], [*map(float, (*self.values()[:-1], values[0, -1]))]
             system, values = self.member(own), values[:, :-1]
-        measures = [MEASURES[str(name)] for name in self.measures]
-        observe = any(name in OBSERVED for name in self.measures)
-        run = LaneCycles(system, {}, names, measures, self.rtol, observe)
+        run = LaneCycles(system, {}, names, [str(name) for name in self.measures], self.rtol)
         return run(np.arange(len(q)), q, v, values)
 
     def _by_reference(self, q: Array, v: Array, values: Array) -> Cycles:
@@ -151,8 +141,8 @@ class Family:
         return Cycles(*ends, measured, durations, reason, np.ones(n, dtype=bool), orders)
 
 
-def _joined(parts: Sequence[tuple[NDArray[np.int64], Cycles]], n: int) -> Cycles:
-    """Cycles of n lanes, from those of some of them each."""
+def _joined(parts: Sequence[tuple[NDArray[np.int64], Cycles]]) -> Cycles:
+    """Cycles of all lanes, from those of some of them each."""
     back = np.argsort(np.concatenate([lanes for lanes, _ in parts]))
     every = [cycles for _, cycles in parts]
     orders = [order for cycles in every for order in cycles.orders]

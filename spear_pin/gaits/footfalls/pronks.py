@@ -11,12 +11,11 @@ from spear_pin.gaits.footfalls.course import CollocatedGait
 from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.spatial.law import INPUTS, SpatialLaw, is_angle
+from spear_pin.gaits.spatial.law import INPUTS, SpatialLaw, limits_for
 from spear_pin.gaits.spatial.legs import FLIGHTS
 from spear_pin.gaits.spatial.pronking import pronking
 from spear_pin.hybrid.symmetry import headed
 from spear_pin.kinds import typed
-from spear_pin.model.scale import scale_in_space
 
 NOTHING = ((0.0,) * 4,) * 2  # coefficients of what no leg of a pronk does
 NO_SPAN = -0.4  # rad: of a stance over which none swings
@@ -57,7 +56,7 @@ def law_of_pronk(gait: CollocatedGait) -> SpatialLaw:
         BadValue: it is no pronk with a law on the ground and in the air.
     """
     law, swing = laws_of(gait, (FOOTFALLS["pronk"],), "pronk")
-    (_, flight), scale = gait.stretches, scale_in_space(gait.robot)
+    _, flight = gait.stretches
     plane: dict[str, Any] = {
         **{f"{each}_trailing": NOTHING for each in FLIGHTS},
         **{f"{end}_stance_swing": NOTHING for end in LEGS},
@@ -93,8 +92,5 @@ def law_of_pronk(gait: CollocatedGait) -> SpatialLaw:
         adduction_stiffness=law.adduction_stiffness,
         adduction_damping=law.adduction_damping,
         adduction_epsilon=swing.adduction_epsilon,
-        feedback_limits=tuple(
-            limit * (1.0 if is_angle(name) else scale.torque)
-            for name, limit in zip(INPUTS, SpatialLaw.feedback_limits, strict=True)
-        ),
+        feedback_limits=limits_for(gait.robot, INPUTS, SpatialLaw.feedback_limits),
     )

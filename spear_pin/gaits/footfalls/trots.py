@@ -10,12 +10,11 @@ from spear_pin.gaits.footfalls.course import CollocatedGait
 from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.spatial.law import is_angle
+from spear_pin.gaits.spatial.law import limits_for
 from spear_pin.gaits.spatial.trot_law import TROT_INPUTS, TrotLaw
 from spear_pin.gaits.spatial.trotting import halfway, pacing, trotting
 from spear_pin.hybrid.symmetry import headed, mirror_of
 from spear_pin.kinds import typed
-from spear_pin.model.scale import scale_in_space
 
 
 @typed
@@ -56,7 +55,7 @@ def law_of_trot(gait: CollocatedGait) -> TrotLaw:
         BadValue: it is no mirrored one with a law on the ground and in the air.
     """
     law, swing = laws_of(gait, (FOOTFALLS["trot"], FOOTFALLS["pace"]), "mirrored trot or pace")
-    (stance, flight), torque = gait.stretches, scale_in_space(gait.robot).torque
+    stance, flight = gait.stretches
     numbers: dict[str, Any] = {}
     for name, leg in legs_of(gait.robot).items():
         end = leg.end
@@ -87,9 +86,6 @@ def law_of_trot(gait: CollocatedGait) -> TrotLaw:
         adduction_damping=law.adduction_damping,
         adduction_epsilon=swing.adduction_epsilon,
         epsilon=swing.epsilon,
-        feedback_limits=tuple(
-            limit * (1.0 if is_angle(name) else torque)
-            for name, limit in zip(TROT_INPUTS, TrotLaw.feedback_limits, strict=True)
-        ),
+        feedback_limits=limits_for(gait.robot, TROT_INPUTS, TrotLaw.feedback_limits),
         **numbers,
     )

@@ -13,17 +13,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue, NoGait, SpearError, require
+from spear_pin.errors import BadValue, NoGait, require
 from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.orbits.balance import unit_of
-from spear_pin.gaits.orbits.steering import SECOND, footfall_gap
+from spear_pin.gaits.orbits.steering import SECOND
+from spear_pin.gaits.orbits.strides import Strides
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.spatial.law import INPUTS
-from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import chart, return_map
-from spear_pin.hybrid.result import State
 from spear_pin.hybrid.symmetry import headed
 from spear_pin.kinds import typed
 from spear_pin.model.scale import scale_in_space
@@ -65,7 +61,8 @@ def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> G
         raise BadValue("landing", landing, "two times, in s")
     for i, time in enumerate(landing):
         require(f"landing[{i}]", time, math.isfinite, "a finite number, in s")
-    path = _Path(gait.system, gait.state, PATH_RTOL)
+    second = SECOND * scale_in_space(gait.system.robot).time
+    path = _Path(gait.system, gait.state, INPUTS, second, PATH_RTOL)
     x = np.zeros(path.unknowns)
     begin, J = path.values(x), path.slopes(x, CENTRAL)
     wanted = path.wanted(begin, landing)
@@ -88,49 +85,12 @@ def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> G
     return found.with_law(nominal=(*q.tolist(), *v.tolist()))
 
 
-class _Path:
-    """Equations of a gallop over coordinates of the section and scaled changes of `INPUTS`."""
-
-    def __init__(self, system: HybridSystem, state: State, rtol: float) -> None:
-        self._system, self._rtol, self._chart = system, rtol, chart(system, state)
-        self._second = SECOND * scale_in_space(system.robot).time
-        self._inputs = [(name, parameter(system, name), unit_of(name, system.robot)) for name in INPUTS]
-        self.n = self._chart.dimension
-        self.unknowns = self.n + len(INPUTS)
-
-    def system(self, x: Array) -> HybridSystem:
-        """The system with the inputs."""
-        changes = zip(self._inputs, x[self.n :].tolist(), strict=True)
-        return with_parameters(self._system, {name: value + unit * by for (name, value, unit), by in changes})
-
-    def state(self, x: Array) -> State:
-        """On the section."""
-        return self._chart.state(x[: self.n])
+class _Path(Strides):
+    """Equations of a gallop."""
 
     def wanted(self, begin: Array, gaps: Sequence[float]) -> Array:
         """Values of a gallop: it closes, straight ahead, at the speed that it has."""
         return np.array([*np.zeros(self.n + 1), begin[self.n + 1], *(gap / self._second for gap in gaps)])
-
-    def values(self, x: Array) -> Array:
-        """By how much the state changes in a stride, the turn, the speed, and times between touchdowns.
-
-        Raises:
-            NoGait: the stride does not close, or a foot does not land.
-        """
-        system = self.system(x)
-        try:
-            run = return_map(system, self.state(x), self._rtol)
-        except SpearError as error:
-            raise NoGait(str(error), np.inf) from None
-        if not run.cycles:
-            raise NoGait(f"a stride does not close: {run.message}", np.inf)
-        closes = self._chart.coordinates(run.state) - x[: self.n]
-        measured = [system.measures[name](run) for name in ("turn", "mean_speed")]
-        gaps = [footfall_gap(run, pair) / self._second for pair in LEGS]
-        found = np.array([*closes, *measured, *gaps])
-        if not np.isfinite(found).all():
-            raise NoGait("a foot does not land in each stride", np.inf)
-        return found
 
     def slopes(self, x: Array, step: float, at: Array | None = None) -> Array:
         """Derivatives of the values: central, or one-sided from those at x."""

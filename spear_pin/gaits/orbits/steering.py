@@ -6,18 +6,13 @@ them is kept within bounds by the inputs, too.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import NoGait
-from spear_pin.gaits.orbits.balance import unit_of
-from spear_pin.gaits.spatial.legs import SIDES
+from spear_pin.gaits.orbits.strides import Strides
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import chart, return_map
-from spear_pin.hybrid.result import Run, State
+from spear_pin.hybrid.result import State
 from spear_pin.hybrid.symmetry import headed
 
 Array = NDArray[np.float64]
@@ -30,13 +25,6 @@ GAP = 0.004  # s: at most between both touchdowns of a pair
 SECOND = 0.1  # s: what counts as one of that time
 ITERATIONS, SLOW, LONGEST = 14, 0.3, 0.3
 DIFFERENCE = 1e-6
-
-
-def footfall_gap(run: Run, pair: str, event: str = "touchdown") -> float:
-    """Time from the first touchdown, or "lift_off", of a pair's left foot in a stride to the right one's, in s."""
-    times = {each.name: each.time for each in reversed(run.events)}
-    left, right = (times.get(f"{pair}_{side}_{event}", np.nan) for side in SIDES)
-    return float(right - left)
 
 
 def turned(system: HybridSystem, state: State, turn: float, speed: float, rtol: float) -> tuple[HybridSystem, State]:
@@ -54,66 +42,25 @@ def turned(system: HybridSystem, state: State, turn: float, speed: float, rtol: 
     Raises:
         NoGait: it does not converge, or a stride does not close.
     """
-    beside = _Beside(system, state, np.array([turn, speed]), rtol)
-    x, least, J = np.zeros(beside.unknowns), np.inf, None
+    strides, wanted = Strides(system, state, STEERED_BY, SECOND, rtol), np.array([turn, speed])
+    x, least, J = np.zeros(strides.unknowns), np.inf, None
     for _ in range(ITERATIONS):
-        values = beside.values(x)
-        off = beside.off(values)
+        values = strides.values(x)
+        off = _off(values, wanted)
         size = float(np.abs(off).max())
         if size <= 10.0 * rtol:
-            return beside.system(x), headed(*beside.state(x))
+            return strides.system(x), headed(*strides.state(x))
         if J is None or size > SLOW * least:
-            J = np.array([(beside.values(x + step) - values) / DIFFERENCE for step in beside.steps]).T
-        least, rows = min(size, least), beside.rows(values)
-        step = -np.linalg.lstsq(J[rows], off[rows], rcond=None)[0]
+            steps = DIFFERENCE * np.eye(strides.unknowns)
+            J = np.array([(strides.values(x + step) - values) / DIFFERENCE for step in steps]).T
+        # a time between touchdowns that is not too long is free
+        least, holds = min(size, least), np.append(np.ones(len(values) - 2, bool), np.abs(values[-2:]) >= GAP / SECOND)
+        step = -np.linalg.lstsq(J[holds], off[holds], rcond=None)[0]
         x = x + step * min(1.0, LONGEST / float(np.abs(step).max()))
     raise NoGait(f"Newton's method finds no turn by {np.degrees(turn):.3g}° a stride", least)
 
 
-class _Beside:
-    """Equations of a turning gait, over coordinates of the section and scaled changes of `STEERED_BY`."""
-
-    def __init__(self, system: HybridSystem, state: State, wanted: Array, rtol: float) -> None:
-        self._system, self._wanted, self._rtol = system, wanted, rtol
-        self._chart = chart(system, state)
-        self._n = self._chart.dimension
-        self._begin: Mapping[str, float] = {name: parameter(system, name) for name in STEERED_BY}
-        self.unknowns = self._n + len(STEERED_BY)
-        self.steps = DIFFERENCE * np.eye(self.unknowns)
-
-    def system(self, x: Array) -> HybridSystem:
-        """The system with the inputs."""
-        changes = zip(self._begin.items(), x[self._n :].tolist(), strict=True)
-        return with_parameters(
-            self._system,
-            {name: value + unit_of(name, self._system.robot) * change for (name, value), change in changes},
-        )
-
-    def state(self, x: Array) -> State:
-        """On the section."""
-        return self._chart.state(x[: self._n])
-
-    def values(self, x: Array) -> Array:
-        """By how much the state changes in a stride, turn, speed, and times between touchdowns, in `SECOND`."""
-        system = self.system(x)
-        run = return_map(system, self.state(x), self._rtol)
-        if not run.cycles:
-            raise NoGait(f"a stride beside the turn does not close: {run.message}", np.inf)
-        closes = self._chart.coordinates(run.state) - x[: self._n]
-        measured = [system.measures[name](run) for name in ("turn", "mean_speed")]
-        gaps = [footfall_gap(run, pair) / SECOND for pair in ("posterior", "anterior")]
-        return np.array([*closes, *measured, *gaps])
-
-    def off(self, values: Array) -> Array:
-        """By how much values miss what is wanted."""
-        gaps = values[self._n + 2 :]
-        return np.concatenate([values[: self._n], values[self._n : self._n + 2] - self._wanted, gaps - _bounded(gaps)])
-
-    def rows(self, values: Array) -> Sequence[int]:
-        """The equations that hold: a time between touchdowns that is not too long is free."""
-        gaps = np.abs(values[self._n + 2 :]) >= GAP / SECOND
-        return [*range(self._n + 2), *(self._n + 2 + np.flatnonzero(gaps)).tolist()]
-
-
-def _bounded(gaps: Array) -> Array:
-    return np.clip(gaps, -GAP / SECOND, GAP / SECOND)
+def _off(values: Array, wanted: Array) -> Array:
+    """By how much a stride's values miss what is wanted."""
+    gaps = values[-2:]
+    return np.concatenate([values[:-4], values[-4:-2] - wanted, gaps - np.clip(gaps, -GAP / SECOND, GAP / SECOND)])

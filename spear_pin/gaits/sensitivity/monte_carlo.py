@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import UnknownName
+from spear_pin.files import plain
 from spear_pin.gaits.sensitivity.samples import Samples
 from spear_pin.showing import Shown
 
@@ -183,7 +184,7 @@ class MonteCarlo(Shown):
     def plain(self) -> dict[str, Any]:
         """The same, as JSON's values."""
         samples = self.samples
-        return {
+        data = {
             "samples": len(self),
             "seed": self.seed,
             "over": list(self.over),
@@ -196,18 +197,19 @@ class MonteCarlo(Shown):
                 name: {
                     "value": self.values[name],
                     "unit": self.units[name],
-                    "first_order": _finite(first),
-                    "deviation": _finite(self.deviation(name)),
-                    "standard_error": _finite(self.error(name)),
-                    "mean": _finite(self.mean(name)),
-                    "difference": _finite(self.difference(name)),
-                    "bend": _finite(self.bend(name)),
+                    "first_order": first,
+                    "deviation": self.deviation(name),
+                    "standard_error": self.error(name),
+                    "mean": self.mean(name),
+                    "difference": self.difference(name),
+                    "bend": self.bend(name),
                     "verdict": self.verdict(name),
                     "count": len(self.drawn(name)),
                 }
                 for name, first in self.first.items()
             },
         }
+        return dict(plain(data))
 
     def _still(self, output: str) -> bool:
         size = STILL * max(abs(self.values[output]), STILL)
@@ -216,10 +218,6 @@ class MonteCarlo(Shown):
 
 def _deviation(values: Array) -> float:
     return float(values.std(ddof=1)) if len(values) > 1 else float("nan")
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
 
 
 def _percent(share: float) -> str:

@@ -15,7 +15,12 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
 Multipliers = NDArray[np.complex128]
-STEP = 2.0**-11  # of a parameter, in which exact Jacobians are differenced
+STEP = 2.0**-11  # of a parameter
+
+
+def step_of(orbit: Orbit, name: str) -> float:
+    """Step of a parameter, with which exact Jacobians are differenced."""
+    return STEP * (abs(number(orbit.system, name)) or 1.0)
 
 
 def along_branch(
@@ -38,7 +43,7 @@ def along_branch(
     values, left, right = values[order], left[:, order], right[:, order]
     slopes = np.full((len(values), len(over)), np.nan, complex)
     for j, name in enumerate(over):
-        h = STEP * (abs(number(orbit.system, name)) or 1.0)
+        h = step_of(orbit, name)
         given = {other: float(slope[j]) for other, slope in dz.items()}
         try:
             far, near = (_difference(orbit, {name: 1.0, **given}, dy[:, j], step) for step in (h, 0.5 * h))
@@ -59,8 +64,7 @@ def _difference(orbit: Orbit, along: Mapping[str, float], dy: Array, h: float) -
     """Change of the Jacobian for one unit along numbers and state, in the coordinates of the gait's own chart."""
     ends = []
     for step in (h, -h):
-        values = {name: number(orbit.system, name) + step * slope for name, slope in along.items()}
-        there = orbit.beside(values, step * dy)
+        there = orbit.beside({name: step * slope for name, slope in along.items()}, step * dy)
         if there.cycle.order != orbit.cycle.order:
             raise NotDifferentiable("another order of events is too near")
         here, other = orbit.chart, there.chart

@@ -17,7 +17,7 @@ from spear_pin.gaits.sensitivity.measures import Measure, measures
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.engines.structure import Structure
-from spear_pin.hybrid.parameters import with_numbers
+from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import Chart, Charts, chart, section, velocity_rows
 from spear_pin.hybrid.tangent.cycle import differentiated
@@ -133,11 +133,11 @@ class Orbit:
         found: NDArray[np.bool_] = self.chart.lane.section.sliding(y[:, :nv], y[:, nv:])[0]
         return found
 
-    def beside(self, values: Mapping[str, float], dy: Array, names: tuple[str, ...] = (), slides: Any = None) -> Orbit:
+    def beside(self, change: Mapping[str, float], dy: Array, names: tuple[str, ...] = (), slides: Any = None) -> Orbit:
         """The orbit of other numbers, from the state moved by dy, (2 nv,), and put onto the section of these.
 
         Args:
-            values: of numbers, by name.
+            change: of numbers, by name.
             dy: change of the state, to first order: toes that rest go on to.
             names: of its parameters.
             slides: which toes of the section slide, (k,); those that do here.
@@ -146,6 +146,7 @@ class Orbit:
             UnknownName: there is no number of a name.
             BadValue: a value is not valid, or no state on the section is near.
         """
+        values = {name: number(self.system, name) + by for name, by in change.items()}
         system, y = with_numbers(self.system, values), np.concatenate(self.state) + dy
         nv = system.robot.nv
         local = chart(system, (y[:nv], y[nv:]), self.slides if slides is None else slides)

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
-from spear_pin.gaits.many import CONVERGED, MEASURES, NO_CONVERGENCE, find_many
+from spear_pin.gaits.gait_table import CONVERGED, NO_CONVERGENCE
+from spear_pin.gaits.lane_measures import MEASURES
+from spear_pin.gaits.many import find_many
 from spear_pin.gaits.sensitivity.many_measures import measured
 from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
 from spear_pin.gaits.sensitivity.orbit import Orbit

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import UnknownName
+from spear_pin.files import plain
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
 from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
 from spear_pin.gaits.sensitivity.orbit import orbit_of_gait, solved
@@ -159,20 +160,15 @@ class Sensitivity(Shown):
                 name: {
                     "value": value,
                     "unit": self.output_units[name],
-                    "derivatives": self.plain(self.derivatives[name]),
+                    "derivatives": self.derivatives[name],
                 }
                 for name, value in self.outputs.items()
             },
-            "solved": {name: self.plain(values) for name, values in self.solved.items()},
+            "solved": dict(self.solved),
             "one_sided": list(self.one_sided),
             "multipliers": [[value.real, value.imag] for value in self.multipliers.tolist()],
         }
-        return json.dumps(data, indent=1)
-
-    @staticmethod
-    def plain(values: Array) -> list[float | None]:
-        """Numbers for JSON, null where there is none."""
-        return [value if np.isfinite(value) else None for value in values.tolist()]
+        return json.dumps(plain(data), indent=1)
 
 
 @typed

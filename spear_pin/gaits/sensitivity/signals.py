@@ -11,7 +11,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.tangent.collocation import POINTS, rule
-from spear_pin.hybrid.tangent.derivative import SHORTEST, Stretch
+from spear_pin.hybrid.tangent.derivative import Stretch
 
 Array = NDArray[np.float64]
 NEAR = 1e-9  # of a peak: so near to it an instant carries it on
@@ -32,11 +32,6 @@ class Pieces:
     values: Array
     derivatives: Array
     rate: float = 0.0
-
-    @property
-    def instant(self) -> bool:
-        """Whether the arc only lasts beside this cycle, on one side of it."""
-        return self.stretch.arc.end - self.stretch.arc.t <= SHORTEST
 
     def panels(self) -> Iterator[tuple[float, float, Array, Array]]:
         """Beginning and length of each panel, Legendre coefficients of the values and of the derivatives."""
@@ -80,7 +75,7 @@ def peak(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     best: float = -np.inf
     change: Any = np.zeros(pieces[0].derivatives.shape[1])
     for piece in pieces:
-        if piece.instant:
+        if piece.stretch.at_once:  # beside this cycle it lasts, on one side
             value = float(piece.values[-1])
             if piece.rate > 0.0 and value >= best - NEAR * abs(best):
                 best, change = value, piece.derivatives[-1] + piece.rate * piece.stretch.tau
@@ -128,7 +123,7 @@ def largest_ratio(
     along: Any
     for above, below in pairs:
         stretch, count = above.stretch, len(above.values) // POINTS
-        if above.instant:
+        if stretch.at_once:
             bottom, ratio = float(below.values[-1]), float(above.values[-1] / below.values[-1])
             rate, up = (above.rate - ratio * below.rate) / bottom, np.sign(ratio)
             if bottom >= least and up * rate > 0.0 and abs(ratio) >= best * (1.0 - NEAR):

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.files import plain
 from spear_pin.gaits.sensitivity.monte_carlo import MonteCarlo
 from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
 from spear_pin.gaits.sensitivity.samples import found_anew
@@ -196,15 +197,15 @@ class Uncertainty(Shown):
                 name: {
                     "value": value,
                     "unit": self.output_units[name],
-                    "deviation": _plain(np.array([self.deviation(name)]))[0],
-                    "shares": _plain(self.shares(name)),
-                    "gains": _plain(self.gains(name)),
+                    "deviation": self.deviation(name),
+                    "shares": self.shares(name),
+                    "gains": self.gains(name),
                 }
                 for name, value in self.outputs.items()
             },
             "one_sided": list(self.one_sided),
         }
-        return json.dumps(data, indent=1)
+        return json.dumps(plain(data), indent=1)
 
     def _over(self, output: str, parts: Array) -> Array:
         """Shares of an output's variance; zero where it does not move, NaN where it has no derivative."""
@@ -215,7 +216,3 @@ class Uncertainty(Shown):
         if output not in self.derivatives:
             raise UnknownName("output", output, self.outputs)
         return np.asarray(self.derivatives[output], np.float64)
-
-
-def _plain(values: Array) -> list[float | None]:
-    return [value if np.isfinite(value) else None for value in values.tolist()]

@@ -51,8 +51,6 @@ def bounding_in_space(
         >>> bounding_in_space(load("q_spear_full", base="chain"), law).section
         'posterior_touchdown'
     """
-    if law.plane.feedback:
-        raise BadValue("SpatialLaw.plane.feedback", "event feedback", "none of the plane's in space")
     pairs = pairs_of(robot)
     return in_groups(
         "bounding_in_space",

@@ -102,6 +102,8 @@ class SpatialLaw:
                 continue
             test, expected = valid.get(field.name, (math.isfinite, "a finite number"))
             require(f"SpatialLaw.{field.name}", getattr(self, field.name), test, expected)
+        if self.plane.feedback:
+            raise BadValue("SpatialLaw.plane.feedback", "event feedback", "none of the plane's in space")
         if self.feedback and np.shape(self.feedback) != (len(INPUTS), len(self.nominal)):
             expected = f"{len(INPUTS)} x {len(self.nominal)} numbers, as many columns as `nominal` has, or ()"
             raise BadValue("SpatialLaw.feedback", self.feedback, expected)
@@ -129,13 +131,12 @@ class SpatialLaw:
             True
         """
         one, scale = cls(plane), scale_in_space(robot)
-        limits = zip(INPUTS, one.feedback_limits, strict=True)
         return replace(
             one,
             adduction_stiffness=one.adduction_stiffness * scale.torque,
             adduction_damping=one.adduction_damping * scale.torque * scale.time,
             adduction_epsilon=one.adduction_epsilon * scale.time,
-            feedback_limits=tuple(limit * (1.0 if is_angle(name) else scale.torque) for name, limit in limits),
+            feedback_limits=limits_for(robot, INPUTS, one.feedback_limits),
         )
 
     @property
@@ -225,6 +226,12 @@ class SpatialLaw:
 def is_angle(name: str) -> bool:
     """Whether one of `INPUTS`, or of a trot's, is an angle; the others are torques."""
     return name.endswith(("leg_difference", "adduction", "spread", "touchdown"))
+
+
+def limits_for(robot: Robot, inputs: Sequence[str], limits: Sequence[float]) -> tuple[float, ...]:
+    """Limits of event feedback for a robot, of those for Q-SPEAR: angles are as they are, torques go by m g l."""
+    torque = scale_in_space(robot).torque
+    return tuple(limit * (1.0 if is_angle(name) else torque) for name, limit in zip(inputs, limits, strict=True))
 
 
 def _other(end: str) -> str:

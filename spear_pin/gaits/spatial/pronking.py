@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from spear_pin.errors import BadValue
 from spear_pin.gaits.spatial.automaton import Automaton, in_groups
 from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.legs import together
@@ -49,8 +48,6 @@ def pronking(
         >>> pronking(pronk.robot, pronk.law).section
         'touchdown'
     """
-    if law.plane.feedback:
-        raise BadValue("SpatialLaw.plane.feedback", "event feedback", "none of the plane's in space")
     groups = together(robot)
     return in_groups(
         "pronking",

@@ -18,7 +18,8 @@ from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import shape_of
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Point, Ready
-from spear_pin.hybrid.lanes.groups import Flags, Group, Indices, alone, along, finite, merged, spread, stacked
+from spear_pin.hybrid.lanes.groups import Flags, Group, Indices, alone, along, finite, merged, spread
+from spear_pin.hybrid.lanes.impacts import strike
 from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.lanes.modes import away, choose, first_event
 from spear_pin.hybrid.lanes.numbers import Numbers
@@ -28,8 +29,7 @@ from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.rules.cycles import CYCLE_EVENTS, RETOUCH, counts_to, crowded, due, left_at_once, retouches, whole
-from spear_pin.hybrid.rules.guards import rise
-from spear_pin.hybrid.rules.impact import joint_impact, rises, routh, struck_toes
+from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
 from spear_pin.hybrid.run import run
 
@@ -288,7 +288,8 @@ class Lanes:
                 self._happened[lane].append(happening(domain, guard, reset, name, self.began[lane] + t))
         struck = struck_toes(self.system, domain, reset)
         if struck and len(group):
-            group = self.strike(struck, reset.impact, group)
+            group, rising = strike(self.numbers, struck, reset.impact, group)
+            self.give_up(rising)
         group = self.numbers.latch(group, reset)
         latched = finite(group.held, len(group))
         self.give_up(group.take(~latched))
@@ -307,31 +308,6 @@ class Lanes:
         self.spent[phase][group.lanes] += group.t
         self.began[group.lanes] += group.t
         self.switches[group.lanes] = 0
-
-    def strike(self, toes: list[str], lands: tuple[str, ...], group: Group) -> Group:
-        """An impact on some toes, of which some land; those that rise are left to the reference engine."""
-        q, v = group.y[: self.nv], group.y[self.nv :]
-        n, terms = len(group), self.numbers.planar.terms(list(q), list(v), np)
-        ground = self.numbers.ground(group.lanes)
-        D, jacobians = stacked(terms.mass_matrix, n), ground.seen(terms, np).jacobians
-        J = np.concatenate([stacked(jacobians[toe], n) for toe in toes], axis=1)
-        rising = np.any([rises(along(jacobians[toe][1], v)) for toe in lands], axis=0) & np.ones(n, bool)
-        if rising.any():
-            self.give_up(group.take(rising))
-            return self.strike(toes, lands, group.take(~rising))
-        friction, held = ground.friction, group.held
-        if len(toes) > 1:
-            each = zip(D, J, v.T, np.broadcast_to(friction, n), strict=True)
-            impacts = [joint_impact(*numbers[:3], float(numbers[3])) for numbers in each]
-            speeds = np.array([(J[i] @ impact.v)[1::2] * impact.leaves for i, impact in enumerate(impacts)])
-            held = {**held, **{rise(toe): speeds[:, i] for i, toe in enumerate(toes)}}
-            after = np.array([impact.v for impact in impacts]).T
-        else:
-            response = np.linalg.solve(D, J.transpose(0, 2, 1))
-            before = (J @ v.T[:, :, None])[:, :, 0].T
-            impulse, _ = routh((J @ response).transpose(1, 2, 0), before, friction)
-            after = v + (response @ np.transpose(impulse)[:, :, None])[:, :, 0].T
-        return replace(group, y=np.concatenate([q, after]), held=held)
 
     def close_cycle(self, group: Group, reset: Reset) -> Group:
         """The section is crossed; returns the lanes that go on."""

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from spear_pin.errors import NoGait
 from spear_pin.gaits.attempts import WHY
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.gait_table import CONVERGED, REASONS
 from spear_pin.gaits.lane_cycles import LaneCycles, multipliers
-from spear_pin.gaits.many import CONVERGED, MEASURES, REASONS, find_many
+from spear_pin.gaits.many import find_many
 from spear_pin.gaits.search import find_gait, gait_beside
 from spear_pin.gaits.tolerances import TOLERANCE
 from spear_pin.hybrid.batch import simulate_many
@@ -126,7 +127,7 @@ def _beside_lane(
 ) -> Gait:
     system, numbers = knobs.subject.lane(knobs.values)
     fixed = {name: np.array([value]) for name, value in numbers.items() if name not in vary}
-    cycle = _Either(system, fixed, tuple(vary), [MEASURES[name] for name in target], RTOL, until=until)
+    cycle = _Either(system, fixed, tuple(vary), tuple(target), RTOL, until=until)
     ground = section(system, fixed)
     q, v = state[0][None], state[1][None]
     slides = ground.sliding(q, v)[0]

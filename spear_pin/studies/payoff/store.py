@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from spear_pin.errors import BadFile
-from spear_pin.files import atomic, parse_json, regular
+from spear_pin.files import parse_json, regular, write_text
 
 FORMAT = "spear_pin payoff 2"
 BEFORE = '{"format":"spear_pin payoff 1"'  # of stores whose lines began with the checksum
@@ -38,8 +38,7 @@ class Store:
         self._lines: dict[str, dict[str, Any]] = {}
         head = json.loads(json.dumps({"format": FORMAT, **asked}))
         if not path.exists():
-            with atomic(path) as temporary:
-                temporary.write_text(_line(head), encoding="utf-8")
+            write_text(path, _line(head))
             return
         found = _read(path)
         if not found or found[0].get("format") != FORMAT:
@@ -103,6 +102,5 @@ def _read(path: Path) -> list[dict[str, Any]]:
             raise BadFile(path, "is damaged, or not the store of a payoff study", number)
         found.append(said)
     if rest:
-        with atomic(path) as temporary:
-            temporary.write_text("".join(f"{line}\n" for line in whole), encoding="utf-8")
+        write_text(path, "".join(f"{line}\n" for line in whole))
     return found

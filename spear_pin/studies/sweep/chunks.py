@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, NoGait
-from spear_pin.gaits.many import REASONS, GaitTable
+from spear_pin.gaits.gait_table import REASONS, GaitTable
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import taylor
@@ -96,7 +96,7 @@ def sweep(
 
 
 def reasons(dataset: Any) -> NDArray[np.str_]:
-    """Reason for which each point's search ended, in words of `gaits.many.REASONS`."""
+    """Reason for which each point's search ended, in words of `gaits.gait_table.REASONS`."""
     return np.asarray(np.array(list(REASONS))[dataset["reason"].to_numpy()])
 
 

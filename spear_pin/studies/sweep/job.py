@@ -12,7 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import BadValue, SpearError, UnknownName
 from spear_pin.gaits.gait import KINDS, built_as_named
-from spear_pin.gaits.many import MEASURES, REASONS, find_many
+from spear_pin.gaits.gait_table import REASONS
+from spear_pin.gaits.lane_measures import MEASURES
+from spear_pin.gaits.many import find_many
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_lanes

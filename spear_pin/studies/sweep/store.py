@@ -22,8 +22,8 @@ import numpy as np
 
 import spear_pin
 from spear_pin.errors import BadFile, MissingExtra
-from spear_pin.files import atomic, parse_json
-from spear_pin.gaits.many import CONVERGED, REASONS
+from spear_pin.files import atomic, parse_json, write_text
+from spear_pin.gaits.gait_table import CONVERGED, REASONS
 from spear_pin.model.origin import origin
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import PARAMETERS
@@ -106,8 +106,7 @@ def begin(out: Path, described: Mapping[str, Any], resume: bool) -> bool:
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise BadFile(folder, f"cannot be made: {error.strerror}") from None
-    with atomic(manifest) as temporary:
-        temporary.write_text(json.dumps({"request": described}), encoding="utf-8")
+    write_text(manifest, json.dumps({"request": described}))
     return True
 
 
@@ -116,8 +115,7 @@ def started(out: Path, start: Callable[[], dict[str, Any]]) -> dict[str, Any]:
     found = _manifest(out)
     if "start" not in found:
         found["start"] = start()
-        with atomic(parts(out) / "manifest.json") as temporary:
-            temporary.write_text(json.dumps(found), encoding="utf-8")
+        write_text(parts(out) / "manifest.json", json.dumps(found))
     return dict(found["start"])
 
 

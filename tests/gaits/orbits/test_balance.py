@@ -1,5 +1,6 @@
 """Balance in space: one number a stride keeps the bound upright, and pushes are recovered from, slip simulated."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -97,3 +98,5 @@ class TestRefused:
             SpatialLaw(plane, feedback_limits=(1.0,))
         with pytest.raises(BadValue, match="adduction_epsilon"):
             SpatialLaw(plane, adduction_epsilon=0.0)
+        with pytest.raises(BadValue, match="plane.feedback"):
+            SpatialLaw(replace(plane, feedback=6 * (len(plane.nominal) * (0.0,),)))

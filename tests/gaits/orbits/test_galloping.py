@@ -11,7 +11,7 @@ from spear_pin.gaits.footfalls.sequence import FOOTFALLS, LEGS
 from spear_pin.gaits.orbits.balance import balanced
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.gaits.orbits.galloping import galloping
-from spear_pin.gaits.orbits.steering import footfall_gap
+from spear_pin.gaits.orbits.strides import footfall_gap
 from spear_pin.hybrid.periodic import chart, residual, return_map
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run

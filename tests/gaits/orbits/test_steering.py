@@ -7,7 +7,8 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.gaits import library
-from spear_pin.gaits.orbits.steering import GAP, STEERED_BY, footfall_gap, turned
+from spear_pin.gaits.orbits.steering import GAP, STEERED_BY, turned
+from spear_pin.gaits.orbits.strides import footfall_gap
 from spear_pin.gaits.spatial.law import ACROSS
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import residual, return_map

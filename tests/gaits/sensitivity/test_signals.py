@@ -17,7 +17,9 @@ def pieces(function, slope, begin=0.0, end=2.0, since=0.0, tau=0.0):
     t = (begin + h * (np.arange(PANELS)[:, None] + rule(POINTS).nodes)).ravel()
     arc = SimpleNamespace(t=begin, end=end)
     weights = np.tile(h * rule(POINTS).weights, PANELS)
-    stretch = SimpleNamespace(arc=arc, t=t, weights=weights, since=np.array([since]), tau=np.array([tau]))
+    stretch = SimpleNamespace(
+        arc=arc, at_once=False, t=t, weights=weights, since=np.array([since]), tau=np.array([tau])
+    )
     return Pieces(stretch, function(t), slope(t)[:, None])
 
 

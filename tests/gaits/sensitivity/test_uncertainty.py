@@ -9,7 +9,8 @@ import pytest
 
 from spear_pin import find_gait, hopping, load
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.many import MEASURES, find_many
+from spear_pin.gaits.lane_measures import MEASURES
+from spear_pin.gaits.many import find_many
 from spear_pin.gaits.sensitivity import samples
 from spear_pin.gaits.sensitivity.samples import found_anew, side_by_side
 from spear_pin.gaits.sensitivity.spread import covariance_of, factor

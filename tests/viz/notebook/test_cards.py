@@ -11,7 +11,7 @@ import pytest
 from lxml import etree, html
 
 from spear_pin import Gait, load, simulate
-from spear_pin.gaits.many import GaitTable
+from spear_pin.gaits.gait_table import GaitTable
 from spear_pin.hybrid.batch import Batch
 from spear_pin.viz.notebook import card
 from tests.viz.samples import ODD

@@ -1,0 +1,80 @@
+"""Strides beside a gait in space: what they lead to, and when feet of a pair land, over state and inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.errors import NoGait, SpearError
+from spear_pin.gaits.bounding_law import LEGS
+from spear_pin.gaits.orbits.balance import unit_of
+from spear_pin.gaits.spatial.legs import SIDES
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.periodic import chart, return_map
+from spear_pin.hybrid.result import Run, State
+
+Array = NDArray[np.float64]
+
+
+def footfall_gap(run: Run, pair: str, event: str = "touchdown") -> float:
+    """Time from the first touchdown, or "lift_off", of a pair's left foot in a stride to the right one's, in s."""
+    times = {each.name: each.time for each in reversed(run.events)}
+    left, right = (times.get(f"{pair}_{side}_{event}", np.nan) for side in SIDES)
+    return float(right - left)
+
+
+class Strides:
+    """Strides over coordinates of the section and scaled changes of inputs.
+
+    Attributes:
+        n: coordinates of the section.
+        unknowns: these and the inputs.
+    """
+
+    def __init__(self, system: HybridSystem, state: State, inputs: Sequence[str], second: float, rtol: float) -> None:
+        """Strides beside a gait.
+
+        Args:
+            system: in space.
+            state: on its section.
+            inputs: names of the law's numbers.
+            second: what counts as one of a time between touchdowns, in s.
+            rtol: relative tolerance of the integrator.
+        """
+        self._system, self._second, self._rtol, self._chart = system, second, rtol, chart(system, state)
+        self._inputs = [(name, parameter(system, name), unit_of(name, system.robot)) for name in inputs]
+        self.n = self._chart.dimension
+        self.unknowns = self.n + len(inputs)
+
+    def system(self, x: Array) -> HybridSystem:
+        """The system with the inputs."""
+        changes = zip(self._inputs, x[self.n :].tolist(), strict=True)
+        return with_parameters(self._system, {name: value + unit * by for (name, value, unit), by in changes})
+
+    def state(self, x: Array) -> State:
+        """On the section."""
+        return self._chart.state(x[: self.n])
+
+    def values(self, x: Array) -> Array:
+        """By how much the state changes in a stride, (n,), the turn, the speed, and times between touchdowns, (2,).
+
+        Raises:
+            NoGait: the stride does not close, or a foot does not land.
+        """
+        system = self.system(x)
+        try:
+            run = return_map(system, self.state(x), self._rtol)
+        except SpearError as error:
+            raise NoGait(str(error), np.inf) from None
+        if not run.cycles:
+            raise NoGait(f"a stride does not close: {run.message}", np.inf)
+        closes = self._chart.coordinates(run.state) - x[: self.n]
+        measured = [system.measures[name](run) for name in ("turn", "mean_speed")]
+        gaps = [footfall_gap(run, pair) / self._second for pair in LEGS]
+        found = np.array([*closes, *measured, *gaps])
+        if not np.isfinite(found).all():
+            raise NoGait("a foot does not land in each stride", np.inf)
+        return found

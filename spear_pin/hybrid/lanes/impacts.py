@@ -1,0 +1,44 @@
+"""Impacts of lanes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from spear_pin.hybrid.lanes.groups import Group, along, stacked
+from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.rules.guards import rise
+from spear_pin.hybrid.rules.impact import joint_impact, rises, routh
+
+
+def strike(numbers: Numbers, toes: list[str], lands: tuple[str, ...], group: Group) -> tuple[Group, Group]:
+    """Lanes after an impact on some toes, of which some land, and those left as they are: a toe that lands rises.
+
+    Args:
+        numbers: the lanes'.
+        toes: that take part.
+        lands: those of them that land.
+        group: the lanes.
+    """
+    q, v = group.y[: numbers.nv], group.y[numbers.nv :]
+    n, terms = len(group), numbers.planar.terms(list(q), list(v), np)
+    ground = numbers.ground(group.lanes)
+    D, jacobians = stacked(terms.mass_matrix, n), ground.seen(terms, np).jacobians
+    J = np.concatenate([stacked(jacobians[toe], n) for toe in toes], axis=1)
+    rising = np.any([rises(along(jacobians[toe][1], v)) for toe in lands], axis=0) & np.ones(n, bool)
+    if rising.any():
+        return strike(numbers, toes, lands, group.take(~rising))[0], group.take(rising)
+    friction, held = ground.friction, group.held
+    if len(toes) > 1:
+        each = zip(D, J, v.T, np.broadcast_to(friction, n), strict=True)
+        impacts = [joint_impact(*values[:3], float(values[3])) for values in each]
+        speeds = np.array([(J[i] @ impact.v)[1::2] * impact.leaves for i, impact in enumerate(impacts)])
+        held = {**held, **{rise(toe): speeds[:, i] for i, toe in enumerate(toes)}}
+        after = np.array([impact.v for impact in impacts]).T
+    else:
+        response = np.linalg.solve(D, J.transpose(0, 2, 1))
+        before = (J @ v.T[:, :, None])[:, :, 0].T
+        impulse, _ = routh((J @ response).transpose(1, 2, 0), before, friction)
+        after = v + (response @ np.transpose(impulse)[:, :, None])[:, :, 0].T
+    return replace(group, y=np.concatenate([q, after]), held=held), group.take(rising)
