@@ -9,8 +9,6 @@ motor gives ends there; of the spring's stiffness it takes 0.6 % less. Of the ge
 the knee has a peak torque higher by 1.7 %. Friction of the ground matters for nothing but the |F_x| / F_z that is used,
 which is all there is, as the toe slips at touchdown. What 5 % more damping does is foretold to 0.1 % of the energy.
 
-Needs heyoka: pip install '.[fast]'
-
 Run: python examples/what_numbers_do.py [FOLDER]
 """
 
@@ -18,7 +16,6 @@ import sys
 from pathlib import Path
 
 from spear_pin import Spring, find_gait, hopping, load
-from spear_pin.errors import MissingExtra
 from spear_pin.model.catalogue import motor
 from spear_pin.viz.plots import save_figure
 from spear_pin.viz.plots.sensitivity import elasticities
@@ -47,7 +44,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    try:
-        main(Path(sys.argv[1] if len(sys.argv) > 1 else "."))
-    except MissingExtra as missing:
-        print(missing)
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "."))

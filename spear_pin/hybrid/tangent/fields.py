@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.dynamics import Operations
 from spear_pin.hybrid.elimination import factorize, substitute
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.structure import Structure, flattened, symbols
+from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, operations, value_of
@@ -244,8 +244,3 @@ class _Counting:
     def __getitem__(self, i: int) -> float:
         self.count = max(self.count, i + 1)
         return 1.0
-
-
-def numbers_of(law_and_others: Sequence[Any], held: Any) -> list[Any]:
-    """Run-time parameters, dual or not, in the order of `structure.parameters`."""
-    return [*law_and_others, *flattened(tuple(held.values()))]

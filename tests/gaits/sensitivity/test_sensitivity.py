@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from spear_pin import Gait, find_gait, hopping, in_space, load, simulate
+from spear_pin import Gait, find_gait, hopping, load, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.sensitivity.orbit import Orbit
@@ -117,7 +117,7 @@ def test_a_state_that_is_no_fixed_point_is_refused(hop):
 
 def test_gaits_in_space_are_refused():
     with pytest.raises(BadValue, match="in the plane"):
-        in_space(Gait.load("long_stride")).sensitivity(["stiffness"])
+        Gait.load("turn_4").sensitivity(["stiffness"])
 
 
 @pytest.mark.slow
