@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from numbers import Real
-from typing import Any
+from typing import Any, ClassVar
 
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.virtual_constraints import Evolution, Leaning, Outputs, Shifted, Variable, zeroing
@@ -90,6 +90,7 @@ class BoundingLaw:
         feedback_limits: largest adjustment of each of `INPUTS`, in N·m and rad.
         speed_gain: gain of β += K (ẋ_td - ẋ*) at each touchdown, posterior and anterior, in N·s.
         speed_nominal: ẋ* just after posterior and anterior touchdown, in m/s.
+        units: of the numbers that are one each, by name.
 
     Example:
         >>> from dataclasses import replace
@@ -125,6 +126,14 @@ class BoundingLaw:
     feedback_limits: tuple[float, ...] = (100.0, 100.0, 100.0, 100.0, 0.2, 0.2)
     speed_gain: tuple[float, ...] = (0.0, 0.0)
     speed_nominal: tuple[float, ...] = (0.0, 0.0)
+    units: ClassVar[Mapping[str, str]] = {
+        **{f"{leg}_{part}_torque": "N·m" for leg in LEGS for part in ("hip", "knee")},
+        **{f"{leg}_{what}": "rad" for leg in LEGS for what in ("leg_touchdown", "stance_span")},
+        **dict.fromkeys(("flight_1_span", "flight_2_span"), "m"),
+        **dict.fromkeys(("knee_rest", "knee_touchdown"), "rad"),
+        "virtual_stiffness": "N·m/rad",
+        "epsilon": "s",
+    }
 
     def __post_init__(self) -> None:
         """Check the fields."""

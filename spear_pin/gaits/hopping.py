@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -55,6 +55,7 @@ class HoppingLaw:
         foot_placement: K of the term K (ẋ_lo - ẋ*) added to the commanded hip angle, in rad·s/m,
             ẋ_lo being the hip's forward speed latched at lift-off; needs a free boom_x.
         speed: ẋ*, in m/s.
+        units: of these numbers, by name.
 
     Example:
         >>> from spear_pin import HoppingLaw
@@ -76,6 +77,16 @@ class HoppingLaw:
     minimum_force: float | None = None
     foot_placement: float = 0.0
     speed: float = 0.0
+    units: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("knee_touchdown", "hip_touchdown"), "rad"),
+        **dict.fromkeys(("stance_torque", "hip_stance_torque"), "N·m"),
+        **dict.fromkeys(("hip_gain", "knee_gain", "virtual_stiffness"), "N·m/rad"),
+        **dict.fromkeys(("hip_damping", "knee_damping"), "N·m·s/rad"),
+        "frequency": "Hz",
+        "minimum_force": "N",
+        "foot_placement": "rad·s/m",
+        "speed": "m/s",
+    }
 
     def __post_init__(self) -> None:
         """Check the fields."""

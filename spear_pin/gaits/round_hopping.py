@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -61,6 +61,7 @@ class RoundHoppingLaw:
         knee_back_emf: the same of the knee's.
         unlimited_friction: whether the toe is held whatever friction that takes; else it sticks and slips along the
             circle by the ground's coefficient.
+        units: of these numbers, by name.
 
     Example:
         >>> from spear_pin.gaits.round_hopping import RoundHoppingLaw
@@ -83,6 +84,16 @@ class RoundHoppingLaw:
     hip_back_emf: float = 0.0
     knee_back_emf: float = 0.0
     unlimited_friction: bool = True
+    units: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("placement", "push_time"), "s"),
+        **dict.fromkeys(("hip_posture", "knee_posture"), "rad"),
+        **dict.fromkeys(("posture_damping", "hip_back_emf", "knee_back_emf"), "N·m·s/rad"),
+        "height": "m",
+        "stiffness": "N/m",
+        "damping": "N·s/m",
+        "posture_gain": "N·m/rad",
+        "lift_off_force": "N",
+    }
 
     def __post_init__(self) -> None:
         """Check the fields."""

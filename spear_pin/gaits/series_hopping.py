@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -48,6 +48,7 @@ class SeriesHoppingLaw:
         hip_damping: |K_D,hip|, in N·m·s/rad (source).
         knee_gain: K of the rotor, in N·m/rad (source's K_knee).
         knee_damping: K_D of the rotor, in N·m·s/rad (assumption: critical).
+        units: of these numbers, by name.
     """
 
     knee_touchdown: float = 1.0
@@ -58,6 +59,13 @@ class SeriesHoppingLaw:
     hip_damping: float = 1.37
     knee_gain: float = 63.25
     knee_damping: float = 2.6
+    units: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("knee_touchdown", "hip_touchdown"), "rad"),
+        **dict.fromkeys(("hip_gain", "knee_gain"), "N·m/rad"),
+        **dict.fromkeys(("hip_damping", "knee_damping"), "N·m·s/rad"),
+        "stance_torque": "N·m",
+        "frequency": "Hz",
+    }
 
     def __post_init__(self) -> None:
         """Check the fields."""

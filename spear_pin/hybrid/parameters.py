@@ -12,12 +12,13 @@ from spear_pin.hybrid.automaton import REPLACED, HybridSystem
 from spear_pin.hybrid.hardware import Hardware
 from spear_pin.kinds import typed
 from spear_pin.model.numbers import body_numbers, with_body_numbers
-from spear_pin.model.spring import UNITS
+from spear_pin.model.spring import UNITS as OF_SPRINGS
 from spear_pin.model.variants import PARAMETERS, parameters_of, vary
 
 PARTS = ("law", "spring", "contact")
 Change = Callable[[HybridSystem], HybridSystem]
 LIMITS = ("phase_limit", "shortest_flight", "overlap")
+OF_GROUND = {"friction": "1", "slope": "rad", "height": "m"}
 
 
 def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
@@ -135,11 +136,12 @@ def nonzero(system: HybridSystem, names: Iterable[str]) -> tuple[str, ...]:
 
 
 def unit(system: HybridSystem, name: str) -> str:
-    """Unit of a number of the springs or the robot, empty where nothing says it."""
+    """Unit of a number of the robot, the law, which may say its `units`, the springs or the ground; else empty."""
     if name in parameters_of(system.robot):
         return PARAMETERS[name].unit
     bodies = body_numbers(system.robot)
-    return bodies[name].unit if name in bodies else UNITS.get(name, "")
+    others: Mapping[str, str] = OF_GROUND | OF_SPRINGS | dict(getattr(system.law, "units", {}))
+    return bodies[name].unit if name in bodies else others.get(name, "")
 
 
 def with_numbers(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:

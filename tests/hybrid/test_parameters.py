@@ -1,15 +1,19 @@
 """Systems that are rebuilt with other numbers keep what was made of them."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import pytest
 
-from spear_pin import Contact, find_gait, hopping
+from spear_pin import Contact, Gait, find_gait, hopping
 from spear_pin.errors import BadValue
+from spear_pin.gaits.bounding_law import BoundingLaw
+from spear_pin.gaits.hopping import HoppingLaw
+from spear_pin.gaits.round_hopping import RoundHoppingLaw
+from spear_pin.gaits.series_hopping import SeriesHoppingLaw
 from spear_pin.hybrid.domain import Guard
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.hardware import Hardware
-from spear_pin.hybrid.parameters import changed, rebuilt, replaced, with_parameters
+from spear_pin.hybrid.parameters import changed, rebuilt, replaced, unit, with_parameters
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.actuator import Actuator
 from spear_pin.model.catalogue import motor
@@ -93,3 +97,15 @@ def test_hardware_and_kind_that_were_replaced_stay(hop):
     hardware = Hardware((Actuator(motor("spear_ii_knee"), Gearbox(15.0)),) * 2)
     again = with_parameters(replace(hop.system, hardware=hardware, kind="mine"), {"stance_torque": 7.0})
     assert again.hardware is hardware and again.kind == "mine"
+
+
+@pytest.mark.parametrize("law", [HoppingLaw, SeriesHoppingLaw, RoundHoppingLaw, BoundingLaw])
+def test_each_number_of_a_law_has_a_unit(law):
+    numbers = [field.name for field in fields(law) if field.type in ("float", "float | None")]
+    assert sorted(law.units) == sorted(numbers)
+
+
+def test_units(hop):
+    told = {"stance_torque": "N·m", "stiffness": "N·m/rad", "friction": "1", "knee_mass": "kg", "knee_ratio": "1"}
+    assert {name: unit(hop.system, name) for name in told} == told
+    assert unit(Gait.load("long_stride").system, "flight_1_span") == "m"
