@@ -29,7 +29,7 @@ def test_states_after_a_hop(hop, name):
     assert isinstance(Recorder(hop.system)._runner, ReferenceRunner)
 
     def end(step):
-        there = orbit.beside({name: value + step}, orbit.start[:, -1] * step)
+        there = orbit.beside({name: step}, orbit.start[:, -1] * step)
         return np.concatenate(run(there.system, there.state, 1, Options(FINEST)).state)
 
     h = 2e-4 * value
