@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 PLAIN = "the cycle does not close, or what happens in it is not plain"
 CODE = Code(1e-15, unrolled=False, level=0)  # compiled in a fiftieth of the time of the fastest, and four times as slow
 _fields: WeakKeyDictionary[Compilation, dict[Any, TangentField]] = WeakKeyDictionary()
+_feet: WeakKeyDictionary[Compilation, dict[tuple[str, ...], TangentFeet]] = WeakKeyDictionary()
 
 
 def many(system: HybridSystem, given: Mapping[str, Array]) -> Numbers:
@@ -92,7 +93,7 @@ class Recorder:
         self.order: Order = ()
         # the system keeps its domains, so that their identities stay
         self._fields = _fields.setdefault(self._numbers.compilation, {})
-        self._feet: dict[tuple[str, ...], TangentFeet] = {}
+        self._feet = _feet.setdefault(self._numbers.compilation, {})
 
     @cached_property
     def start(self) -> tuple[str, tuple[Reset, ...]]:
