@@ -7,7 +7,9 @@ import pytest
 import spear_pin
 
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
-EXTRAS = dict.fromkeys(("simulate_many", "Sensitivity", "optimize_design", "Design", "Uncertainty"), "heyoka")
+EXTRAS = dict.fromkeys(
+    ("simulate_many", "Sensitivity", "optimize_design", "Design", "Uncertainty", "continue_gait", "Branch"), "heyoka"
+)
 
 
 SLOW = {"compare"}

@@ -24,20 +24,13 @@ EXTRAS = {
     "collocated": "casadi",
     ".sensitivity(": "heyoka",
     "optimize_design(": "heyoka",
+    "continue_gait(": "heyoka",  # without it some minutes
     'load("solo12"': "example-robot-data",
 }
 SLOW = {
     *("adding_a_robot.md-6", "compare.md-1", "design.md-1", "export.md-4"),
-    *(
-        "hardware.md-1",
-        "hardware.md-2",
-        "motors.md-2",
-        "space.md-1",
-        "space.md-2",
-        "space.md-3",
-        "space.md-4",
-        "space.md-5",
-    ),
+    *("hardware.md-1", "hardware.md-2", "motors.md-2"),
+    *("space.md-1", "space.md-2", "space.md-3", "space.md-4", "space.md-5"),
 }
 QUIET = pytest.mark.filterwarnings("default")  # a cluster's warnings are not ours
 FENCE = r"^```%s\n(.*?)^```$"
