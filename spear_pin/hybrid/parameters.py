@@ -136,7 +136,7 @@ def nonzero(system: HybridSystem, names: Iterable[str]) -> tuple[str, ...]:
 
 
 def unit(system: HybridSystem, name: str) -> str:
-    """Unit of a number of the robot, the law, which may say its `units`, the springs or the ground; else empty."""
+    """Unit of a number of the robot, the law, which may name its units, the springs or the ground; else empty."""
     if name in parameters_of(system.robot):
         return PARAMETERS[name].unit
     bodies = body_numbers(system.robot)
