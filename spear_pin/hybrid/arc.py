@@ -26,6 +26,7 @@ class Arc(NamedTuple):
         after: the state there, before what the event does to it.
         event: the guard or the switch that ends it; None for a kink of the law, after which the same motion goes on.
         switches: scheduled events of the phase so far, this one included.
+        motion: from times, (n,), to states, (2 nv, n); None where it was not kept, or the event is at once.
     """
 
     domain: Domain
@@ -36,6 +37,7 @@ class Arc(NamedTuple):
     after: Array
     event: Any
     switches: int
+    motion: Callable[[Array], Array] | None = None
 
 
 class Record(Protocol):
@@ -81,6 +83,3 @@ class Runner(Protocol):
 
     def lap(self, phase: str, y: Array, held: Held) -> Record | None:
         """The cycle from where a phase begins just behind the section, None where it does not close plainly."""
-
-    def along(self, arc: Arc) -> Callable[[Array], Array]:
-        """The motion of an arc of the last cycle: from times, (n,), to states, (2 nv, n)."""

@@ -89,21 +89,33 @@ def test_a_step_ahead_is_exact(hop):
     np.testing.assert_allclose(reached, back[1], rtol=0, atol=1e-13)
 
 
-def test_polynomials_are_the_motion(hop):
-    """At any time as the integrator's that stops there; beyond what can be followed they are not finite."""
+def test_a_motion_that_is_kept_is_the_same(hop):
+    """Up to its event or a time, it ends alike; it is at any time where the integrator stops there."""
     numbers = Numbers(hop.system, {}, Code(1e-15))
     held = first_held(numbers, hop)
     single = single_of(numbers, hop.system.domains[0], held)
     parameters, y = np.array([*numbers.constants(0), *flat(held)]), np.concatenate(hop.state)
     begun = single.enter(0.0, y, parameters)
-    motion = single.polynomials(begun.t, begun.y, 0.05, parameters)
+    for until in (0.05, 10.0):
+        *end, motion = single.follow(begun.t, begun.y, until, parameters)
+        expected = single.run(begun.t, begun.y, until, parameters)
+        assert end[0] == pytest.approx(expected[0], abs=1e-15) and end[2] == expected[2]
+        np.testing.assert_allclose(end[1], expected[1], rtol=0, atol=1e-12)
+        np.testing.assert_allclose(motion(np.array([end[0]]))[:, 0], end[1], rtol=0, atol=1e-12)
     assert len(motion.begins) > 1 and motion.begins[0] == begun.t
-    np.testing.assert_array_equal(motion.at(np.array([begun.t]))[:, 0], begun.y)
+    np.testing.assert_array_equal(motion(np.array([begun.t]))[:, 0], begun.y)
     for time in (begun.t + 1e-6, 0.01, motion.begins[1], 0.037, 0.05):
-        t, reached, end = single.run(begun.t, begun.y, time, parameters)
-        assert (t, end) == (time, taylor.TIME_LIMIT)
-        np.testing.assert_allclose(motion.at(np.array([time]))[:, 0], reached, rtol=0, atol=1e-12)
-    assert not np.isfinite(single.polynomials(0.0, np.full(6, np.nan), 0.05, parameters).at(np.array([0.01]))).any()
+        t, reached, ended = single.run(begun.t, begun.y, time, parameters)
+        assert (t, ended) == (time, taylor.TIME_LIMIT)
+        np.testing.assert_allclose(motion(np.array([time]))[:, 0], reached, rtol=0, atol=1e-12)
+
+
+def test_a_motion_that_cannot_be_followed_fails(hop):
+    numbers = Numbers(hop.system, {}, Code(1e-15))
+    single = single_of(numbers, hop.system.domains[0], first_held(numbers, hop))
+    parameters = np.array([*numbers.constants(0), *flat(first_held(numbers, hop))])
+    *_, end, motion = single.follow(0.0, np.full(6, np.nan), 0.05, parameters)
+    assert end == taylor.FAILED and not np.isfinite(motion(np.array([0.01]))).any()
 
 
 def test_what_is_not_finite_is_unclear(hop):

@@ -117,7 +117,7 @@ class _Recorders:
             return None
 
     def _part(self, recorder: Recorder, arc: Arc) -> _Part:
-        t, h, y = points(recorder, arc)
+        t, h, y = points(arc)
         numbers = np.concatenate([recorder.numbers, np.array(flattened(arc.held.values()), dtype=float)])
         return _Part(self._fields.field(arc.domain, arc.held), arc.domain, t, h, y, numbers)
 

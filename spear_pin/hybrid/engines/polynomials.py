@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-class Polynomials(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Polynomials:
     """States over time, a step after the other.
 
     Attributes:
@@ -21,11 +22,11 @@ class Polynomials(NamedTuple):
     begins: Array
     coefficients: Array
 
-    def at(self, times: Array) -> Array:
-        """States at times, (rows, n)."""
+    def __call__(self, times: Array) -> Array:
+        """States at times, (n,): (rows, n)."""
         step = np.maximum(np.searchsorted(self.begins, times, side="right") - 1, 0)
-        since, of_step = (times - self.begins[step])[:, None], self.coefficients[step]
-        states = of_step[..., -1]
-        for k in range(of_step.shape[-1] - 2, -1, -1):
-            states = states * since + of_step[..., k]
-        return states.T
+        powers = np.ones((len(times), self.coefficients.shape[-1]))
+        powers[:, 1:] = (times - self.begins[step])[:, None]
+        np.multiply.accumulate(powers, axis=1, out=powers)
+        states: Array = (self.coefficients[step] @ powers[..., None])[..., 0].T
+        return states

@@ -170,11 +170,6 @@ class Compiled:
         events = [require().t_event(value, direction=direction) for value, direction in self._events]
         return require().taylor_adaptive(self._motion, self._somewhere[:, 0], t_events=events, **self._settings)
 
-    @cached_property
-    def free(self) -> Any:
-        """The integrator of one lane that no event stops."""
-        return require().taylor_adaptive(self._motion, self._somewhere[:, 0], **self._settings)
-
     def at(self, t: Array, y: Array, parameters: Array) -> Point:
         """Evaluate at states y, (2 nv, n), and times t, (n,), with parameters (p, n)."""
         function, n = self._function, y.shape[1]
@@ -288,7 +283,7 @@ def _expression(value: Any) -> Any:
 
 
 def require() -> Any:
-    """heyoka, its cache on disk bounded; only who computes waits for it to load.
+    """heyoka, settled; only who computes waits for it to load.
 
     Raises:
         MissingExtra: it is not installed.
@@ -297,10 +292,12 @@ def require() -> Any:
         import heyoka
     except ImportError:
         raise MissingExtra("heyoka", "fast", "the Taylor engine") from None
-    _bound_cache(heyoka.llvm_state)
+    _settle(heyoka)
     return heyoka
 
 
 @cache
-def _bound_cache(state: Any) -> None:
-    state.set_diskcache_limit(CACHE)
+def _settle(heyoka: Any) -> None:
+    """Bound its cache on disk; keep it to its caller's thread: others wait busily between calls as short as ours."""
+    heyoka.llvm_state.set_diskcache_limit(CACHE)
+    heyoka.set_nthreads(1)

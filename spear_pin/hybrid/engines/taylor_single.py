@@ -51,11 +51,13 @@ class Single:
         self.domain, self._code = ready.domain, ready.compiled
         code = ready.compiled
         self._integrator, self._function = code.alone, entering(code)
-        self._state, self._parameters = self._integrator.state, self._integrator.pars  # views
+        # views
+        self._state, self._parameters = self._integrator.state, self._integrator.pars
+        self._coefficients = self._integrator.tc
         self._pars, self._timed = self._function.nparams, self._function.is_time_dependent
         outcomes = require().taylor_outcome
-        self._limit, self._meaning = int(outcomes.time_limit), code.meaning.tolist()
-        self._goes_on = {self._limit, int(outcomes.success)}
+        self._limit, self._success = int(outcomes.time_limit), int(outcomes.success)
+        self._meaning = code.meaning.tolist()
         guards = self.domain.guards
         self._thresholds = [each for each in enumerate(thresholds(guards)) if each[1] > -math.inf]
         # where things are in what the function returns, see `entering`
@@ -103,32 +105,34 @@ class Single:
 
     def run(self, t: float, y: Array, until: float, parameters: Array) -> tuple[float, Array, int]:
         """Integrate up to the first event, or a time, as `Compiled.run`."""
-        integrator = self._integrator
-        integrator.time = t
+        self._begin(t, y, parameters)
+        outcome = int(self._integrator.propagate_until(until, max_steps=STEPS)[0])
+        return self._integrator.time, self._state.copy(), self._end(outcome)
+
+    def follow(self, t: float, y: Array, until: float, parameters: Array) -> tuple[float, Array, int, Polynomials]:
+        """As `run`, and the motion."""
+        self._begin(t, y, parameters)
+        integrator, outcome = self._integrator, self._success
+        begins, coefficients = list[float](), list[Array]()
+        while outcome == self._success and len(begins) < STEPS:
+            begins.append(integrator.time)
+            outcome = int(integrator.step(max_delta_t=until - integrator.time, write_tc=True)[0])
+            coefficients.append(self._coefficients.copy())
+        motion = Polynomials(np.array(begins), np.array(coefficients))
+        return integrator.time, self._state.copy(), self._end(outcome), motion
+
+    def _begin(self, t: float, y: Array, parameters: Array) -> None:
+        self._integrator.time = t
         self._state[:] = y
         self._parameters[:] = parameters[: len(self._parameters)]
-        integrator.reset_cooldowns()
-        outcome = int(integrator.propagate_until(until, max_steps=STEPS)[0])
-        end = TIME_LIMIT if outcome == self._limit else FAILED
-        if -len(self._meaning) <= outcome < 0:
-            end = self._meaning[-outcome - 1]
-        return integrator.time, self._state.copy(), end
+        self._integrator.reset_cooldowns()
 
-    def polynomials(self, t: float, y: Array, end: float, parameters: Array) -> Polynomials:
-        """The motion up to a time, whatever its guards say; not finite where it cannot be followed."""
-        integrator = self._code.free
-        integrator.time = t
-        integrator.state[:] = y
-        integrator.pars[:] = parameters[: len(integrator.pars)]
-        begins, coefficients = list[float](), list[Array]()
-        while integrator.time < end and len(begins) < STEPS:
-            begins.append(integrator.time)
-            outcome, _ = integrator.step(max_delta_t=end - integrator.time, write_tc=True)
-            coefficients.append(integrator.tc.copy())
-            if int(outcome) not in self._goes_on:
-                coefficients[-1][:] = math.nan
-                break
-        return Polynomials(np.array(begins), np.array(coefficients))
+    def _end(self, outcome: int) -> int:
+        """What ends a motion, of heyoka's outcome."""
+        if -len(self._meaning) <= outcome < 0:
+            end: int = self._meaning[-outcome - 1]
+            return end
+        return TIME_LIMIT if outcome == self._limit else FAILED
 
 
 @lru_cache(MOST)

@@ -105,12 +105,14 @@ class LoneRunner:
     Args:
         numbers: the lanes'.
         lane: which of them.
+        keep: whether arcs say what their motion was.
 
     Attributes:
         why: what called for a second look in the last cycle that got one.
     """
 
-    def __init__(self, numbers: Numbers, lane: int) -> None:
+    def __init__(self, numbers: Numbers, lane: int, *, keep: bool = False) -> None:
+        self._keep = keep
         self._compiled, self._system, self._nv = numbers.compilation, numbers.system, numbers.nv
         self._law, self._constants = numbers.law_of(lane), numbers.constants(lane)
         self._parameters = np.array(self._constants)
@@ -158,10 +160,13 @@ class LoneRunner:
             raise _Unclear(f"{domain.name} ends as it begins: a toe bounces")
         at = due(domain, now.switches, self._law)
         until = min(at, self._system.phase_limit)
-        if end == NONE:
+        motion = None
+        if end == NONE and self._keep:
+            now.t, now.y, end, motion = ready.follow(now.t, now.y, until, now.parameters)
+        elif end == NONE:
             now.t, now.y, end = ready.run(now.t, now.y, until, now.parameters)
         event = self._event(now, domain, end, until == at)
-        now.arcs.append(Arc(domain, now.held, begun, start, now.t, now.y, event, now.switches))
+        now.arcs.append(Arc(domain, now.held, begun, start, now.t, now.y, event, now.switches, motion))
         if isinstance(event, Guard) and event.observes:
             now.observed[event.name] = now.y
             return domain, None

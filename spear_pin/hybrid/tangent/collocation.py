@@ -1,8 +1,9 @@
 """The derivative of a flow by collocation: linear equations along a motion that is known.
 
 Along an arc Ṡ = A(t) S + B(t) is linear, and A and B are as smooth as the motion. At Gauss's points of panels it is a
-linear system of equations for all columns of S at once; its solution is as accurate as polynomials of degree `POINTS`
-are for the motion, which `roughness` asks for.
+linear system of equations for all columns of S at once. At the points its solution is as accurate as polynomials of
+degree `POINTS` are for the motion, which `roughness` asks for; at the ends of panels, and in integrals over them, it
+has twice as many digits.
 """
 
 from __future__ import annotations
@@ -12,10 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import lapack
 
 Array = NDArray[np.float64]
 POINTS = 16
-TAIL = 1e-12  # of a motion's Legendre coefficients, by which the last ones are to be smaller than the largest
+TAIL = 1e-10  # of a motion's Legendre coefficients, by which the last ones are to be smaller than itself
 
 
 class Rule(NamedTuple):
@@ -25,12 +27,14 @@ class Rule(NamedTuple):
         nodes: the points, (k,).
         weights: of the integral over the whole, (k,).
         partial: of the integrals up to each point, (k, k).
+        twice: of the integrals of those, (k, k).
         legendre: from values at the points to Legendre coefficients, (k, k).
     """
 
     nodes: Array
     weights: Array
     partial: Array
+    twice: Array
     legendre: Array
 
 
@@ -44,51 +48,77 @@ def rule(points: int = POINTS) -> Rule:
     # ∫ P_n from -1 to x is (P_{n+1} - P_{n-1}) / (2n + 1)
     below = np.concatenate([-np.ones((points, 1)), values[:, : points - 1]], axis=1)
     integrals = (values[:, 1:] - below) / (2.0 * degrees + 1.0)
-    return Rule(0.5 * (x + 1.0), 0.5 * w, 0.5 * integrals @ legendre, legendre)
+    partial = 0.5 * integrals @ legendre
+    return Rule(0.5 * (x + 1.0), 0.5 * w, partial, partial @ partial, legendre)
 
 
 def roughness(states: Array) -> float:
-    """Size of the last Legendre coefficients of motion at the points of panels, (panels, points, rows), by the largest.
+    """Size of the last Legendre coefficients of motion by its own, given at points, (panels, points, rows).
 
     Below `TAIL` polynomials are as good as the motion.
     """
-    coefficients = np.abs(rule(states.shape[1]).legendre @ states)
-    size = coefficients.max(axis=(0, 1))
-    left = coefficients[:, -2:].max(axis=(0, 1)) / np.maximum(size, max(float(size.max()) * 1e-3, 1e-300))
-    return float(left.max())
+    last = np.abs(rule(states.shape[1]).legendre[-2:] @ states).max(axis=(0, 1))
+    size = np.abs(states).max(axis=(0, 1))
+    return float((last / np.maximum(size, max(float(size.max()) * 1e-3, 1e-300))).max())
 
 
-def carried(A: Array, B: Array, h: float, start: Array) -> tuple[Array, Array]:
-    """S at the points of panels one after the other, and at the end, where the state is (q, v) with q̇ = v.
+class Carried(NamedTuple):
+    """S along panels.
+
+    Attributes:
+        K: its accelerations at the points, by S where the panel begins, and beside, (panels, nv, points, 2 nv + c).
+        begins: S where the panels begin, and where the last one ends, (panels + 1, 2 nv, c).
+        h: length of a panel.
+    """
+
+    K: Array
+    begins: Array
+    h: float
+
+    @property
+    def end(self) -> Array:
+        """S where the last panel ends, (2 nv, c)."""
+        last: Array = self.begins[-1]
+        return last
+
+    def inside(self) -> Array:
+        """S at the points, (2 nv, panels · points, c)."""
+        panels, nv, k, _ = self.K.shape
+        gauss, h, begins = rule(k), self.h, self.begins[:-1]
+        K = self.K[..., : 2 * nv] @ begins[:, None] + self.K[..., 2 * nv :]
+        q, v = begins[:, :nv, None], begins[:, nv:, None]
+        found = np.empty((2 * nv, panels, k, K.shape[-1]))
+        found[:nv] = (q + h * gauss.nodes[:, None] * v + h * h * (gauss.twice @ K)).swapaxes(0, 1)
+        found[nv:] = (v + h * (gauss.partial @ K)).swapaxes(0, 1)
+        return found.reshape(2 * nv, panels * k, -1)
+
+
+def carried(A: Array, B: Array, h: float, start: Array) -> Carried:
+    """S along panels one after the other, where the state is (q, v) with q̇ = v.
 
     Args:
-        A: derivatives of the acceleration by the state, (panels, points, nv, 2 nv).
-        B: along directions beside, (panels, points, nv, c).
+        A: derivatives of the acceleration by the state, (panels, nv, points, 2 nv).
+        B: along directions beside, (panels, nv, points, c).
         h: length of a panel.
         start: S where the first begins, (2 nv, c).
-
-    Returns:
-        (panels, points, 2 nv, c) and (2 nv, c).
     """
-    panels, k, nv, c = B.shape
+    panels, nv, k, c = B.shape
     gauss = rule(k)
-    twice = gauss.partial @ gauss.partial
     by_q, by_v = A[..., :nv], A[..., nv:]
     # unknown are the accelerations K at the points: v_i = v_0 + h Σ_j a_ij K_j,
     # q_i = q_0 + h c_i v_0 + h² Σ_j a²_ij K_j
-    left = -h * gauss.partial[:, None, :, None] * by_v[:, :, :, None, :]
-    left -= h * h * twice[:, None, :, None] * by_q[:, :, :, None, :]
+    left = by_v[..., None] * (-h * gauss.partial[:, None])
+    left -= by_q[..., None] * (h * h * gauss.twice[:, None])
     system = left.reshape(panels, k * nv, k * nv)
-    system[:, np.arange(k * nv), np.arange(k * nv)] += 1.0
-    right = np.concatenate([by_q, by_v + h * gauss.nodes[:, None, None] * by_q, B], axis=3)
-    slopes = np.linalg.solve(system, right.reshape(panels, k * nv, -1)).reshape(panels, k, -1)
-    ends, to_q = gauss.weights, gauss.weights @ gauss.partial
-    found, q, v = np.empty((panels, k, 2 * nv, c)), start[:nv], start[nv:]
-    for i in range(panels):
-        parts = slopes[i].reshape(k * nv, 2 * nv + c)
-        K = (parts[:, : 2 * nv] @ np.concatenate([q, v]) + parts[:, 2 * nv :]).reshape(k, nv * c)
-        found[i, :, nv:] = v + h * (gauss.partial @ K).reshape(k, nv, c)
-        found[i, :, :nv] = q + h * gauss.nodes[:, None, None] * v + h * h * (twice @ K).reshape(k, nv, c)
-        q = q + h * v + h * h * (to_q @ K).reshape(nv, c)
-        v = v + h * (ends @ K).reshape(nv, c)
-    return found, np.concatenate([q, v])
+    system.reshape(panels, -1)[:, :: k * nv + 1] += 1.0
+    right = np.concatenate([by_q, by_v + h * gauss.nodes[:, None] * by_q, B], axis=3).reshape(panels, k * nv, -1)
+    # NumPy's solver of stacks takes longer
+    solved = np.array([lapack.dgesv(each, rows)[2] for each, rows in zip(system, right, strict=True)])
+    K = solved.reshape(panels, nv, k, 2 * nv + c)
+    ahead = np.concatenate([h * h * gauss.weights @ gauss.partial @ K, h * gauss.weights @ K], axis=1)
+    ahead[..., : 2 * nv] += np.eye(2 * nv) + h * np.eye(2 * nv, k=nv)
+    begins = np.empty((panels + 1, 2 * nv, c))
+    begins[0] = start
+    for i, panel in enumerate(ahead):
+        begins[i + 1] = panel[:, : 2 * nv] @ begins[i] + panel[:, 2 * nv :]
+    return Carried(K, begins, h)

@@ -8,7 +8,7 @@ back to the fixed clock. That is the saltation matrix, with what is held, schedu
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,6 @@ from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.tangent.collocation import POINTS, carried, rule
 from spear_pin.hybrid.tangent.derivative import SHORTEST, Derivative, Stretch, falling
 from spear_pin.hybrid.tangent.dual import Dual, value_of
-from spear_pin.hybrid.tangent.fields import Values
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, derivatives, duals, flat, struck
@@ -91,52 +90,43 @@ class _Whole:
         n, nv, field_ = 2 * self.nv, self.nv, self.recorder.field(arc.domain, arc.held)
         raw = np.concatenate([self.raw, np.array(flat(arc.held), dtype=float).reshape(-1)])
         given = np.concatenate([self.seeds, derivatives(flat({name: now.held[name] for name in arc.held}), self.c)])
-        t, h, y = points(self.recorder, arc)
+        t, h, y = points(arc)
         panels = len(t) // POINTS
         weights = np.tile(h * rule().weights, panels)
         # the state's directions, the clock's, then those given; at the points, at the beginning and at the end
         every = np.concatenate([np.zeros((len(raw), n + 1)), given], axis=1)
         clock = np.eye(1, n + 1 + self.c, n)
         clocks, states = np.concatenate([t, [arc.t, arc.end]]), np.column_stack([y, arc.y, arc.after])
-        along = np.repeat(np.eye(n, n + 1 + self.c)[:, None], len(clocks), axis=1)
+        along = np.broadcast_to(np.eye(n, n + 1 + self.c)[:, None], (n, len(clocks), n + 1 + self.c))
         values, slopes = field_.at(clocks, states, raw, clock, along, every)
         if now.behind:
             now.dy, now.behind = now.dy - values.slopes[:, -2, None] * now.tau, False
-        motion = np.moveaxis(slopes.slopes[nv:, :-2], 0, 1).reshape(panels, POINTS, nv, -1)
-        S, after = carried(motion[..., :n], motion[..., n + 1 :], h, now.dy)
-        if arc.end - arc.t <= SHORTEST:
-            after = now.dy
-        dy = S.reshape(len(t), n, self.c)
-        inside, end = Values(*(each[:, :-2] for each in values)), Values(*(each[:, -1] for each in values))
-        last = [each[:, -1] for each in slopes]
-        chained = Values(*(each[:, :-2, :n].swapaxes(0, 1) @ dy for each in slopes))
-        chained = Values(
-            *(part.swapaxes(0, 1) + each[:, :-2, n + 1 :] for part, each in zip(chained, slopes, strict=True))
-        )
-        dend = Values(*(each[:, :n] @ after + each[:, n + 1 :] for each in last))
-        rate = Values(*(each[:, :n] @ end.slopes + each[:, n] for each in last))
-        tau = self._tau(arc, end, dend, rate, inside, now)
-        dy = np.moveaxis(dy, 0, 1)
-        return Stretch(arc, t, weights, y, dy, inside, chained, now.tau, tau, arc.after, after, end, dend, rate)
+        motion = slopes.slopes[nv:, :-2].reshape(nv, panels, POINTS, -1).swapaxes(0, 1)
+        S = carried(motion[..., :n], motion[..., n + 1 :], h, now.dy)
+        after = now.dy if arc.end - arc.t <= SHORTEST else S.end
+        stretch = Stretch(arc, t, weights, y, S, after, values, slopes, now.tau, np.zeros(self.c))
+        return replace(stretch, tau=self._tau(stretch, now))
 
-    def _tau(self, arc: Arc, end: Values, dend: Values, rate: Values, values: Values, now: _Now) -> Array:
+    def _tau(self, stretch: Stretch, now: _Now) -> Array:
         """How much later the event that ends an arc happens."""
+        arc = stretch.arc
         if arc.event is None:
             return np.zeros(self.c)
         if isinstance(arc.event, Switch):
             due = arc.event.time(arc.switches, self.law)
             return due.d + np.zeros(self.c) if isinstance(due, Dual) else np.zeros(self.c)
         i = next(k for k, guard in enumerate(arc.domain.guards) if guard is arc.event)
-        fall, highest = rate.guards[i], np.abs(values.guards[i]).max()
-        if arc.end - arc.t <= SHORTEST:
+        fall, change = stretch.rate.guards[i], stretch.dend.guards[i]
+        if stretch.at_once:
             # beside this cycle a guard on zero that falls is an event of its own, another one stays at once
-            met = abs(end.guards[i]) <= arc.event.tolerance and falling(fall)
-            return -dend.guards[i] / fall if met else now.tau
+            met = abs(stretch.end.guards[i]) <= arc.event.tolerance and falling(fall)
+            return -change / fall if met else now.tau
+        highest = np.abs(stretch.values.guards[i]).max()
         steepness = -fall * (arc.end - arc.t) / max(highest, 1e-300)
         now.steepness = min(now.steepness, steepness)
         if not steepness > GRAZING:
             raise NotDifferentiable(f"{arc.event.name} grazes: its guard falls through zero with {fall:.3g} a second")
-        later: Array = -dend.guards[i] / fall
+        later: Array = -change / fall
         return later
 
     def pass_event(self, stretch: Stretch, now: _Now) -> None:

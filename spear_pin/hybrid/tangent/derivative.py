@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,13 +14,14 @@ from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Guard
 from spear_pin.hybrid.rules.entry import AWAY, CHANGE
+from spear_pin.hybrid.tangent.collocation import Carried
 from spear_pin.hybrid.tangent.fields import Values
 
 Array = NDArray[np.float64]
 SHORTEST = 1e-9  # s: there is nothing to be carried along a shorter arc
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Stretch:
     """An arc with derivatives at Gauss's points of its panels, in rising time.
 
@@ -28,32 +30,63 @@ class Stretch:
         t: clock of the phase, (k,).
         weights: of an integral over the arc, (k,).
         y: states, (2 nv, k).
-        dy: their derivatives, (2 nv, k, c).
-        values: what the domain says there.
-        derivatives: of that, (..., k, c).
+        carried: their derivatives.
+        dstate: derivatives of the state at its end, at the fixed clock, (2 nv, c).
+        said: what the domain says at the points, at the beginning and at the end, (..., k + 2).
+        slopes: derivatives of that along the state, the clock and directions beside, (..., k + 2, 2 nv + 1 + c).
         since: derivative of the time at which it begins, (c,).
         tau: of the time at which it ends, (c,).
-        state: at its end, just before the event, (2 nv,).
-        dstate: its derivatives at the fixed clock, (2 nv, c).
-        end: what the domain says there.
-        dend: derivatives of that at the fixed clock.
-        rate: rates of that along the motion.
     """
 
     arc: Arc
     t: Array
     weights: Array
     y: Array
-    dy: Array
-    values: Values
-    derivatives: Values
+    carried: Carried
+    dstate: Array
+    said: Values
+    slopes: Values
     since: Array
     tau: Array
-    state: Array
-    dstate: Array
-    end: Values
-    dend: Values
-    rate: Values
+
+    @property
+    def state(self) -> Array:
+        """At its end, just before the event, (2 nv,)."""
+        return self.arc.after
+
+    @cached_property
+    def dy(self) -> Array:
+        """Derivatives of the states at the points, (2 nv, k, c)."""
+        return self.carried.inside()
+
+    @property
+    def values(self) -> Values:
+        """What the domain says at the points, (..., k)."""
+        return self.said._replace(rows=self.said.rows[:, :-2])
+
+    @cached_property
+    def derivatives(self) -> Values:
+        """Derivatives of that at a fixed clock, (..., k, c)."""
+        n, slopes = len(self.y), self.slopes.rows[:, :-2]
+        chained = (slopes[..., :n].swapaxes(0, 1) @ self.dy.swapaxes(0, 1)).swapaxes(0, 1)
+        return self.said._replace(rows=chained + slopes[..., n + 1 :])
+
+    @property
+    def end(self) -> Values:
+        """What the domain says at the end, (...)."""
+        return self.said._replace(rows=self.said.rows[:, -1])
+
+    @cached_property
+    def dend(self) -> Values:
+        """Derivatives of that at the fixed clock, (..., c)."""
+        n, slopes = len(self.y), self.slopes.rows[:, -1]
+        return self.said._replace(rows=slopes[:, :n] @ self.dstate + slopes[:, n + 1 :])
+
+    @cached_property
+    def rate(self) -> Values:
+        """Rates of that along the motion, (...)."""
+        n, slopes = len(self.y), self.slopes.rows[:, -1]
+        return self.said._replace(rows=slopes[:, :n] @ self.end.slopes + slopes[:, n])
 
     @property
     def at_once(self) -> bool:

@@ -30,16 +30,32 @@ class Values(NamedTuple):
     """What a domain says at a state, or the same of anything else there.
 
     Attributes:
-        slopes: dy/dt, (2 nv, ...).
-        guards: values of its guards, (g, ...).
-        u: torques of the motors, (nu, ...).
-        forces: on each closed toe, along the ground and normal to it, (2 closed, ...).
+        rows: all of it, (rows, ...).
+        ends: where the first three of its parts end.
     """
 
-    slopes: Array
-    guards: Array
-    u: Array
-    forces: Array
+    rows: Array
+    ends: tuple[int, int, int]
+
+    @property
+    def slopes(self) -> Array:
+        """dy/dt, (2 nv, ...)."""
+        return self.rows[: self.ends[0]]
+
+    @property
+    def guards(self) -> Array:
+        """Values of its guards, (g, ...)."""
+        return self.rows[self.ends[0] : self.ends[1]]
+
+    @property
+    def u(self) -> Array:
+        """Torques of the motors, (nu, ...)."""
+        return self.rows[self.ends[1] : self.ends[2]]
+
+    @property
+    def forces(self) -> Array:
+        """On each closed toe, along the ground and normal to it, (2 closed, ...)."""
+        return self.rows[self.ends[2] :]
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,20 +87,20 @@ class TangentField:
         inputs[0], inputs[1 : 1 + rows], inputs[1 + rows : half] = t[:, None], y[:, :, None], numbers[:, None, None]
         inputs[half], inputs[half + 1 : half + 1 + rows], inputs[half + 1 + rows :] = dt, dy, dnumbers[:, None, :]
         found = self._function(inputs.reshape(len(inputs), -1)).reshape(-1, n, c)
-        values, derivatives = np.split(found, 2)
-        return self._split(values[:, :, 0]), self._split(derivatives)
+        half = len(found) // 2
+        return Values(found[:half, :, 0], self._ends), Values(found[half:], self._ends)
 
     def values(self, t: Array, y: Array, numbers: Array) -> Values:
         """Values at n states, each with numbers of its own, (p, n), without derivatives; heyoka has to be there."""
         assert self._function is not None
         inputs = np.concatenate([t[None], y, numbers])
         found = self._function(np.concatenate([inputs, np.zeros_like(inputs)]))
-        return self._split(found[: len(found) // 2])
+        return Values(found[: len(found) // 2], self._ends)
 
-    def _split(self, rows: Array) -> Values:
-        robot = self.structure.system.robot
-        ends = np.cumsum([2 * robot.nv, len(self.structure.domain.guards), robot.nu])
-        return Values(*np.split(rows, ends))
+    @cached_property
+    def _ends(self) -> tuple[int, int, int]:
+        robot, guards = self.structure.system.robot, len(self.structure.domain.guards)
+        return 2 * robot.nv, 2 * robot.nv + guards, 2 * robot.nv + guards + robot.nu
 
     @cached_property
     def _function(self) -> Any:
@@ -126,7 +142,7 @@ class TangentField:
         outputs = self._of([Dual(x, d) for x, d in parts], ARRAYS)
         values = np.array([np.broadcast_to(value_of(each), (n, 1))[:, 0] for each in outputs])
         derivatives = np.array([np.broadcast_to(derivative_of(each), (n, c)) for each in outputs])
-        return self._split(values), self._split(derivatives)
+        return Values(values, self._ends), Values(derivatives, self._ends)
 
 
 @dataclass(frozen=True, eq=False)

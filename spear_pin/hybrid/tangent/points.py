@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.tangent.collocation import POINTS, TAIL, roughness, rule
 from spear_pin.hybrid.tangent.derivative import SHORTEST
-from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
@@ -18,7 +17,7 @@ MOST_PANELS = 64  # of an arc
 EARLY = 4  # points that do not count yet where panels are long
 
 
-def points(recorder: Recorder, arc: Arc) -> tuple[Array, float, Array]:
+def points(arc: Arc) -> tuple[Array, float, Array]:
     """Clocks of the points, (k,), length of a panel in s, and states there, (2 nv, k).
 
     Raises:
@@ -28,7 +27,8 @@ def points(recorder: Recorder, arc: Arc) -> tuple[Array, float, Array]:
     if length <= SHORTEST:
         t = arc.t + length * gauss.nodes
         return t, length, np.tile(arc.y[:, None], (1, len(t)))
-    motion, panels = recorder.along(arc), 1
+    motion, panels = arc.motion, 1
+    assert motion is not None
     while panels <= MOST_PANELS:
         h = length / panels
         t = (arc.t + h * (np.arange(panels)[:, None] + gauss.nodes)).ravel()

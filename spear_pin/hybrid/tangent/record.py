@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -14,7 +14,7 @@ from spear_pin.hybrid.arc import Arc, Record, Runner
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Reset
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.structure import Structure, flattened, shape_of
+from spear_pin.hybrid.engines.structure import Structure, shape_of
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.compilation import Compilation
 from spear_pin.hybrid.lanes.lone_runner import Lap, LoneRunner
@@ -28,14 +28,20 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
 PLAIN = "the cycle does not close, or what happens in it is not plain"
-CODE = Code(1e-15, unrolled=False, level=0)  # compiled in a fiftieth of the time of the fastest, and four times as slow
+TOL = 1e-15
 _fields: WeakKeyDictionary[Compilation, dict[Any, TangentField]] = WeakKeyDictionary()
 _feet: WeakKeyDictionary[Compilation, dict[tuple[str, ...], TangentFeet]] = WeakKeyDictionary()
 
 
-def many(system: HybridSystem, given: Mapping[str, Array]) -> Numbers:
-    """The numbers of lanes for `Recorder`, which differ in those that are given, (n,) each."""
-    return Numbers(system, given, CODE)
+def many(system: HybridSystem, given: Mapping[str, Array], level: int = 0) -> Numbers:
+    """The numbers of lanes for `Recorder`.
+
+    Args:
+        system: the system.
+        given: numbers in which they differ, (n,) each.
+        level: of LLVM's optimisation; with any, code runs in half the time and takes twelve times as long to compile.
+    """
+    return Numbers(system, given, Code(TOL, unrolled=system.robot.nv <= taylor.UNROLLED, level=level))
 
 
 class CompiledRunner:
@@ -47,8 +53,7 @@ class CompiledRunner:
     """
 
     def __init__(self, numbers: Numbers, lane: int) -> None:
-        self._runner, self._compilation = LoneRunner(numbers, lane), numbers.compilation
-        self._constants, self._toes = numbers.constants(lane), len(numbers.system.robot.toes)
+        self._runner, self._toes = LoneRunner(numbers, lane, keep=True), len(numbers.system.robot.toes)
 
     @property
     def why(self) -> str:
@@ -58,12 +63,6 @@ class CompiledRunner:
     def lap(self, phase: str, y: Array, held: Held) -> Lap | None:
         """The cycle, None where it calls for a second look."""
         return self._runner.lap(phase, y, held, [0.0] * self._toes)
-
-    def along(self, arc: Arc) -> Callable[[Array], Array]:
-        """The motion of an arc, followed again."""
-        single = self._compilation.single(arc.domain, arc.held)
-        parameters = np.array(self._constants + flattened(arc.held.values()))
-        return single.polynomials(arc.t, arc.y, arc.end, parameters).at
 
 
 class Recorder:
@@ -132,10 +131,6 @@ class Recorder:
             held: what is held there.
         """
         return self._runner.lap(phase, y, held)
-
-    def along(self, arc: Arc) -> Callable[[Array], Array]:
-        """The motion of an arc of the last cycle: from times, (n,), to states, (2 nv, n)."""
-        return self._runner.along(arc)
 
     def field(self, domain: Domain, held: Held) -> TangentField:
         """What a domain's derivatives are taken from."""

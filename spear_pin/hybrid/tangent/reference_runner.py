@@ -41,7 +41,6 @@ class ReferenceRunner:
 
     def __init__(self, system: HybridSystem) -> None:
         self._system, self._nv = system, system.robot.nv
-        self._motions: list[tuple[Arc, Segment]] = []
         self.why = ""
 
     def lap(self, phase: str, y: Array, held: Held) -> ReferenceLap | None:
@@ -57,14 +56,13 @@ class ReferenceRunner:
             self.why = self.why or self._not_plain(segment)
         if self.why:
             return None
-        self._motions, switches, came = [], 0, -1.0
+        arcs, switches, came = list[Arc](), 0, -1.0
         for segment in found.segments:
             switches, came = 0 if segment.began != came else switches, segment.began
             event = _event(segment)
             switches += isinstance(event, Switch)
-            self._motions.append((self._arc(segment, event, switches), segment))
+            arcs.append(self._arc(segment, event, switches))
         end = np.concatenate(found.state)
-        arcs = [arc for arc, _ in self._motions]
         return ReferenceLap(end, found.domain.phase, found.held, found.durations, order_of(self._system, found), arcs)
 
     def _not_plain(self, segment: Segment) -> str:
@@ -78,15 +76,13 @@ class ReferenceRunner:
         return ""
 
     def _arc(self, segment: Segment, event: Any, switches: int) -> Arc:
-        first, last = segment.pieces[0], segment.pieces[-1]
-        y, after = (
-            piece.state(np.array([time]))[: 2 * self._nv, 0] for piece, time in ((first, first.begin), (last, last.end))
-        )
-        return Arc(segment.domain, segment.held, first.begin, y, last.end, after, event, switches)
+        motion, begin, end = self._motion(segment), segment.pieces[0].begin, segment.pieces[-1].end
+        y, after = motion(np.array([begin, end])).T
+        return Arc(segment.domain, segment.held, begin, y, end, after, event, switches, motion)
 
-    def along(self, arc: Arc) -> Callable[[Array], Array]:
-        """The motion of an arc of the last cycle, by the integrator's own interpolants."""
-        pieces = next(segment.pieces for each, segment in self._motions if each is arc)
+    def _motion(self, segment: Segment) -> Callable[[Array], Array]:
+        """States over time, by the integrator's own interpolants."""
+        pieces = segment.pieces
         ends = np.array([piece.end for piece in pieces[:-1]])
 
         def states(times: Array) -> Array:
