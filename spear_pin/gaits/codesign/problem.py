@@ -125,7 +125,7 @@ class Problem:
 
         Args:
             orbit: the gait.
-            watch: whether those of the multipliers are needed, which take two cycles each; else they are zero.
+            watch: whether those of the multipliers are needed, which take a cycle each; else they are zero.
             on_cycle: called before each cycle.
         """
         others, found = len(orbit.names) - len(self.vary), self.measures(orbit)

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import SpearError
-from spear_pin.gaits.sensitivity.multipliers import step_of
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
+from spear_pin.hybrid.parameters import number
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
+STEP = 1e-6  # of a parameter
 
 
 def borders(jacobian: Array, radius: float) -> Array:
@@ -31,7 +32,9 @@ def borders(jacobian: Array, radius: float) -> Array:
 def slopes(
     orbit: Orbit, vary: Sequence[str], keep: Sequence[str], radius: float, on_cycle: Callable[[], object] = lambda: None
 ) -> Array:
-    """Derivatives of `borders` by the other parameters along the branch, by central differences of exact multipliers.
+    """Derivatives of `borders` by the other parameters along the branch, by differences of exact multipliers.
+
+    Those are of one side, a cycle each: a search is led by five digits as well as by ten.
 
     Args:
         orbit: the gait; its names are those of `vary`, then those that change.
@@ -45,11 +48,11 @@ def slopes(
     """
     over = orbit.names[len(vary) :]
     dxi, dz = solved(orbit, vary, keep)
-    found = np.zeros((3, len(over)))
+    here, found = borders(orbit.jacobian, radius), np.zeros((3, len(over)))
     for j, name in enumerate(over):
         along = np.concatenate([dxi[:, j], dz[:, j], np.eye(len(over))[j]])
         change = {name: 1.0, **dict(zip(vary, dz[:, j].tolist(), strict=True))}
-        h, ends = step_of(orbit, name), []
+        h = STEP * (abs(number(orbit.system, name)) or 1.0)
         for step in (h, -h):
             try:
                 there = orbit.beside(
@@ -57,11 +60,8 @@ def slopes(
                 )
                 on_cycle()
                 if there.cycle.order == orbit.cycle.order:
-                    ends.append((step, borders(there.jacobian, radius)))
+                    found[:, j] = (borders(there.jacobian, radius) - here) / step
+                    break
             except (NotDifferentiable, SpearError):
                 continue
-        if len(ends) == 1:
-            ends.append((0.0, borders(orbit.jacobian, radius)))
-        if ends:
-            found[:, j] = (ends[0][1] - ends[1][1]) / (ends[0][0] - ends[1][0])
     return found
