@@ -34,7 +34,7 @@ from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import start
 from spear_pin.hybrid.shooting import Shooting
 from spear_pin.hybrid.tangent.cycle import differentiated
-from spear_pin.hybrid.tangent.record import Recorder
+from spear_pin.hybrid.tangent.record import Recorder, many
 
 OF_HOP = (
     *("stance_torque", "stiffness", "damping", "knee_touchdown", "frequency", "friction", "knee_gain"),
@@ -69,19 +69,23 @@ def main() -> None:
 
 
 def row(gait: Gait, over: tuple[str, ...]) -> dict[str, float]:
-    """Figures of one gait's derivatives by many parameters."""
+    """Figures of one gait's derivatives by many parameters, its cycle recorded as usual and by what runs plain ones."""
     orbit = Orbit(gait.system, gait.state, over)
     begins, seeds = orbit.start, orbit.seeds
     y = np.concatenate(orbit.chart.state(np.zeros(orbit.dimension)))
-    recorder, runner = Recorder(gait.system), fastest(gait.system)
+    runner = fastest(gait.system)
     plain = best(lambda: runner(y))
-    exact = best(lambda: differentiated(gait.system, recorder, y, begins, seeds))
+    exact, of_one_code = (
+        best(lambda recorder=recorder: differentiated(gait.system, recorder, y, begins, seeds))
+        for recorder in (Recorder(gait.system), Recorder(gait.system, many(gait.system, {}, taylor.LEVEL)))
+    )
     columns = begins.shape[1]
     return {
         "columns": columns,
         "plain_ms": 1e3 * plain,
         "exact_ms": 1e3 * exact,
         "exact_in_plain_cycles": exact / plain,
+        "by_the_same_code_in_plain_cycles": of_one_code / plain,
         "central_in_plain_cycles": 2.0 * columns,
     }
 
