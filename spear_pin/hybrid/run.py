@@ -1,29 +1,28 @@
 """The event-exact run of a hybrid system: integrate, find the event, reset, choose the next domain.
 
-Integration is SciPy's DOP853, restarted at every event and at every scheduled switch of a torque.
+Integration is restarted at every event and at every scheduled switch of a torque.
 """
 
 from __future__ import annotations
 
 import math
-from collections import defaultdict, deque
+from collections import defaultdict
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
 from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
-from spear_pin.hybrid.events import BEND, Watch, bends
+from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import going_on, sliding
-from spear_pin.hybrid.hardware import HARDWARE_TOLERANCE
+from spear_pin.hybrid.integration import DUE, KNOT, accuracy, integrated
 from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn
 from spear_pin.hybrid.resting import resting
-from spear_pin.hybrid.result import BOOKED, FINEST, Moment, Options, Piece, Run, Segment, State
+from spear_pin.hybrid.result import BOOKED, Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.rules import cycles as rules
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.latching import latched
@@ -34,7 +33,6 @@ from spear_pin.hybrid.trajectory import Event
 Array = NDArray[np.float64]
 
 NOTHING = 1e-12  # J: a spring that was latched in this instant
-MAX_STEP = 0.05  # s
 
 
 def run(
@@ -103,9 +101,7 @@ class _Runner:
         self.flow = choose(system, phase, held, self.t, self.y)
         self.run = Run((q, v), (q, v), held, self.flow.domain)
         self.energy, self.inductive = self._energy(), in_inductances(self.system, self.y)
-        share = 1.0 if system.hardware is None else HARDWARE_TOLERANCE
-        self.rtol = max(share * options.rtol, FINEST)
-        self.atol = share * (options.atol or 0.01 * options.rtol)
+        self.accuracy = accuracy(options, system.hardware)
 
     def go(self, on_segment: Callable[[Segment], object]) -> None:
         """Run to the end."""
@@ -153,78 +149,28 @@ class _Runner:
 
         None where motion breaks off, or only passes a knot of a spring's curve, from which it is integrated anew.
         """
-        solver, times = self._solver(self.t, self.y, until), deque[float](maxlen=rules.CREEP)
-        while solver.status == "running":
-            t0, y0, slope = solver.t, solver.y, solver.f
-            solver.step()
-            times.append(solver.t)
-            if self._gives_up(segment, solver, t0, y0, times):
-                return None
-            self.t, self.y = solver.t, solver.y
-            ends, states = (t0, self.t), (y0, self.y)
-            crossings = watch.step(ends, states, (slope, solver.f), solver.dense_output)
-            crossings = sorted([*crossings, *bends(self.flow, ends, states, solver.dense_output)])
-            if crossings or self.options.keep:
-                end = self._pass(segment, solver.dense_output(), t0, crossings)
-                if end is not None:
-                    self.t, self.y = end[0], self._step_to(t0, y0, end[0])
-                    self.flow.arrive(self.t, self.y)
-                    return end[1]
-            if watch.undefined:
-                self._break_off("not_finite")
-                return None
-            self.flow.arrive(self.t, self.y)  # not before: to what is beyond an event motion does not come
+        keep, most = self.options.keep, self.options.max_evaluations - self.run.evaluations
+        motion = integrated(self.flow, watch, self.t, self.y, until, self.accuracy, keep=keep, most=most)
+        self.t, self.y = motion.t, motion.y
+        segment.pieces += motion.pieces
+        for observed in motion.observed:
+            self._record(*observed)
+        if motion.why == "evaluation_cap":
+            self._end(motion.why, f"{self.options.max_evaluations} in {self.flow.domain.name}")
+        elif motion.why == DUE:
+            return self._scheduled()
+        elif motion.why and motion.why != KNOT:
+            self._break_off(motion.why)
+        return motion.event
+
+    def _scheduled(self) -> Guard | None:
+        """What is due now, as an event."""
         switch = self.flow.domain.switch
         if switch is None or self.t < rules.due(self.flow.domain, self.switches, self.system.law):
             self._overdue()
             return None
         self.switches += 1
         return Guard(switch.name, _never, switch.reset)
-
-    def _gives_up(
-        self, segment: Segment, solver: scipy.integrate.DOP853, t0: float, y0: Array, times: deque[float]
-    ) -> bool:
-        """Whether a step from y0 ends the motion: it failed, hardly gets on any more, or is one too many."""
-        if solver.status == "failed":
-            finite = np.isfinite(solver.y).all() and np.isfinite(self.flow(t0, y0)).all()
-            self._break_off("step_size" if finite else "not_finite")
-            return True
-        if self.flow.domain.crossing is not None and rules.creeps(times):
-            self.t, self.y = solver.t, solver.y
-            segment.pieces.append(Piece(t0, self.t, solver.dense_output()))
-            self._break_off("step_size")
-            return True
-        if self.run.evaluations + self.flow.evaluations > self.options.max_evaluations:
-            self.t, self.y = solver.t, solver.y
-            self._end("evaluation_cap", f"{self.options.max_evaluations} in {self.flow.domain.name}")
-            return True
-        return False
-
-    def _pass(
-        self, segment: Segment, solution: Callable[[Any], Array], t0: float, crossings: list[tuple[float, int]]
-    ) -> tuple[float, Guard | None] | None:
-        """Pass what is only observed in a step from t0; time and guard of what ends it, None for a knot."""
-        for time, index in crossings:
-            guard = None if index == BEND else self.flow.domain.guards[index]
-            if guard is None or not guard.observes:
-                segment.pieces.append(Piece(t0, time, solution))
-                return time, guard
-            self._record(guard.name, time, solution(time))
-        segment.pieces.append(Piece(t0, self.t, solution))
-        return None
-
-    def _solver(self, t: float, y: Array, until: float) -> scipy.integrate.DOP853:
-        hardware = self.system.hardware
-        longest = MAX_STEP if hardware is None else min(MAX_STEP, hardware.max_step)
-        return scipy.integrate.DOP853(self.flow, t, y, until, max_step=longest, rtol=self.rtol, atol=self.atol)
-
-    def _step_to(self, t0: float, y0: Array, time: float) -> Array:
-        """One step of the method that ends on the event: more accurate than the interpolant of a longer one."""
-        if time == t0:
-            return y0
-        shorter = scipy.integrate.DOP853(self.flow, t0, y0, time, first_step=time - t0, rtol=1.0, atol=np.inf)
-        shorter.step()
-        return np.asarray(shorter.y)
 
     # an event: impact, release, latch, phase, domain
 

@@ -60,7 +60,7 @@ NAMES = ("coordinates", "actuated", "toes", "spring_joints")
 COUNTS = ("cycles", "evaluations")
 TEXTS = ("robot", "reason", "message")
 PLAIN = ("robot", *NAMES, "cycles", "reason", "message", "evaluations")
-OF_GROUND = tuple(field.name for field in fields(Ground))
+GROUND_FIELDS = tuple(field.name for field in fields(Ground))
 DENSEST = 1100  # bytes that one of a compressed file may stand for: more than deflate packs
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -77,7 +77,7 @@ def write(trajectory: Trajectory, path: str | Path) -> Path:
     meta = {name: getattr(trajectory, name) for name in PLAIN} | {
         "format": FORMAT,
         "units": UNITS,
-        "ground": None if ground is None else {name: getattr(ground, name) for name in OF_GROUND},
+        "ground": None if ground is None else {name: getattr(ground, name) for name in GROUND_FIELDS},
         "flows": trajectory.ledger.flows,
         "origin": trajectory.origin,
         "drives": () if electrical is None else electrical.flows,
@@ -152,7 +152,7 @@ def _ground(numbers: Any) -> Ground | None:
         return None
     if not isinstance(numbers, dict):
         raise BadValue("ground", numbers, "its numbers by name")
-    check_keys("field of ground", numbers, OF_GROUND)
+    check_keys("field of ground", numbers, GROUND_FIELDS)
     return Ground(**numbers)
 
 
