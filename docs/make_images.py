@@ -174,7 +174,7 @@ def another() -> None:
 
 
 def space() -> None:
-    """Show the page of the turn that an example keeps, and its footfalls beside those of the bound and of a trot."""
+    """Show the page of the turn that an example keeps, and its footfalls beside those of a bound, a trot and a gallop."""
     gait, plane = Gait.load(IMAGES.parents[1] / "examples" / "turn.json"), Gait.load("long_stride")
     strides = simulate(gait.system, gait.state, 20)
     straight = simulate(*embedded(plane, SpatialLaw(plane.system.law)), 1)
@@ -182,9 +182,11 @@ def space() -> None:
         page = record(gait.system.robot, strides, Path(folder) / "turn.html", title="Q-SPEAR turning")
         browser.open(page, f"#t={TURNING}&show=-plots,-trails&camera={AHEAD}")
         print(browser.screenshot(IMAGES / "turn.png").shape)
-    trot = Gait.load("trot")
     motions = {"bound": straight, "bound, turning to the left by 4° a stride": strides}
-    falls = space_plots.footfall_diagram(motions | {"trot": simulate(trot.system, trot.state, 2)})
+    for name, cycles in (("trot", 2), ("gallop", 1)):  # a trot's cycle is half a stride
+        other = Gait.load(name)
+        motions[name] = simulate(other.system, other.state, cycles)
+    falls = space_plots.footfall_diagram(motions)
     print(plots.save_figure(falls, IMAGES / "footfalls.svg"))
 
 
