@@ -174,7 +174,7 @@ def another() -> None:
 
 
 def space() -> None:
-    """Show the page of the turn that an example keeps, and its footfalls beside those of a bound, a trot and a gallop."""
+    """Show the page of the turn that an example keeps, and footfalls beside those of a bound, a trot and a gallop."""
     gait, plane = Gait.load(IMAGES.parents[1] / "examples" / "turn.json"), Gait.load("long_stride")
     strides = simulate(gait.system, gait.state, 20)
     straight = simulate(*embedded(plane, SpatialLaw(plane.system.law)), 1)

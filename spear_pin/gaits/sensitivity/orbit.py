@@ -163,19 +163,7 @@ def orbit_of_gait(
 ) -> Orbit:
     """The orbit of a gait, its cycle and its measures found; its names are those of `vary`, then those of `over`.
 
-    Args:
-        system: the system, with which the state is a fixed point.
-        state: (q, v) on the section.
-        over: parameters, by the names of law, springs, ground or robot.
-        vary: parameters that are solved for, so that the measures of `keep` stay as they are.
-        keep: as many measures.
-        motors: of joints, by name.
-
-    Raises:
-        UnknownName: there is no parameter or measure of a name.
-        BadValue: a name is given twice, as many are not kept as are solved for, a parameter is zero and with it part
-            of the equations, the state is no fixed point, or the system moves in space or has hardware.
-        NotDifferentiable: the cycle has no derivative.
+    Arguments and what is raised are those of `sensitivity.sensitivity`.
     """
     check_lanes(system)
     names = (*vary, *over)
