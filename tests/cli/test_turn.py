@@ -14,6 +14,7 @@ from tests.cli.calls import printed, refused, run
 KEPT = Path(__file__).parents[2] / "examples" / "turn.json"
 
 
+@pytest.mark.slow
 def test_a_kept_turn_is_played(capsys, tmp_path):
     result = printed(capsys, "turn", KEPT, "--cycles", 2, "--out", tmp_path)
     assert np.degrees(result["turn"]) == pytest.approx(4.0, abs=1e-6)
@@ -39,6 +40,7 @@ def test_text(capsys, tmp_path):
     assert "to the left" in said["gait"] and "W" in said["adduction"] and said["slips"] == "0"
 
 
+@pytest.mark.slow
 def test_a_motion_that_is_lost_is_one_line(capsys, tmp_path, monkeypatch):
     asked = []
 

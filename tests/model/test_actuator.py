@@ -79,6 +79,7 @@ def scaled(one, torque, speed, current, heat):
     return torque * one.constant * volts / total, speed * volts / one.constant, x
 
 
+@pytest.mark.slow
 @many
 @given(actuators, shares, shares, shares, st.floats(0.0, 1e4))
 def test_the_batterys_power_is_accounted_for(one, torque, speed, current, heat):

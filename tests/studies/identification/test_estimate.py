@@ -9,6 +9,7 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.studies.identification import MovingAverage, Record, cut, identify, smoothed
 from spear_pin.studies.laboratory import Instrument, synthesize, synthetic_trial
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, PassiveKnee, equilibrium, spear_ii
+from tests.slow import slow_but
 
 LEGS = {ratio: spear_ii(ratio) for ratio in (None, 15.0, 66.0)}
 LEG = LEGS[15.0]
@@ -34,7 +35,8 @@ def warned(estimate, text):
 class TestTruth:
     """Without noise, what went in comes out."""
 
-    @pytest.mark.parametrize("static", [False, True])
+    @pytest.mark.slow
+    @pytest.mark.parametrize("static", slow_but([False, True], True))
     @pytest.mark.parametrize("ratio", [pytest.param(None, marks=pytest.mark.slow), 15.0])
     def test_three_depths(self, ratio, static):
         leg = LEGS[ratio]
@@ -54,6 +56,7 @@ class TestTruth:
         expected = 100 * (1 - np.linalg.norm(np.concatenate(missed)) / np.linalg.norm(spread))
         assert estimate.fit == pytest.approx(expected) and min(estimate.fits) < expected < max(estimate.fits)
 
+    @pytest.mark.slow
     def test_a_knee_of_its_own_for_every_trial(self):
         knees = [replace(VISCOUS, damping=0.7), replace(VISCOUS, damping=1.4)]
         estimate = identify(LEG, [trial(knee) for knee in knees], per_trial=["damping"])
@@ -176,6 +179,7 @@ class TestRounded:
         for one, other in zip(coarse.parameters, fine.parameters, strict=True):
             assert one.deviation == pytest.approx(np.sqrt(13 / 12) * other.deviation, rel=0.05)
 
+    @pytest.mark.slow
     def test_a_sample_between_two_counts_changes_nothing(self):
         made = self.rounded(trial(SOFT), 0.45)
         angle = made.angle.copy()
@@ -206,6 +210,7 @@ class TestWarnings:
         for name, truth in (("stiffness", 50.0), ("rotor_inertia", LEG.rotor)):
             assert abs(estimate[name].value - truth) < 3 * estimate[name].deviation
 
+    @pytest.mark.slow
     def test_toe_that_pulls(self):
         estimate = identify(LEG, [trial(SOFT, 0.1, 1e-3)])
         assert warned(estimate, "in release the pinned toe pulls on the ground, -10.5 N after 0.196 s")
