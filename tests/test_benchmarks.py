@@ -33,6 +33,7 @@ class TestHop:
         task = hop(LANES)
         assert (np.abs(task.ends - task.ends[0]).max(axis=1)[1:] > 0.01).all()
 
+    @pytest.mark.slow
     def test_lean(self):
         for lane in lean_loop.lanes(hop(LANES)):
             assert hop(LANES).error(lane.call()) < AGREES

@@ -263,6 +263,7 @@ class TestHop:
             assert hops.ledger["friction"][cycle] == pytest.approx(-20.0 * way, abs=1e-8)
         assert way == pytest.approx(0.416, abs=2e-3)
 
+    @pytest.mark.slow
     def test_together_with_viscous_friction(self):
         robot = vary(ROBOT, boom_damping=20.0)
         system = with_dry_friction(hopping(robot, replace(LIMITED, stance_torque=12.0)), {"boom_z": 10.0})

@@ -104,6 +104,7 @@ def test_the_batterys_power_is_accounted_for(one, torque, speed, current, heat):
     assert abs(terminal + inside * amperes) <= volts * (1.0 + 1e-9)
 
 
+@pytest.mark.slow
 @many
 @given(actuators, shares, shares, st.floats(0.0, 1e4))
 def test_the_loops_steady_state_is_the_quasi_static_current(one, torque, speed, heat):

@@ -73,6 +73,7 @@ class TestOrbit:
         assert system.phases == pronk().system.phases and "all_stance" in system.phases
         np.testing.assert_allclose(system.guess()[0][3:], pronk().state[0][3:], rtol=0, atol=1e-12)
 
+    @pytest.mark.slow
     def test_what_no_leg_of_it_does_has_no_effect(self):
         law = pronk().system.law
         plane = replace(law.plane, flight_2_span=1.0, posterior_stance_span=-2.0, flight_1_trailing=((1.0,) * 4,) * 2)

@@ -58,6 +58,7 @@ class TestHop:
         assert hop.stance_in_periods() == pytest.approx(0.3643 * 2.56, abs=1e-3)
         assert hop.fixed_point_residual() < 1e-9
 
+    @pytest.mark.slow
     def test_a_wrong_frequency(self):
         slow, own, fast = hop.work_against()
         assert own < 0.1 < 1.0 < min(slow, fast)

@@ -115,6 +115,7 @@ class TestSettled:
         assert known["flight_time"] == pytest.approx(hops.gait.durations["flight"], abs=1e-6)
         assert 0.5 < known["spring_share"] < 0.7
 
+    @pytest.mark.slow
     def test_what_does_not_repeat_is_not_called_periodic(self, engine):
         hops = settled(RESTLESS, engine)
         assert hops.verdict == "unsettled" and hops.gait is None and "does not repeat" in hops.message

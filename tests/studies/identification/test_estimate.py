@@ -9,7 +9,6 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.studies.identification import MovingAverage, Record, cut, identify, smoothed
 from spear_pin.studies.laboratory import Instrument, synthesize, synthetic_trial
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, PassiveKnee, equilibrium, spear_ii
-from tests.slow import slow_but
 
 LEGS = {ratio: spear_ii(ratio) for ratio in (None, 15.0, 66.0)}
 LEG = LEGS[15.0]
@@ -36,8 +35,8 @@ class TestTruth:
     """Without noise, what went in comes out."""
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("static", slow_but([False, True], True))
-    @pytest.mark.parametrize("ratio", [pytest.param(None, marks=pytest.mark.slow), 15.0])
+    @pytest.mark.parametrize("static", [False, True])
+    @pytest.mark.parametrize("ratio", [None, 15.0])
     def test_three_depths(self, ratio, static):
         leg = LEGS[ratio]
         estimate = identify(leg, [trial(depth=depth, leg=leg) for depth in DEPTHS], static_rest=static)
@@ -171,6 +170,7 @@ class TestRounded:
         assert (np.abs(z) < 2).mean() >= 0.9 and np.abs(z).max() < 3.5
         assert 0.65 < np.sqrt(np.mean(np.square(z))) < 1.35  # neither too small nor needlessly large
 
+    @pytest.mark.slow
     def test_noise_of_more_than_a_step_leaves_them_as_they_were(self):
         made = trial(noise=self.STEP)
         fine, coarse = identify(LEG, [made]), identify(LEG, [self.rounded(made)])
@@ -189,6 +189,7 @@ class TestRounded:
         for one, other in zip(patched.parameters, plain.parameters, strict=True):
             assert one.deviation == pytest.approx(other.deviation, rel=0.05)
 
+    @pytest.mark.slow
     def test_a_model_that_misses_something_is_not_excused(self):
         made = trial(PassiveKnee(48.0, 0.3, 1.5, 1.0))
         assert warned(identify(LEG, [self.rounded(made)]), "the model misses something")
