@@ -14,6 +14,7 @@ from spear_pin.gaits.spatial.law import ACROSS
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import residual, return_map
 from spear_pin.hybrid.symmetry import mirror_of
+from tests.slow import slow_but
 
 
 @cache
@@ -22,9 +23,9 @@ def stride(name):
     return return_map(gait.system, gait.state)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", library.TURNS)
+@pytest.mark.parametrize("name", slow_but(library.TURNS, "turn_9"))
 class TestShipped:
+    @pytest.mark.slow
     def test_they_are_orbits_that_turn_as_they_are_called(self, name):
         gait, run = Gait.load(name), stride(name)
         angle, speed = library.TURNS[name]
@@ -33,6 +34,7 @@ class TestShipped:
         assert gait.system.measures["mean_speed"](run) == pytest.approx(speed, abs=1e-8)
         assert abs(run.change[0] - run.work[0].sum()) < 1e-9
 
+    @pytest.mark.slow
     def test_the_mirror_image_turns_to_the_other_side(self, name):
         gait, mirror = Gait.load(name), mirror_of(Gait.load(name).system.robot)
         right = with_parameters(gait.system, {each: -parameter(gait.system, each) for each in ACROSS})

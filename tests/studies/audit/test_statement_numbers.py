@@ -50,7 +50,6 @@ class TestBound:
 
 
 class TestHop:
-    @pytest.mark.slow
     def test_gait(self):
         assert hop.flight_time() == pytest.approx(0.2, abs=1e-9)
         assert hop.largest_multiplier() == pytest.approx(-hop.leading_multiplier())
@@ -58,12 +57,10 @@ class TestHop:
         assert hop.stance_in_periods() == pytest.approx(0.3643 * 2.56, abs=1e-3)
         assert hop.fixed_point_residual() < 1e-9
 
-    @pytest.mark.slow
     def test_a_wrong_frequency(self):
         slow, own, fast = hop.work_against()
         assert own < 0.1 < 1.0 < min(slow, fast)
 
-    @pytest.mark.slow
     def test_motion(self):
         assert hop.knee_rate_at_touchdown() == pytest.approx(1.0892, abs=1e-3)
         assert hop.peak_knee_rate() == pytest.approx(7.16, abs=5e-3)

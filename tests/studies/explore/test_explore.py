@@ -225,6 +225,7 @@ class TestKeepingTheFlightTime:
         assert hops.knobs.values["stance_torque"] == pytest.approx(found.parameters["stance_torque"], abs=1e-6)
         assert hops.knobs.kept and hops.verdict == "periodic"
 
+    @pytest.mark.slow
     def test_where_there_is_none_it_says_so(self):
         with pytest.raises(NoGait, match="0.2 s of flight"):
             settled(knobs_of(kept=True, stiffness=20.0, damping=3.0), best_engine())
