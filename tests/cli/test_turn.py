@@ -1,4 +1,4 @@
-"""`spear turn`: a gait that turns, found or read, its figures and its files."""
+"""`spear turn`: a gait that turns, its figures and its files; `tests/gaits/orbits/test_turning.py` has it find one."""
 
 from pathlib import Path
 
@@ -77,11 +77,3 @@ def test_refused(capsys, tmp_path, words, said):
 
 def test_it_says_how_long_it_takes(capsys):
     assert usual("turn") in " ".join(run(capsys, "turn", "--help")[1].split())
-
-
-@pytest.mark.slow
-def test_found(capsys, tmp_path):
-    found = printed(capsys, "turn", "--angle", 2, "--cycles", 1, "--out", tmp_path)
-    again = printed(capsys, "turn", tmp_path / "turn.json", "--cycles", 1, "--out", tmp_path)
-    assert np.degrees(found["turn"]) == pytest.approx(2.0, abs=1e-6) and found["residual"] <= 1e-9
-    assert again["radius"] == pytest.approx(found["radius"], rel=1e-9)
