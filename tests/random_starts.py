@@ -113,6 +113,7 @@ def outcome(seed: int) -> Outcome:
     return _ended(start, lambda: hopping(robot(start.free), contact=Contact(start.friction)), CYCLES)
 
 
+@cache
 def drop(seed: int) -> Outcome:
     """Run Q-SPEAR in space from the start of a seed."""
     start, law = draw_in_space(seed), SpatialLaw(Gait.load("long_stride").system.law)

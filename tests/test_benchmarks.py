@@ -21,16 +21,19 @@ def lanes(peer):
 
 
 class TestHop:
+    @pytest.mark.slow
     def test_what_is_compared_with_agrees_with_the_lagrangian(self):
         task = hop(LANES)
         by_hand = Hopper(task.gait.system.law.stance_torque)
         for q, v, end in zip(task.q[:2], task.v[:2], task.ends, strict=False):
             np.testing.assert_allclose(by_hand.hop(np.concatenate([q, v])), end, rtol=0, atol=1e-9)
 
+    @pytest.mark.slow
     def test_perturbed_hops_are_not_the_gait(self):
         task = hop(LANES)
         assert (np.abs(task.ends - task.ends[0]).max(axis=1)[1:] > 0.01).all()
 
+    @pytest.mark.slow
     def test_lean(self):
         for lane in lean_loop.lanes(hop(LANES)):
             assert hop(LANES).error(lane.call()) < AGREES
@@ -59,6 +62,7 @@ class TestHop:
 
 
 class TestBeside:
+    @pytest.mark.slow
     def test_here(self):
         found = beside.measured(hop(LANES), beside.here(hop(LANES), 1e-9), rounds=1)
         assert found.energy < 1e-7 and found.touchdown < 1e-8 and found.multipliers < 1e-6 and found.seconds > 0.0

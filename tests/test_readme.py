@@ -10,9 +10,8 @@ from PIL import Image
 
 from benchmarks import beside
 from spear_pin.errors import MissingProgram
+from tests.documentation import PAGES, ROOT, blocks, fenced
 
-ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 README = PAGES[0].read_text(encoding="utf-8")
 
 # by the text of a block
@@ -28,17 +27,18 @@ EXTRAS = {
     'load("solo12"': "example-robot-data",
 }
 SLOW = {
-    *("adding_a_robot.md-6", "compare.md-1", "design.md-1", "export.md-4"),
+    *("adding_a_gait.md-1", "adding_a_robot.md-5", "adding_a_robot.md-6", "bench.md-1", "bounding.md-1"),
+    *("compare.md-1", "design.md-1", "export.md-4", "getting_started.md-3"),
     *("hardware.md-1", "hardware.md-2", "motors.md-2"),
-    *("space.md-1", "space.md-2", "space.md-3", "space.md-4", "space.md-5"),
+    *("space.md-2", "space.md-4"),
+}
+# run by the tests of what they make, which takes long
+ELSEWHERE = {
+    "space.md-1": "gaits/orbits/test_bound_in_space.py",
+    "space.md-3": "gaits/spatial/test_trotting.py",
+    "space.md-5": "gaits/spatial/test_pronking.py",
 }
 QUIET = pytest.mark.filterwarnings("default")  # a cluster's warnings are not ours
-FENCE = r"^```%s\n(.*?)^```$"
-
-
-def fenced(page: Path, language: str) -> list[str]:
-    """The code blocks of a page."""
-    return re.findall(FENCE % language, page.read_text(encoding="utf-8"), re.M | re.S)
 
 
 def marked(name: str, block: str):
@@ -48,9 +48,7 @@ def marked(name: str, block: str):
     return pytest.param(block, id=name, marks=marks + ([pytest.mark.slow] if name in SLOW else []))
 
 
-BLOCKS = [
-    marked(f"{page.name}-{number}", block) for page in PAGES for number, block in enumerate(fenced(page, "python"), 1)
-]
+BLOCKS = [marked(name, block) for name, block in blocks().items() if name not in ELSEWHERE]
 LINKS = [
     pytest.param(page, link, id=f"{page.name}-{link}")
     for page in PAGES
@@ -80,6 +78,8 @@ def test_block_runs(block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 def test_the_readme_shows_python():
     assert BLOCKS[0].id == "README.md-1"
     assert SLOW <= {block.id for block in BLOCKS}
+    for name, path in ELSEWHERE.items():
+        assert f'made("{name}")' in (ROOT / "tests" / path).read_text(encoding="utf-8"), name
 
 
 @pytest.mark.parametrize(("page", "link"), LINKS)

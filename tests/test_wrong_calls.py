@@ -2,7 +2,6 @@
 
 import pytest
 
-from tests.slow import slow_but
 from tests.wrong_calls.run import answered_badly, everything
 
 PART = 24  # of as many
@@ -14,7 +13,8 @@ def test_they_are_many_and_all_different():
     assert len(cases) >= 400 and len({case.name for _, case in cases}) == len(cases)
 
 
-@pytest.mark.parametrize("turn", slow_but(range(TURNS), 0))
+@pytest.mark.slow
+@pytest.mark.parametrize("turn", range(TURNS))
 def test_a_part_of_them(turn):
     """Of each kind; processes are slower than the rest."""
     found = everything()

@@ -1,28 +1,28 @@
 """`spear bound`: its figures and files, and one line for every mistake."""
 
+import io
 import json
 import re
-import subprocess
-import sys
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
 from spear_pin import Gait, Trajectory, bounding, load, sagittal
+from spear_pin.cli import main
 from spear_pin.errors import NoGait
 from spear_pin.gaits import library
 from spear_pin.studies.bound import mean_speed
 from tests.cli.calls import loads, printed, refused, run, words
-from tests.slow import slow_but
 
 
 @pytest.fixture(scope="module")
 def bound_run(tmp_path_factory):
-    """`spear bound --json` as a process, and the folder it wrote into."""
+    """What `spear bound --json` prints, its status, and the folder it wrote into."""
     folder = tmp_path_factory.mktemp("bound")
-    command = [sys.executable, "-m", "spear_pin", "bound", "--json", "--cycles", "2", "--out", str(folder)]
-    return subprocess.run(command, capture_output=True, text=True, cwd=Path(__file__).parents[2]), folder
+    with redirect_stdout(io.StringIO()) as out, redirect_stderr(io.StringIO()) as err:
+        status = main(["bound", "--json", "--cycles", "2", "--out", str(folder)])
+    return status, out.getvalue(), err.getvalue(), folder
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +35,7 @@ def cut_gait(tmp_path_factory):
 
 
 class TestOfACut:
+    @pytest.mark.slow
     def test_bounds(self, capsys, tmp_path, cut_gait):
         result = printed(capsys, "bound", "--gait", cut_gait, "--cycles", 1, "--rtol", 1e-8, "--out", tmp_path)
         assert result["reason"] == "complete" and result["speed"] == pytest.approx(2.5, abs=1e-6)
@@ -47,7 +48,8 @@ class TestOfACut:
         assert all(name in said for name in ("unknown parameter 'colour'", "hip_distance", "torso_mass", "knee_rotor"))
 
 
-@pytest.mark.parametrize("command", slow_but(["bound", "hop"], "bound"))
+@pytest.mark.slow
+@pytest.mark.parametrize("command", ["bound", "hop"])
 def test_files_of_an_earlier_call_are_named(capsys, tmp_path, command):
     """Those that this call does not write, and that a reader would take for its own; they stay."""
     for name in (f"{command}.json", f"{command}.csv", f"{command}.html", f"{command}.txt", "other.json"):
@@ -65,10 +67,9 @@ def test_files_of_an_earlier_call_are_named(capsys, tmp_path, command):
 
 class TestBound:
     def test_figures(self, bound_run):
-        process, folder = bound_run
-        assert process.returncode == 0, process.stderr
-        assert process.stderr == "" and process.stdout.count("\n") == 1
-        result = json.loads(process.stdout)
+        status, out, err, _ = bound_run
+        assert (status, err) == (0, "") and out.count("\n") == 1
+        result = json.loads(out)
         assert {
             "gait",
             "speed",
@@ -97,10 +98,10 @@ class TestBound:
         assert "text" not in result
 
     def test_files(self, bound_run):
-        process, folder = bound_run
+        _, out, _, folder = bound_run
         assert sorted(path.name for path in folder.iterdir()) == ["bound.html", "bound.npz", "bound.svg"]
         files = [str(folder / name) for name in ("bound.html", "bound.npz", "bound.svg")]
-        assert json.loads(process.stdout)["files"] == files
+        assert json.loads(out)["files"] == files
         trajectory = Trajectory.load(folder / "bound.npz")
         assert trajectory.complete and trajectory.cycles == 2
         assert trajectory.toes == ("posterior_toe", "anterior_toe")
@@ -162,6 +163,7 @@ class TestBound:
         rows = {row["name"]: row for row in printed(capsys, "bound", "--list")["gaits"]}
         assert rows[name]["speed"] == pytest.approx(mean_speed(Gait.load(name)), abs=1e-7)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("speed", "start"),
         [

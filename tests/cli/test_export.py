@@ -103,6 +103,7 @@ class TestTrajectories:
         assert (tmp_path / "bound.mcap").read_bytes()[:5] == b"\x89MCAP"
         assert [path.name for path in tmp_path.iterdir()] == ["bound.mcap"]
 
+    @pytest.mark.slow
     @pytest.mark.browser
     @pytest.mark.skipif(chromium.find() is None, reason="no Chromium here")
     def test_a_picture_of_a_robot_that_is_given(self, capsys, tmp_path, bound):

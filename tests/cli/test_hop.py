@@ -1,33 +1,33 @@
 """`spear hop`: its figures and files, and one line for every mistake."""
 
+import io
 import json
 import re
-import subprocess
-import sys
-from pathlib import Path
+from contextlib import redirect_stderr, redirect_stdout
 
 import numpy as np
 import pytest
 
 from spear_pin import Ground, Trajectory, find_gait
+from spear_pin.cli import main
 from spear_pin.errors import NoGait, SpearError
 from tests.cli.calls import printed, refused, run, words
 
 
 @pytest.fixture(scope="module")
 def hop_run(tmp_path_factory):
-    """`spear hop --json` as a process, and the folder it wrote into."""
+    """What `spear hop --json` prints, its status, and the folder it wrote into."""
     folder = tmp_path_factory.mktemp("hop")
-    command = [sys.executable, "-m", "spear_pin", "hop", "--json", "--out", str(folder)]
-    return subprocess.run(command, capture_output=True, text=True, cwd=Path(__file__).parents[2]), folder
+    with redirect_stdout(io.StringIO()) as out, redirect_stderr(io.StringIO()) as err:
+        status = main(["hop", "--json", "--out", str(folder)])
+    return status, out.getvalue(), err.getvalue(), folder
 
 
 class TestHop:
     def test_figures(self, hop_run):
-        process, folder = hop_run
-        assert process.returncode == 0, process.stderr
-        assert process.stderr == "" and process.stdout.count("\n") == 1
-        result = json.loads(process.stdout)
+        status, out, err, _ = hop_run
+        assert (status, err) == (0, "") and out.count("\n") == 1
+        result = json.loads(out)
         assert {
             "stance_torque",
             "flight_time",
@@ -54,10 +54,10 @@ class TestHop:
         assert "text" not in result
 
     def test_files(self, hop_run):
-        process, folder = hop_run
+        _, out, _, folder = hop_run
         assert sorted(path.name for path in folder.iterdir()) == ["hop.html", "hop.npz", "hop.svg"]
         files = [str(folder / name) for name in ("hop.html", "hop.npz", "hop.svg")]
-        assert json.loads(process.stdout)["files"] == files
+        assert json.loads(out)["files"] == files
         assert "Knee torque" in (folder / "hop.svg").read_text(encoding="utf-8")
         trajectory = Trajectory.load(folder / "hop.npz")
         assert trajectory.complete and trajectory.cycles == 11
@@ -65,6 +65,7 @@ class TestHop:
         page = (folder / "hop.html").read_text(encoding="utf-8")
         assert page.lstrip().lower().startswith("<!doctype html>") and "</html>" in page
 
+    @pytest.mark.slow
     def test_text_and_options(self, capsys, tmp_path):
         options = ["--stance-torque", 8.2, "--knee", 0.95, "--frequency", 2.6, "--stiffness", 50, "--friction", 0.9]
         status, out, err = run(capsys, "hop", *options, "--cycles", 2, "--rtol", 1e-8, "--out", tmp_path)
@@ -89,6 +90,7 @@ class TestHop:
             np.abs(trajectory.force[sliding, 0, 0]), 0.9 * trajectory.force[sliding, 0, 1], rtol=1e-9, atol=1e-9
         )
 
+    @pytest.mark.slow
     def test_a_spring_that_hardens_and_is_preloaded(self, capsys, tmp_path):
         options = ["--stance-torque", 8.2, "--hardening", 30, "--preload", 2]
         status, _, err = run(capsys, "hop", *options, "--cycles", 1, "--out", tmp_path)
@@ -98,6 +100,7 @@ class TestHop:
         expected = -(2.0 + 48.84 * beyond + 30.0 * beyond**3)
         np.testing.assert_allclose(trajectory.spring[:50, 0], expected, rtol=0, atol=1e-9)
 
+    @pytest.mark.slow
     def test_slope(self, capsys, tmp_path):
         """The ground is in the samples, and the page shows it."""
         options = ["--stance-torque", 7.8, "--slope", 0.1, "--friction", 0.7, "--cycles", 1, "--out", tmp_path]
@@ -147,6 +150,7 @@ class TestLongRuns:
         result = printed(capsys, "hop", "--cycles", 1, "--rtol", 1e-7, "--out", tmp_path)
         assert result["shown"] == [0.0, pytest.approx(result["period"])]
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("picture", "left"),
         [("player.record", ["hop.npz"]), ("plots.save_figure", ["hop.html", "hop.npz"])],

@@ -31,6 +31,7 @@ def cut(dog):
     return monopod(load(dog, base="fixed", motors="all"), "HR", locked=["boom_x"])
 
 
+@pytest.mark.slow
 def test_a_leg_hops(hopped, cut):
     """As the monopod that is cut out does by the Python API; page, plots and samples are its own."""
     result, folder = hopped
@@ -46,6 +47,7 @@ def test_a_leg_hops(hopped, cut):
     assert "made, leg HR, hopping in place" in page and "not drawn" not in page and "drawn as bones" not in page
 
 
+@pytest.mark.slow
 def test_a_leg_is_saved(hopped, cut):
     """The gait and the samples know the robot that was cut, and the leg."""
     result, folder = hopped

@@ -22,11 +22,13 @@ def test_hops_round_its_post(capsys, tmp_path):
     assert (tmp_path / "hop.html").stat().st_size < 3_000_000
 
 
+@pytest.mark.slow
 def test_says_so(capsys, tmp_path):
     status, out, _ = run(capsys, "hop", "--robot", "hoppy", "--cycles", 1, "--out", tmp_path)
     assert status == 0 and "40.49° a hop to the right, 0.6944 m/s" in out and "torque of the knee 5.95" in out
 
 
+@pytest.mark.slow
 def test_with_a_limit_of_friction(capsys, tmp_path):
     result = printed(capsys, "hop", "--robot", "hoppy", "--friction", 0.8, "--cycles", 1, "--out", tmp_path)
     assert result["friction"] == 0.8 and result["friction_used"] == pytest.approx(0.8) and result["slips"] > 0

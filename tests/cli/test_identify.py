@@ -68,6 +68,7 @@ def test_model_without_the_filter_is_biased_and_says_so(capsys, tmp_path, lab):
     assert any("biased" in warning for warning in estimate["warnings"])
 
 
+@pytest.mark.slow
 def test_counts_of_a_converter_widen_the_error_bars_and_are_said(capsys, tmp_path):
     made = synthesize(spear_ii(), WITH_MOTOR, 0.075, repeats=1, instrument=Instrument(noise=0.0))
     coarse = write_csv(made, tmp_path / "coarse.csv")

@@ -28,6 +28,7 @@ def opened(monkeypatch):
     return pages
 
 
+@pytest.mark.slow
 def test_an_identification(capsys, tmp_path, opened):
     printed(capsys, "push-test", "--write-csv", "lab", "--repeats", "1", "--out", tmp_path)
     asked = "identify", tmp_path / "lab.csv", "--volts-per-rad", "1.06", "--offset", "0.4", "--out", tmp_path

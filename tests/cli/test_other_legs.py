@@ -131,6 +131,7 @@ class TestPushTest:
         said = refused(capsys, "push-test", "--robot", path, "--ratio", 12, "--out", tmp_path)
         assert "--ratio is 12.0; expected none: the knee of" in said and "a rotor without inertia" in said
 
+    @pytest.mark.slow
     def test_a_knee_whose_limits_the_file_does_not_know(self, capsys, tmp_path):
         path = tmp_path / "free.urdf"
         path.write_text(quadruped(knee_limits=(-10.0, 10.0)), encoding="utf-8")

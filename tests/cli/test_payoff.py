@@ -51,6 +51,7 @@ class TestPayoff:
         for words in ("answer", "at 2.5 m/s: fixed", "on a finer mesh", "without a gait", "knee motors, given"):
             assert words in out
 
+    @pytest.mark.slow
     def test_json_has_no_nan(self, capsys, tmp_path, stub):
         stub.fails = lambda point, start: point.kind != "none"
         status, out, _ = run(capsys, *CALL, "--json", "--out", tmp_path)

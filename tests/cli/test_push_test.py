@@ -65,6 +65,7 @@ def test_record(capsys, tmp_path):
     assert (tmp_path / "lab.csv").read_text(encoding="utf-8") != text
 
 
+@pytest.mark.slow
 def test_record_names_the_command_that_reads_it(capsys, tmp_path):
     _, out, _ = run(capsys, "push-test", "--write-csv", "lab.csv", "--repeats", "1", "--no-motor", "--out", tmp_path)
     line = next(line for line in out.splitlines() if "spear identify" in line)
@@ -159,6 +160,7 @@ def test_a_page_shows_the_beginning_of_a_long_release(capsys, tmp_path, monkeypa
     assert status == 0 and f"shows the first {end + 0.5:.1f} s of 20.5 s" in out
 
 
+@pytest.mark.slow
 def test_its_samples_are_a_trajectory(capsys, tmp_path):
     shown = printed(capsys, "push-test", "--ratio", "30", "--out", tmp_path)
     motion = Trajectory.load(tmp_path / "push_test.npz")

@@ -24,6 +24,7 @@ def steady(tmp_path_factory):
     return held(Gait.load("trot")).save(tmp_path_factory.mktemp("trot") / "trot_steady.json")
 
 
+@pytest.mark.slow
 def test_a_gait_with_feedback_is_played(capsys, tmp_path, steady):
     result = printed(capsys, "trot", steady, "--cycles", 2, "--out", tmp_path)
     assert result["goes"] == "trot" and result["in_a_stride"] == 2 and result["cycles"] == 2
@@ -35,6 +36,7 @@ def test_a_gait_with_feedback_is_played(capsys, tmp_path, steady):
     assert all(Path(file).stat().st_size > 10_000 for file in result["files"])
 
 
+@pytest.mark.slow
 def test_feedback_is_found_and_kept(capsys, tmp_path, monkeypatch):
     monkeypatch.setattr(balance, "balanced", held)
     status, out, _ = run(capsys, "trot", "pace", "--push", 0.01, "--cycles", 1, "--out", tmp_path)

@@ -1,4 +1,4 @@
-"""`spear turn`: a gait that turns, found or read, its figures and its files."""
+"""`spear turn`: a gait that turns, its figures and its files; `tests/gaits/orbits/test_turning.py` has it find one."""
 
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from tests.cli.calls import printed, refused, run
 KEPT = Path(__file__).parents[2] / "examples" / "turn.json"
 
 
+@pytest.mark.slow
 def test_a_kept_turn_is_played(capsys, tmp_path):
     result = printed(capsys, "turn", KEPT, "--cycles", 2, "--out", tmp_path)
     assert np.degrees(result["turn"]) == pytest.approx(4.0, abs=1e-6)
@@ -39,6 +40,7 @@ def test_text(capsys, tmp_path):
     assert "to the left" in said["gait"] and "W" in said["adduction"] and said["slips"] == "0"
 
 
+@pytest.mark.slow
 def test_a_motion_that_is_lost_is_one_line(capsys, tmp_path, monkeypatch):
     asked = []
 
@@ -75,11 +77,3 @@ def test_refused(capsys, tmp_path, words, said):
 
 def test_it_says_how_long_it_takes(capsys):
     assert usual("turn") in " ".join(run(capsys, "turn", "--help")[1].split())
-
-
-@pytest.mark.slow
-def test_found(capsys, tmp_path):
-    found = printed(capsys, "turn", "--angle", 2, "--cycles", 1, "--out", tmp_path)
-    again = printed(capsys, "turn", tmp_path / "turn.json", "--cycles", 1, "--out", tmp_path)
-    assert np.degrees(found["turn"]) == pytest.approx(2.0, abs=1e-6) and found["residual"] <= 1e-9
-    assert again["radius"] == pytest.approx(found["radius"], rel=1e-9)

@@ -7,6 +7,8 @@ from spear_pin import Gait, find_gait, simulate
 from spear_pin.errors import BadFile
 from tests import biped
 
+pytestmark = pytest.mark.slow  # the gait is searched for
+
 MIRRORED = [0, 1, 2, 5, 6, 3, 4]  # left for right
 STEP = ["thrust", "{0}_lift_off", "apex", "{1}_touchdown"]
 

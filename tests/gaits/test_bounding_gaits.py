@@ -69,6 +69,7 @@ class TestGait:
             seen.add(segment.domain.phase)
         assert seen == set(PHASES)
 
+    @pytest.mark.slow
     def test_equations_of_motion(self, name, tmp_path):
         """At every sample of a saved trajectory D a + C v + G = B τ + friction + Jᵀ F, by the Lagrangian."""
         motion = Trajectory.load(trajectory(name).save(tmp_path / "bound.npz"))

@@ -44,6 +44,7 @@ class TestVirtualSpring:
             extremes = [(motion.tau[motion.phase == f"{leg}_stance", 2 * i + 1][[0, -1]]) for motion in (here, there)]
             np.testing.assert_allclose(*extremes, rtol=0, atol=1e-5)
 
+    @pytest.mark.slow
     def test_motor_torque_is_flat_if_it_is_all_physical(self, name):
         law = gait(name).system.law
         motion = simulate(springs(name, law.virtual_stiffness), gait(name).state, 1, 1e-11)

@@ -42,6 +42,7 @@ def mapped(z):
     return np.concatenate([q[1:], v, adjust])
 
 
+@pytest.mark.slow
 def test_the_stride_by_hand_is_periodic():
     found, q, v = at_anterior_touchdown()
     z = np.concatenate([q[1:], v, np.zeros(6)])

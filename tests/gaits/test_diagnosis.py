@@ -75,6 +75,7 @@ def test_a_torque_over_the_limit(leg):
     assert found.remedy == "stance_torque=30"
 
 
+@pytest.mark.slow
 def test_where_a_continuation_ended(leg):
     gait = find_gait(hop(leg, {"stance_torque": 3.2}))
     reached = Reached(0.5, gait.system, gait.state)

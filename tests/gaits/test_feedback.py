@@ -52,6 +52,7 @@ def test_every_shipped_gait_becomes_stable(name: str) -> None:
     assert abs(regulated(found, rtol=1e-9).multipliers[0]) <= RADIUS[name]
 
 
+@pytest.mark.slow
 def test_the_orbit_stays_as_it_is(gait: Gait, stabilised: Gait) -> None:
     for state, given in zip(stabilised.state, gait.state, strict=True):
         assert np.array_equal(state, given)
@@ -141,6 +142,7 @@ def test_what_cannot_be_asked_for(gait: Gait, stabilised: Gait) -> None:
             build(stabilised)
 
 
+@pytest.mark.slow
 def test_a_hop_has_no_such_feedback(hop: Gait) -> None:
     for build in (regulated, speed_regulated):
         with pytest.raises(BadValue, match="bounding"):

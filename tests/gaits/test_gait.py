@@ -14,6 +14,7 @@ from spear_pin.hybrid.parameters import changed, limits, parameter, with_hardwar
 from spear_pin.hybrid.periodic import residual
 from spear_pin.model.boom import on_rotary_boom
 from spear_pin.studies.hardware import Rig
+from tests.slow import slow_but
 
 
 def of_a_model(robot):
@@ -21,7 +22,7 @@ def of_a_model(robot):
 
 
 class TestSaveAndLoad:
-    @pytest.mark.parametrize("name", ["hop", "free_hop"])
+    @pytest.mark.parametrize("name", slow_but(["hop", "free_hop"], "hop"))
     def test_rebuilds_the_same_gait(self, tmp_path, name, request):
         gait = request.getfixturevalue(name)
         path = gait.save(tmp_path / "hop.json")

@@ -210,6 +210,7 @@ class TestMinimumForce:
         assert extending.any()
         assert (trajectory.u[extending, 1] == -hop.system.law.stance_torque).all()
 
+    @pytest.mark.slow
     def test_hardly_changes_the_gait(self, limited, hop):
         gait = find_gait(limited, vary=["stance_torque"], target={"flight_time": 0.2}, guess=hop.state)
         assert gait.durations["stance"] == pytest.approx(hop.durations["stance"], abs=1e-4)

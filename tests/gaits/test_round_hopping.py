@@ -102,6 +102,7 @@ class TestPublished:
     def test_ledger_closes(self, published):
         np.testing.assert_allclose(published.ledger.residual, 0.0, atol=1e-9)
 
+    @pytest.mark.slow
     def test_it_hops_on_for_ever(self, ideal):
         q, v = np.array([0.0, 0.0651, 0.8232, 1.7686]), np.array([-0.966, 2.7998, 14.13, 18.16])
         found = find_gait(ideal, guess=(q, v))
@@ -165,6 +166,7 @@ class TestFriction:
         assert slipping.ledger["slip"].max() < -0.03
         np.testing.assert_allclose(slipping.ledger.residual, 0.0, atol=1e-8)
 
+    @pytest.mark.slow
     def test_it_hops_on(self, slipping, hoppy, tmp_path):
         law = replace(RoundHoppingLaw.driven(hoppy), unlimited_friction=False)
         found = find_gait(round_hopping(hoppy, law, contact=Contact(friction=0.8)))
@@ -199,6 +201,7 @@ class TestGait:
             far.append(np.linalg.norm(local.coordinates(pushed)))
         assert (far[5] / far[1]) ** 0.25 == pytest.approx(abs(gait.multipliers[0]), rel=0.3)
 
+    @pytest.mark.slow
     def test_a_search_whose_first_hops_land_below_the_ground_by_rounding(self, hoppy):
         """With rotors, and torque as commanded; from the published start this falls."""
         system = round_hopping(hoppy, RoundHoppingLaw())

@@ -86,6 +86,7 @@ class TestNumbers:
 
 
 class TestHop:
+    @pytest.mark.slow
     def test_of_a_similar_robot_is_similar(self, small, hop):
         """To SPEAR-II's, of whose numbers the scaled ones are its own."""
         system = hopping(small, HoppingLaw.scaled(small), Spring.scaled(small))
@@ -103,6 +104,7 @@ class TestHop:
         for figure, other in zip(*map(plain, hops, scales), strict=True):
             np.testing.assert_allclose(other, figure, rtol=0, atol=1e-6)
 
+    @pytest.mark.slow
     def test_of_a_quadrupeds_leg(self, four):
         leg = monopod(four, "FL", locked=["boom_x"])
         system = hopping(leg, HoppingLaw.scaled(leg, damping_ratio=0.6), Spring.scaled(leg))

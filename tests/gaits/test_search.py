@@ -27,7 +27,11 @@ class TestFinds:
         ("vary", "target"),
         [
             ([], {}),
-            (["stance_torque", "knee_touchdown"], {"flight_time": 0.19, "apex_height": 0.615}),
+            pytest.param(
+                ["stance_torque", "knee_touchdown"],
+                {"flight_time": 0.19, "apex_height": 0.615},
+                marks=pytest.mark.slow,
+            ),
             pytest.param(["stiffness"], {"stance_time": 0.36}, marks=pytest.mark.slow),
             pytest.param(["frequency"], {"stance_time": 0.36}, marks=pytest.mark.slow),
             pytest.param(
@@ -61,6 +65,7 @@ class TestFinds:
         assert_periodic(gait)
         assert simulate(gait.system, gait.state).named("apex")[0].q[0] == pytest.approx(0.61, abs=1e-8)
 
+    @pytest.mark.slow
     def test_the_same_from_a_guess_of_ones_own(self, hop):
         q, v = hop.state
         gait = find_gait(hop.system, guess=(q + [0.0, 0.01, 0.02], v + [0.0, 0.05, 0.1]))
@@ -83,6 +88,7 @@ class TestFinds:
         find_gait(hop.system, guess=hop.state, on_iteration=lambda n, norm: told.append(norm))
         assert told and told[-1] <= 1e-9
 
+    @pytest.mark.slow
     def test_leaves_the_system_alone(self, robot):
         system = hopping(robot)
         find_gait(system, ["stance_torque"], {"flight_time": 0.2})

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import settings
 from hypothesis import strategies as st
 
-many = settings(max_examples=400, derandomize=True, deadline=None)
+many = settings(max_examples=100, derandomize=True, deadline=None)
 MODERATE = 2.0  # of velocities, in m/s and rad/s
 
 

@@ -235,6 +235,7 @@ class TestHop:
         hops = simulate(found.system, found.state, progress=False)
         assert -hops.ledger["friction"][0] == pytest.approx(taken, abs=0.01)
 
+    @pytest.mark.slow
     def test_equations_of_motion(self):
         hops = simulate(gait().system, gait().state, progress=False)
         assert_moves_by(hops, 20.0, ("boom_z", "hip", "knee"))
@@ -252,6 +253,7 @@ class TestHop:
         only = simulate(with_dry_friction(system, {"boom_z": 8.0}), start, 1, progress=False)
         assert_moves_by(only, 8.0, ("boom_x", "boom_z", "hip", "knee"))
 
+    @pytest.mark.slow
     def test_energy(self):
         """It takes its force times the way, and the ledger closes."""
         hops = simulate(gait().system, gait().state, 3, progress=False)
@@ -261,6 +263,7 @@ class TestHop:
             assert hops.ledger["friction"][cycle] == pytest.approx(-20.0 * way, abs=1e-8)
         assert way == pytest.approx(0.416, abs=2e-3)
 
+    @pytest.mark.slow
     def test_together_with_viscous_friction(self):
         robot = vary(ROBOT, boom_damping=20.0)
         system = with_dry_friction(hopping(robot, replace(LIMITED, stance_torque=12.0)), {"boom_z": 10.0})
@@ -279,6 +282,7 @@ class TestHop:
             np.testing.assert_allclose([ours.time, *ours.q], [theirs.time, *theirs.q], rtol=0, atol=1e-10)
         np.testing.assert_allclose(none.ledger.work, plain.ledger.work, atol=1e-9)
 
+    @pytest.mark.slow
     def test_multipliers_by_other_differences(self):
         """In the joint angles and a rate, ten times the step, a map of one's own."""
         found = gait()
@@ -302,6 +306,7 @@ class TestHop:
         ours = found.multipliers[np.lexsort((found.multipliers.imag, found.multipliers.real))]
         np.testing.assert_allclose(ours, values[np.lexsort((values.imag, values.real))], atol=2e-4)
 
+    @pytest.mark.slow
     def test_an_impact_turns_it(self):
         """Extending fast, the leg strikes the ground and throws the sinking slider up."""
         q = np.array([0.0, 0.5, 1.0])

@@ -68,6 +68,7 @@ class TestEndings:
         for event, same in zip(usual.events, endless.events, strict=False):
             assert event.name == same.name and event.time == pytest.approx(same.time, abs=1e-8)
 
+    @pytest.mark.slow
     def test_painleve(self, free_robot):
         """A leg dragged ahead of the hip on ground that is too rough: the slip equation loses its solution."""
         reached = []

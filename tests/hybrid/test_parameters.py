@@ -41,6 +41,7 @@ def test_a_change_stays(hop):
         assert guards(again) == guards(system) and again.changes == (low,)
 
 
+@pytest.mark.slow
 def test_a_change_stays_in_a_search(hop):
     gait = find_gait(changed(hop.system, low), ["stance_torque"], {"flight_time": 0.2}, guess=hop.state)
     assert guards(gait.system) == guards(low(hop.system))

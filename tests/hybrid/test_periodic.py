@@ -41,6 +41,7 @@ class TestAgainstTheClosedLoopByHand:
         assert any(offset) == (np.abs(expected - np.concatenate(begin)).max() > 1e-3)
         np.testing.assert_allclose(end, expected, rtol=0, atol=1e-7)
 
+    @pytest.mark.slow
     def test_multipliers(self, hop, hopper):
         """Of the return map at the apex, where a state has five coordinates, by other differences."""
         at_apex = hopper.to_apex(hopper.to_lift_off(np.concatenate(hop.state)))

@@ -166,6 +166,7 @@ def test_which_toes_are_torn_off(before, after, toes):
     assert torn(FakeFlow(*before), FakeFlow(*after), 0.0, np.zeros(2)) == toes
 
 
+@pytest.mark.slow
 def test_the_motion_with_the_most_toes_bearing_is_taken_then_that_with_the_fewest_leaving(monkeypatch):
     """In this order they are asked, the first that is consistent being taken."""
     system, flow, pieces = crossing()

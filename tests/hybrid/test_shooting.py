@@ -97,6 +97,7 @@ def test_what_is_no_cycle(hop, measured, seconds, why):
     assert words.tolist() == [why] and np.isfinite(values).all() == (why == "")
 
 
+@pytest.mark.slow
 def test_the_ground_may_vary(free_robot):
     """The states are on it, and a search for a slope finds the one on which the gait was."""
     law, target = HoppingLaw(hip_touchdown=0.5, stance_torque=8.0), {"mean_speed": 0.0}

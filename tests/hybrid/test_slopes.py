@@ -191,6 +191,7 @@ class TestTranslation:
         (along,) = translations(example().running(load("biped"), ground=Ground(slope=-SLOPE)))
         np.testing.assert_allclose(along[:3], [math.cos(SLOPE), -math.sin(SLOPE), 0.0], atol=1e-15)
 
+    @pytest.mark.slow
     def test_gait_is_that_of_level_ground_under_tilted_gravity(self, free_robot):
         """Fixed point and multipliers, the parameter solved for in each by itself."""
         target = {"flight_time": 0.2, "mean_speed": 0.0}
@@ -203,6 +204,7 @@ class TestTranslation:
         assert gait.parameters["stance_torque"] == pytest.approx(other.parameters["stance_torque"], abs=1e-7)
         np.testing.assert_allclose(gait.multipliers, other.multipliers, rtol=0, atol=1e-5)
 
+    @pytest.mark.slow
     def test_slope_may_be_solved_for(self, free_robot):
         """The slope on which a hip angle hops in place, of which that angle was found."""
         gait = find_gait(hopping(free_robot, LAW, ground=Ground(slope=0.03)), ["hip_touchdown"], {"mean_speed": 0.0})

@@ -69,6 +69,7 @@ class TestReference:
         ],
         ids=["a rigid chain", "one that gives"],
     )
+    @pytest.mark.slow
     def test_a_leg_that_comes_to_rest_on_its_stop(self, robot, spring, reason):
         """It knocks at it, unless the chain gives."""
         system = hopping(robot, HoppingLaw(stance_torque=0.5), spring)
@@ -81,6 +82,7 @@ class TestReference:
         else:
             assert len(knocks) < 10 and abs(trajectory.v[-1]).max() < 0.1
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("spring", [Spring(80.0, 0.0, hardening=150.0), Spring(80.0, 0.0, preload=6.0)])
     def test_bounds_on_knees_that_flex_either_way(self, spring):
         """The motors give what the springs do not: the motion stays, the springs' torques are their law's."""
@@ -98,6 +100,7 @@ class TestReference:
             assert clear.sum() > 10
             np.testing.assert_allclose(other.spring[clear, j], -side * pull(spring, beyond[clear]), rtol=0, atol=1e-6)
 
+    @pytest.mark.slow
     def test_a_table_of_a_linear_spring_is_one(self, hop, hops):
         trajectory = simulate(with_spring(hop, STRAIGHT), hop.state, 11)
         np.testing.assert_allclose(trajectory.q[-1], hops.q[-1], rtol=0, atol=1e-8)
@@ -205,6 +208,7 @@ class TestNumbersByName:
             pytest.param(STRAIGHT, "preload", marks=pytest.mark.slow),
         ],
     )
+    @pytest.mark.slow
     def test_found_and_kept_in_a_file(self, hop, tmp_path, spring, vary):
         target = {"flight_time": 0.2, "stance_time": 0.34}
         gait = find_gait(with_spring(hop, spring), ["stance_torque", vary], target, guess=hop.state)

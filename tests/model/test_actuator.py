@@ -79,6 +79,7 @@ def scaled(one, torque, speed, current, heat):
     return torque * one.constant * volts / total, speed * volts / one.constant, x
 
 
+@pytest.mark.slow
 @many
 @given(actuators, shares, shares, shares, st.floats(0.0, 1e4))
 def test_the_batterys_power_is_accounted_for(one, torque, speed, current, heat):
@@ -103,6 +104,7 @@ def test_the_batterys_power_is_accounted_for(one, torque, speed, current, heat):
     assert abs(terminal + inside * amperes) <= volts * (1.0 + 1e-9)
 
 
+@pytest.mark.slow
 @many
 @given(actuators, shares, shares, st.floats(0.0, 1e4))
 def test_the_loops_steady_state_is_the_quasi_static_current(one, torque, speed, heat):

@@ -103,11 +103,13 @@ def hops(hop):
     return hop, [find_gait(hopping(arm, hop.system.law), ["stance_torque"], target, guess=hop.state) for arm in arms]
 
 
+@pytest.mark.slow
 def test_the_ledger_closes(hops):
     run = simulate(hops[1][0].system, hops[1][0].state, 2, progress=False)
     assert run.complete and np.abs(run.ledger.residual).max() < 1e-8
 
 
+@pytest.mark.slow
 def test_the_slider_is_its_limit(hops):
     """Like 1/R² in torque, apex and multipliers."""
     slider, booms = hops

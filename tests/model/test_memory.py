@@ -48,6 +48,7 @@ def test_what_there_is_enough_for_is_loaded(chain, monkeypatch):
     assert load(chain(60), base="fixed", motors=[]).nv == 60
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/status").is_file(), reason="no /proc here")
 def test_no_more_is_taken_than_is_foreseen(chain):
     """Nor for a moment: `Model.createData` would make two copies."""

@@ -229,6 +229,7 @@ class TestEquationsWithTheConstraint:
             )
             assert float(leg.gravity(angle)) == pytest.approx((8 * near - far) / (12 * step), abs=1e-9)
 
+    @pytest.mark.slow
     def test_unequal_limbs_by_hand(self, write):
         """The same formulas as SPEAR-II's, where the limbs differ."""
         leg = pin_toe(write(PLAIN), "lower")

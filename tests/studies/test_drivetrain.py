@@ -53,6 +53,7 @@ def current(torque, speed):
     return torque / (N * KT) * np.where(torque * speed < 0.0, ETA, 1.0 / ETA)
 
 
+@pytest.mark.slow
 class TestOwnKnee:
     def test_it_is_the_hop_on_hardware(self, own):
         assert own.can and not own.endures and own.gait.stable and own.ratio == N
@@ -102,7 +103,6 @@ class TestOwnKnee:
         real = on_rig(own.gait, Rig(battery=Battery(24.0), current_limit=1.01 * own.peak_current), 1, progress=False)
         np.testing.assert_allclose(real.q[-1], free.q[-1], atol=1e-7)
 
-    @pytest.mark.slow
     def test_reflected_inertia_is_in_the_mass_matrix(self, own, light):
         q = [0.55, 0.5, 1.0]
         bare = vary(ROBOT, knee_rotor=0.0).mass_matrix(q)
@@ -142,6 +142,7 @@ class TestLaws:
 
 
 class TestFailure:
+    @pytest.mark.slow
     def test_outside_the_envelope(self, own):
         weak = judged("weak", replace(own.drive, bus=14.0), own.gait)
         assert not weak.can and weak.margin < 0.0 and weak.heat == own.heat
@@ -149,6 +150,7 @@ class TestFailure:
         assert judged("limited", replace(own.drive, current_limit=0.9 * own.peak_current), own.gait).margin < 0.0
         assert judged("limited", replace(own.drive, current_limit=1.1 * own.peak_current), own.gait).can
 
+    @pytest.mark.slow
     def test_faster_than_its_bearings(self, own):
         slow = replace(KNEE, max_speed=50.0)
         hip, knee = own.gait.system.hardware.actuators
@@ -164,6 +166,7 @@ class TestFailure:
         assert row.gait is None and not row.can and not row.endures and row.reason.startswith("no gait found")
         assert row.reflected_inertia == pytest.approx(0.8) and np.isnan([row.heat, row.margin, row.energy]).all()
 
+    @pytest.mark.slow
     def test_a_gait_of_another_motor_is_refused(self, own):
         other = replace(own.drive, motor=motor("ec_90_flat_260w"))
         with pytest.raises(BadValue, match="gait .*the drive's motor"):

@@ -110,6 +110,7 @@ class TestEnergyFlow:
             with pytest.raises(BadValue, match="skip"):
                 energy_flow(system, trajectory, skip)
 
+    @pytest.mark.slow
     def test_inductances_and_inner_resistance_close_too(self):
         battery = Battery(24.0, 0.1)
         looped = equipped(replace(HIP, bandwidth=60.0, battery=battery), replace(KNEE, bandwidth=60.0, battery=battery))

@@ -23,6 +23,7 @@ def made(whole, *, free=False, body="share", **law):
     return hopping(leg, replace(HoppingLaw.scaled(leg), **law), Spring.scaled(leg))
 
 
+@pytest.mark.slow
 def test_as_long_as_asked(whole):
     gait = hop_of(made(whole), 0.18)
     assert gait.durations["flight"] == pytest.approx(0.18, abs=1e-8) and gait.stable

@@ -83,6 +83,7 @@ class TestStill:
                 truth = np.asarray(Image.open(io.BytesIO(base64.b64decode(address.partition(",")[2]))).convert("RGB"))
                 assert abs(shown.astype(int) - truth).max() <= 1
 
+    @pytest.mark.slow
     def test_nothing_but_files_is_asked_for(self, tmp_path: Path) -> None:
         file = player.record(SPEAR, HOP, tmp_path / "page.html")
         with Browser(*SIZE) as browser:

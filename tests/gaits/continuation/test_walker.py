@@ -45,6 +45,7 @@ def test_the_published_gait_is_a_fixed_point():
     assert strides(LONG, 0.009)[0] == pytest.approx(LONG, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_its_period_doubles_at_the_published_slope():
     plain = Plain(strides, np.array([1.0, 1.0, 0.02]))
     x = scipy.optimize.fsolve(lambda x: strides(x, 0.009)[0] - x, LONG, xtol=1e-12)

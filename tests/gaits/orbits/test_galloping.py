@@ -40,12 +40,14 @@ def bearing(motion):
 
 
 class TestShipped:
+    @pytest.mark.slow
     def test_residual_speed_and_heading(self):
         assert residual(gallop().system, gallop().state) <= 1e-9
         assert gallop().system.measures["mean_speed"](stride()) == pytest.approx(3.0, abs=1e-8)
         assert gallop().system.measures["turn"](stride()) == pytest.approx(0.0, abs=1e-8)
         assert abs(stride().change[0] - stride().work[0].sum()) <= 1e-9
 
+    @pytest.mark.slow
     def test_each_foot_lands_for_itself(self):
         """In the order of the collocated gallop, but that the fore foot that lands last lifts off first."""
         own, wanted = bearing(stride()), [frozenset(phase) for phase in FOOTFALLS["gallop"].phases]

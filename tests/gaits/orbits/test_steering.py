@@ -1,6 +1,7 @@
 """Turns that ship, and steps from one to the next."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -16,29 +17,34 @@ from spear_pin.hybrid.symmetry import mirror_of
 from tests.slow import slow_but
 
 
+@cache
+def stride(name):
+    gait = Gait.load(name)
+    return return_map(gait.system, gait.state)
+
+
 @pytest.mark.parametrize("name", slow_but(library.TURNS, "turn_9"))
 class TestShipped:
+    @pytest.mark.slow
     def test_they_are_orbits_that_turn_as_they_are_called(self, name):
-        gait = Gait.load(name)
-        run = return_map(gait.system, gait.state)
+        gait, run = Gait.load(name), stride(name)
         angle, speed = library.TURNS[name]
         assert residual(gait.system, gait.state) < 1e-9
         assert math.degrees(gait.system.measures["turn"](run)) == pytest.approx(angle, abs=1e-7)
         assert gait.system.measures["mean_speed"](run) == pytest.approx(speed, abs=1e-8)
         assert abs(run.change[0] - run.work[0].sum()) < 1e-9
 
+    @pytest.mark.slow
     def test_the_mirror_image_turns_to_the_other_side(self, name):
         gait, mirror = Gait.load(name), mirror_of(Gait.load(name).system.robot)
         right = with_parameters(gait.system, {each: -parameter(gait.system, each) for each in ACROSS})
         state = mirror(gait.state[0]), mirror(gait.state[1])
         assert residual(right, state) < 1e-9
-        turns = [of.measures["turn"](return_map(of, at)) for of, at in ((gait.system, gait.state), (right, state))]
-        assert turns[1] == pytest.approx(-turns[0], abs=1e-9)
+        turn = gait.system.measures["turn"](stride(name))
+        assert right.measures["turn"](return_map(right, state)) == pytest.approx(-turn, abs=1e-9)
 
     def test_feet_of_a_pair_land_soon_after_each_other(self, name):
-        gait = Gait.load(name)
-        run = return_map(gait.system, gait.state)
-        assert all(abs(footfall_gap(run, pair)) < GAP + 1e-5 for pair in ("posterior", "anterior"))
+        assert all(abs(footfall_gap(stride(name), pair)) < GAP + 1e-5 for pair in ("posterior", "anterior"))
 
 
 @pytest.mark.slow

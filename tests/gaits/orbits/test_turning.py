@@ -1,11 +1,18 @@
-"""Turns: relative periodic orbits of the event-exact simulation, the left one the mirror image of the right one."""
+"""Turns: relative periodic orbits of the event-exact simulation, the left one the mirror image of the right one.
 
+`spear turn` finds the one that is looked at here, and is looked at with it: it takes minutes.
+"""
+
+import io
+import json
+from contextlib import redirect_stdout
 from functools import cache
 
 import numpy as np
 import pytest
 
 from spear_pin import Gait, SpatialLaw
+from spear_pin.cli import main
 from spear_pin.errors import BadValue
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.gaits.orbits.turning import turning
@@ -13,6 +20,7 @@ from spear_pin.gaits.spatial.law import ACROSS
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import residual, return_map
 from spear_pin.hybrid.symmetry import mirror_of, turned
+from tests.cli.calls import printed
 from tests.gaits.orbits.test_embedding import planar
 
 TURN = np.radians(3.0)  # a stride
@@ -26,8 +34,18 @@ def straight():
 
 
 @pytest.fixture(scope="module")
-def left():
-    return turning(straight(), TURN)
+def found(tmp_path_factory):
+    """What the command prints, and the gait that it has kept."""
+    folder = tmp_path_factory.mktemp("turn")
+    asked = ["turn", "--angle", str(np.degrees(TURN)), "--cycles", "1", "--json", "--out", str(folder)]
+    with redirect_stdout(io.StringIO()) as out:
+        assert main(asked) == 0
+    return json.loads(out.getvalue()), folder / "turn.json"
+
+
+@pytest.fixture(scope="module")
+def left(found):
+    return Gait.load(found[1])
 
 
 @pytest.mark.slow
@@ -50,6 +68,12 @@ class TestTurn:
     def test_ledger(self, left):
         run = return_map(left.system, left.state)
         assert abs(run.change[0] - run.work[0].sum()) <= 1e-9
+
+    def test_is_told_and_played_as_it_was_found(self, found, capsys, tmp_path):
+        told, kept = found
+        again = printed(capsys, "turn", kept, "--cycles", 1, "--out", tmp_path)
+        assert told["turn"] == pytest.approx(TURN, abs=1e-8) and told["residual"] <= 1e-9
+        assert again["radius"] == pytest.approx(told["radius"], rel=1e-9)
 
 
 def test_too_tight_a_turn_is_refused():

@@ -1,5 +1,7 @@
 """Derivatives of cycles and gaits of a bound, a biped and both kinds of hop, against differences in all directions."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -25,6 +27,7 @@ UNTOLD = ("spring_switch",)  # a knee's spring grows slack where its toe is lift
 WORST, ENOUGH = 1e-6, 1e-8  # of a row's scale: what is allowed, and where closer differences are not looked for
 
 
+@cache
 def gait_of(name):
     """A gait, and the parameters by which it is differentiated."""
     if name in BOUNDS:

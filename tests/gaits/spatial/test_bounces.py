@@ -34,6 +34,7 @@ def test_a_law_by_force_lifts_off_where_the_force_ends():
     assert not any(domain.bouncing for domain in system.domains)
 
 
+@pytest.mark.slow
 def test_springs_stay_engaged_in_a_bounce(bouncing):
     toes, engaged = quadruped().toes, bouncing.engaged
     open_in = np.array([" open" in domain for domain in bouncing.domain])
@@ -47,6 +48,7 @@ def test_springs_stay_engaged_in_a_bounce(bouncing):
         assert engaged[aloft, i].any() or not aloft.any()
 
 
+@pytest.mark.slow
 def test_energy_is_booked_through_bounces(bouncing):
     if bouncing.cycles:
         assert np.abs(bouncing.ledger.residual).max() < 1e-5
@@ -54,12 +56,14 @@ def test_energy_is_booked_through_bounces(bouncing):
     assert lost and max(lost) < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 62])
 def test_where_other_toes_have_events_none_is_on_the_ground_before_it_has_struck_it(seed):
     dropping = dropped(seed)
     assert dropping.cycles and np.abs(dropping.ledger.residual).max() < 1e-6  # 1e-2 and 3e-5 J without
 
 
+@pytest.mark.slow
 def test_a_toe_that_slides_on_ever_more_slowly_is_stopped_in_time():
     assert drop(17).evaluations < 30_000  # its direction turns the faster the slower it is
 

@@ -50,6 +50,7 @@ def test_what_was_replaced_in_the_plane_is_not_lost():
         embedded(changed, SpatialLaw(plane.system.law))
 
 
+@pytest.mark.slow
 def test_the_period_is_that_of_whole_strides():
     """A motion that ends within a stride, which the mean of all that was simulated would count in."""
     own = gait()
@@ -67,6 +68,7 @@ def test_painleves_pole_is_no_lift_off():
     assert unloading("toe")(0.0, (), (), {}, None, past, None) > 0.0
 
 
+@pytest.mark.slow
 def test_a_drop_into_painleves_paradox_ends_so_in_the_mirror_too():
     start = draw_in_space(23)
     q, v = np.array(start.q), np.array(start.v)

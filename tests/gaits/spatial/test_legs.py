@@ -104,6 +104,7 @@ def renamed(folder):
     return load(path, base="chain", toes=[f"{leg}_toe" for leg in ("FR", "HL", "FL", "HR")])
 
 
+@pytest.mark.slow
 def test_whatever_the_legs_are_called(tmp_path):
     """A stride of Q-SPEAR, pushed to the side, with joints that turn the other way and toes in another order."""
     system, (q, v) = spatial("long_stride")

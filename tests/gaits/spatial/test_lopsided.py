@@ -33,6 +33,7 @@ def test_how_far_from_the_mirror_image(trot, heavier):
     assert 1e-4 < lopsided(heavier) < 0.1
 
 
+@pytest.mark.slow
 def test_a_cycle_is_a_whole_stride(trot, heavier):
     system = trotting(heavier, trot.system.law, trot.system.spring)
     run = return_map(system, chart(system, trot.state).state(np.zeros(32)), 1e-8)
@@ -41,6 +42,7 @@ def test_a_cycle_is_a_whole_stride(trot, heavier):
     assert system.measures["period"](run) == pytest.approx(2.0 * trot.period, rel=0.05)
 
 
+@pytest.mark.slow
 def test_between_the_halves_it_is_nearly_as_it_was(trot, heavier):
     system = trotting(heavier, trot.system.law, trot.system.spring)
     run = return_map(system, chart(system, trot.state).state(np.zeros(32)), 1e-8)

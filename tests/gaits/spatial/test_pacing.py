@@ -19,6 +19,7 @@ def pace():
 
 
 class TestOrbit:
+    @pytest.mark.slow
     def test_residual_and_speed(self):
         assert residual(pace().system, pace().state) <= 1e-9
         half = return_map(pace().system, pace().state)

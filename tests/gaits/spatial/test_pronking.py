@@ -9,12 +9,11 @@ import pytest
 
 from spear_pin import Gait, pronking
 from spear_pin.errors import BadValue
-from spear_pin.gaits.orbits.balance import balanced
-from spear_pin.gaits.spatial.law import INPUTS
 from spear_pin.hybrid.periodic import chart, displacement, multipliers, residual, return_map
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.symmetry import asymmetry, mirror_of
+from tests.documentation import made
 
 
 @cache
@@ -28,6 +27,7 @@ def stride():
 
 
 class TestOrbit:
+    @pytest.mark.slow
     def test_residual_and_speed(self):
         assert residual(pronk().system, pronk().state) <= 1e-9
         assert pronk().system.measures["mean_speed"](stride()) == pytest.approx(2.0, abs=1e-6)
@@ -58,6 +58,7 @@ class TestOrbit:
         fallen = -model.gravity.linear[2] * (stride().events[-1].time - last.time)
         np.testing.assert_allclose(gained, [0.0, 0.0, -fallen], rtol=0, atol=1e-7)
 
+    @pytest.mark.slow
     def test_seen_in_the_mirror(self):
         """P(M x) = M P(x) beside it."""
         system, mirror = pronk().system, mirror_of(pronk().system.robot)
@@ -72,6 +73,7 @@ class TestOrbit:
         assert system.phases == pronk().system.phases and "all_stance" in system.phases
         np.testing.assert_allclose(system.guess()[0][3:], pronk().state[0][3:], rtol=0, atol=1e-12)
 
+    @pytest.mark.slow
     def test_what_no_leg_of_it_does_has_no_effect(self):
         law = pronk().system.law
         plane = replace(law.plane, flight_2_span=1.0, posterior_stance_span=-2.0, flight_1_trailing=((1.0,) * 4,) * 2)
@@ -100,7 +102,7 @@ def test_multipliers():
 @pytest.mark.slow
 def test_balanced():
     """By feedback once a stride; pushed to the side it goes on."""
-    steady = balanced(pronk(), INPUTS)
+    steady = made("space.md-5")["steady"]
     assert abs(steady.multipliers[0]) <= 0.6
     local = chart(steady.system, steady.state)
     q, v = (part.copy() for part in steady.state)

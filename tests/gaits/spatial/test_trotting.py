@@ -14,6 +14,7 @@ from spear_pin.hybrid.periodic import chart, displacement, eigenvalues, residual
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.symmetry import headed, mirror_of
+from tests.documentation import made
 
 
 @cache
@@ -27,9 +28,11 @@ def stride():
 
 
 class TestOrbit:
+    @pytest.mark.slow
     def test_residual(self):
         assert residual(trot().system, trot().state) <= 1e-9
 
+    @pytest.mark.slow
     def test_half_a_stride_is_the_mirror_image_of_the_other(self):
         system, mirror = trot().system, mirror_of(trot().system.robot)
         half = return_map(system, trot().state, 1e-11)
@@ -37,6 +40,7 @@ class TestOrbit:
             np.testing.assert_allclose(part, mirror(own), rtol=0, atol=1e-8)
             assert abs(part - own).max() > 1e-3
 
+    @pytest.mark.slow
     def test_a_whole_stride_leads_back(self):
         for part, own in zip(headed(*stride().state), headed(*trot().state), strict=True):
             np.testing.assert_allclose(part, own, rtol=0, atol=1e-7)
@@ -80,7 +84,7 @@ class TestMultipliers:
 
 @pytest.mark.slow
 def test_balanced():
-    steady = balanced(trot())
+    steady = made("space.md-3")["steady"]
     assert abs(steady.multipliers[0]) <= 0.5
     local = chart(steady.system, steady.state)
     q, v = (part.copy() for part in steady.state)
@@ -91,6 +95,7 @@ def test_balanced():
 
 
 class TestFeedback:
+    @pytest.mark.slow
     def test_is_the_same_on_either_side(self):
         """Any feedback: from a state and from its mirror image between the halves, half a stride is the same."""
         law, nominal = trot().system.law, np.concatenate(headed(*trot().state))
@@ -136,6 +141,7 @@ class TestRefused:
             trot().system.guess()
 
 
+@pytest.mark.slow
 def test_simulated():
     motion = simulate(trot().system, trot().state, 2)
     assert motion.cycles == 2 and abs(motion.ledger.residual).max() <= 1e-8

@@ -27,6 +27,7 @@ def applied(robot, trajectory, row):
     return tau
 
 
+@pytest.mark.slow
 def test_constrained_dynamics_of_pinocchio():
     robot, trajectory = motion()
     model, checked = robot.model, 0

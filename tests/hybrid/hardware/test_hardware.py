@@ -89,6 +89,7 @@ class TestIdealLimit:
             errors.append(np.abs(landings(run(quick)) - limit).max())
         assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.4)
 
+    @pytest.mark.slow
     def test_the_actuators_are_in_the_order_of_the_joints(self, run, clean):
         fast = replace(IDEAL, gearbox=Gearbox(30.0))
         mixed = run(IDEAL, fast)
@@ -100,7 +101,7 @@ class TestIdealLimit:
 
 
 class TestEnergy:
-    @pytest.mark.parametrize("name", slow_but(CONFIGURATIONS, "ideal", "gearbox", "all"))
+    @pytest.mark.parametrize("name", slow_but(CONFIGURATIONS, "ideal", "gearbox"))
     def test_both_ledgers_close(self, run, name):
         one, sensing = CONFIGURATIONS[name]
         trajectory = run(one, sensing=sensing, rtol=1e-9)
@@ -190,6 +191,7 @@ class TestEachEffectAlone:
         np.testing.assert_allclose((R * weak.current + emf)[clipped], volts * np.sign(needed[clipped]), rtol=1e-9)
         assert apex(weak) < apex(clean)
 
+    @pytest.mark.slow
     def test_heat_folds_the_current_back(self, run, clean):
         peak, continuous, tau = 8.0, 3.0, 0.1
         hot = run(replace(IDEAL, current_limit=peak, thermal=Thermal(continuous, tau)))

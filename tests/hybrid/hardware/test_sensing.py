@@ -14,6 +14,7 @@ class TestSensing:
     def test_noise_of_no_amplitude_changes_nothing(self, run, clean):
         assert_same_motion(run(IDEAL, sensing=Sensing(seed=5)), clean)
 
+    @pytest.mark.slow
     def test_the_clock_runs_on_through_events(self, run, hop):
         noisy, law = run(IDEAL, sensing=NOISE), hop.system.law
         flight = noisy.phase == "flight"

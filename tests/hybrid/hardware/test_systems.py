@@ -75,6 +75,7 @@ class TestSystems:
 
 
 class TestFiles:
+    @pytest.mark.slow
     def test_round_trip(self, run, tmp_path):
         one, sensing = CONFIGURATIONS["all"]
         trajectory = run(one, sensing=sensing, rtol=1e-9)

@@ -45,6 +45,7 @@ def test_one_mode_outside_the_paradox_but_for_rare_toes_with_three_ways_to_slide
     assert set(modes) <= {1, 3} and modes.get(3, 0) <= 1 and paradoxes > 100
 
 
+@pytest.mark.slow
 def test_slides_are_all_roots_of_a_scan():
     for A, b, friction in toes(3, 200):
         values = [cross(A, b, friction, angle) for angle in ANGLES]

@@ -97,6 +97,7 @@ class TestImpactProperties:
         else:  # it slides back, against friction both ways
             assert abs(tangential) < friction * normal
 
+    @pytest.mark.slow
     @settings(max_examples=25, derandomize=True, deadline=None)
     @given(impacts())
     def test_the_same_in_small_portions(self, case):

@@ -60,6 +60,7 @@ class TestDeviationRatios:
         for ratios in found[:3]:
             np.testing.assert_allclose(ratios.spring_zero, ratios.printed, rtol=0.25)
 
+    @pytest.mark.slow
     def test_static_rest_does_not(self, found):
         off = [ratios.static_rest[0] / ratios.printed[0] for ratios in found]
         assert min(off) < 0.6

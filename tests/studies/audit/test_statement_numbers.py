@@ -23,6 +23,7 @@ class TestBound:
         assert bound.peaks_by_stiffness(0) == pytest.approx((75.5, 58.6, 41.6, 15.0), abs=0.05)
         assert bound.flight_difference() < 1e-6
 
+    @pytest.mark.slow
     def test_flat_at_the_virtual_stiffness_and_reversed_beyond(self):
         assert max(bound.spread_in_stance(200.0)) < 1e-9 < min(bound.spread_in_stance(56.0))
         assert bound.peaks_by_stiffness(0, (300.0, 400.0)) == pytest.approx((15.2, 45.5), abs=0.1)
@@ -85,6 +86,7 @@ class TestPush:
         assert low < 10.0 and high == 24.0
 
 
+@pytest.mark.slow
 def test_runs_are_made_once():
     assert runs.hop() is runs.hop() and runs.knees() is runs.knees()
     assert np.isfinite(runs.bound_costs().of_transport["electrical_0"])

@@ -32,6 +32,7 @@ def test_what_is_off_is_noticed(system):
     assert zero_dynamics.largest_output(system.robot, off) == pytest.approx(2e-3, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_they_return_as_a_critically_damped_pair_of_poles_does(system):
     x = brentq(lambda x: (1 + x) * math.exp(-x) - zero_dynamics.LEFT, 1.0, 10.0)
     assert zero_dynamics.decay(system, stride_run(), 0.01) == pytest.approx(x, rel=1e-4)

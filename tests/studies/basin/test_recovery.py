@@ -29,6 +29,7 @@ class TestMoments:
             crossing = ahead.event(gait.system.section)
             assert np.abs(displacement(gait.system, gait.state, (crossing.q, crossing.v))).max() < 1e-6
 
+    @pytest.mark.slow
     def test_fraction_of_the_phase(self, gait: Gait) -> None:
         moments = [midway(gait, "flight_1", fraction) for fraction in (0.2, 0.8)]
         assert [moment.t / gait.durations["flight_1"] for moment in moments] == pytest.approx([0.2, 0.8], abs=1e-5)
@@ -54,7 +55,7 @@ class TestRecovery:
         [
             pytest.param({}, {"torso_x": 0.3}, marks=pytest.mark.slow),
             pytest.param({"pitch": -0.0349}, {}, marks=pytest.mark.slow),
-            ({}, {"torso_z": -0.15}),
+            pytest.param({}, {"torso_z": -0.15}, marks=pytest.mark.slow),
         ],
         ids=str,
     )

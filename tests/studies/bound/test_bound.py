@@ -9,12 +9,13 @@ from spear_pin import Gait, simulate
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.studies.bound import at_speed, mean_speed, summarize
 from spear_pin.studies.bound import speed as continuation
+from tests.slow import slow_but
 
 GAITS = ("long_stride", "force_lift_off")
 LEGS = ("posterior", "anterior")
 
 
-@pytest.fixture(scope="module", params=GAITS)
+@pytest.fixture(scope="module", params=slow_but(GAITS, "long_stride"))
 def gait(request):
     return Gait.load(request.param)
 

@@ -65,6 +65,7 @@ def test_slower_where_there_is_none_and_where_limits_are_not_kept(plane, asked):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("none", "slowest"), [((), SLOWER[-1]), (SLOWER[-1:], SLOWER[-2])])
 def test_the_slowest_where_none_keeps_them(plane, asked, none, slowest):
     asked.none, asked.over = none, SLOWER

@@ -40,6 +40,7 @@ def test_measures_are_those_of_the_study_of_bounds(sides):
         assert row(rows, "impact").values[i] == pytest.approx(-figures["impact_loss"], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_in_space_forces_are_normal_and_the_way_is_what_it_goes(tmp_path):
     gait = Gait.load(Path(__file__).parents[3] / "examples" / "turn.json")
     run = simulate(gait.system, gait.state, 2)
@@ -145,6 +146,7 @@ def test_what_a_law_leaves_open_differs_from_what_it_says(sides):
     assert [(each.name, each.values) for each in differences([switched, fixed])] == [("spring: rest", (None, 0.1))]
 
 
+@pytest.mark.slow
 def test_a_trajectory_with_gaps_is_refused(sides):
     with pytest.raises(BadValue, match="a trajectory with gaps"):
         sides_of([simulate(sides[0].gait.system, sides[0].gait.state, 2).in_phase("posterior_stance"), "q_spear"])

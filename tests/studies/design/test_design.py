@@ -103,6 +103,7 @@ class TestSprings:
         stiffer = sprung(rebuilt(gait.system, spring=own), 70.0)
         assert stiffer.spring == replace(own, stiffness=140.0)
 
+    @pytest.mark.slow
     def test_hips_do_not_depend_on_it(self, gait: Gait) -> None:
         one, other = points(gait, "hip", 0.0), points(gait, "hip", 200.0)
         assert one.torque == pytest.approx(other.torque, abs=1e-5)

@@ -86,6 +86,7 @@ class TestKnobs:
 
 @pytest.mark.parametrize("engine", ENGINES)
 class TestSettled:
+    @pytest.mark.slow
     def test_a_periodic_hop_is_the_one_found_from_cold(self, engine):
         hops = settled(STIFFER, engine)
         found = find_gait(STIFFER.system)
@@ -96,6 +97,7 @@ class TestSettled:
         assert f"{abs(found.multipliers[0]):.3f}" in hops.message
         assert hops.trajectory.cycles == 1
 
+    @pytest.mark.slow
     def test_a_pattern_repeats_over_two_hops_and_not_over_one(self, engine):
         hops = settled(ALTERNATING, engine)
         assert hops.verdict == "pattern" and hops.gait is None
@@ -103,6 +105,7 @@ class TestSettled:
         moved = [np.abs(simulate(ALTERNATING.system, hops.start, n).q[-1] - hops.start[0]).max() for n in (1, 2)]
         assert moved[0] > NEAR > moved[1]
 
+    @pytest.mark.slow
     def test_a_toe_that_comes_back_at_once_makes_no_hop(self, engine):
         """One hop, whose spring works, and not two, the first of which were a few milliseconds."""
         hops = settled(RATTLING, engine)
@@ -112,6 +115,7 @@ class TestSettled:
         assert known["flight_time"] == pytest.approx(hops.gait.durations["flight"], abs=1e-6)
         assert 0.5 < known["spring_share"] < 0.7
 
+    @pytest.mark.slow
     def test_what_does_not_repeat_is_not_called_periodic(self, engine):
         hops = settled(RESTLESS, engine)
         assert hops.verdict == "unsettled" and hops.gait is None and "does not repeat" in hops.message
@@ -145,6 +149,7 @@ def test_the_default_hop_is_the_one_of_the_documents():
     assert abs(hops.gait.multipliers[0]) == pytest.approx(0.4062, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_figures_by_hand():
     hops = settled(STIFFER, best_engine())
     trajectory, known = hops.trajectory, figures(hops)
@@ -220,6 +225,7 @@ class TestKeepingTheFlightTime:
         assert hops.knobs.values["stance_torque"] == pytest.approx(found.parameters["stance_torque"], abs=1e-6)
         assert hops.knobs.kept and hops.verdict == "periodic"
 
+    @pytest.mark.slow
     def test_where_there_is_none_it_says_so(self):
         with pytest.raises(NoGait, match="0.2 s of flight"):
             settled(knobs_of(kept=True, stiffness=20.0, damping=3.0), best_engine())

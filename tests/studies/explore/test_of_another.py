@@ -37,6 +37,7 @@ def test_sliders_are_of_the_legs_own_size(leg, subject):
     assert subject.knobs["friction"] == KNOBS["friction"]
 
 
+@pytest.mark.slow
 def test_it_begins_at_a_hop_whose_torque_was_solved_for(subject):
     hops = settled(subject.at(), REFERENCE)
     assert hops.verdict == "periodic"

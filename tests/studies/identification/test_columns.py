@@ -190,6 +190,7 @@ def fuzzed(seed):
     return bytes(content)
 
 
+@pytest.mark.slow
 def test_fuzz(tmp_path):
     read = 0
     for seed in range(500):

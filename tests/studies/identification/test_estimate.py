@@ -34,8 +34,9 @@ def warned(estimate, text):
 class TestTruth:
     """Without noise, what went in comes out."""
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("static", [False, True])
-    @pytest.mark.parametrize("ratio", [pytest.param(None, marks=pytest.mark.slow), 15.0])
+    @pytest.mark.parametrize("ratio", [None, 15.0])
     def test_three_depths(self, ratio, static):
         leg = LEGS[ratio]
         estimate = identify(leg, [trial(depth=depth, leg=leg) for depth in DEPTHS], static_rest=static)
@@ -54,6 +55,7 @@ class TestTruth:
         expected = 100 * (1 - np.linalg.norm(np.concatenate(missed)) / np.linalg.norm(spread))
         assert estimate.fit == pytest.approx(expected) and min(estimate.fits) < expected < max(estimate.fits)
 
+    @pytest.mark.slow
     def test_a_knee_of_its_own_for_every_trial(self):
         knees = [replace(VISCOUS, damping=0.7), replace(VISCOUS, damping=1.4)]
         estimate = identify(LEG, [trial(knee) for knee in knees], per_trial=["damping"])
@@ -168,6 +170,7 @@ class TestRounded:
         assert (np.abs(z) < 2).mean() >= 0.9 and np.abs(z).max() < 3.5
         assert 0.65 < np.sqrt(np.mean(np.square(z))) < 1.35  # neither too small nor needlessly large
 
+    @pytest.mark.slow
     def test_noise_of_more_than_a_step_leaves_them_as_they_were(self):
         made = trial(noise=self.STEP)
         fine, coarse = identify(LEG, [made]), identify(LEG, [self.rounded(made)])
@@ -176,6 +179,7 @@ class TestRounded:
         for one, other in zip(coarse.parameters, fine.parameters, strict=True):
             assert one.deviation == pytest.approx(np.sqrt(13 / 12) * other.deviation, rel=0.05)
 
+    @pytest.mark.slow
     def test_a_sample_between_two_counts_changes_nothing(self):
         made = self.rounded(trial(SOFT), 0.45)
         angle = made.angle.copy()
@@ -185,6 +189,7 @@ class TestRounded:
         for one, other in zip(patched.parameters, plain.parameters, strict=True):
             assert one.deviation == pytest.approx(other.deviation, rel=0.05)
 
+    @pytest.mark.slow
     def test_a_model_that_misses_something_is_not_excused(self):
         made = trial(PassiveKnee(48.0, 0.3, 1.5, 1.0))
         assert warned(identify(LEG, [self.rounded(made)]), "the model misses something")
@@ -206,6 +211,7 @@ class TestWarnings:
         for name, truth in (("stiffness", 50.0), ("rotor_inertia", LEG.rotor)):
             assert abs(estimate[name].value - truth) < 3 * estimate[name].deviation
 
+    @pytest.mark.slow
     def test_toe_that_pulls(self):
         estimate = identify(LEG, [trial(SOFT, 0.1, 1e-3)])
         assert warned(estimate, "in release the pinned toe pulls on the ground, -10.5 N after 0.196 s")

@@ -52,6 +52,7 @@ def test_decimal_digits(drawn, step):
     assert grid_step(np.round(drawn[0] / step) * step) == pytest.approx(step, rel=1e-6)
 
 
+@pytest.mark.slow
 @often
 @given(motions(), st.sampled_from([0.0, 1e-5, 1e-4, 1e-3, 1e-2]))
 def test_what_was_not_rounded(drawn, noise):

@@ -39,6 +39,7 @@ class TestFigures:
         assert found.cost == pytest.approx(energy / (weight(robot) * np.ptp(stride.q[:, 0])), rel=1e-3)
         assert sum(found.shares.values()) == pytest.approx(found.cost)
 
+    @pytest.mark.slow
     def test_the_knees_share_is_that_of_the_design_studies(self, found):
         positive = electrical_cost(gait(NAME), DRIVES["knee"]) - found.shares["knee"]
         assert 0.0 < positive < found.shares["hip"]  # of hips that study counts positive work alone

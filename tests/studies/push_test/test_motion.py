@@ -217,9 +217,8 @@ class TestSensitivities:
             knee = replace(knee, **{name: getattr(knee, name) + offset})
         return move(leg, knee, start, self.TIMES, rtol=1e-13).angle
 
-    @pytest.mark.parametrize(
-        "name", slow_but([name for name in KNEES if name != "without losses"], "dry", "only pulling")
-    )
+    @pytest.mark.slow
+    @pytest.mark.parametrize("name", [name for name in KNEES if name != "without losses"])
     def test_by_differences(self, name):
         knee = PassiveKnee(**KNEES[name])
         asked = [p for p in PARAMETERS if p != "coulomb" or knee.coulomb]
@@ -238,6 +237,7 @@ class TestSensitivities:
         expected = np.array([-25, 48, -36, 16, -3]) @ values / (12 * h)
         np.testing.assert_allclose(column, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
 
+    @pytest.mark.slow
     def test_where_the_knee_is_held(self):
         """It stays where it came to rest, and so does the derivative."""
         knee = PassiveKnee(damping=0.4, coulomb=3.0)
@@ -276,7 +276,7 @@ class TestDryFriction:
         half = np.pi * np.sqrt(float(LEG.effective_inertia(zero)) / stiffness)
         np.testing.assert_allclose(np.diff(motion.turns), half, rtol=1e-3)
 
-    @pytest.mark.parametrize("coulomb", [0.1, 0.5, 1.5, 4.0])
+    @pytest.mark.parametrize("coulomb", slow_but([0.1, 0.5, 1.5, 4.0], 1.5, 4.0))
     @pytest.mark.parametrize("damping", [0.0, 1.03])
     def test_comes_to_rest_within_the_dead_band(self, coulomb, damping):
         knee = PassiveKnee(damping=damping, coulomb=coulomb)

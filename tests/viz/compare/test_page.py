@@ -97,6 +97,7 @@ def test_other_robots_have_no_ghost_and_robots_stand() -> None:
     assert all(side["stands"] for side in sides)
 
 
+@pytest.mark.slow
 def test_what_does_not_fit_has_fewer_frames_or_is_refused(bounds: Comparison, monkeypatch: pytest.MonkeyPatch) -> None:
     parts = bounds.sides, bounds.measures, bounds.differences, bounds.said
     monkeypatch.setattr(page, "MOST_BYTES", len(bounds.page.encode()) - 1)

@@ -16,6 +16,7 @@ from tests.viz.explore.exploring import ask
 
 
 class TestAnswers:
+    @pytest.mark.slow
     def test_a_hop_is_what_the_study_computes(self, server):
         knobs = spear_ii_hop().at(stiffness=52.0, stance_torque=8.2)
         hops = settled(knobs, best_engine())
@@ -39,6 +40,7 @@ class TestAnswers:
         assert not any(command["path"].startswith("/Cameras") for command in commands)
         assert commands[-1]["type"] == "set_animation"
 
+    @pytest.mark.slow
     def test_the_same_address_gives_the_same_answer(self, server):
         assert ask(server, "/hop?damping=1.2")[2] == ask(server, "/hop?damping=1.2")[2]
 

@@ -39,6 +39,7 @@ class TestPage:
         assert all(address.startswith((server.url, "data:", "blob:", "about:")) for address in browser.requests)
         assert text(browser, "verdict").startswith("Periodic and stable")
 
+    @pytest.mark.slow
     def test_picture_plots_and_figures_follow_a_slider(self, browser, server):
         visit(browser, server, "#t=0.15")
         before, plot, apex = (

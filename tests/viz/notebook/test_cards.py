@@ -54,6 +54,7 @@ class TestWhatTheySay:
         }
         assert list(drawings(text)) == ["spear_ii from its side, its knees bent"]
 
+    @pytest.mark.slow
     def test_a_motion_in_space_has_its_normal_forces(self):
         gait = Gait.load(Path(__file__).parents[3] / "examples" / "turn.json")
         stride = simulate(gait.system, gait.state, progress=False)

@@ -69,6 +69,7 @@ def test_what_is_of_a_pair_says_so():
     assert ground_force(stride).axes[0].get_ylabel() == "Ground force, a pair (N)"
 
 
+@pytest.mark.slow
 def test_in_space_joints_of_all_legs_are_together():
     gait = Gait.load(Path(__file__).parents[3] / "examples" / "turn.json")
     figure = simulate(gait.system, gait.state, progress=False).plot("q", "spring", "force_z")

@@ -133,6 +133,7 @@ def test_family_shows_the_members_and_what_was_not_found(gait: Gait):
         design_plots.family_plot([members[2]], "speed")
 
 
+@pytest.mark.slow
 def test_a_family_over_a_number_of_the_robot_has_its_unit(gait: Gait):
     figure = design_plots.family_plot([Member(0.7, gait, None)], "hip_distance")
     assert figure.axes[2].get_xlabel() == "Hip distance (m)"

@@ -115,6 +115,7 @@ class TestEnergyFlow:
 class TestCostOfTransport:
     OURS = (CostPoint("ours", 40.0, 0.5, "electrical", "", "computed"),)
 
+    @pytest.mark.slow
     def test_every_point_is_there_by_kind_and_verification(self):
         (axes,) = plots.cost_of_transport(PUBLISHED, self.OURS).axes
         drawn = [line for line in axes.lines if line.get_gid()]

@@ -81,6 +81,7 @@ def test_footfalls_of_pairs_in_the_plane(planar: Trajectory) -> None:
     assert len(axes.patches) == 2
 
 
+@pytest.mark.slow
 def test_a_stride_of_mirrored_halves_has_two_cycles() -> None:
     gait = Gait.load("trot")
     trot = simulate(gait.system, gait.state, 3, progress=False)
