@@ -230,13 +230,41 @@ MUTATIONS = [
                 "held = {**latched(held, [reset], q.tolist(), v.tolist(), self.system.law), **held}",
             ),
             "release left out of the ledger": ("= -in_springs(", "= -0.0 * in_springs("),
-            "absolute tolerance ten thousand times looser": ("0.01 * options.rtol", "100.0 * options.rtol"),
         },
     ),
     *mistakes_in(
-        "hybrid/run",
+        "hybrid/integration",
+        ["hybrid/test_integration", "hybrid/test_equations_of_motion", "hybrid/test_torques", "hybrid/test_ledger"],
+        {
+            "absolute tolerance ten thousand times looser": ("0.01 * options.rtol", "100.0 * options.rtol"),
+            "an event's state is not of its time": ("motion.y = _step_to(flow, t0, y0, motion.t)", "pass"),
+            "a step more than may be": ("flow.evaluations <= most", "flow.evaluations <= 10 * most"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/integration",
         ["hybrid/test_spring_laws"],
-        {"integrated across the knots of a table": (", *bends(self.flow, ends, states, solver.dense_output)", "")},
+        {"integrated across the knots of a table": (", *bends(flow, ends, states, solver.dense_output)", "")},
+    ),
+    *mistakes_in(
+        "hybrid/tangent/collocation",
+        ["hybrid/tangent/test_collocation"],
+        {
+            "panels ten thousand times rougher": ("TAIL = 1e-10", "TAIL = 1e-6"),
+            "a panel begins where the last began": (
+                "begins[i + 1] = panel[:, : 2 * nv] @ begins[i]",
+                "begins[i + 1] = panel[:, : 2 * nv] @ start",
+            ),
+            "positions of the points by once the partial sums": (
+                "h * h * (gauss.twice @ K)",
+                "h * h * (gauss.partial @ K)",
+            ),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/engines/polynomials",
+        ["hybrid/test_taylor_single"],
+        {"times since the first step": ("times - self.begins[step]", "times - self.begins[0]")},
     ),
     *mistakes_in(
         "hybrid/sampling",
