@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
@@ -97,6 +98,39 @@ def lopsided(robot: Robot) -> float:
     here, there = ({hip: robot.frame_position(at, toe) for hip, toe in feet.items()} for at in (q, mirror(q)))
     off = [there[mirror.of[hip]] * ACROSS - here[hip] for hip in feet]
     return max(float(masses.max()), float(np.abs(off).max()))
+
+
+def evened(robot: Robot) -> Robot:
+    """The robot whose bodies have the mean of their own inertia and of that of their partner's mirror image.
+
+    Its left and right are alike if joints and feet of the given one, which is left alone, are.
+
+    Args:
+        robot: on a chain, as of `mirror_of`.
+
+    Raises:
+        BadValue: as of `mirror_of`.
+
+    Example:
+        >>> from spear_pin import load
+        >>> from spear_pin.hybrid.symmetry import evened
+        >>> robot = load("q_spear_full", base="chain")
+        >>> abs(evened(robot).mass - robot.mass) < 1e-12
+        True
+    """
+    mirror, model, across = mirror_of(robot), robot.model.copy(), np.diag(ACROSS)
+    data = model.createData()
+    pin.forwardKinematics(model, data, np.zeros(robot.nq))
+    joints = {model.joints[i].idx_v: i for i in range(1, model.njoints)}
+    bodies = {i: data.oMi[i].act(robot.model.inertias[i]) for i in joints.values()}  # about the origin of the world
+    for row, i in joints.items():
+        own, partner = bodies[i], bodies[joints[mirror.of[row]]]
+        if own.mass + partner.mass == 0.0:
+            continue  # a link of the chain
+        image = pin.Inertia(partner.mass, across @ partner.lever, across @ partner.inertia @ across)
+        both = data.oMi[i].actInv(own + image)
+        model.inertias[i] = pin.Inertia(0.5 * both.mass, both.lever, 0.5 * both.inertia)
+    return robot.with_model(model)
 
 
 def mirror_of(robot: Robot) -> Mirror:

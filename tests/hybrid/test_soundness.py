@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from spear_pin import Gait
@@ -129,6 +130,23 @@ def test_a_frame_that_there_is_not(hop):
         simulate(system, hop.state, 1)
     with pytest.raises(UnknownName, match="frame 'hipp'.*hip"):
         Planar(hop.system.robot).position("hipp", [0.0] * 3, math)
+
+
+def test_a_frame_whose_joint_has_the_same_name(hop):
+    """Files may call a link as its joint: it is the link's, as of `frame_position`."""
+    model = hop.system.robot.model.copy()
+    place = pin.SE3(np.eye(3), np.array([0.0, 0.0, 0.1]))
+    model.addFrame(pin.Frame("hip", model.getJointId("hip"), 0, place, pin.FrameType.BODY), False)
+    robot = hop.system.robot.with_model(model)
+    heights = []
+
+    def low(t, q, v, held, p, dyn, ops):
+        heights.append(float(dyn.height("hip")) - robot.frame_position(q, "hip")[-1])
+        return 1.0
+
+    system = changed_stance(replace(hop.system, robot=robot), with_guard(Guard("low", low)))
+    assert simulate(system, hop.state, 1).reason == "complete"
+    assert heights and np.abs(heights).max() < 1e-12
 
 
 def test_what_is_held_is_a_mapping():

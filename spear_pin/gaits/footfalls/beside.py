@@ -73,13 +73,26 @@ def orbit_beside(
             if not cycle.cycles:
                 raise NoGait(f"the stride of the collocated gait does not close: {cycle.message}", np.inf)
             settled = chart(changed, after(changed, cycle)).state(origin)
-            found = gait_beside(changed, settled, (SPEED_BY,), {"mean_speed": speed})
+            return nearby(changed, settled, speed)
         except NoGait as failure:
             failures.append(failure)
-            continue
-        q, v = found.state
-        nominal: Any = (*q.tolist(), *v.tolist())
-        return found.with_law(nominal=nominal)
     if not failures:
         raise BadValue("apart", apart, "at least one angle, in rad")
     raise min(failures, key=lambda failure: failure.residual)
+
+
+def nearby(system: HybridSystem, state: State, speed: float) -> Gait:
+    """The fixed point by Newton's method from a state that all but is one, at a speed; feedback compares with it.
+
+    Args:
+        system: as of `orbit_beside`.
+        state: on its section.
+        speed: wanted, in m/s.
+
+    Raises:
+        NoGait: Newton's method does not end in one.
+    """
+    found = gait_beside(system, state, (SPEED_BY,), {"mean_speed": speed})
+    q, v = found.state
+    nominal: Any = (*q.tolist(), *v.tolist())
+    return found.with_law(nominal=nominal)

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from spear_pin.gaits.footfalls.beside import APART, laws_of, orbit_beside, shape
+from spear_pin.gaits.footfalls.beside import APART, laws_of, nearby, orbit_beside, shape
 from spear_pin.gaits.footfalls.course import CollocatedGait
 from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.spatial.law import limits_for
 from spear_pin.gaits.spatial.trot_law import TROT_INPUTS, TrotLaw
-from spear_pin.gaits.spatial.trotting import halfway, pacing, trotting
-from spear_pin.hybrid.symmetry import headed, mirror_of
+from spear_pin.gaits.spatial.trotting import ALIKE, halfway, pacing, trotting
+from spear_pin.hybrid.symmetry import evened, headed, lopsided, mirror_of
 from spear_pin.kinds import typed
 
 
@@ -22,7 +22,8 @@ def trot_beside(gait: CollocatedGait, *, apart: Sequence[float] = APART) -> Gait
     """The trot, or pace, of the event-exact simulation beside a collocated one, at the speed that was asked for.
 
     Where both feet of a pair land at once the return map has a kink, in which of them is first. Where Newton's method
-    stalls there, the angle at which the fore legs land is changed.
+    stalls there, the angle at which the fore legs land is changed. Of a robot whose left and right differ the gait of
+    the one with mean inertias, half a stride long, is found first, and that of the robot from there.
 
     Args:
         gait: a mirrored trot or pace with a law on the ground and in the air.
@@ -40,12 +41,15 @@ def trot_beside(gait: CollocatedGait, *, apart: Sequence[float] = APART) -> Gait
         >>> robot, asked = load("q_spear_full", base="chain"), FootfallRequest(law=StanceLaw(), swing=SwingLaw())
         >>> trot = trot_beside(collocated(robot, asked))  # half a minute  # doctest: +SKIP
     """
-    mirror, last = mirror_of(gait.robot), gait.stretches[-1]
-    law = law_of_trot(gait)
+    robot, mirror, last = gait.robot, mirror_of(gait.robot), gait.stretches[-1]
+    law, uneven = law_of_trot(gait), lopsided(robot) > ALIKE
     build = trotting if gait.request.footfalls.phases == FOOTFALLS["trot"].phases else pacing
-    system = build(gait.robot, law, gait.request.spring)
+    system = build(evened(robot) if uneven else robot, law, gait.request.spring)
     start = headed(mirror(last.q[-1]), mirror(last.v[-1]))
-    return orbit_beside(system, start, gait.request.speed, apart, halfway)
+    found = orbit_beside(system, start, gait.request.speed, apart, halfway)
+    if not uneven:
+        return found
+    return nearby(build(robot, found.system.law, found.system.spring), found.state, gait.request.speed)
 
 
 def law_of_trot(gait: CollocatedGait) -> TrotLaw:

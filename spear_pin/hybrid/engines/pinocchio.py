@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, SLIPS, constrained, solve
 from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
@@ -22,6 +22,7 @@ from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
 from spear_pin.hybrid.rules.footing import Rubbing, along
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.directions import WORLD_ALIGNED
+from spear_pin.model.frames import frame_id
 
 Array = NDArray[np.float64]
 
@@ -249,9 +250,7 @@ class Flow:
     def height(self, frame: str) -> float:
         """Distance of a frame from the ground, along its normal, in m."""
         if frame not in self._frame_ids:
-            if not self._model.existFrame(frame):
-                raise UnknownName("frame", frame, [each.name for each in self._model.frames])
-            self._frame_ids[frame] = self._model.getFrameId(frame)
+            self._frame_ids[frame] = frame_id(self._model, frame)
         place = pin.updateFramePlacement(self._model, self._data, self._frame_ids[frame]).translation
         return float(place[2] if self._plain else self._ground.above(place[0], place[2], FLOATS))
 

@@ -1,11 +1,12 @@
 """Robots of others bound in space, upright by one input a stride, and trot."""
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from spear_pin import in_space, load, sagittal
+from spear_pin import Gait, in_space, load, sagittal, simulate
 from spear_pin.gaits.footfalls.collocate import collocated
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
@@ -78,3 +79,40 @@ class TestTrot:
         pushed = run(steady.system, (q, v), 10, Options(rtol=1e-8))
         assert pushed.cycles == 10
         assert np.abs(local.coordinates(pushed.state)).max() <= 0.01 * np.abs(local.coordinates((q, v))).max()
+
+
+@cache
+def kept():
+    """ANYmal B's with its feedback, as it was found once as docs/space.md says, in ten minutes; these take one."""
+    return Gait.load(Path(__file__).parents[2] / "solved" / "anymal_b_trot.json")
+
+
+class TestTrotOfAnymal:
+    def test_an_orbit(self):
+        gait, free = kept(), kept().with_law(feedback=()).system
+        assert residual(gait.system, gait.state) <= 1e-9 and residual(free, gait.state) <= 1e-9
+        stride = return_map(free, gait.state)
+        assert {"diagonal_left_stance", "diagonal_right_stance", "flight_1", "flight_2"} <= stride.durations.keys()
+        assert free.measures["mean_speed"](stride) == pytest.approx(0.9603, abs=1e-4)
+        assert "slip" not in {event.name for event in stride.events}
+        np.testing.assert_allclose(stride.change, [work.sum() for work in stride.work], rtol=0, atol=1e-8)
+
+    def test_within_the_limits_of_its_file(self):
+        motion, robot = simulate(kept().system, kept().state, 1), kept().system.robot
+        limits = [robot.limits[name] for name in robot.coordinates[6:]]
+        assert (abs(motion.u).max(axis=0) < [0.4 * limit.effort for limit in limits]).all()
+        assert (abs(motion.v[:, 6:]).max(axis=0) < [limit.velocity for limit in limits]).all()
+        force = motion.force[motion.force[..., 2] > 1.0]
+        assert 0.4 < (np.hypot(force[:, 0], force[:, 1]) / force[:, 2]).max() < 0.6
+
+    def test_unstable_by_itself_and_held_by_feedback(self):
+        ends = []
+        for feedback in ((), kept().system.law.feedback):
+            system = kept().with_law(feedback=feedback).system
+            q, v = (part.copy() for part in kept().state)
+            v[1] += 1e-3 if not feedback else 0.2
+            pushed = run(system, (q, v), 3 if not feedback else 10, Options(rtol=1e-8))
+            local = chart(system, kept().state)
+            ends.append(np.abs(local.coordinates(pushed.state)).max() / np.abs(local.coordinates((q, v))).max())
+            assert pushed.reason == "complete"
+        assert ends[0] > 10.0 and ends[1] < 0.01

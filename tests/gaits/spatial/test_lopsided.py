@@ -10,7 +10,7 @@ from spear_pin import Gait, trotting
 from spear_pin.errors import BadValue
 from spear_pin.gaits.spatial.trotting import halfway
 from spear_pin.hybrid.periodic import chart, return_map
-from spear_pin.hybrid.symmetry import headed, lopsided
+from spear_pin.hybrid.symmetry import evened, headed, lopsided, mirror_of
 
 
 @pytest.fixture(scope="module")
@@ -31,6 +31,17 @@ def heavier(trot):
 def test_how_far_from_the_mirror_image(trot, heavier):
     assert lopsided(trot.system.robot) < 1e-12
     assert 1e-4 < lopsided(heavier) < 0.1
+
+
+def test_evened_has_the_mean_of_both_sides(heavier):
+    """D is linear in the inertias of the bodies."""
+    own, even = mirror_of(heavier), evened(heavier)
+    q = np.cos(np.arange(18.0)) / 2.0
+    image = own(own(heavier.mass_matrix(own(q))).T)
+    np.testing.assert_allclose(even.mass_matrix(q), (heavier.mass_matrix(q) + image) / 2.0, rtol=0, atol=1e-12)
+    assert lopsided(even) < 1e-12
+    assert even.mass == pytest.approx(heavier.mass, rel=1e-14)
+    assert lopsided(heavier) > 1e-4
 
 
 @pytest.mark.slow
