@@ -9,7 +9,7 @@ from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, ch
 from spear_pin.cli.gaits import add_gait, named_gait
 from spear_pin.cli.motors import add_motors, motors
 from spear_pin.cli.output import aligned, listed, progress
-from spear_pin.cli.pairs import RANGE, names, ranges, values
+from spear_pin.cli.pairs import RANGE, names, once, ranges, values
 
 STEM = "design"
 
@@ -57,11 +57,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         found = optimize_design(
             gait,
             arguments.minimize,
-            dict(arguments.over),
-            dict(arguments.keep),
+            once(arguments.over, "--over"),
+            once(arguments.keep, "--keep"),
             vary=arguments.vary,
-            at_most=dict(arguments.at_most),
-            at_least=dict(arguments.at_least),
+            at_most=once(arguments.at_most, "--at-most"),
+            at_least=once(arguments.at_least, "--at-least"),
             largest_multiplier=arguments.largest_multiplier,
             motors=motors(arguments.motor),
             iterations=arguments.iterations,

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from spear_pin.cli.pairs import words
+from spear_pin.cli.pairs import once, words
 
 if TYPE_CHECKING:
     from spear_pin.model.motor import Motor
@@ -29,7 +29,8 @@ def motors(pairs: Iterable[tuple[str, str]]) -> dict[str, Motor]:
 
     Raises:
         UnknownName: there is no motor of a name.
+        BadValue: a joint is given two.
     """
     from spear_pin.model.catalogue import motor
 
-    return {joint: motor(name) for joint, name in pairs}
+    return {joint: motor(name) for joint, name in once(pairs, "--motor").items()}

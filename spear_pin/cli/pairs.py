@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable
+from typing import TypeVar
+
+from spear_pin.errors import BadValue
 
 RANGE = "NAME=LOW:HIGH"
+T = TypeVar("T")
 
 
 def names(word: str) -> list[str]:
@@ -50,6 +55,20 @@ def one_pair(word: str, expected: str = "NAME=VALUE") -> tuple[str, str]:
     if not (name and sign and value):
         raise argparse.ArgumentTypeError(f"{word!r} is not {expected}")
     return name, value
+
+
+def once(pairs: Iterable[tuple[str, T]], option: str) -> dict[str, T]:
+    """Pairs of an option by their names.
+
+    Raises:
+        BadValue: a name is given twice.
+    """
+    found: dict[str, T] = {}
+    for name, value in pairs:
+        if name in found:
+            raise BadValue(option, name, "each name once")
+        found[name] = value
+    return found
 
 
 def _pairs(word: str, expected: str) -> list[tuple[str, str]]:

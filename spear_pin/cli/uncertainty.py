@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.files import write_text
     from spear_pin.gaits.sensitivity.uncertainty import MOST
     from spear_pin.viz.plots import save_figure
-    from spear_pin.viz.plots.uncertainty import monte_carlo, variance_shares
+    from spear_pin.viz.plots.uncertainty import drawable, monte_carlo, variance_shares
 
     check_out(arguments)
     samples = arguments.monte_carlo
@@ -73,14 +73,16 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         show("differentiating")
         table = gait.sensitivity(over, arguments.vary, arguments.keep, motors(arguments.motor))
         spread = _spread(table, arguments.sigma, arguments.correlation)
-        show(f"finding it {samples} times")
-        drawn = None if samples is None else spread.monte_carlo(samples, arguments.seed)
+        drawn = None
+        if samples is not None:
+            show(f"finding it {samples} times")
+            drawn = spread.monte_carlo(samples, arguments.seed)
     figures = {"uncertainty": json.loads(spread.to_json())}
     figures |= {} if drawn is None else {"monte_carlo": drawn.plain()}
     files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
     write_text(files[0], json.dumps(figures, indent=1, allow_nan=False) + "\n")
     save_figure(variance_shares(spread), files[1])
-    if drawn is not None and any(drawn.verdict(name) != "stays" for name in drawn.first):
+    if drawn is not None and drawable(drawn):
         files.append(save_figure(monte_carlo(drawn), arguments.out / "monte_carlo.svg"))
     texts = [str(spread), *([] if drawn is None else [str(drawn)]), aligned(listed(arguments.out, STEM, files))]
     return {
@@ -105,7 +107,7 @@ def _spread(
         return spread
     matrix = np.eye(len(table.parameters))
     for pair, word in correlation:
-        names = pair.split(",")
+        names = [name.strip() for name in pair.split(",")]
         for name in names:
             if name not in table.parameters:
                 raise UnknownName("parameter", name, table.parameters)
@@ -116,6 +118,8 @@ def _spread(
         if len(set(names)) != 2 or not abs(value) <= 1.0:
             raise BadValue("--correlation", f"{pair}={word}", "two parameters and a number from -1 to 1, as in k,b=0.3")
         i, j = (table.parameters.index(name) for name in names)
+        if matrix[i, j]:
+            raise BadValue("--correlation", pair, "each two parameters once")
         matrix[i, j] = matrix[j, i] = value
     deviations = spread.parameter_deviations
     return table.uncertainty(matrix * np.outer(deviations, deviations))

@@ -32,7 +32,12 @@ def test_a_hop(capsys, tmp_path):
         ((*HOP, "--over", "stiffness=1:2"), "the gait's own value"),
         ((*HOP, "--over", "stiffness=40:60", "--at-most", "work"), "is not NAME=VALUE"),
         ((*HOP, "--over", "stiffness=40:60", "--at-most", "nope=1"), "'nope'"),
-        ((*HOP, "--over", "stiffness=40:60", "--motor", "knee=nope"), "'nope'"),
+        ((*HOP, "--over", "stiffness=40:60", "--motor", "hip=nope"), "'nope'"),
+        (
+            (*HOP, "--over", "stiffness=40:60", "--motor", "knee=spear_ii_knee"),
+            "--motor is 'knee'; expected each name once",
+        ),
+        ((*HOP, "--over", "stiffness=40:60,stiffness=30:60"), "--over is 'stiffness'; expected each name once"),
         ((*HOP, "--over", "stiffness=40:60", "--out", "none"), "--out is 'none'; expected"),
         ((*HOP, "--over", "stiffness=40:60", "--iterations", "-1"), "iterations"),
         (("design", "fly", "--minimize", "work", "--over", "stiffness=40:60"), "'fly'"),

@@ -58,6 +58,10 @@ def test_with_a_motor(capsys, tmp_path):
         (("hop", "--sigma", "stiffness=1", "--correlation", "stiffness=1"), "--correlation is 'stiffness=1'"),
         (("hop", "--sigma", "stiffness=1", "--correlation", "stiffness,damping=1"), "'damping'"),
         ((*HOP[1:], "--correlation", "stiffness,damping=2"), "from -1 to 1"),
+        (
+            (*HOP[1:], "--correlation", "stiffness, damping=.3", "--correlation", "damping,stiffness=.9"),
+            "each two parameters once",
+        ),
         (("hop", "--sigma", "stiffness=1", "--monte-carlo", "1"), "--monte-carlo is 1"),
         (("hop", "--sigma", "stiffness=1", "--seed", "-1"), "--seed is -1"),
         (("trot", "--sigma", "friction=0.1"), "in the plane"),

@@ -1,11 +1,14 @@
 """Motion in one domain against an integrator of another method, and how it ends."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import scipy
 
 from spear_pin.hybrid.engines.pinocchio import flow_names
 from spear_pin.hybrid.events import Watch
+from spear_pin.hybrid.hardware import HARDWARE_TOLERANCE
 from spear_pin.hybrid.integration import DUE, Accuracy, accuracy, integrated
 from spear_pin.hybrid.modes import choose, starting_phase
 from spear_pin.hybrid.result import Options
@@ -44,6 +47,9 @@ def test_ends_on_a_guard(hop):
     times = np.linspace(motion.pieces[0].begin, motion.pieces[0].end, 5)[1:]
     heights = [robot.toe_position(state[:3], "toe")[-1] for state in motion.pieces[0].state(times).T]
     assert min(heights) > 0.0
+    (apex,) = motion.observed
+    assert apex[0] == "apex" and t < apex[1] < motion.t
+    assert robot.toe_position(apex[2][:3], "toe")[-1] > 0.0
     assert motion.t == pytest.approx(hop.durations["flight"], abs=1e-8)
 
 
@@ -57,3 +63,10 @@ def test_too_many_evaluations(begun):
 def test_accuracy():
     assert accuracy(Options(1e-8), None) == (1e-8, 1e-10, 0.05)
     assert accuracy(Options(1e-8, atol=1e-6), None).atol == 1e-6
+
+
+def test_hardware_asks_for_more():
+    share = HARDWARE_TOLERANCE
+    for step in (1e-3, 1.0):
+        found = accuracy(Options(1e-8), SimpleNamespace(max_step=step))
+        assert found == (share * 1e-8, share * 1e-10, min(step, 0.05))

@@ -62,11 +62,10 @@ def monte_carlo(drawn: MonteCarlo, outputs: Sequence[str] = ()) -> Figure:
         UnknownName: there is no output of a name.
         BadValue: none of them moves.
     """
-    chosen = list(outputs) or _usual(drawn)
-    for name in chosen:
+    for name in outputs:
         if name not in drawn.first:
             raise UnknownName("output", name, drawn.first)
-    chosen = [name for name in chosen if drawn.verdict(name) != STAYS and len(drawn.drawn(name))]
+    chosen = drawable(drawn, outputs)
     if not chosen:
         raise BadValue("outputs", list(outputs), "some that move")
     with style():
@@ -105,6 +104,12 @@ def draw(axes: Axes, drawn: MonteCarlo, name: str) -> None:
     axes.set_title("\n".join(notes), fontsize=7.0)
     axes.set_xlabel(with_unit(name, drawn.units[name] or UNITS.get(name, "") or "1"))
     axes.set_xlim(edges[0], edges[-1])
+
+
+def drawable(drawn: MonteCarlo, outputs: Sequence[str] = ()) -> list[str]:
+    """Of some outputs those that move and have samples; arguments as of `monte_carlo`."""
+    chosen = outputs or _usual(drawn)
+    return [name for name in chosen if drawn.verdict(name) != STAYS and len(drawn.drawn(name))]
 
 
 def _usual(drawn: MonteCarlo) -> list[str]:

@@ -14,7 +14,6 @@ from spear_pin.gaits.sensitivity.measures import CLEARANCE, LEAST_STRIDE, PRESSE
 from spear_pin.gaits.sensitivity.panels import Panels
 from spear_pin.hybrid.arc import Arc, Record
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.engines.structure import flattened
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.orders import Order
@@ -171,7 +170,7 @@ class _Chunk:
                 sums["positive_work"] += panels.positive(power)
                 squares[j] += panels.integral(torque**2)
                 tops[j] = np.maximum(tops[j], np.maximum(panels.peak(torque), panels.peak(-torque)))
-            closed = [toe for toe, mode in closed_toes(tuple(robot.toes), domain) if mode != OPEN]
+            closed = [toe for toe, _ in closed_toes(tuple(robot.toes), domain)]
             for k, toe in enumerate(closed):
                 along, up = (values.forces[2 * k + i].reshape(-1, POINTS) for i in (0, 1))
                 force[toe] = np.maximum(force[toe], panels.peak(up))

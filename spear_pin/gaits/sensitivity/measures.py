@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
-from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.tangent.derivative import Derivative, Stretch
 from spear_pin.hybrid.tangent.heights import dual_heights
@@ -173,7 +172,7 @@ def _forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Iter
 
 def _closed(stretch: Stretch, toes: Sequence[str]) -> list[str]:
     """Toes that are on the ground."""
-    return [name for name, mode in closed_toes(tuple(toes), stretch.arc.domain) if mode != OPEN]
+    return [name for name, _ in closed_toes(tuple(toes), stretch.arc.domain)]
 
 
 def _long(stretches: Sequence[Stretch]) -> list[Stretch]:

@@ -16,7 +16,7 @@ from spear_pin.gaits.sensitivity.many_measures import measured
 from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import may_differ
+from spear_pin.hybrid.batch import has_lanes
 from spear_pin.hybrid.engines.structure import OF_GROUND
 from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.tangent.record import Recorder
@@ -67,9 +67,8 @@ def found_anew(local: Neighbourhood, parameters: Array, on_lanes: OnLanes = lamb
 
 def side_by_side(local: Neighbourhood) -> bool:
     """Whether lanes may differ in all parameters, and record all that is kept."""
-    names = all(may_differ(local.system, name) for name in (*local.over, *local.vary))
     return (
-        names
+        has_lanes(local.system, (*local.over, *local.vary))
         and not set(local.vary) & set(OF_GROUND)
         and all(name in MEASURES and name in local.system.measures for name in local.keep)
     )

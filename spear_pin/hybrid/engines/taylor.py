@@ -283,7 +283,7 @@ def _expression(value: Any) -> Any:
 
 
 def require() -> Any:
-    """heyoka, settled; only who computes waits for it to load.
+    """heyoka, settled: it works on its caller's thread, in all of the process. Who first asks waits for it to load.
 
     Raises:
         MissingExtra: it is not installed.

@@ -112,8 +112,7 @@ def carried(A: Array, B: Array, h: float, start: Array) -> Carried:
     system = left.reshape(panels, k * nv, k * nv)
     system.reshape(panels, -1)[:, :: k * nv + 1] += 1.0
     right = np.concatenate([by_q, by_v + h * gauss.nodes[:, None] * by_q, B], axis=3).reshape(panels, k * nv, -1)
-    # NumPy's solver of stacks takes longer
-    solved = np.array([lapack.dgesv(each, rows)[2] for each, rows in zip(system, right, strict=True)])
+    solved = np.array([_solved(each, rows) for each, rows in zip(system, right, strict=True)])
     K = solved.reshape(panels, nv, k, 2 * nv + c)
     ahead = np.concatenate([h * h * gauss.weights @ gauss.partial @ K, h * gauss.weights @ K], axis=1)
     ahead[..., : 2 * nv] += np.eye(2 * nv) + h * np.eye(2 * nv, k=nv)
@@ -122,3 +121,12 @@ def carried(A: Array, B: Array, h: float, start: Array) -> Carried:
     for i, panel in enumerate(ahead):
         begins[i + 1] = panel[:, : 2 * nv] @ begins[i] + panel[:, 2 * nv :]
     return Carried(K, begins, h)
+
+
+def _solved(matrix: Array, right: Array) -> Array:
+    """As NumPy's solver, which takes longer for so few equations."""
+    *_, found, singular = lapack.dgesv(matrix, right)
+    if singular:
+        raise np.linalg.LinAlgError("a motion has no derivative: equations along it are singular")
+    solution: Array = found
+    return solution

@@ -80,7 +80,7 @@ class TangentField:
             dnumbers: of the parameters, (p, c).
         """
         rows, n, c = len(y), *dy.shape[1:]
-        if self._function is None:
+        if not taylor.available():
             return self._interpreted(t, y, numbers, dt, dy, dnumbers)
         inputs = np.empty((2 * (1 + rows + len(numbers)), n, c))
         half = len(inputs) // 2
@@ -92,7 +92,6 @@ class TangentField:
 
     def values(self, t: Array, y: Array, numbers: Array) -> Values:
         """Values at n states, each with numbers of its own, (p, n), without derivatives; heyoka has to be there."""
-        assert self._function is not None
         inputs = np.concatenate([t[None], y, numbers])
         found = self._function(np.concatenate([inputs, np.zeros_like(inputs)]))
         return Values(found[: len(found) // 2], self._ends)
@@ -104,9 +103,7 @@ class TangentField:
 
     @cached_property
     def _function(self) -> Any:
-        """The compiled function: values, then derivatives; None without heyoka."""
-        if not taylor.available():
-            return None
+        """The compiled function: values, then derivatives."""
         hy, count = taylor.require(), self._count
         names = [f"{kind}{i}" for kind in "xd" for i in range(count)]
         symbols = hy.make_vars(*names)
@@ -167,7 +164,7 @@ class TangentFeet:
             dnumbers: (p, c).
         """
         x, d = np.concatenate([y, numbers]), np.concatenate([dy, dnumbers])
-        if self._function is None:
+        if not taylor.available():
             duals = [Dual(float(value), slopes) for value, slopes in zip(x, d, strict=True)]
             outputs = self._of(duals, ARRAYS)
             return self._named(outputs)
@@ -187,8 +184,6 @@ class TangentFeet:
 
     @cached_property
     def _function(self) -> Any:
-        if not taylor.available():
-            return None
         hy, robot, counter = taylor.require(), self.structure.system.robot, _Counting()
         symbols(self.structure.system, self.structure.planar, {}, counter)
         count = 2 * robot.nv + counter.count

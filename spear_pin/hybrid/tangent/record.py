@@ -33,15 +33,10 @@ _fields: WeakKeyDictionary[Compilation, dict[Any, TangentField]] = WeakKeyDictio
 _feet: WeakKeyDictionary[Compilation, dict[tuple[str, ...], TangentFeet]] = WeakKeyDictionary()
 
 
-def many(system: HybridSystem, given: Mapping[str, Array], level: int = 0) -> Numbers:
-    """The numbers of lanes for `Recorder`.
-
-    Args:
-        system: the system.
-        given: numbers in which they differ, (n,) each.
-        level: of LLVM's optimisation; with any, code runs in half the time and takes twelve times as long to compile.
-    """
-    return Numbers(system, given, Code(TOL, unrolled=system.robot.nv <= taylor.UNROLLED, level=level))
+def many(system: HybridSystem, given: Mapping[str, Array]) -> Numbers:
+    """The numbers of lanes for `Recorder`, which differ in those that are given, (n,) each."""
+    # optimised, code would run in half the time, and take twelve times as long to compile
+    return Numbers(system, given, Code(TOL, unrolled=system.robot.nv <= taylor.UNROLLED, level=0))
 
 
 class CompiledRunner:

@@ -33,7 +33,7 @@ class ReferenceLap:
 
 
 class ReferenceRunner:
-    """A system's cycles, see `hybrid.arc.Runner`.
+    """A system's cycles, see `hybrid.arc.Runner`; also those in which several toes take part in an impact.
 
     Args:
         system: the system.

@@ -6,6 +6,7 @@ import pytest
 from spear_pin.gaits.codesign.closing import closed, led
 from spear_pin.gaits.codesign.stability import borders, slopes
 from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 VARY, KEEP = ("stance_torque",), {"flight_time": 0.2}
 
@@ -47,3 +48,19 @@ def test_slopes_along_the_branch(hop, name):
     ends = [borders(led(begun, VARY, KEEP, {name: k * h}).jacobian, 0.6) for k in (1, -1, 2, -2)]
     expected = (8.0 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / (12.0 * h)
     assert found[:, 0] == pytest.approx(expected, rel=1e-4, abs=1e-5)
+
+
+@pytest.mark.extra("heyoka")
+def test_where_one_side_has_no_derivative_the_other_tells(hop, monkeypatch):
+    begun = closed(Orbit(hop.system, hop.state, (*VARY, "stiffness")), VARY, KEEP)
+    expected, beside = slopes(begun, VARY, list(KEEP), 0.6), Orbit.beside
+
+    def below(self, change, *others):
+        if change["stiffness"] > 0.0:
+            raise NotDifferentiable("of this side")
+        return beside(self, change, *others)
+
+    monkeypatch.setattr(Orbit, "beside", below)
+    assert slopes(begun, VARY, list(KEEP), 0.6) == pytest.approx(expected, rel=1e-4, abs=1e-6)
+    monkeypatch.setattr(Orbit, "beside", lambda self, *others: below(self, {"stiffness": 1.0}))
+    assert not slopes(begun, VARY, list(KEEP), 0.6).any()

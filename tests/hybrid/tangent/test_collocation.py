@@ -28,6 +28,40 @@ def test_carries_like_the_exponential(panels):
         assert S == pytest.approx(exact(t), rel=1e-12, abs=1e-12)
 
 
+def test_carries_what_changes_over_time():
+    """Against an integrator of another method, of coefficients that are waves."""
+    random = np.random.default_rng(11)
+    nv, c, h, panels = 2, 3, 0.2, 3
+    of_state, beside = random.normal(size=(2, nv, 2 * nv)), random.normal(size=(2, nv, c))
+
+    def at(parts, t):
+        return parts[0] * np.cos(3.0 * t) + parts[1] * np.sin(2.0 * t)
+
+    times = (h * (np.arange(panels)[:, None] + rule().nodes))[..., None, None]
+    A, B = (at(parts[:, None, None], times).transpose(0, 2, 1, 3) for parts in (of_state, beside))
+    start = random.normal(size=(2 * nv, c))
+
+    def slope(t, y):
+        S = y.reshape(2 * nv, c)
+        return np.concatenate([S[nv:], at(of_state, t) @ S + at(beside, t)]).ravel()
+
+    points = times.ravel()
+    expected = scipy.integrate.solve_ivp(
+        slope, (0.0, h * panels), start.ravel(), "DOP853", [*points, h * panels], rtol=1e-12, atol=1e-13
+    ).y.reshape(2 * nv, c, -1)
+    found = carried(A, B, h, start)
+    np.testing.assert_allclose(found.end, expected[..., -1], rtol=0, atol=1e-10)
+    np.testing.assert_allclose(found.inside(), expected[..., :-1].swapaxes(1, 2), rtol=0, atol=1e-10)
+
+
+def test_equations_that_are_singular_are_refused():
+    """At the first point alone v counts, so that its equation is (1 - h a_00 A) K_0 = ..."""
+    A = np.zeros((1, 1, POINTS, 2))
+    A[0, 0, 0, 1] = 1.0 / rule().partial[0, 0]
+    with pytest.raises(np.linalg.LinAlgError, match="singular"):
+        carried(A, np.zeros((1, 1, POINTS, 1)), 1.0, np.zeros((2, 1)))
+
+
 def test_ends_have_twice_as_many_digits():
     """S'' = -400 S over one panel of ten radians; at the points errors are those of polynomials."""
     h, k = 0.5, rule().nodes
