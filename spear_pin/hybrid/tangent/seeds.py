@@ -81,7 +81,7 @@ def _change(system: HybridSystem, name: str, of: Callable[[HybridSystem], Array]
         except BadValue as error:
             refusal = error
     if not ends:
-        raise refusal
+        raise BadValue(name, value, f"a parameter that may change; here it has to be {refusal.expected}") from refusal
     if len(ends) < 2:  # the value is at the end of its range, where numbers are linear in it
         ends.append((0.0, of(system)))
     (one, more), (other, less) = ends

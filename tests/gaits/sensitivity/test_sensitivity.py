@@ -101,7 +101,7 @@ def test_it_is_told_drawn_and_written(table, tmp_path):
         (["stiffness"], ["stance_torque"], [], BadValue, "as many measures"),
         (["stiffness"], ["stance_torque"], ["nope"], UnknownName, "'nope'"),
         (["slope"], [], [], BadValue, "slope is 0.0"),
-        (["foot_placement"], [], [], BadValue, "foot_placement"),
+        (["foot_placement"], [], [], BadValue, "^foot_placement is 0.0; .* has to be 0 while boom_x is locked"),
     ],
 )
 def test_what_is_refused(hop, over, vary, keep, error, text):
