@@ -93,7 +93,7 @@ class TestLongRuns:
                 live.add(self)
                 most = max(most, len(live))
 
-        monkeypatch.setattr("spear_pin.hybrid.run.Piece", Counted)
+        monkeypatch.setattr("spear_pin.hybrid.integration.Piece", Counted)
         simulate(hop.system, hop.state)
         of_one, most = most, 0
         simulate(hop.system, hop.state, cycles=6)
