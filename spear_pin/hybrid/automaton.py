@@ -37,8 +37,10 @@ REPLACED = (
     "phase_limit",
     "shortest_flight",
     "overlap",
+    "impact_law",
     "hardware",
 )
+MOREAU, KELLER = "moreau", "keller"
 SHORTEST_FLIGHT = 0.05  # s: in free fall a rise of 3 mm, a two-hundredth of a leg of 0.6 m
 
 
@@ -65,6 +67,8 @@ class HybridSystem:
             `spear_pin.hybrid.rules.cycles`.
         overlap: how long an impact in space lasts, in s: those of several toes that overlap are one, see
             `spear_pin.hybrid.rules.spatial_impact`.
+        impact_law: of impacts in space: `MOREAU`, or `KELLER` for those in which one toe takes part, see
+            `spear_pin.hybrid.rules.sliding_impact`.
         section_toes: where the section lies before the impact, of which toes it is the first touchdown.
         mirrored_toes: where a cycle is half a stride, and the other half its mirror image, of which toes the section is
             the first touchdown in between.
@@ -88,6 +92,7 @@ class HybridSystem:
     phase_limit: float = 5.0
     shortest_flight: float = SHORTEST_FLIGHT
     overlap: float = 0.0
+    impact_law: str = MOREAU
     section_toes: tuple[str, ...] = ()
     mirrored_toes: tuple[str, ...] = ()
     hardware: Hardware | None = None
@@ -99,6 +104,8 @@ class HybridSystem:
             made = {name: getattr(self, name) for name in REPLACED} | {"build": self.build, "builder": self.build}
             object.__setattr__(self, "made", made)
         require("HybridSystem.overlap", self.overlap, lambda seconds: seconds >= 0, "a number >= 0, in s")
+        if self.impact_law not in (MOREAU, KELLER):
+            raise BadValue("HybridSystem.impact_law", self.impact_law, f"{MOREAU!r} or {KELLER!r}")
         if self.robot.post is not None and not self.ground.level:
             raise BadValue("ground", self.contact, "level ground, for a robot that goes round a post")
         check(self.robot, self.domains, self.law, self.guess)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.automaton import KELLER, HybridSystem
 from spear_pin.hybrid.contact import OPEN, PINNED, SLOW, STICK
 from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.rules.guards import ON_GROUND, rise
@@ -24,6 +24,7 @@ from spear_pin.hybrid.rules.impact import (
     plastic_impact,
     struck_toes,
 )
+from spear_pin.hybrid.rules.sliding_impact import sliding_impact
 from spear_pin.hybrid.rules.spatial_impact import spatial_impact
 
 Array = NDArray[np.float64]
@@ -118,7 +119,7 @@ def pinned(system: HybridSystem, toes: Sequence[str], q: Array, v: Array) -> Str
 def struck_in_space(
     system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array, overlap: Overlap, now: float
 ) -> Strike:
-    """Effect of an impact in space, by `spatial_impact`, in which toes that touch the ground at that instant take part.
+    """Effect of an impact in space, by the system's law, in which toes that touch the ground at that instant take part.
 
     Args:
         system: the system.
@@ -142,7 +143,10 @@ def struck_in_space(
     jacobian = np.concatenate([feet[toe][1] for toe in toes])
     mass_matrix, earlier = robot.mass_matrix(q), v
     v, stopping = landed(mass_matrix, jacobian, v, [toe in reset.impact for toe in toes])
-    impact = spatial_impact(mass_matrix, jacobian, v, system.contact.friction, overlap.received(toes, now))
+    if system.impact_law == KELLER and len(toes) == 1:
+        impact = sliding_impact(mass_matrix, jacobian, v, system.contact.friction)
+    else:
+        impact = spatial_impact(mass_matrix, jacobian, v, system.contact.friction, overlap.received(toes, now))
     overlap.add(toes, striking, impact.impulse, now)
     own, impulse = [robot.toes.index(toe) for toe in toes], np.zeros((len(robot.toes), 3))
     impulse[own] = impact.impulse

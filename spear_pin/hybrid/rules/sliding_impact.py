@@ -1,0 +1,79 @@
+"""Plastic impact of one toe in space whose sliding turns on the way: Keller's law, Routh's in three dimensions."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from spear_pin.hybrid.rules.cone import foothold
+from spear_pin.hybrid.rules.impact import RESTING, JointImpact
+
+Array = NDArray[np.float64]
+ACCURACY = 1e-12  # of the integration
+STOPPED = math.log(1e-13)  # of the toe's first speed, where its sliding is over
+LONGEST = 1e4  # s, times the largest of A
+
+
+def sliding_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact:
+    """Plastic impact of one toe in space, by Keller, J. Appl. Mech. 53 (1986): friction opposes the sliding throughout.
+
+    The normal impulse l grows until the toe no longer approaches. While it slides along the unit vector d, which turns
+    on the way, du/dl = A (e_z - μ d) with u its velocity and A = J D⁻¹ Jᵀ. Where sliding stops before, it sticks if
+    |A_tt⁻¹ A_tz| ≤ μ, or else slides on along a d that stays. Moreau's law, `spatial_impact`, compares the velocities
+    before and after only; both are the same where the toe sticks by both, or d does not turn.
+
+    Args:
+        D: mass matrix, (nv, nv).
+        J: Jacobian of the toe, rows x, y and z, (3, nv).
+        v: velocity before, (nv,).
+        friction: coefficient of friction.
+    """
+    response = np.linalg.solve(D, J.T)
+    A, before = J @ response, J @ v
+    impulse, slid = _impulse(A, before, friction) if before[2] < -RESTING else (np.zeros(3), False)
+    loss = -0.5 * float(impulse @ (2.0 * before + A @ impulse))
+    return JointImpact(v + response @ impulse, impulse[None], loss, (slid,), (not impulse.any(),))
+
+
+def _impulse(A: Array, before: Array, friction: float) -> tuple[Array, bool]:
+    """The impulse, and whether the toe slides afterwards."""
+    slid = np.zeros(3)
+    if math.hypot(before[0], before[1]) > RESTING:
+        slid, over = _while_it_slides(A, before, friction)
+        if over:
+            return slid, True
+    rest = foothold(A, np.array([0.0, 0.0, float(before[2] + A[2] @ slid)]), friction)
+    return slid + rest.force, rest.mode == "slip"
+
+
+def _while_it_slides(A: Array, before: Array, friction: float) -> tuple[Array, bool]:
+    """The impulse until sliding stops, or the toe no longer approaches; whether it does not.
+
+    In polar coordinates of the sliding and over s with dl = r ds, so that nothing is singular where r vanishes: the
+    direction follows an equation of its own, along which r falls or grows exponentially.
+    """
+    first = math.hypot(before[0], before[1])
+
+    def slope(_: float, y: Array) -> Array:
+        r, (c, d) = first * math.exp(y[1]), (math.cos(y[0]), math.sin(y[0]))
+        rate = A[:2, 2] - friction * A[:2, :2] @ (c, d)
+        return np.array(
+            [d * -rate[0] + c * rate[1], c * rate[0] + d * rate[1], -friction * c * r, -friction * d * r, r]
+        )
+
+    def approach(_: float, y: Array) -> float:
+        return float(before[2] + A[2] @ y[2:])
+
+    def stops(_: float, y: Array) -> float:
+        return float(y[1]) - STOPPED
+
+    approach.terminal = stops.terminal = True  # type: ignore[attr-defined]
+    start, until = np.array([math.atan2(before[1], before[0]), 0.0, 0.0, 0.0, 0.0]), LONGEST / float(np.abs(A).max())
+    found = scipy.integrate.solve_ivp(
+        slope, (0.0, until), start, "DOP853", events=(approach, stops), rtol=ACCURACY, atol=ACCURACY
+    )
+    end: Array = found.y[2:, -1]
+    return end, bool(len(found.t_events[0]))
