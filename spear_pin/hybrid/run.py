@@ -186,7 +186,7 @@ class _Runner:
         try:
             held = self._reset(rules.RETOUCH if again else guard.name, reset)
         except _Undefined:
-            self._end("not_finite", f"what {guard.name} latches at t = {now:.6g} s")
+            self._end("not_finite", f"what {guard.name} does at t = {now:.6g} s")
             return
         reason = self._too_many(now)
         if reason:
@@ -205,7 +205,7 @@ class _Runner:
         """Reset the state at an event, record and book it; returns what is held then.
 
         Raises:
-            _Undefined: what it latches has no value.
+            _Undefined: its impact, or what it latches, has no value.
         """
         nq, nv, held = self.robot.nq, self.robot.nv, self.flow.held
         q, v = self.y[:nq], self.y[nq : nq + nv]
@@ -213,7 +213,10 @@ class _Runner:
         work: dict[str, float] = {}
         if reset.release:
             work["released"] = -in_springs(self.system, self.flow.domain, held, self.y, reset.release)
-        strike = struck(self.system, self.flow.domain, reset, q, v, self.overlap, self._now())
+        try:
+            strike = struck(self.system, self.flow.domain, reset, q, v, self.overlap, self._now())
+        except ArithmeticError:
+            raise _Undefined from None
         if strike is not None:
             v, impulse, work["impact"] = strike.v, strike.impulse, strike.work
             held = {**held, **strike.rises}
@@ -345,7 +348,7 @@ class _Runner:
 
 
 class _Undefined(Exception):
-    """An event latches what has no value."""
+    """An event does what has no value."""
 
 
 def _never(*_: Any) -> float:

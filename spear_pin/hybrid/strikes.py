@@ -121,6 +121,8 @@ def struck_in_space(
 ) -> Strike:
     """Effect of an impact in space, by the system's law, in which toes that touch the ground at that instant take part.
 
+    By Keller's an impact of one toe is one of its own, whatever the toe has received before.
+
     Args:
         system: the system.
         domain: the one that it ends.

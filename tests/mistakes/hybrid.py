@@ -247,6 +247,19 @@ MUTATIONS = [
         {"integrated across the knots of a table": (", *bends(flow, ends, states, solver.dense_output)", "")},
     ),
     *mistakes_in(
+        "hybrid/rules/sliding_impact",
+        ["hybrid/rules/test_sliding_impact"],
+        {
+            "Keller: sliding does not turn": ("[d * -rate[0] + c * rate[1],", "[0.0,"),
+            "Keller: friction along the sliding": (
+                "-friction * c * r, -friction * d * r, r]",
+                "friction * c * r, friction * d * r, r]",
+            ),
+            "Keller: sticks wherever sliding stops": ('rest.mode == "slip"', "False"),
+            "Keller: the end is at rest": ("            return slid, True", "            return slid, False"),
+        },
+    ),
+    *mistakes_in(
         "hybrid/tangent/collocation",
         ["hybrid/tangent/test_collocation"],
         {

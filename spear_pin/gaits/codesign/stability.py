@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import SpearError
+from spear_pin.gaits.sensitivity.multipliers import step_of
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
-from spear_pin.hybrid.parameters import number
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
-STEP = 1e-6  # of a parameter
+STEP = 1e-6  # of a parameter, of one side: shorter than of two
 
 
 def borders(jacobian: Array, radius: float) -> Array:
@@ -52,7 +52,7 @@ def slopes(
     for j, name in enumerate(over):
         along = np.concatenate([dxi[:, j], dz[:, j], np.eye(len(over))[j]])
         change = {name: 1.0, **dict(zip(vary, dz[:, j].tolist(), strict=True))}
-        h = STEP * (abs(number(orbit.system, name)) or 1.0)
+        h = step_of(orbit, name, STEP)
         for step in (h, -h):
             try:
                 there = orbit.beside(

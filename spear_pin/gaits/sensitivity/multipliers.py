@@ -18,9 +18,9 @@ Multipliers = NDArray[np.complex128]
 STEP = 2.0**-11  # of a parameter
 
 
-def step_of(orbit: Orbit, name: str) -> float:
-    """Step of a parameter, with which exact Jacobians are differenced."""
-    return STEP * (abs(number(orbit.system, name)) or 1.0)
+def step_of(orbit: Orbit, name: str, share: float = STEP) -> float:
+    """Step of a parameter, a share of its value, with which exact Jacobians are differenced."""
+    return share * (abs(number(orbit.system, name)) or 1.0)
 
 
 def along_branch(

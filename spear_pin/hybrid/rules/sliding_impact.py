@@ -30,6 +30,9 @@ def sliding_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact
         J: Jacobian of the toe, rows x, y and z, (3, nv).
         v: velocity before, (nv,).
         friction: coefficient of friction.
+
+    Raises:
+        ArithmeticError: the sliding cannot be followed to its end.
     """
     response = np.linalg.solve(D, J.T)
     A, before = J @ response, J @ v
@@ -75,5 +78,7 @@ def _while_it_slides(A: Array, before: Array, friction: float) -> tuple[Array, b
     found = scipy.integrate.solve_ivp(
         slope, (0.0, until), start, "DOP853", events=(approach, stops), rtol=ACCURACY, atol=ACCURACY
     )
+    if found.status != 1:
+        raise ArithmeticError("sliding in an impact neither stops nor ends it")  # which energy rules out
     end: Array = found.y[2:, -1]
     return end, bool(len(found.t_events[0]))

@@ -113,6 +113,13 @@ def test_a_toe_that_leaves_is_not_struck():
     assert not impact.impulse.any() and impact.leaves == (True,) and np.array_equal(impact.v, -v)
 
 
+def test_what_cannot_be_followed_is_said(monkeypatch):
+    monkeypatch.setattr("spear_pin.hybrid.rules.sliding_impact.LONGEST", 1e-6)
+    D, J, v, friction = next(states(7, 1))
+    with pytest.raises(ArithmeticError, match="neither stops nor ends"):
+        sliding_impact(D, J, v, friction)
+
+
 def test_a_system_has_it_for_one_toe_alone():
     gait = Gait.load("turn_4")
     domain, guard = next(
