@@ -99,7 +99,7 @@ class Planar:
         at_zero = pin.Data(robot.model)
         pin.computeJointJacobians(robot.model, at_zero, pin.neutral(robot.model))
         self.bodies = _bodies(robot.model, at_zero)
-        self.gravity = float(-robot.model.gravity.linear[2])
+        self.lift = _plane(-robot.model.gravity.linear)  # of the ground, which does what gravity does
         self.frames: dict[str, tuple[int, tuple[float, float]]] = {}
         for frame in robot.model.frames:
             turn = at_zero.oMi[frame.parentJoint].rotation
@@ -148,7 +148,7 @@ class Planar:
         loads = [NOTHING] * self.nv
         for i in reversed(range(self.nv)):
             body, joint = self.bodies[i], joints[i]
-            load = _with_body(loads[i], body, joint, self.gravity)
+            load = _with_body(loads[i], body, joint, self.lift)
             bias[i] = body.turns * load.torque if body.turns else _dot(joint.axis, load.force)
             for j, value in self._couplings(i, load, joints):
                 mass_matrix[i][j] = mass_matrix[j][i] = value
@@ -250,10 +250,10 @@ class _Load(NamedTuple):
 NOTHING = _Load(0.0, ZERO, 0.0, ZERO, 0.0)
 
 
-def _with_body(load: _Load, body: Body, joint: _Joint, gravity: float) -> _Load:
+def _with_body(load: _Load, body: Body, joint: _Joint, lift: Vector) -> _Load:
     """A joint's load together with the body that it moves."""
     com = _scaled(body.mass, _turned(body.com, joint.cosine, joint.sine))
-    fall = joint.acceleration[0], joint.acceleration[1] + gravity
+    fall = _added(joint.acceleration, lift)
     pull = _added(_scaled(body.mass, fall), _scaled(-joint.spin * joint.spin, com))
     return _Load(
         load.mass + body.mass,

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 import sympy as sp
 
-from spear_pin import load, vary
+from spear_pin import Robot, load, vary
 from spear_pin.errors import BadValue
 from spear_pin.model.planar import Planar
 
@@ -122,6 +122,15 @@ class TestTerms:
                 close(terms.positions[toe], robot.toe_position(q, toe), 1e-12)
                 close(terms.jacobians[toe], robot.toe_jacobian(q, toe), 1e-12)
                 close(terms.drifts[toe], robot.toe_drift(q, v, toe), 1e-12)
+
+    def test_gravity_that_is_not_along_z(self, robot):
+        """As in the axes of a slope; across the plane it does nothing."""
+        model = robot.model.copy()
+        model.gravity.linear = np.array([-0.4, 0.3, -9.8])
+        tilted = Robot(model, name=robot.name, toes=robot.toes, actuated=robot.actuated)
+        planar = Planar(tilted)
+        for q, v in states(robot, 20):
+            close(np.array(planar.terms(q.tolist(), v.tolist(), NUMBERS).bias), tilted.bias(q, v), 1e-12)
 
     def test_rail_turns_what_slides(self, rail):
         """The robot that is to tell Coriolis terms has them."""

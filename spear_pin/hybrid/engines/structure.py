@@ -136,7 +136,7 @@ class Structure:
         bodies = tuple(_with_numbers(body, *(float(x != 0.0) for x in _numbers(body))) for body in planar.bodies)
         frames = tuple(sorted(item for item in planar.frames.items() if item[0] not in planar.toes))
         toes = tuple((toe, i, tuple(x != 0.0 for x in offset)) for toe, (i, offset) in planar.toes.items())
-        robot = bodies, frames, toes, planar.gravity, system.robot.toes, system.robot.actuated
+        robot = bodies, frames, toes, planar.lift, system.robot.toes, system.robot.actuated
         mounts = domain.mounts if domain.between is None else (*domain.mounts, *domain.between.grounded.mounts)
         springs = tuple(_mounted(mount, spring) for mount in mounts)
         rubbing = tuple(b != 0.0 for b in system.robot.model.damping)
