@@ -27,6 +27,7 @@ class Arc(NamedTuple):
         event: the guard or the switch that ends it; None for a kink of the law, after which the same motion goes on.
         switches: scheduled events of the phase so far, this one included.
         motion: from times, (n,), to states, (2 nv, n); None where it was not kept, or the event is at once.
+        steps: of Taylor's method in it, 0 where it is of another one.
     """
 
     domain: Domain
@@ -38,6 +39,7 @@ class Arc(NamedTuple):
     event: Any
     switches: int
     motion: Callable[[Array], Array] | None = None
+    steps: int = 0
 
 
 class Record(Protocol):

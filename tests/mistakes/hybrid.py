@@ -265,12 +265,12 @@ MUTATIONS = [
         {
             "panels ten thousand times rougher": ("TAIL = 1e-10", "TAIL = 1e-6"),
             "a panel begins where the last began": (
-                "begins[i + 1] = panel[:, : 2 * nv] @ begins[i]",
-                "begins[i + 1] = panel[:, : 2 * nv] @ start",
+                "S, end = begins[i], begins[i + 1]",
+                "S, end = begins[0], begins[i + 1]",
             ),
             "positions of the points by once the partial sums": (
-                "h * h * (gauss.twice @ K)",
-                "h * h * (gauss.partial @ K)",
+                "gauss.twice @ self.K",
+                "gauss.partial @ self.K",
             ),
         },
     ),

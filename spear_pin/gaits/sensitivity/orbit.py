@@ -22,10 +22,8 @@ from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import Chart, Charts, chart, section, velocity_rows
 from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.derivative import Derivative
-from spear_pin.hybrid.tangent.dual import value_of
 from spear_pin.hybrid.tangent.fields import tangent_feet
 from spear_pin.hybrid.tangent.record import Recorder
-from spear_pin.hybrid.tangent.resets import derivatives
 from spear_pin.hybrid.tangent.seeds import numbers, seeds, weight, weight_seeds
 from spear_pin.model.motor import NO_MOTORS, Motor
 
@@ -198,18 +196,14 @@ def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int) -> Arra
     dy = np.zeros((2 * nv, c))
     dq, split = dy[:nv], local.q_basis.shape[1]
     dq[:, :split] = local.q_basis
-    feet = toes.at(y, raw, dy * 0.0, seeds)
-    heights = derivatives([feet.toes[toe].height for toe in whole.toes], c)
-    normal = np.array([[value_of(x) for x in feet.toes[toe].rows[1]] for toe in whole.toes])
-    dq -= np.linalg.pinv(normal) @ heights
-    feet = toes.at(y, raw, dy, seeds)
+    feet, slopes = toes.at(y, raw, dy * 0.0, seeds)
+    dq -= np.linalg.pinv(feet.rows[:, 1]) @ slopes.heights
+    _, slopes = toes.at(y, raw, dy, seeds)
     assert isinstance(local.lane, Charts)
     slides = local.lane.slides
-    jacobians = np.array([[[value_of(x) for x in row] for row in feet.toes[toe].rows] for toe in whole.toes])
-    turned = np.array([[derivatives(row, c) for row in feet.toes[toe].rows] for toe in whole.toes])  # (k, 2, nv, c)
     chosen = np.column_stack([~slides, np.ones_like(slides)]).ravel()
-    drift = np.einsum("rnc,n->rc", turned.reshape(-1, nv, c)[chosen], state[1])
-    rows = velocity_rows(jacobians[None], slides)[0]
+    drift = np.einsum("rnc,n->rc", slopes.rows.reshape(-1, nv, c)[chosen], state[1])
+    rows = velocity_rows(feet.rows[None], slides)[0]
     dy[nv:] = -np.linalg.pinv(rows) @ drift
     dy[nv:, split:d] += local.v_basis
     return dy

@@ -160,13 +160,14 @@ class LoneRunner:
             raise _Unclear(f"{domain.name} ends as it begins: a toe bounces")
         at = due(domain, now.switches, self._law)
         until = min(at, self._system.phase_limit)
-        motion = None
+        motion, steps = None, 0
         if end == NONE and self._keep:
             now.t, now.y, end, motion = ready.follow(now.t, now.y, until, now.parameters)
+            steps = len(motion.begins)
         elif end == NONE:
             now.t, now.y, end = ready.run(now.t, now.y, until, now.parameters)
         event = self._event(now, domain, end, until == at)
-        now.arcs.append(Arc(domain, now.held, begun, start, now.t, now.y, event, now.switches, motion))
+        now.arcs.append(Arc(domain, now.held, begun, start, now.t, now.y, event, now.switches, motion, steps))
         if isinstance(event, Guard) and event.observes:
             now.observed[event.name] = now.y
             return domain, None

@@ -28,6 +28,8 @@ class Rule(NamedTuple):
         weights: of the integral over the whole, (k,).
         partial: of the integrals up to each point, (k, k).
         twice: of the integrals of those, (k, k).
+        both: `twice` and `partial`, of each point, (k, 2, k).
+        whole: weights of both integrals over the whole, (2, k).
         legendre: from values at the points to Legendre coefficients, (k, k).
     """
 
@@ -35,6 +37,8 @@ class Rule(NamedTuple):
     weights: Array
     partial: Array
     twice: Array
+    both: Array
+    whole: Array
     legendre: Array
 
 
@@ -49,7 +53,9 @@ def rule(points: int = POINTS) -> Rule:
     below = np.concatenate([-np.ones((points, 1)), values[:, : points - 1]], axis=1)
     integrals = (values[:, 1:] - below) / (2.0 * degrees + 1.0)
     partial = 0.5 * integrals @ legendre
-    return Rule(0.5 * (x + 1.0), 0.5 * w, partial, partial @ partial, legendre)
+    twice, weights = partial @ partial, 0.5 * w
+    both, whole = np.stack([twice, partial], axis=1), np.stack([weights @ partial, weights])
+    return Rule(0.5 * (x + 1.0), weights, partial, twice, both, whole, legendre)
 
 
 def roughness(states: Array) -> float:
@@ -66,7 +72,7 @@ class Carried(NamedTuple):
     """S along panels.
 
     Attributes:
-        K: its accelerations at the points, by S where the panel begins, and beside, (panels, nv, points, 2 nv + c).
+        K: its accelerations at the points, times h, (panels, nv, points, c).
         begins: S where the panels begin, and where the last one ends, (panels + 1, 2 nv, c).
         h: length of a panel.
     """
@@ -83,44 +89,51 @@ class Carried(NamedTuple):
 
     def inside(self) -> Array:
         """S at the points, (2 nv, panels · points, c)."""
-        panels, nv, k, _ = self.K.shape
+        panels, nv, k, c = self.K.shape
         gauss, h, begins = rule(k), self.h, self.begins[:-1]
-        K = self.K[..., : 2 * nv] @ begins[:, None] + self.K[..., 2 * nv :]
         q, v = begins[:, :nv, None], begins[:, nv:, None]
-        found = np.empty((2 * nv, panels, k, K.shape[-1]))
-        found[:nv] = (q + h * gauss.nodes[:, None] * v + h * h * (gauss.twice @ K)).swapaxes(0, 1)
-        found[nv:] = (v + h * (gauss.partial @ K)).swapaxes(0, 1)
-        return found.reshape(2 * nv, panels * k, -1)
+        found = np.empty((2 * nv, panels, k, c))
+        found[:nv] = (q + h * (gauss.nodes[:, None] * v + gauss.twice @ self.K)).swapaxes(0, 1)
+        found[nv:] = (v + gauss.partial @ self.K).swapaxes(0, 1)
+        return found.reshape(2 * nv, panels * k, c)
 
 
-def carried(A: Array, B: Array, h: float, start: Array) -> Carried:
+def carried(slopes: Array, h: float, start: Array) -> Carried:
     """S along panels one after the other, where the state is (q, v) with q̇ = v.
 
     Args:
-        A: derivatives of the acceleration by the state, (panels, nv, points, 2 nv).
-        B: along directions beside, (panels, nv, points, c).
+        slopes: derivatives of the acceleration at the points, by the state and along c directions beside,
+            (panels, points, nv, 2 nv + c).
         h: length of a panel.
         start: S where the first begins, (2 nv, c).
     """
-    panels, nv, k, c = B.shape
-    gauss = rule(k)
-    by_q, by_v = A[..., :nv], A[..., nv:]
-    # unknown are the accelerations K at the points: v_i = v_0 + h Σ_j a_ij K_j,
-    # q_i = q_0 + h c_i v_0 + h² Σ_j a²_ij K_j
-    left = by_v[..., None] * (-h * gauss.partial[:, None])
-    left -= by_q[..., None] * (h * h * gauss.twice[:, None])
-    system = left.reshape(panels, k * nv, k * nv)
-    system.reshape(panels, -1)[:, :: k * nv + 1] += 1.0
-    right = np.concatenate([by_q, by_v + h * gauss.nodes[:, None] * by_q, B], axis=3).reshape(panels, k * nv, -1)
-    solved = np.array([_solved(each, rows) for each, rows in zip(system, right, strict=True)])
-    K = solved.reshape(panels, nv, k, 2 * nv + c)
-    ahead = np.concatenate([h * h * gauss.weights @ gauss.partial @ K, h * gauss.weights @ K], axis=1)
-    ahead[..., : 2 * nv] += np.eye(2 * nv) + h * np.eye(2 * nv, k=nv)
-    begins = np.empty((panels + 1, 2 * nv, c))
+    panels, k, nv, columns = slopes.shape
+    c, gauss, size = columns - 2 * nv, rule(k), k * nv
+    # unknown are the accelerations at the points, times h: v_i = v_0 + Σ_j a_ij K_j,
+    # q_i = q_0 + h c_i v_0 + h Σ_j a²_ij K_j
+    given = np.multiply(slopes, h, order="C")
+    by = given[..., : 2 * nv].reshape(panels, k, nv, 2, nv).swapaxes(3, 4).reshape(panels, k, nv * nv, 2)
+    equations = (by @ (gauss.both * [[-h], [-1.0]]) + _unit(k, nv)).reshape(panels, size, size)
+    given[..., nv : 2 * nv] += (h * gauss.nodes[:, None, None]) * given[..., :nv]
+    given = given.reshape(panels, size, columns)
+    K, begins, ends = np.empty((panels, size, c)), np.empty((panels + 1, 2 * nv, c)), gauss.whole * [[h], [1.0]]
     begins[0] = start
-    for i, panel in enumerate(ahead):
-        begins[i + 1] = panel[:, : 2 * nv] @ begins[i] + panel[:, 2 * nv :]
-    return Carried(K, begins, h)
+    for i in range(panels):
+        S, end = begins[i], begins[i + 1]
+        K[i] = _solved(equations[i], given[i, :, : 2 * nv] @ S + given[i, :, 2 * nv :])
+        end[:] = S + (ends @ K[i].reshape(nv, k, c)).swapaxes(0, 1).reshape(2 * nv, c)
+        end[:nv] += h * S[nv:]
+    return Carried(K.reshape(panels, nv, k, c), begins, h)
+
+
+@cache
+def _unit(k: int, nv: int) -> Array:
+    """1 where an equation's own unknown stands, (points, nv nv, points).
+
+    Equations are of each point, and there of each coordinate; unknowns of each coordinate, and of that at each point.
+    """
+    unit: Array = np.einsum("ij,ab->iabj", np.eye(k), np.eye(nv)).reshape(k, nv * nv, k)
+    return unit
 
 
 def _solved(matrix: Array, right: Array) -> Array:

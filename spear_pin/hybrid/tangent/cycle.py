@@ -8,7 +8,8 @@ back to the fixed clock. That is the saltation matrix, with what is held, schedu
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -20,12 +21,12 @@ from spear_pin.hybrid.domain import Domain, Reset, Switch
 from spear_pin.hybrid.engines.structure import with_fields
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
-from spear_pin.hybrid.tangent.collocation import POINTS, carried, rule
+from spear_pin.hybrid.tangent.collocation import POINTS, carried
 from spear_pin.hybrid.tangent.derivative import SHORTEST, Derivative, Stretch, falling
-from spear_pin.hybrid.tangent.dual import Dual, value_of
+from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
-from spear_pin.hybrid.tangent.resets import NotDifferentiable, derivatives, duals, flat, struck
+from spear_pin.hybrid.tangent.resets import NotDifferentiable, flat, struck
 
 Array = NDArray[np.float64]
 GRAZING = 1e-6  # of a guard's mean fall over its arc: it falls more slowly through zero
@@ -87,25 +88,24 @@ class _Whole:
 
     def carry(self, arc: Arc, now: _Now) -> Stretch:
         """Derivatives along an arc."""
-        n, nv, field_ = 2 * self.nv, self.nv, self.recorder.field(arc.domain, arc.held)
+        n, nv, c, domain = 2 * self.nv, self.nv, self.c, self.recorder.field(arc.domain, arc.held)
         raw = np.concatenate([self.raw, np.array(flat(arc.held), dtype=float).reshape(-1)])
-        given = np.concatenate([self.seeds, derivatives(flat({name: now.held[name] for name in arc.held}), self.c)])
+        given = np.concatenate([self.seeds, derivatives(flat({name: now.held[name] for name in arc.held}), c)])
         t, h, y = points(arc)
-        panels = len(t) // POINTS
-        weights = np.tile(h * rule().weights, panels)
-        # the state's directions, the clock's, then those given; at the points, at the beginning and at the end
-        every = np.concatenate([np.zeros((len(raw), n + 1)), given], axis=1)
-        clock = np.eye(1, n + 1 + self.c, n)
-        clocks, states = np.concatenate([t, [arc.t, arc.end]]), np.column_stack([y, arc.y, arc.after])
-        along = np.broadcast_to(np.eye(n, n + 1 + self.c)[:, None], (n, len(clocks), n + 1 + self.c))
-        values, slopes = field_.at(clocks, states, raw, clock, along, every)
+        # directions are the state's, then those given, then the clock; at the points, at the beginning and at the end
+        directions = _directions(n, c)
+        every = np.zeros((len(raw), n + c + 1))
+        every[:, n:-1] = given
+        clocks, states = np.append(t, [arc.t, arc.end]), np.column_stack([y, arc.y, arc.after])
+        values, slopes = domain.at(clocks, states, raw, directions[n], directions[:n, None], every)
         if now.behind:
             now.dy, now.behind = now.dy - values.slopes[:, -2, None] * now.tau, False
-        motion = slopes.slopes[nv:, :-2].reshape(nv, panels, POINTS, -1).swapaxes(0, 1)
-        S = carried(motion[..., :n], motion[..., n + 1 :], h, now.dy)
+        motion = slopes.slopes[nv:, :-2, :-1].reshape(nv, -1, POINTS, n + c).transpose(1, 2, 0, 3)
+        S = carried(motion, h, now.dy)
         after = now.dy if arc.end - arc.t <= SHORTEST else S.end
-        stretch = Stretch(arc, t, weights, y, S, after, values, slopes, now.tau, np.zeros(self.c))
-        return replace(stretch, tau=self._tau(stretch, now))
+        stretch = Stretch(arc, t, y, S, after, values, slopes, now.tau)
+        stretch.tau = self._tau(stretch, now)
+        return stretch
 
     def _tau(self, stretch: Stretch, now: _Now) -> Array:
         """How much later the event that ends an arc happens."""
@@ -152,11 +152,17 @@ class _Whole:
         toes = struck_toes(self.system, domain, reset)
         if not toes:
             return state
-        y = np.array([value_of(x) for x in state])
-        feet = self.recorder.feet(tuple(toes)).at(y, self.raw, derivatives(state, self.c), self.seeds)
-        v, lifted = struck(feet, toes, state[self.nv :])
+        y, dy = np.array([value_of(x) for x in state]), derivatives(state, self.c)
+        feet, slopes = self.recorder.feet(tuple(toes)).at(y, self.raw, dy, self.seeds)
+        change, slope, lifted = struck(feet, slopes, toes)
         now.held = {**now.held, **lifted}
-        return [*state[: self.nv], *v]
+        return [*state[: self.nv], *duals(y[self.nv :] + change, dy[self.nv :] + slope)]
+
+
+@cache
+def _directions(n: int, c: int) -> Array:
+    """Along each of n numbers, along c others, and along a clock: (n + 1, n + c + 1)."""
+    return np.concatenate([np.eye(n, n + c + 1), np.eye(1, n + c + 1, n + c)])
 
 
 def _dual_law(system: HybridSystem, raw: Array, seeds: Array) -> Any:

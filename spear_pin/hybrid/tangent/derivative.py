@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -14,40 +14,44 @@ from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Guard
 from spear_pin.hybrid.rules.entry import AWAY, CHANGE
-from spear_pin.hybrid.tangent.collocation import Carried
+from spear_pin.hybrid.tangent.collocation import Carried, rule
 from spear_pin.hybrid.tangent.fields import Values
 
 Array = NDArray[np.float64]
 SHORTEST = 1e-9  # s: there is nothing to be carried along a shorter arc
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Stretch:
     """An arc with derivatives at Gauss's points of its panels, in rising time.
 
     Attributes:
         arc: the arc.
         t: clock of the phase, (k,).
-        weights: of an integral over the arc, (k,).
         y: states, (2 nv, k).
         carried: their derivatives.
         dstate: derivatives of the state at its end, at the fixed clock, (2 nv, c).
         said: what the domain says at the points, at the beginning and at the end, (..., k + 2).
-        slopes: derivatives of that along the state, the clock and directions beside, (..., k + 2, 2 nv + 1 + c).
+        slopes: derivatives of that along the state, directions beside and the clock, (..., k + 2, 2 nv + c + 1).
         since: derivative of the time at which it begins, (c,).
-        tau: of the time at which it ends, (c,).
+        tau: of the time at which it ends, (c,), of which the cycle says what it is once it knows the rest.
     """
 
     arc: Arc
     t: Array
-    weights: Array
     y: Array
     carried: Carried
     dstate: Array
     said: Values
     slopes: Values
     since: Array
-    tau: Array
+    tau: Array = field(init=False)
+
+    @property
+    def weights(self) -> Array:
+        """Of an integral over the arc, (k,)."""
+        panels: Array = np.tile(self.carried.h * rule().weights, len(self.carried.K))
+        return panels
 
     @property
     def state(self) -> Array:
@@ -69,7 +73,7 @@ class Stretch:
         """Derivatives of that at a fixed clock, (..., k, c)."""
         n, slopes = len(self.y), self.slopes.rows[:, :-2]
         chained = (slopes[..., :n].swapaxes(0, 1) @ self.dy.swapaxes(0, 1)).swapaxes(0, 1)
-        return self.said._replace(rows=chained + slopes[..., n + 1 :])
+        return self.said._replace(rows=chained + slopes[..., n:-1])
 
     @property
     def end(self) -> Values:
@@ -80,13 +84,13 @@ class Stretch:
     def dend(self) -> Values:
         """Derivatives of that at the fixed clock, (..., c)."""
         n, slopes = len(self.y), self.slopes.rows[:, -1]
-        return self.said._replace(rows=slopes[:, :n] @ self.dstate + slopes[:, n + 1 :])
+        return self.said._replace(rows=slopes[:, :n] @ self.dstate + slopes[:, n:-1])
 
     @cached_property
     def rate(self) -> Values:
         """Rates of that along the motion, (...)."""
         n, slopes = len(self.y), self.slopes.rows[:, -1]
-        return self.said._replace(rows=slopes[:, :n] @ self.end.slopes + slopes[:, n])
+        return self.said._replace(rows=slopes[:, :n] @ self.end.slopes + slopes[:, -1])
 
     @property
     def at_once(self) -> bool:

@@ -8,14 +8,17 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spear_pin.hybrid.dynamics import Operations
 from spear_pin.hybrid.elimination import solve
 from spear_pin.model.scalars import negated, plus, times, vanishes
+
+Array = NDArray[np.float64]
 
 
 class Dual:
@@ -125,6 +128,20 @@ def value_of(scalar: Any) -> Any:
 def derivative_of(scalar: Any) -> Any:
     """The derivative of a scalar, 0 of what has none."""
     return scalar.d if isinstance(scalar, Dual) else 0.0
+
+
+def duals(values: Sequence[float] | Array, derivatives: Array) -> list[Dual]:
+    """Numbers with their derivatives along several directions, (n, c)."""
+    return [Dual(float(x), d) for x, d in zip(values, derivatives, strict=True)]
+
+
+def derivatives(scalars: Sequence[Any], c: int) -> Array:
+    """Derivatives of scalars, dual or not, along c directions, (n, c)."""
+    found = np.zeros((len(scalars), c))
+    for i, scalar in enumerate(scalars):
+        if isinstance(scalar, Dual):
+            found[i] = scalar.d
+    return found
 
 
 def operations(base: Any, step: Callable[[Any], Any]) -> Operations:

@@ -6,6 +6,7 @@ very `Motion` that is integrated. Every number is an argument, so that one funct
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -20,7 +21,7 @@ from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.rules.footing import closed_toes
-from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, operations, value_of
+from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, derivatives, operations, value_of
 from spear_pin.model.scalars import dot
 
 Array = NDArray[np.float64]
@@ -75,11 +76,11 @@ class TangentField:
             t: times since the phase began, (n,).
             y: states, (2 nv, n).
             numbers: run-time parameters with what is held, (p,).
-            dt: derivative of the time, a number or (n, c).
-            dy: of the states, (2 nv, n, c).
+            dt: derivative of the time, a number, (c,) or (n, c).
+            dy: of the states, (2 nv, n, c), or (2 nv, 1, c) where they are all the same.
             dnumbers: of the parameters, (p, c).
         """
-        rows, n, c = len(y), *dy.shape[1:]
+        rows, n, c = len(y), len(t), dy.shape[2]
         if not taylor.available():
             return self._interpreted(t, y, numbers, dt, dy, dnumbers)
         inputs = np.empty((2 * (1 + rows + len(numbers)), n, c))
@@ -132,14 +133,14 @@ class TangentField:
         self, t: Array, y: Array, numbers: Array, dt: Any, dy: Array, dnumbers: Array
     ) -> tuple[Values, Values]:
         """The same without heyoka, from arrays."""
-        n, c = dy.shape[1:]
+        n, c = len(t), dy.shape[2]
         parts = [(t[:, None], np.broadcast_to(dt, (n, c)))]
         parts += [(x[:, None], d) for x, d in zip(y, dy, strict=True)]
         parts += [(np.full((n, 1), x), np.broadcast_to(d, (n, c))) for x, d in zip(numbers, dnumbers, strict=True)]
         outputs = self._of([Dual(x, d) for x, d in parts], ARRAYS)
         values = np.array([np.broadcast_to(value_of(each), (n, 1))[:, 0] for each in outputs])
-        derivatives = np.array([np.broadcast_to(derivative_of(each), (n, c)) for each in outputs])
-        return Values(values, self._ends), Values(derivatives, self._ends)
+        slopes = np.array([np.broadcast_to(derivative_of(each), (n, c)) for each in outputs])
+        return Values(values, self._ends), Values(slopes, self._ends)
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,8 +155,8 @@ class TangentFeet:
     structure: Structure
     toes: tuple[str, ...]
 
-    def at(self, y: Array, numbers: Array, dy: Array, dnumbers: Array) -> Feet:
-        """At a state, with derivatives along c directions.
+    def at(self, y: Array, numbers: Array, dy: Array, dnumbers: Array) -> tuple[Feet, Feet]:
+        """At a state, and derivatives along c directions, (..., c).
 
         Args:
             y: the state, (2 nv,).
@@ -165,22 +166,18 @@ class TangentFeet:
         """
         x, d = np.concatenate([y, numbers]), np.concatenate([dy, dnumbers])
         if not taylor.available():
-            duals = [Dual(float(value), slopes) for value, slopes in zip(x, d, strict=True)]
-            outputs = self._of(duals, ARRAYS)
-            return self._named(outputs)
-        c = d.shape[1]
-        found = self._function(np.concatenate([np.repeat(x[:, None], c, axis=1), d]))
-        values, derivatives = np.split(found, 2)
-        return self._named([Dual(float(row[0]), slopes) for row, slopes in zip(values, derivatives, strict=True)])
+            outputs = self._of([Dual(float(value), slopes) for value, slopes in zip(x, d, strict=True)], ARRAYS)
+            values = np.array([value_of(each) for each in outputs])
+            return self._named(values), self._named(derivatives(outputs, d.shape[1]))
+        found = self._function(np.concatenate([np.repeat(x[:, None], d.shape[1], axis=1), d]))
+        half = len(found) // 2
+        return self._named(found[:half, 0]), self._named(found[half:])
 
-    def _named(self, outputs: Sequence[Any]) -> Feet:
-        nv, friction, rest = self.structure.system.robot.nv, outputs[0], list(outputs[1:])
-        toes = {}
-        for toe in self.toes:
-            height, rows, responses = rest[0], (rest[1 : 1 + nv], rest[1 + nv : 1 + 2 * nv]), rest[1 + 2 * nv :]
-            toes[toe] = Foot(height, rows, (responses[:nv], responses[nv : 2 * nv]))
-            rest = rest[1 + 4 * nv :]
-        return Feet(friction, toes)
+    def _named(self, rows: Array) -> Feet:
+        nv, m, rest = self.structure.system.robot.nv, len(self.toes), rows.shape[1:]
+        shapes = (m,), (m, 2, nv), (m, 2, nv), (2 * m, 2 * m), (2 * m,)
+        parts = np.split(rows, np.cumsum([1, *map(math.prod, shapes)])[:-1])
+        return Feet(rows[0], *(part.reshape(*shape, *rest) for part, shape in zip(parts[1:], shapes, strict=True)))
 
     @cached_property
     def _function(self) -> Any:
@@ -198,33 +195,32 @@ class TangentFeet:
         planar, numbers, _ = symbols(self.structure.system, self.structure.planar, {}, duals[2 * nv :])
         terms = planar.terms(duals[:nv], duals[nv : 2 * nv], ops)
         feet, factors = numbers.ground.seen(terms, ops), factorize(terms.mass_matrix)
-        outputs = [numbers.ground.friction]
-        for toe in self.toes:
-            rows = feet.jacobians[toe]
-            outputs += [feet.positions[toe][1], *rows[0], *rows[1]]
-            outputs += [number for row in rows for number in substitute(factors, row)]
-        return outputs
-
-
-class Foot(NamedTuple):
-    """A toe's numbers: height, rows of its Jacobian along the ground and normal to it, and D⁻¹ times those."""
-
-    height: Any
-    rows: tuple[list[Any], list[Any]]
-    responses: tuple[list[Any], list[Any]]
+        rows = [row for toe in self.toes for row in feet.jacobians[toe]]
+        responses = [substitute(factors, row) for row in rows]
+        outputs = [numbers.ground.friction, *(feet.positions[toe][1] for toe in self.toes)]
+        outputs += [number for each in (rows, responses) for row in each for number in row]
+        outputs += [dot(row, response) for row in rows for response in responses]
+        return outputs + [dot(row, duals[nv : 2 * nv]) for row in rows]
 
 
 class Feet(NamedTuple):
-    """Numbers of toes, by name, and the coefficient of friction."""
+    """Numbers of m toes, or derivatives of them.
+
+    Attributes:
+        friction: the coefficient of friction.
+        heights: of the toes, (m, ...).
+        rows: of their Jacobians, along the ground and normal to it, (m, 2, nv, ...).
+        responses: D⁻¹ times those, (m, 2, nv, ...).
+        inverse_inertia: J D⁻¹ Jᵀ of all toes together, (2 m, 2 m, ...).
+        speeds: J v, (2 m, ...).
+    """
 
     friction: Any
-    toes: dict[str, Foot]
-
-    def inverse_inertia(self, toes: Sequence[str]) -> list[list[Any]]:
-        """J D⁻¹ Jᵀ of some toes together."""
-        rows = [row for toe in toes for row in self.toes[toe].rows]
-        responses = [response for toe in toes for response in self.toes[toe].responses]
-        return [[dot(row, response) for response in responses] for row in rows]
+    heights: Array
+    rows: Array
+    responses: Array
+    inverse_inertia: Array
+    speeds: Array
 
 
 def compiled(rows: Sequence[Any], variables: Sequence[Any], nv: int) -> Any:

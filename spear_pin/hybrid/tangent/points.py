@@ -14,6 +14,7 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
 MOST_PANELS = 64  # of an arc
+STEPS = 5  # of Taylor's method to a panel, as it may be: both go as far as the motion is smooth
 EARLY = 4  # points that do not count yet where panels are long
 
 
@@ -27,7 +28,7 @@ def points(arc: Arc) -> tuple[Array, float, Array]:
     if length <= SHORTEST:
         t = arc.t + length * gauss.nodes
         return t, length, np.tile(arc.y[:, None], (1, len(t)))
-    motion, panels = arc.motion, 1
+    motion, panels = arc.motion, max(1, math.ceil(arc.steps / STEPS))
     assert motion is not None
     while panels <= MOST_PANELS:
         h = length / panels

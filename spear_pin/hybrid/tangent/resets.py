@@ -12,7 +12,7 @@ from spear_pin.errors import SpearError
 from spear_pin.hybrid.elimination import solve
 from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.impact import joint_impact, routh
-from spear_pin.hybrid.tangent.dual import Dual, value_of
+from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.tangent.fields import Feet
 from spear_pin.model.scalars import dot
 
@@ -26,31 +26,29 @@ class NotDifferentiable(SpearError):
     """A cycle has no derivative, or none that is found here; the text says why."""
 
 
-def struck(feet: Feet, toes: Sequence[str], v: Sequence[Any]) -> tuple[list[Any], dict[str, Any]]:
-    """Velocity after an impact, and what is held of toes that it lifts.
+def struck(feet: Feet, slopes: Feet, toes: Sequence[str]) -> tuple[Array, Array, dict[str, Any]]:
+    """Change of the velocity in an impact, (nv,), its derivatives, (nv, c), and what is held of toes that it lifts.
 
     Args:
-        feet: numbers of the toes, dual.
-        toes: that take part.
-        v: velocity before, dual.
+        feet: numbers of the toes that take part.
+        slopes: their derivatives.
+        toes: names of them.
 
     Raises:
         NotDifferentiable: the set of sticking, sliding and lifted toes may change with any change.
     """
-    A = feet.inverse_inertia(toes)
-    rows = [row for toe in toes for row in feet.toes[toe].rows]
-    responses = [response for toe in toes for response in feet.toes[toe].responses]
-    before = [dot(row, v) for row in rows]
+    size, lifted = 2 * len(toes), dict[str, Any]()
+    A = [duals(row, d) for row, d in zip(feet.inverse_inertia, slopes.inverse_inertia, strict=True)]
+    before, friction = duals(feet.speeds, slopes.speeds), Dual(float(feet.friction), slopes.friction)
+    impulses: Sequence[Any]
     if len(toes) == 1:
-        impulse, _ = routh(A, before, feet.friction)
-        return _after(v, responses, impulse), {}
-    impulses, speeds = _joint(A, before, feet.friction)
-    lifted = {rise(toe): speed for toe, speed in zip(toes, speeds, strict=True)}
-    return _after(v, responses, impulses), lifted
-
-
-def _after(v: Sequence[Any], responses: Sequence[Sequence[Any]], impulses: Sequence[Any]) -> list[Any]:
-    return [rate + dot([row[i] for row in responses], impulses) for i, rate in enumerate(v)]
+        impulses, _ = routh(A, before, friction)
+    else:
+        impulses, speeds = _joint(A, before, friction)
+        lifted = {rise(toe): speed for toe, speed in zip(toes, speeds, strict=True)}
+    responses, turned = (each.reshape(size, *each.shape[2:]) for each in (feet.responses, slopes.responses))
+    given, change = np.array([value_of(each) for each in impulses]), derivatives(impulses, len(slopes.friction))
+    return given @ responses, responses.T @ change + np.tensordot(given, turned, 1), lifted
 
 
 def _joint(A: list[list[Any]], before: list[Any], friction: Any) -> tuple[list[Any], list[Any]]:
@@ -101,17 +99,3 @@ def flat(held: Mapping[str, Any]) -> list[Any]:
 
 def _items(value: Any) -> list[Any]:
     return [item for each in value for item in _items(each)] if isinstance(value, tuple) else [value]
-
-
-def duals(values: Sequence[float] | Array, derivatives: Array) -> list[Dual]:
-    """Numbers with their derivatives along several directions, (n, c)."""
-    return [Dual(float(x), d) for x, d in zip(values, derivatives, strict=True)]
-
-
-def derivatives(scalars: Sequence[Any], c: int) -> Array:
-    """Derivatives of scalars, dual or not, along c directions, (n, c)."""
-    found = np.zeros((len(scalars), c))
-    for i, scalar in enumerate(scalars):
-        if isinstance(scalar, Dual):
-            found[i] = scalar.d
-    return found

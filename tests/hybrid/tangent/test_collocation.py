@@ -15,9 +15,8 @@ def test_carries_like_the_exponential(panels):
     whole = np.zeros((2 * nv + c, 2 * nv + c))
     whole[:nv, nv : 2 * nv], whole[nv : 2 * nv, : 2 * nv] = np.eye(nv), by_state
     whole[nv : 2 * nv, 2 * nv :] = drive
-    A, B = (np.broadcast_to(each[:, None], (panels, nv, POINTS, each.shape[1])) for each in (by_state, drive))
     h = length / panels
-    found = carried(A, B, h, start)
+    found = carried(np.broadcast_to(np.hstack([by_state, drive]), (panels, POINTS, nv, 2 * nv + c)), h, start)
 
     def exact(t):
         return (scipy.linalg.expm(whole * t) @ np.concatenate([start, np.eye(c)]))[: 2 * nv]
@@ -38,7 +37,7 @@ def test_carries_what_changes_over_time():
         return parts[0] * np.cos(3.0 * t) + parts[1] * np.sin(2.0 * t)
 
     times = (h * (np.arange(panels)[:, None] + rule().nodes))[..., None, None]
-    A, B = (at(parts[:, None, None], times).transpose(0, 2, 1, 3) for parts in (of_state, beside))
+    slopes = np.concatenate([at(parts[:, None, None], times) for parts in (of_state, beside)], axis=-1)
     start = random.normal(size=(2 * nv, c))
 
     def slope(t, y):
@@ -49,23 +48,23 @@ def test_carries_what_changes_over_time():
     expected = scipy.integrate.solve_ivp(
         slope, (0.0, h * panels), start.ravel(), "DOP853", [*points, h * panels], rtol=1e-12, atol=1e-13
     ).y.reshape(2 * nv, c, -1)
-    found = carried(A, B, h, start)
+    found = carried(slopes, h, start)
     np.testing.assert_allclose(found.end, expected[..., -1], rtol=0, atol=1e-10)
     np.testing.assert_allclose(found.inside(), expected[..., :-1].swapaxes(1, 2), rtol=0, atol=1e-10)
 
 
 def test_equations_that_are_singular_are_refused():
     """At the first point alone v counts, so that its equation is (1 - h a_00 A) K_0 = ..."""
-    A = np.zeros((1, 1, POINTS, 2))
-    A[0, 0, 0, 1] = 1.0 / rule().partial[0, 0]
+    slopes = np.zeros((1, POINTS, 1, 3))
+    slopes[0, 0, 0, 1] = 1.0 / rule().partial[0, 0]
     with pytest.raises(np.linalg.LinAlgError, match="singular"):
-        carried(A, np.zeros((1, 1, POINTS, 1)), 1.0, np.zeros((2, 1)))
+        carried(slopes, 1.0, np.zeros((2, 1)))
 
 
 def test_ends_have_twice_as_many_digits():
     """S'' = -400 S over one panel of ten radians; at the points errors are those of polynomials."""
     h, k = 0.5, rule().nodes
-    found = carried(np.full((1, 1, POINTS, 2), [-400.0, 0.0]), np.zeros((1, 1, POINTS, 1)), h, np.array([[1.0], [0.0]]))
+    found = carried(np.full((1, POINTS, 1, 3), [-400.0, 0.0, 0.0]), h, np.array([[1.0], [0.0]]))
     at_points = np.abs(found.inside()[0, :, 0] - np.cos(20.0 * h * k)).max()
     at_end = abs(found.end[0, 0] - np.cos(20.0 * h))
     assert 1e-9 < at_points < 1e-6 and at_end < 1e-12
