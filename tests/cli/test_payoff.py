@@ -25,6 +25,7 @@ def stub(monkeypatch):
 
 
 class TestPayoff:
+    @pytest.mark.slow
     def test_page_pictures_and_figures(self, capsys, tmp_path, stub):
         found = printed(capsys, *CALL, "--out", tmp_path)
         assert found["answer"]["verdict"] == "switchable" and found["speed"] == 2.0

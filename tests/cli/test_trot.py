@@ -51,6 +51,7 @@ def test_feedback_is_found_and_kept(capsys, tmp_path, monkeypatch):
     np.testing.assert_allclose(motion.v[0], wanted.v[0], rtol=0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_pronk_is_held_by_all_inputs(capsys, tmp_path, monkeypatch):
     monkeypatch.setattr(balance, "balanced", held)
     result = printed(capsys, "trot", "pronk", "--cycles", 1, "--out", tmp_path)

@@ -33,6 +33,7 @@ def test_a_kept_turn_is_played(capsys, tmp_path):
     assert all(Path(file).stat().st_size > 10_000 for file in result["files"])
 
 
+@pytest.mark.slow
 def test_text(capsys, tmp_path):
     status, out, _ = run(capsys, "turn", KEPT, "--cycles", 1, "--out", tmp_path)
     said = dict(line.split(maxsplit=1) for line in out.splitlines())

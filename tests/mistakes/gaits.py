@@ -77,7 +77,7 @@ MUTATIONS = [
         ["gaits/sensitivity/test_sensitivity"],
         {
             "derivatives: a toe that a longer leg moves along the ground": ("@ drift\n", "@ (0.0 * drift)\n"),
-            "derivatives: a toe that a longer leg lifts": ("@ heights\n", "@ (0.0 * heights)\n"),
+            "derivatives: a toe that a longer leg lifts": ("@ slopes.heights\n", "@ (0.0 * slopes.heights)\n"),
         },
     ),
     *mistakes_in(

@@ -83,7 +83,7 @@ MUTATIONS = [
         ["model/test_planar"],
         {
             "planar: half of Coriolis on a slide": ("_scaled(2.0 * spin * v[i],", "_scaled(spin * v[i],"),
-            "planar: gravity upward": ("joint.acceleration[1] + gravity", "joint.acceleration[1] - gravity"),
+            "planar: gravity upward": ("_plane(-robot.model.gravity.linear)", "_plane(robot.model.gravity.linear)"),
             "planar: rotors left out": ("mass_matrix[i][i] + body.armature", "mass_matrix[i][i]"),
             "planar: Steiner's mixed term halved": ("2.0 * _dot(load.moment, arm)", "_dot(load.moment, arm)"),
             "planar: torque of what hangs below left out": ("+ load.torque + _cross(arm, load.force)", "+ load.torque"),

@@ -71,6 +71,7 @@ def test_page_plays_from_disk_alone(browser: chromium.Browser, page: Path) -> No
     assert all(address.split(":")[0] in ("file", "data", "blob") for address in browser.requests)
 
 
+@pytest.mark.slow
 def test_spring_and_force_show_in_stance_only(browser: chromium.Browser, page: Path, tmp_path: Path) -> None:
     browser.open(page, f"#t={STANCE}")
     stance = browser.screenshot(tmp_path / "stance.png")
@@ -109,6 +110,7 @@ def test_scrubbing_moves_the_robot(browser: chromium.Browser, page: Path) -> Non
     assert coil_pixels(browser.screenshot()) > 800
 
 
+@pytest.mark.slow
 def test_meshes_of_another_robot(browser: chromium.Browser, tmp_path: Path) -> None:
     """A leg whose links are cubes of an orange COLLADA file, and a faint trunk."""
     (tmp_path / "cube.dae").write_text(solids.dae())

@@ -1,8 +1,8 @@
 """A lane on its own, from section to section, as long as nothing calls for a second look.
 
 Where `runner` decides for many lanes whatever may come, this goes one cycle through what is clear at a glance: a
-domain that fits, guards that rise from zero, impacts of one toe. At anything else it gives up, and the cycle is run
-again by `runner`.
+domain that fits, guards that rise from zero, toes that come down for good. At anything else it gives up, and the
+cycle is run again by `runner`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import flattened, shape_of
 from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT
 from spear_pin.hybrid.engines.taylor_single import UNCLEAR, Entry, Single
-from spear_pin.hybrid.lanes.groups import Held
+from spear_pin.hybrid.lanes.groups import Group, Held, alone, spread
+from spear_pin.hybrid.lanes.impacts import strike
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.orders import Happening, Order, happening, in_order
 from spear_pin.hybrid.rules.cycles import crowded, due, left_at_once, retouches, whole
@@ -112,7 +113,7 @@ class LoneRunner:
     """
 
     def __init__(self, numbers: Numbers, lane: int, *, keep: bool = False) -> None:
-        self._keep = keep
+        self._numbers, self._lane, self._keep = numbers, lane, keep
         self._compiled, self._system, self._nv = numbers.compilation, numbers.system, numbers.nv
         self._law, self._constants = numbers.law_of(lane), numbers.constants(lane)
         self._parameters = np.array(self._constants)
@@ -206,16 +207,23 @@ class LoneRunner:
         return reset
 
     def _strike(self, now: _Now, domain: Domain, reset: Reset) -> None:
-        """The impact of one toe that was in the air."""
+        """The impact of a toe that was in the air, and of those on the ground beside it."""
         key = id(domain), id(reset)
         if key not in self._struck:
             self._struck[key] = struck_toes(self._system, domain, reset)
         toes = self._struck[key]
-        if len(toes) > 1:
-            raise _Unclear("several toes take part in an impact")
         if retouches(self._system, reset, [now.last - time for time in now.grounded]):
             raise _Unclear("a toe bounces")
-        now.y = self._compiled.impact(toes[0])(now.y, now.parameters)
+        if len(toes) == 1:
+            now.y = self._compiled.impact(toes[0])(now.y, now.parameters)
+            return
+        held = {name: spread(value, 1) for name, value in now.held.items()}
+        here = Group(np.array([self._lane]), np.array([now.t]), now.y[:, None], held)
+        after, rising = strike(self._numbers, toes, reset.impact, here)
+        if len(rising):
+            raise _Unclear("a toe that comes down rises")
+        now.y, now.held = after.y[:, 0], alone(after.held)
+        now.singles, now.parameters = self._given(now.held)
 
     def _latch(self, now: _Now, reset: Reset) -> None:
         y = now.y.tolist()

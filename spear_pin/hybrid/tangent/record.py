@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
@@ -57,7 +58,7 @@ class CompiledRunner:
 
     def lap(self, phase: str, y: Array, held: Held) -> Lap | None:
         """The cycle, None where it calls for a second look."""
-        return self._runner.lap(phase, y, held, [0.0] * self._toes)
+        return self._runner.lap(phase, y, held, [math.inf] * self._toes)
 
 
 class Recorder:

@@ -33,7 +33,7 @@ class ReferenceLap:
 
 
 class ReferenceRunner:
-    """A system's cycles, see `hybrid.arc.Runner`; also those in which several toes take part in an impact.
+    """A system's cycles, see `hybrid.arc.Runner`.
 
     Args:
         system: the system.

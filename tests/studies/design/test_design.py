@@ -52,6 +52,7 @@ def knees(gait: Gait) -> np.ndarray:
     return trajectory.q[:, [system.robot.index(f"{leg}_knee") for leg in ("posterior", "anterior")]]
 
 
+@pytest.mark.slow
 class TestSprings:
     def test_the_motor_gives_the_total_less_the_spring(self, sweep: dict[float, Points], knees: np.ndarray) -> None:
         """The spring of each leg by hand: -k (θ - θ_td) while the knee is more flexed than at touchdown."""

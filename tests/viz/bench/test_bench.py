@@ -13,7 +13,6 @@ import pytest
 from spear_pin.model.loading import load
 from spear_pin.viz import player
 from spear_pin.viz.playback.scene import joint_paths
-from tests.slow import slow_but
 from tests.viz import chromium, samples
 
 pytestmark = [pytest.mark.browser, pytest.mark.skipif(chromium.find() is None, reason="no Chromium here")]
@@ -146,6 +145,7 @@ def test_a_click_in_a_plot_seeks_and_a_drag_loops(browser: chromium.Browser, pag
     assert begin <= state(browser, "time") <= end
 
 
+@pytest.mark.slow
 def test_what_does_not_repeat_holds_at_its_end(browser: chromium.Browser, page: Path) -> None:
     browser.open(page, "#t=3.0")
     passed = browser.run("""(() => {
@@ -239,8 +239,9 @@ def test_the_body_may_run_off(browser: chromium.Browser, tmp_path: Path) -> None
     assert browser.run(f"(player.seek(0.6), {world})") < before - 0.9
 
 
-@pytest.mark.parametrize("size", slow_but(SIZES, (375, 667)))
-@pytest.mark.parametrize("theme", slow_but(["light", "dark"], "dark"))
+@pytest.mark.slow
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("theme", ["light", "dark"])
 def test_nothing_hides_the_feet(
     browser: chromium.Browser, page: Path, bound: Path, size: tuple[int, int], theme: str
 ) -> None:

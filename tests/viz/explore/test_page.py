@@ -31,6 +31,7 @@ OVERFLOWING = """(() => {
 @pytest.mark.browser
 @pytest.mark.skipif(find() is None, reason="no Chromium here")
 class TestPage:
+    @pytest.mark.slow
     def test_it_needs_nothing_but_its_server(self, browser, server):
         browser.errors.clear()
         browser.requests.clear()
