@@ -73,6 +73,7 @@ class TestPage:
                     shown = bool(recording.value(path, "visible", strides.t[sample])[0])
                     assert shown == (phase == f"{leg}_stance")
 
+    @pytest.mark.slow
     def test_each_foot_of_a_pair_has_its_arrow(self, robot: Robot, strides: Trajectory, recording: Recording) -> None:
         for phase in PHASES:
             for sample in middles(strides, phase):

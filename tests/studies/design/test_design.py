@@ -160,6 +160,7 @@ class TestEnvelope:
         assert given.peak == pytest.approx([3.0, 0.0])
         assert given.rms == pytest.approx([np.sqrt(45.0), 0.0])
 
+    @pytest.mark.slow
     def test_of_a_gait_events_are_those_of_its_stances(self, gait: Gait, sweep: dict[float, Points]) -> None:
         given = sweep[56.0]
         for i, phase in enumerate(("posterior_stance", "anterior_stance")):

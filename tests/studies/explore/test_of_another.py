@@ -27,6 +27,7 @@ def subject(leg):
     return hop_of_leg(leg, "Q-SPEAR, leg posterior_left, hopping")
 
 
+@pytest.mark.slow
 def test_sliders_are_of_the_legs_own_size(leg, subject):
     scale = scale_of(leg)
     assert list(subject.knobs) == [name for name in KNOBS if name != "knee_ratio"]

@@ -82,6 +82,7 @@ class TestJacobian:
         assert np.quantile(off, 0.97) < 2e-3 and off.max() < 0.05
         assert (scale > 0).all()
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("static", slow_but([False, True], True))
     @pytest.mark.parametrize("name", [*KNEE, None])
     def test_without_dry_friction(self, static, name):

@@ -75,6 +75,7 @@ def state(browser: chromium.Browser, name: str) -> Any:
     return browser.run(f"player.clock.{name}")
 
 
+@pytest.mark.slow
 def test_the_address_tells_what_is_shown_and_shows_what_it_tells(browser: chromium.Browser, page: Path) -> None:
     told = "#t=3.2&speed=0.25&loop=3.1,3.4&camera=side&show=angles,-trails&plot=q_knee,force_z_toe"
     browser.open(page, told)

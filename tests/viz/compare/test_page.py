@@ -45,6 +45,7 @@ def data(text: str):
     return json.loads(found[1])
 
 
+@pytest.mark.slow
 def test_the_page_is_small_and_asks_for_nothing(bounds: Comparison) -> None:
     text = bounds.page
     assert len(text.encode()) < page.MOST_BYTES

@@ -31,6 +31,7 @@ class TestAnswers:
         total = series["motor"] + series["spring"] + series["damper"]
         np.testing.assert_allclose(total, hops.trajectory.tau[:, 1], atol=0.002)
 
+    @pytest.mark.slow
     def test_the_playback_keeps_the_robot_and_the_ground(self, server):
         shown = json.loads(ask(server, "/hop?friction=0.3")[2])
         commands = [umsgpack.unpackb(base64.b64decode(command)) for command in shown["commands"]]

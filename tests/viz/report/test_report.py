@@ -301,6 +301,7 @@ class TestBrowser:
         opened.send("Emulation.setDeviceMetricsOverride", page=True, width=width, **size)
         assert opened.run("document.documentElement.scrollWidth") <= width
 
+    @pytest.mark.slow
     def test_playback(self, opened):
         opened.run("document.querySelector('#play-release button').click()")
         frame = "document.querySelector('#play-release iframe').contentWindow"
