@@ -106,7 +106,7 @@ class _Writer:
         self.request, self.programme, self.rng = request, programme, rng
         planar, self.room = Planar(robot), Room(robot, request)
         self.scale, self.units, self.legs = self.room.scale, self.room.units, self.room.legs
-        self.weight, self.dynamics = robot.mass * planar.lift[1], _dynamics(planar)
+        self.weight, self.dynamics = robot.weight, _dynamics(planar)
         self.law = _law(programme, request, self.scale)
         # what `support` reads of a law
         self.p: Any = SimpleNamespace(virtual_stiffness=self.law["virtual_stiffness"], knee_rest=request.knee_rest)

@@ -23,7 +23,6 @@ from spear_pin.hybrid.shooting import Cycle, Cycles
 from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.record import Recorder, many
-from spear_pin.hybrid.tangent.seeds import weight
 
 Array = NDArray[np.float64]
 SAME = 1e-14  # of a number: places that differ by rounding, as charts leave it, have one cycle
@@ -141,7 +140,7 @@ class TangentCycles:
             with LOCK:
                 recorder = self._recorder(values)
                 cycle = differentiated(self.system, recorder, y, along, self._seeds)
-            load = Measure(weight(self.system), np.zeros(along.shape[1]), "N")  # which none of the numbers changes
+            load = Measure(self.system.robot.weight, np.zeros(along.shape[1]), "N")  # which none of the numbers changes
             measured = [measure(cycle, along, load, name) for name in self.measures]
         except REFUSALS:
             return None

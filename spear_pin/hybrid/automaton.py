@@ -108,6 +108,9 @@ class HybridSystem:
             raise BadValue("HybridSystem.impact_law", self.impact_law, f"{MOREAU!r} or {KELLER!r}")
         if self.robot.post is not None and not self.ground.level:
             raise BadValue("ground", self.contact, "level ground, for a robot that goes round a post")
+        gravity = tuple(self.robot.model.gravity.linear.tolist())
+        if not self.robot.planar and any(gravity[:2]):  # turned about z, it would not do the same
+            raise BadValue("gravity", gravity, "gravity along z, for a robot that is not planar")
         check(self.robot, self.domains, self.law, self.guess)
         if self.section:
             _ = self.landing  # which says what is valid

@@ -161,6 +161,11 @@ class Robot(Shown):
         return float(sum(inertia.mass for inertia in self.model.inertias))
 
     @property
+    def weight(self) -> float:
+        """What gravity, wherever it points, pulls at all of it with, in N."""
+        return self.mass * float(np.linalg.norm(self.model.gravity.linear))
+
+    @property
     def actuation_matrix(self) -> Array:
         """B of (3.16), (nv, nu): the motor of column j acts on the coordinate of row i."""
         matrix = np.zeros((self.nv, self.nu))
@@ -245,7 +250,7 @@ class Robot(Shown):
         return float(0.5 * rates @ self.mass_matrix(q) @ rates)
 
     def potential_energy(self, q: ArrayLike) -> float:
-        """Energy of gravity, in J, zero where every centre of mass is at height zero."""
+        """Energy of gravity, in J, zero where every centre of mass is at the origin's height, or level with it."""
         fixed = self.model.inertias[0]  # what is locked to the world, which Pinocchio leaves out
         held = float(-fixed.mass * self.model.gravity.linear @ fixed.lever)
         return float(pin.computePotentialEnergy(self.model, self._data, self._q(q)) + held)

@@ -21,7 +21,6 @@ from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive
-from spear_pin.studies.bound import weight
 from spear_pin.studies.published_costs import CostPoint, Kind
 
 Array = NDArray[np.float64]
@@ -220,7 +219,7 @@ def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] 
     forward = [trajectory.coordinates.index(name) for name in system.cyclic]
     covered = trajectory.q[chosen][:, forward].sum(axis=1)
     robot, distance = system.robot, float(covered[-1] - covered[0]) / n
-    return Costs(energy, robot.mass, weight(robot), distance, _rise(trajectory, skip))
+    return Costs(energy, robot.mass, robot.weight, distance, _rise(trajectory, skip))
 
 
 def computed_points(name: str, of: Costs) -> tuple[CostPoint, ...]:

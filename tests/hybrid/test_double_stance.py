@@ -11,6 +11,10 @@ from spear_pin import Contact, HoppingLaw, Spring, hopping, load, simulate
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK
 from spear_pin.hybrid.domain import Domain, Guard, Reset
+from spear_pin.hybrid.engines.taylor import Code
+from spear_pin.hybrid.lanes.groups import Group
+from spear_pin.hybrid.lanes.impacts import strike
+from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.phases import contact_domains, fall, touchdown
 from spear_pin.hybrid.rules.guards import rise, stays
 from spear_pin.hybrid.rules.impact import joint_impact, plastic_impact
@@ -189,3 +193,20 @@ class TestDomains:
     def test_on_symbols(self):
         speed = sp.Symbol("speed")
         assert sp.diff(stays(POSTERIOR)(0, None, None, {rise(POSTERIOR): speed}, None, None, None), speed) == -1
+
+
+@pytest.mark.parametrize("lanes", [1, 3])
+def test_lanes_whose_landing_toe_rises_are_left_as_they_are(lanes):
+    """All of them, or some."""
+    system = standing(Contact(0.8))
+    numbers = Numbers(system, {"friction": np.full(lanes, 0.8)}, Code(1e-12))
+    q, v = dropped(0.1)
+    fast = np.outer(v, np.ones(lanes))
+    fast[1, 0] = 2.0
+    group = Group(np.arange(lanes), np.zeros(lanes), np.concatenate([np.outer(q, np.ones(lanes)), fast]), {})
+    struck, risen = strike(numbers, list(TOES), (ANTERIOR,), group)
+    assert risen.lanes.tolist() == [0] and struck.lanes.tolist() == list(range(1, lanes))
+    np.testing.assert_array_equal(risen.y, group.y[:, :1])
+    for y in struck.y.T:
+        J = np.concatenate([ROBOT.toe_jacobian(q, toe) for toe in TOES])
+        np.testing.assert_allclose(y[7:], joint_impact(ROBOT.mass_matrix(q), J, v, 0.8).v, rtol=0, atol=1e-10)

@@ -8,6 +8,7 @@ import pytest
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.loading import load
+from spear_pin.model.robot import Robot
 from tests.model.queries import ARRAYS, QUERIES, each_query, refusal, state
 
 
@@ -132,3 +133,12 @@ class TestBadValues:
     @pytest.mark.parametrize("value", [[10**400, 0, 0, 0], np.full(4, 1j)], ids=["huge", "complex"])
     def test_not_real(self, value):
         assert refusal(BadValue, lambda: load("spear_ii").mass_matrix(value)).name.startswith("q")
+
+
+def test_weight_is_what_gravity_makes_it():
+    robot = load("q_spear")
+    assert robot.weight == pytest.approx(9.81 * robot.mass, rel=1e-14)
+    model = robot.model.copy()
+    model.gravity.linear = np.array([-3.0, 0.0, -4.0])
+    elsewhere = Robot(model, name=robot.name, toes=robot.toes, actuated=robot.actuated)
+    assert elsewhere.weight == pytest.approx(5.0 * robot.mass, rel=1e-14)

@@ -47,7 +47,7 @@ def violations(gait: CollocatedGait, finer: int = FINER) -> Violations:
     as Hermite-Simpson collocation has them.
     """
     robot, limbs = gait.robot, legs_of(gait.robot)
-    weight = robot.mass * float(np.linalg.norm(robot.model.gravity.linear))
+    weight = robot.weight
     length = float(np.mean([sum(limb.lengths) for limb in limbs.values()]))
     limits = np.array([robot.limits[name].effort for name in robot.coordinates[BASE:]])
     worst = dict.fromkeys(Violations.__dataclass_fields__, 0.0)

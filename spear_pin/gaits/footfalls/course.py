@@ -100,7 +100,7 @@ class CollocatedGait:
     def cost_of_transport(self) -> float:
         """Integral of |motor power| over weight and distance."""
         spent = sum(_simpson(stretch, np.abs(stretch.u * stretch.v[:, 6:]).sum(axis=1)) for stretch in self.stretches)
-        weight = self.robot.mass * float(np.linalg.norm(self.robot.model.gravity.linear))
+        weight = self.robot.weight
         return spent / (weight * self.request.speed * sum(each.duration for each in self.stretches))
 
 

@@ -104,8 +104,7 @@ class _Writer:
         self.robot, self.request, self.start, self.programme = robot, request, start, Programme(start)
         self.limbs, self.scale, self.mirror = legs_of(robot), scale_in_space(robot), mirror_of(robot)
         self.room, self.mechanics = Room(robot, self.limbs, request, self.scale), Mechanics(robot, self.limbs)
-        gravity = float(np.linalg.norm(robot.model.gravity.linear))
-        self.plan = Plan(self.limbs, hip_heights(robot), request, self.scale, robot.mass * gravity)
+        self.plan = Plan(self.limbs, hip_heights(robot), request, self.scale, robot.weight)
         self.unit, self.force = self.room.units
         self.names = [_named(i, phase) for i, phase in enumerate(request.footfalls.phases)]
         self.landed: dict[str, Node] = {}

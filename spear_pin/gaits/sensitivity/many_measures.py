@@ -23,7 +23,6 @@ from spear_pin.hybrid.tangent.heights import Heights
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder, many
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
-from spear_pin.hybrid.tangent.seeds import weight as weight_of
 from spear_pin.model.motor import NO_MOTORS, Motor
 
 Array = NDArray[np.float64]
@@ -154,7 +153,7 @@ class _Chunk:
         sums = {name: np.zeros(self.count) for name in ("work", "positive_work")}
         squares, tops = np.zeros((robot.nu, self.count)), np.full((robot.nu, self.count), -np.inf)
         force, friction, aloft = ({toe: np.full(self.count, -np.inf) for toe in robot.toes} for _ in range(3))
-        weight = weight_of(self.system)
+        weight = self.system.robot.weight
         for parts in self.groups.values():
             panels, values, y, domain = self._evaluated(parts)
             for g, guard in enumerate(domain.guards):

@@ -24,7 +24,7 @@ from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.fields import tangent_feet
 from spear_pin.hybrid.tangent.record import Recorder
-from spear_pin.hybrid.tangent.seeds import numbers, seeds, weight, weight_seeds
+from spear_pin.hybrid.tangent.seeds import numbers, seeds, weight_seeds
 from spear_pin.model.motor import NO_MOTORS, Motor
 
 Array = NDArray[np.float64]
@@ -110,7 +110,7 @@ class Orbit:
     def weight(self) -> Measure:
         """The robot's weight."""
         own = weight_seeds(self.system, self.names)
-        return Measure(weight(self.system), np.concatenate([np.zeros(self.dimension), own]), "N")
+        return Measure(self.system.robot.weight, np.concatenate([np.zeros(self.dimension), own]), "N")
 
     @cached_property
     def margins(self) -> dict[str, Measure]:

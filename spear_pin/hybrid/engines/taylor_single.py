@@ -15,7 +15,7 @@ from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.taylor import FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, operations, require
 from spear_pin.hybrid.rules.entry import AWAY, NONE, bent, clear, falls, stays_on_zero, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness, footing
-from spear_pin.hybrid.rules.impact import routh
+from spear_pin.hybrid.rules.impact import rises, routh
 from spear_pin.model.scalars import dot
 
 Array = NDArray[np.float64]
@@ -173,11 +173,13 @@ class CompiledImpact:
         outputs = [a_tt, a_tn, a_nn, slide, approach, numbers.ground.friction, *along, *up]
         self._function = hy.cfunc([hy.expression(0.0) + value for value in outputs], state, opt_level=level)
 
-    def __call__(self, y: Array, parameters: Array) -> Array:
-        """The state afterwards, by Routh's method."""
+    def __call__(self, y: Array, parameters: Array) -> Array | None:
+        """The state afterwards, by Routh's method; None where the toe rises."""
         nv, after = self._nv, y.copy()
         numbers = self._function(y, pars=parameters[: self._function.nparams]).tolist()
         a_tt, a_tn, a_nn, slide, approach, friction, *responses = numbers
+        if rises(approach):
+            return None
         (x, z), _ = routh(((a_tt, a_tn), (a_tn, a_nn)), (slide, approach), friction)
         parts = zip(y[nv:].tolist(), responses[:nv], responses[nv:], strict=True)
         after[nv:] = [rate + x * along + z * up for rate, along, up in parts]

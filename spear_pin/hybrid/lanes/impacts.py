@@ -28,7 +28,8 @@ def strike(numbers: Numbers, toes: list[str], lands: tuple[str, ...], group: Gro
     J = np.concatenate([stacked(jacobians[toe], n) for toe in toes], axis=1)
     rising = np.any([rises(along(jacobians[toe][1], v)) for toe in lands], axis=0) & np.ones(n, bool)
     if rising.any():
-        return strike(numbers, toes, lands, group.take(~rising))[0], group.take(rising)
+        landing, risen = group.take(~rising), group.take(rising)
+        return strike(numbers, toes, lands, landing)[0] if len(landing) else landing, risen
     friction, held = ground.friction, group.held
     if len(toes) > 1:
         each = zip(D, J, v.T, np.broadcast_to(friction, n), strict=True)

@@ -32,6 +32,7 @@ from spear_pin.hybrid.rules.latching import latched
 Array = NDArray[np.float64]
 EVENTS = 50  # of a cycle
 FEW_AT_ONCE = 4  # events in an instant
+RISES = "a toe that comes down rises"
 
 
 class Lap(NamedTuple):
@@ -215,13 +216,16 @@ class LoneRunner:
         if retouches(self._system, reset, [now.last - time for time in now.grounded]):
             raise _Unclear("a toe bounces")
         if len(toes) == 1:
-            now.y = self._compiled.impact(toes[0])(now.y, now.parameters)
+            struck = self._compiled.impact(toes[0])(now.y, now.parameters)
+            if struck is None:
+                raise _Unclear(RISES)
+            now.y = struck
             return
         held = {name: spread(value, 1) for name, value in now.held.items()}
         here = Group(np.array([self._lane]), np.array([now.t]), now.y[:, None], held)
         after, rising = strike(self._numbers, toes, reset.impact, here)
         if len(rising):
-            raise _Unclear("a toe that comes down rises")
+            raise _Unclear(RISES)
         now.y, now.held = after.y[:, 0], alone(after.held)
         now.singles, now.parameters = self._given(now.held)
 

@@ -133,6 +133,7 @@ def _unit(k: int, nv: int) -> Array:
     Equations are of each point, and there of each coordinate; unknowns of each coordinate, and of that at each point.
     """
     unit: Array = np.einsum("ij,ab->iabj", np.eye(k), np.eye(nv)).reshape(k, nv * nv, k)
+    unit.setflags(write=False)
     return unit
 
 

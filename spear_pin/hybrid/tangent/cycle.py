@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.domain import Domain, Reset, Switch
+from spear_pin.hybrid.domain import Reset, Switch
 from spear_pin.hybrid.engines.structure import with_fields
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.tangent.collocation import POINTS, carried
 from spear_pin.hybrid.tangent.derivative import SHORTEST, Derivative, Stretch, falling
-from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, value_of
+from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, flat, struck
@@ -136,11 +136,10 @@ class _Whole:
         if arc.event is None or arc.event.reset is None:
             return  # the motion goes on as it was
         reset = arc.event.reset
-        state = duals(arc.after, stretch.dstate + stretch.end.slopes[:, None] * tau)
-        state = self._strike(arc.domain, reset, state, now)
+        now.dy = stretch.dstate + stretch.end.slopes[:, None] * tau
+        state = duals(self._strike(arc, reset, now), now.dy)
         q, v = state[: self.nv], state[self.nv :]
         now.held = dict(latched(now.held, [reset], q, v, self.law))
-        now.dy = derivatives(state, self.c)
         if reset.phase is not None:
             spent = now.durations.get(arc.domain.phase, 0.0)
             now.durations[arc.domain.phase] = spent + Dual(arc.end, tau)
@@ -148,21 +147,24 @@ class _Whole:
         else:
             now.tau, now.behind = tau, True
 
-    def _strike(self, domain: Domain, reset: Reset, state: list[Any], now: _Now) -> list[Any]:
-        toes = struck_toes(self.system, domain, reset)
+    def _strike(self, arc: Arc, reset: Reset, now: _Now) -> Array:
+        """What an impact does to derivatives, and to what is held; returns the state behind it."""
+        toes, y, nv = struck_toes(self.system, arc.domain, reset), arc.after, self.nv
         if not toes:
-            return state
-        y, dy = np.array([value_of(x) for x in state]), derivatives(state, self.c)
-        feet, slopes = self.recorder.feet(tuple(toes)).at(y, self.raw, dy, self.seeds)
-        change, slope, lifted = struck(feet, slopes, toes)
+            return y
+        feet, slopes = self.recorder.feet(tuple(toes)).at(y, self.raw, now.dy, self.seeds)
+        change, slope, lifted = struck(feet, slopes, toes, reset.impact)
         now.held = {**now.held, **lifted}
-        return [*state[: self.nv], *duals(y[self.nv :] + change, dy[self.nv :] + slope)]
+        now.dy[nv:] += slope
+        return np.concatenate([y[:nv], y[nv:] + change])
 
 
 @cache
 def _directions(n: int, c: int) -> Array:
     """Along each of n numbers, along c others, and along a clock: (n + 1, n + c + 1)."""
-    return np.concatenate([np.eye(n, n + c + 1), np.eye(1, n + c + 1, n + c)])
+    found: Array = np.concatenate([np.eye(n, n + c + 1), np.eye(1, n + c + 1, n + c)])
+    found.setflags(write=False)
+    return found
 
 
 def _dual_law(system: HybridSystem, raw: Array, seeds: Array) -> Any:

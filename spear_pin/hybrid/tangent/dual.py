@@ -130,9 +130,9 @@ def derivative_of(scalar: Any) -> Any:
     return scalar.d if isinstance(scalar, Dual) else 0.0
 
 
-def duals(values: Sequence[float] | Array, derivatives: Array) -> list[Dual]:
+def duals(values: Sequence[float] | Array, slopes: Array) -> list[Dual]:
     """Numbers with their derivatives along several directions, (n, c)."""
-    return [Dual(float(x), d) for x, d in zip(values, derivatives, strict=True)]
+    return [Dual(float(x), d) for x, d in zip(values, slopes, strict=True)]
 
 
 def derivatives(scalars: Sequence[Any], c: int) -> Array:

@@ -155,7 +155,7 @@ class TangentFeet:
     structure: Structure
     toes: tuple[str, ...]
 
-    def at(self, y: Array, numbers: Array, dy: Array, dnumbers: Array) -> tuple[Feet, Feet]:
+    def at(self, y: Array, numbers: Array, dy: Array, dnumbers: Array) -> tuple[ToeNumbers, ToeNumbers]:
         """At a state, and derivatives along c directions, (..., c).
 
         Args:
@@ -173,11 +173,13 @@ class TangentFeet:
         half = len(found) // 2
         return self._named(found[:half, 0]), self._named(found[half:])
 
-    def _named(self, rows: Array) -> Feet:
+    def _named(self, rows: Array) -> ToeNumbers:
         nv, m, rest = self.structure.system.robot.nv, len(self.toes), rows.shape[1:]
         shapes = (m,), (m, 2, nv), (m, 2, nv), (2 * m, 2 * m), (2 * m,)
         parts = np.split(rows, np.cumsum([1, *map(math.prod, shapes)])[:-1])
-        return Feet(rows[0], *(part.reshape(*shape, *rest) for part, shape in zip(parts[1:], shapes, strict=True)))
+        return ToeNumbers(
+            rows[0], *(part.reshape(*shape, *rest) for part, shape in zip(parts[1:], shapes, strict=True))
+        )
 
     @cached_property
     def _function(self) -> Any:
@@ -203,7 +205,7 @@ class TangentFeet:
         return outputs + [dot(row, duals[nv : 2 * nv]) for row in rows]
 
 
-class Feet(NamedTuple):
+class ToeNumbers(NamedTuple):
     """Numbers of m toes, or derivatives of them.
 
     Attributes:

@@ -14,7 +14,7 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
 MOST_PANELS = 64  # of an arc
-STEPS = 5  # of Taylor's method to a panel, as it may be: both go as far as the motion is smooth
+STEPS_OF_PANEL = 5  # of Taylor's method, as it often is: more panels follow where these are too few
 EARLY = 4  # points that do not count yet where panels are long
 
 
@@ -28,9 +28,9 @@ def points(arc: Arc) -> tuple[Array, float, Array]:
     if length <= SHORTEST:
         t = arc.t + length * gauss.nodes
         return t, length, np.tile(arc.y[:, None], (1, len(t)))
-    motion, panels = arc.motion, max(1, math.ceil(arc.steps / STEPS))
+    motion, panels = arc.motion, min(max(1, math.ceil(arc.steps / STEPS_OF_PANEL)), MOST_PANELS)
     assert motion is not None
-    while panels <= MOST_PANELS:
+    while True:
         h = length / panels
         t = (arc.t + h * (np.arange(panels)[:, None] + gauss.nodes)).ravel()
         y = motion(t)
@@ -39,6 +39,8 @@ def points(arc: Arc) -> tuple[Array, float, Array]:
             return t, h, y
         if not math.isfinite(left):
             raise NotDifferentiable(f"the motion in {arc.domain.name} cannot be followed again")
+        if panels == MOST_PANELS:
+            raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")
         # shorter by a factor, coefficients fall by that to the power of the points, at first of fewer
-        panels = max(panels + 1, math.ceil(panels * (left / TAIL) ** (1.0 / (POINTS - EARLY))))
-    raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")
+        wanted = panels * (left / TAIL) ** (1.0 / (POINTS - EARLY))
+        panels = min(max(panels + 1, math.ceil(wanted)), MOST_PANELS)

@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 from spear_pin.errors import SpearError
 from spear_pin.hybrid.elimination import solve
 from spear_pin.hybrid.rules.guards import rise
-from spear_pin.hybrid.rules.impact import joint_impact, routh
+from spear_pin.hybrid.rules.impact import joint_impact, rises, routh
 from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, value_of
-from spear_pin.hybrid.tangent.fields import Feet
+from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.model.scalars import dot
 
 Array = NDArray[np.float64]
 DEGENERATE = 1e-9  # of the largest of a joint impact's speeds and impulses: an active set so near to another
-
 SINGULAR = 1e12  # condition of J D⁻¹ Jᵀ, from which on toes depend on each other
 
 
@@ -26,41 +25,46 @@ class NotDifferentiable(SpearError):
     """A cycle has no derivative, or none that is found here; the text says why."""
 
 
-def struck(feet: Feet, slopes: Feet, toes: Sequence[str]) -> tuple[Array, Array, dict[str, Any]]:
+def struck(
+    feet: ToeNumbers, slopes: ToeNumbers, toes: Sequence[str], lands: Sequence[str]
+) -> tuple[Array, Array, dict[str, Any]]:
     """Change of the velocity in an impact, (nv,), its derivatives, (nv, c), and what is held of toes that it lifts.
 
     Args:
         feet: numbers of the toes that take part.
         slopes: their derivatives.
         toes: names of them.
+        lands: those that come down.
 
     Raises:
-        NotDifferentiable: the set of sticking, sliding and lifted toes may change with any change.
+        NotDifferentiable: a toe that comes down rises, as at the end of bounces, or the set of sticking, sliding and
+            lifted toes may change with any change.
     """
     size, lifted = 2 * len(toes), dict[str, Any]()
+    if any(rises(float(speed)) for toe, speed in zip(toes, feet.speeds[1::2], strict=True) if toe in lands):
+        raise NotDifferentiable("a toe that comes down rises")
     A = [duals(row, d) for row, d in zip(feet.inverse_inertia, slopes.inverse_inertia, strict=True)]
     before, friction = duals(feet.speeds, slopes.speeds), Dual(float(feet.friction), slopes.friction)
     impulses: Sequence[Any]
     if len(toes) == 1:
         impulses, _ = routh(A, before, friction)
     else:
-        impulses, speeds = _joint(A, before, friction)
+        impulses, speeds = _joint(feet, A, before, friction)
         lifted = {rise(toe): speed for toe, speed in zip(toes, speeds, strict=True)}
     responses, turned = (each.reshape(size, *each.shape[2:]) for each in (feet.responses, slopes.responses))
     given, change = np.array([value_of(each) for each in impulses]), derivatives(impulses, len(slopes.friction))
     return given @ responses, responses.T @ change + np.tensordot(given, turned, 1), lifted
 
 
-def _joint(A: list[list[Any]], before: list[Any], friction: Any) -> tuple[list[Any], list[Any]]:
+def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: Any) -> tuple[list[Any], list[Any]]:
     """Impulses of a joint impact, and the speeds with which toes are lifted, by the set that the rule finds active."""
-    size = len(before)
-    values = np.array([[value_of(a) for a in row] for row in A]), np.array([value_of(b) for b in before])
-    if not np.linalg.cond(values[0]) < SINGULAR:
+    size, values, mu = len(feet.speeds), feet.inverse_inertia, float(feet.friction)
+    if not np.linalg.cond(values) < SINGULAR:
         raise NotDifferentiable("toes in an impact cannot move each by itself, so that their impulses are not unique")
     # in the coordinates of the toes' own velocities the rule wants the inverse of A for a mass matrix
-    impact = joint_impact(np.linalg.inv(values[0]), np.eye(size), values[1], float(value_of(friction)))
+    impact = joint_impact(np.asarray(np.linalg.inv(values), dtype=np.float64), np.eye(size), feet.speeds, mu)
     after, given = impact.v, impact.impulse.ravel()
-    _check_set(impact.slides, impact.leaves, after, given, float(value_of(friction)))
+    _check_set(impact.slides, impact.leaves, after, given, mu)
     rows: list[int] = []
     directions: list[list[Any]] = []
     for i, (slides, leaves) in enumerate(zip(impact.slides, impact.leaves, strict=True)):

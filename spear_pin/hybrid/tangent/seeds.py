@@ -17,7 +17,6 @@ from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.model.planar import Planar
 
 Array = NDArray[np.float64]
-GRAVITY = 9.81  # m/s²
 STEP = (
     2.0**-8
 )  # of a parameter: numbers are polynomials in it of the second degree at most, so that no step is too long
@@ -43,13 +42,8 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
 
 def weight_seeds(system: HybridSystem, names: Sequence[str]) -> Array:
     """Derivatives of the robot's weight with respect to parameters, in N, (m,)."""
-    found: Array = changes(system, names, lambda other: np.array([weight(other)]))[0]
+    found: Array = changes(system, names, lambda other: np.array([other.robot.weight]))[0]
     return found
-
-
-def weight(system: HybridSystem) -> float:
-    """Weight of a system's robot, in N."""
-    return GRAVITY * float(sum(body.mass for body in system.robot.model.inertias))
 
 
 def changes(system: HybridSystem, names: Sequence[str], of: Callable[[HybridSystem], Array]) -> Array:

@@ -13,7 +13,6 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.virtual_constraints import value
 from spear_pin.hybrid.trajectory import Event, Trajectory
 from spear_pin.kinds import typed
-from spear_pin.model.robot import Robot
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -113,12 +112,6 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     }
 
 
-@typed
-def weight(robot: Robot) -> float:
-    """Weight of a robot, in N."""
-    return float(-robot.mass * robot.model.gravity.linear[2])
-
-
 class _Stride:
     """The first whole stride of a trajectory."""
 
@@ -199,7 +192,7 @@ class _Stride:
         torque = np.abs(self.u) / PAIR
         rate = self.v[:, [self.robot.index(joint) for joint in joints]]
         power = self.u * rate
-        work = weight(self.robot) * self.stride
+        work = self.robot.weight * self.stride
         return {
             "peak_torque_stance": {
                 joint: float(torque[self.bears[leg_of[i]], i].max()) for i, joint in enumerate(joints)

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from spear_pin.hybrid.column_names import PAIR, of_a_pair, parted
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.model.robot import Robot
-from spear_pin.studies.bound import weight
 from spear_pin.studies.comparison.sides import Side
 
 Array = NDArray[np.float64]
@@ -69,7 +68,7 @@ def _motion(robot: Robot, run: Trajectory) -> dict[str, Values]:
         for i, name in enumerate(run.toes)
     }
     total = normal.sum(axis=1)
-    forces["peak normal force, in weights", ""] = float(total.max()) / weight(robot)
+    forces["peak normal force, in weights", ""] = float(total.max()) / robot.weight
     torques: Values = {}
     for i, joint in enumerate(run.actuated):
         torques[f"peak torque, {_effort(f'u_{joint}')}", "N·m"] = float(np.abs(u[:, i]).max())
@@ -84,7 +83,7 @@ def _motion(robot: Robot, run: Trajectory) -> dict[str, Values]:
         positive = float(np.trapezoid(np.maximum(power, 0.0).sum(axis=1), t))
         energy = {("motors' work, positive", "J"): positive / count, ("motors' work, |power|", "J"): work / count}
     if distance is not None and abs(distance) > 1e-3 * abs(seconds):
-        energy["cost of transport (mechanical, |power|)", ""] = work / (weight(robot) * abs(distance))
+        energy["cost of transport (mechanical, |power|)", ""] = work / (robot.weight * abs(distance))
     if run.cycles:
         for flow in run.ledger.flows:
             energy[_words(flow).replace("motor ", "net work, "), "J"] = float(run.ledger[flow].mean())

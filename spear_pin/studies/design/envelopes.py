@@ -11,7 +11,7 @@ from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.gait import Gait
 from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive, drawn_power
-from spear_pin.studies.bound import mean_speed, weight
+from spear_pin.studies.bound import mean_speed
 from spear_pin.studies.design.operating_points import Points, points
 
 Array = NDArray[np.float64]
@@ -86,4 +86,4 @@ def electrical_cost(gait: Gait, knee: Drive, regeneration: float = 0.0) -> float
     knees, hips = points(gait, "knee"), points(gait, "hip")
     positive = np.maximum(hips.torque * hips.speed, 0.0).sum(axis=1)
     energy = energy_drawn(knees, knee, regeneration) + float(PAIR * np.trapezoid(positive, hips.t))
-    return energy / (weight(gait.system.robot) * gait.period * mean_speed(gait))
+    return energy / (gait.system.robot.weight * gait.period * mean_speed(gait))

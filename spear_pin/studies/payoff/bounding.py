@@ -13,7 +13,7 @@ from spear_pin.gaits.request import Request
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
-from spear_pin.studies.bound import held_by, summarize, weight
+from spear_pin.studies.bound import held_by, summarize
 from spear_pin.studies.design import motors_of
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
@@ -80,7 +80,7 @@ def figures_of(gait: Gait, motors: Motors, request: Request) -> Figures:
         gait,
         motors,
         trajectory,
-        work=weight(gait.system.robot) * said["stride"],
+        work=gait.system.robot.weight * said["stride"],
         speed=said["speed"],
         friction=said["friction_used"],
         held=held_by(gait, request, said["friction_used"]),
@@ -129,7 +129,7 @@ class Bounds(Gaits):
 
     def energy(self, robot: Robot, figures: Figures) -> float:
         """As of `Gaits`."""
-        return figures.cost * weight(robot) * figures.speed * sum(figures.durations.values())
+        return figures.cost * robot.weight * figures.speed * sum(figures.durations.values())
 
 
 BOUNDS = Bounds()

@@ -29,7 +29,6 @@ from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
-from spear_pin.studies.bound import weight
 from spear_pin.studies.design import energy_drawn, points_of
 from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
 from spear_pin.studies.payoff.best_hop import best_hop
@@ -86,8 +85,8 @@ WORDS = Words(
 
 def work(robot: Robot, flight_time: float) -> float:
     """Work m g h of a hop with a flight time T in s, h = g T²/8, in J."""
-    gravity = weight(robot) / robot.mass
-    return weight(robot) * gravity * flight_time**2 / 8.0
+    gravity = robot.weight / robot.mass
+    return robot.weight * gravity * flight_time**2 / 8.0
 
 
 def electricity(motors: Motors, system: HybridSystem, trajectory: Trajectory) -> float:
@@ -125,7 +124,7 @@ def apart(system: HybridSystem, trajectory: Trajectory) -> Array:
     """
     stance, knee = trajectory.phase == "stance", system.robot.index("knee")
     angle, flexing = trajectory.q[stance, knee], trajectory.v[stance, knee] > 0.0
-    load = float(trajectory.force[stance, 0, 1][flexing].min(initial=np.inf)) / weight(system.robot)
+    load = float(trajectory.force[stance, 0, 1][flexing].min(initial=np.inf)) / system.robot.weight
     taut = float(angle[-1] - angle[0]) if system.spring.rest is None else 1.0
     return np.array([min(load, 1.0) - TREAD, taut - TAUT])
 
@@ -172,7 +171,7 @@ def figures_of(gait: Gait, motors: Motors, samples: int = MESH) -> Figures:
     robot, flight = gait.system.robot, gait.durations["flight"]
     trajectory = simulate(gait.system, gait.state, samples=samples, progress=False)
     along, normal = trajectory.force[:, 0].T
-    loaded = normal > LOADED * weight(robot)
+    loaded = normal > LOADED * robot.weight
     friction = float((np.abs(along[loaded]) / normal[loaded]).max(initial=0.0))
     held = _held(gait, trajectory, motors)
     return figures(gait, motors, trajectory, work=work(robot, flight), speed=flight, friction=friction, held=held)
@@ -209,7 +208,7 @@ def _from_cold(robot: Robot, point: Point, task: Task) -> Gait:
                 system.law,
                 frequency=share * system.law.frequency,
                 hold_extension=True,
-                minimum_force=FOOTING * weight(robot),
+                minimum_force=FOOTING * robot.weight,
             )
             try:
                 near = hop_of(with_parts(system, law=law), wanted)

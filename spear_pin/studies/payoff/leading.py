@@ -12,7 +12,6 @@ from spear_pin.hybrid.parameters import rebuilt
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.result import State
 from spear_pin.model.spring import Spring
-from spear_pin.studies.bound import weight
 from spear_pin.studies.payoff.cycles import Cycles, Task
 from spear_pin.studies.payoff.grid import FIXED, Point
 
@@ -57,7 +56,7 @@ def begun(place: Place, point: Point) -> Place:
     law = replace(
         law,
         virtual_stiffness=max(place.whole - own, 0.0),
-        minimum_force=FOOTING * weight(place.system.robot),
+        minimum_force=FOOTING * place.system.robot.weight,
         hold_extension=True,
     )
     rest = law.knee_touchdown if point.kind == FIXED else None

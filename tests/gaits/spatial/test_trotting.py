@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from spear_pin import Gait, TrotLaw, simulate, trotting
+from spear_pin import Gait, Robot, TrotLaw, simulate, trotting
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.orbits.balance import across, balanced, entire
 from spear_pin.hybrid.newton import STEP
@@ -25,6 +25,16 @@ def trot():
 @cache
 def stride():
     return run(trot().system, trot().state, 2, Options(rtol=1e-11))
+
+
+def test_gravity_that_is_not_along_z_is_refused():
+    """Turned about z the robot would not do the same, and in the mirror neither."""
+    system = trot().system
+    model = system.robot.model.copy()
+    model.gravity.linear = np.array([0.0, 0.5, -9.8])
+    tilted = Robot(model, name="tilted", toes=system.robot.toes, actuated=system.robot.actuated)
+    with pytest.raises(BadValue, match=r"gravity is \(0.0, 0.5, -9.8\).*along z"):
+        replace(system, robot=tilted)
 
 
 class TestOrbit:

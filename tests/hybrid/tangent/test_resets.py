@@ -9,7 +9,7 @@ from spear_pin import Gait, load
 from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.impact import joint_impact, plastic_impact
 from spear_pin.hybrid.tangent.dual import derivative_of, value_of
-from spear_pin.hybrid.tangent.fields import Feet
+from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, struck
 
@@ -38,19 +38,21 @@ class Line:
 
     @property
     def dual(self):
-        """Feet, and their derivatives by s."""
+        """ToeNumbers, and their derivatives by s."""
         D, J, v, friction = self.at(0.0)
         responses = np.linalg.solve(D, J.T)
         turned = np.linalg.solve(D, self.J[1].T - self.D[1] @ responses)
         rows = (-1, 2, len(v))
-        here = Feet(friction, np.zeros(len(J) // 2), J.reshape(rows), responses.T.reshape(rows), J @ responses, J @ v)
+        here = ToeNumbers(
+            friction, np.zeros(len(J) // 2), J.reshape(rows), responses.T.reshape(rows), J @ responses, J @ v
+        )
         inertia, speeds = self.J[1] @ responses + J @ turned, self.J[1] @ v + J @ self.v[1]
         parts = (self.friction[1], here.heights, self.J[1].reshape(rows), turned.T.reshape(rows), inertia, speeds)
-        return here, Feet(*(np.asarray(part)[..., None] for part in parts))
+        return here, ToeNumbers(*(np.asarray(part)[..., None] for part in parts))
 
     def struck(self, toes):
         """Velocity after the impact and what is held, and derivatives of them by s."""
-        change, slope, held = struck(*self.dual, toes)
+        change, slope, held = struck(*self.dual, toes, toes)
         speeds = [held[rise(toe)] for toe in toes if held]
         slopes = [*(self.v[1] + slope[:, 0]), *(float(np.sum(derivative_of(x))) for x in speeds)]
         return np.array([*(self.v[0] + change), *map(value_of, speeds)]), np.array(slopes)
@@ -132,7 +134,7 @@ def test_q_spear_lands_on_both_toes():
         state = np.concatenate([q, v])
         seeds = np.zeros((len(recorder.numbers), 1))
         feet, changes = recorder.feet(toes).at(state, recorder.numbers, direction[:, None], seeds)
-        _, slope, _ = struck(feet, changes, toes)
+        _, slope, _ = struck(feet, changes, toes, toes)
         expected = richardson(lambda s, outcome=outcome: outcome(s)[0])
         np.testing.assert_allclose(slope[:, 0] + direction[7:], expected, rtol=0, atol=1e-8 * np.abs(expected).max())
 

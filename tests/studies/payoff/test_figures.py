@@ -5,7 +5,6 @@ import pytest
 
 from spear_pin import load, sagittal, vary
 from spear_pin.model.catalogue import motor
-from spear_pin.studies.bound import weight
 from spear_pin.studies.design import electrical_cost
 from spear_pin.studies.payoff import Motors, Point, assumed, fitted, of_file
 from spear_pin.studies.payoff.bounding import figures_of, request
@@ -36,7 +35,7 @@ class TestFigures:
         current = torque / geared
         power = np.maximum(drive.motor.resistance * current**2 + drive.constant * rate * current, 0.0)
         energy = 2 * np.sum(0.5 * (power[1:] + power[:-1]) * np.diff(stride.t)[:, None])
-        assert found.cost == pytest.approx(energy / (weight(robot) * np.ptp(stride.q[:, 0])), rel=1e-3)
+        assert found.cost == pytest.approx(energy / (robot.weight * np.ptp(stride.q[:, 0])), rel=1e-3)
         assert sum(found.shares.values()) == pytest.approx(found.cost)
 
     @pytest.mark.slow

@@ -1,0 +1,45 @@
+"""Gauss's points along arcs: as many panels as a motion needs, whatever the engine's steps were."""
+
+import math
+
+import numpy as np
+import pytest
+
+from spear_pin.hybrid.arc import Arc
+from spear_pin.hybrid.domain import Domain
+from spear_pin.hybrid.tangent.collocation import POINTS
+from spear_pin.hybrid.tangent.points import MOST_PANELS, STEPS_OF_PANEL, points
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
+
+FLIGHT = Domain("flight", "flight", ("open",), lambda *given: [])
+
+
+def arc(motion, steps=0):
+    y, after = motion(np.array([1.0, 3.0])).T
+    return Arc(FLIGHT, {}, 1.0, y, 3.0, after, None, 0, motion, steps)
+
+
+def waves(rate):
+    return lambda t: np.array([np.sin(rate * t), rate * np.cos(rate * t)])
+
+
+@pytest.mark.parametrize("steps", [0, 1, STEPS_OF_PANEL + 1, 40, 330, 5000])
+def test_steps_are_only_a_first_guess(steps):
+    t, h, y = points(arc(waves(20.0), steps))
+    panels = len(t) // POINTS
+    assert panels == pytest.approx(2.0 / h) and panels >= min(math.ceil(steps / STEPS_OF_PANEL), MOST_PANELS)
+    assert panels >= 10 and (steps > 40 or panels <= 12)
+    np.testing.assert_array_equal(y, waves(20.0)(t))
+    assert 1.0 < t[0] < t[-1] < 3.0 and (np.diff(t) > 0.0).all()
+
+
+@pytest.mark.parametrize("steps", [0, 5000])
+def test_what_is_not_smooth_is_refused(steps):
+    with pytest.raises(NotDifferentiable, match="the motion in flight is not smooth over 2 s"):
+        points(arc(lambda t: np.array([np.abs(t - 2.1), np.sign(t - 2.1)]), steps))
+
+
+def test_the_most_panels_are_tried():
+    """A motion for which one panel seems to ask for more of them than there may be."""
+    t, _, _ = points(arc(waves(110.0)))
+    assert 8 * POINTS < len(t) <= MOST_PANELS * POINTS
