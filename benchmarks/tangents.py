@@ -44,7 +44,7 @@ OF_BOUND = (
     *("posterior_hip_torque", "anterior_hip_torque", "posterior_leg_touchdown", "knee_touchdown"),
     *("torso_mass", "knee_ratio"),
 )
-REPEATED = 10
+REPEATED = 40
 
 
 def main() -> None:

@@ -115,11 +115,12 @@ class Single:
         integrator, outcome = self._integrator, self._success
         begins, coefficients = list[float](), list[Array]()
         while outcome == self._success and len(begins) < STEPS:
-            begins.append(integrator.time)
-            outcome = int(integrator.step(max_delta_t=until - integrator.time, write_tc=True)[0])
+            begins.append(t)
+            outcome = int(integrator.step(until - t, True)[0])  # named arguments take as long as half a step
+            t = integrator.time
             coefficients.append(self._coefficients.copy())
         motion = Polynomials(np.array(begins), np.array(coefficients))
-        return integrator.time, self._state.copy(), self._end(outcome), motion
+        return t, self._state.copy(), self._end(outcome), motion
 
     def _begin(self, t: float, y: Array, parameters: Array) -> None:
         self._integrator.time = t

@@ -96,7 +96,9 @@ class _Whole:
         directions = _directions(n, c)
         every = np.zeros((len(raw), n + c + 1))
         every[:, n:-1] = given
-        clocks, states = np.append(t, [arc.t, arc.end]), np.column_stack([y, arc.y, arc.after])
+        clocks, states = np.empty(len(t) + 2), np.empty((n, len(t) + 2))
+        clocks[:-2], clocks[-2], clocks[-1] = t, arc.t, arc.end
+        states[:, :-2], states[:, -2], states[:, -1] = y, arc.y, arc.after
         values, slopes = domain.at(clocks, states, raw, directions[n], directions[:n, None], every)
         if now.behind:
             now.dy, now.behind = now.dy - values.slopes[:, -2, None] * now.tau, False
@@ -115,8 +117,8 @@ class _Whole:
         if isinstance(arc.event, Switch):
             due = arc.event.time(arc.switches, self.law)
             return due.d + np.zeros(self.c) if isinstance(due, Dual) else np.zeros(self.c)
-        i = next(k for k, guard in enumerate(arc.domain.guards) if guard is arc.event)
-        fall, change = stretch.rate.guards[i], stretch.dend.guards[i]
+        i = stretch.place
+        fall, change = stretch.at_end(stretch.slopes.guards[i, -1])
         if stretch.at_once:
             # beside this cycle a guard on zero that falls is an event of its own, another one stays at once
             met = abs(stretch.end.guards[i]) <= arc.event.tolerance and falling(fall)
@@ -169,14 +171,14 @@ def _directions(n: int, c: int) -> Array:
 
 def _dual_law(system: HybridSystem, raw: Array, seeds: Array) -> Any:
     """Parameters of the law, dual."""
-    place = iter(range(len(raw)))
+    changes = enumerate(seeds.any(axis=1).tolist())
 
     def dual(value: Any) -> Any:
         if isinstance(value, tuple):
             return tuple(map(dual, value))
         if value is None or isinstance(value, (bool, str)):
             return value
-        i = next(place)
-        return Dual(float(raw[i]), seeds[i]) if seeds[i].any() else value
+        i, changed = next(changes)
+        return Dual(float(raw[i]), seeds[i]) if changed else value
 
     return with_fields(system.law, {name: dual(value) for name, value in vars(system.law).items()})

@@ -80,17 +80,24 @@ class Stretch:
         """What the domain says at the end, (...)."""
         return self.said._replace(rows=self.said.rows[:, -1])
 
+    def at_end(self, slopes: Array) -> tuple[Any, Array]:
+        """Rates along the motion at the end, (...), and derivatives at the fixed clock, (..., c).
+
+        Args:
+            slopes: of something that the domain says there, (..., 2 nv + c + 1).
+        """
+        n = len(self.y)
+        return slopes[..., :n] @ self.end.slopes + slopes[..., -1], slopes[..., :n] @ self.dstate + slopes[..., n:-1]
+
     @cached_property
     def dend(self) -> Values:
-        """Derivatives of that at the fixed clock, (..., c)."""
-        n, slopes = len(self.y), self.slopes.rows[:, -1]
-        return self.said._replace(rows=slopes[:, :n] @ self.dstate + slopes[:, n:-1])
+        """Derivatives of what the domain says at the end, at the fixed clock, (..., c)."""
+        return self.said._replace(rows=self.at_end(self.slopes.rows[:, -1])[1])
 
     @cached_property
     def rate(self) -> Values:
         """Rates of that along the motion, (...)."""
-        n, slopes = len(self.y), self.slopes.rows[:, -1]
-        return self.said._replace(rows=slopes[:, :n] @ self.end.slopes + slopes[:, -1])
+        return self.said._replace(rows=self.at_end(self.slopes.rows[:, -1])[0])
 
     @property
     def at_once(self) -> bool:

@@ -7,7 +7,7 @@ very `Motion` that is integrated. Every number is an argument, so that one funct
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
@@ -105,20 +105,10 @@ class TangentField:
     @cached_property
     def _function(self) -> Any:
         """The compiled function: values, then derivatives."""
-        hy, count = taylor.require(), self._count
-        names = [f"{kind}{i}" for kind in "xd" for i in range(count)]
-        symbols = hy.make_vars(*names)
-        duals = [Dual(x, d) for x, d in zip(symbols[:count], symbols[count:], strict=True)]
-        outputs = self._of(duals, operations(taylor.operations([]), hy.relup))
-        rows = [value_of(each) for each in outputs] + [derivative_of(each) for each in outputs]
-        return compiled(rows, symbols, self.structure.system.robot.nv)
-
-    @cached_property
-    def _count(self) -> int:
         system, planar, held = self.structure.system, self.structure.planar, self.structure.held
         counter = _Counting()
         symbols(system, planar, held, counter)
-        return 1 + 2 * system.robot.nv + counter.count
+        return compiled(self._of, 1 + 2 * system.robot.nv + counter.count, system.robot.nv)
 
     def _of(self, duals: Sequence[Any], ops: Operations) -> list[Any]:
         """All outputs, of whatever scalars."""
@@ -174,23 +164,22 @@ class TangentFeet:
         return self._named(found[:half, 0]), self._named(found[half:])
 
     def _named(self, rows: Array) -> ToeNumbers:
-        nv, m, rest = self.structure.system.robot.nv, len(self.toes), rows.shape[1:]
-        shapes = (m,), (m, 2, nv), (m, 2, nv), (2 * m, 2 * m), (2 * m,)
-        parts = np.split(rows, np.cumsum([1, *map(math.prod, shapes)])[:-1])
-        return ToeNumbers(
-            rows[0], *(part.reshape(*shape, *rest) for part, shape in zip(parts[1:], shapes, strict=True))
-        )
+        rest = rows.shape[1:]
+        return ToeNumbers(rows[0], *(rows[part].reshape(*shape, *rest) for part, shape in self._parts))
+
+    @cached_property
+    def _parts(self) -> list[tuple[slice, tuple[int, ...]]]:
+        """Where each of `ToeNumbers` but the first is among the outputs, and its shape."""
+        nv, m = self.structure.system.robot.nv, len(self.toes)
+        shapes: list[tuple[int, ...]] = [(m,), (m, 2, nv), (m, 2, nv), (2 * m, 2 * m), (2 * m,)]
+        ends = np.cumsum([1, *map(math.prod, shapes)]).tolist()
+        return [(slice(i, j), shape) for i, j, shape in zip(ends[:-1], ends[1:], shapes, strict=True)]
 
     @cached_property
     def _function(self) -> Any:
-        hy, robot, counter = taylor.require(), self.structure.system.robot, _Counting()
+        robot, counter = self.structure.system.robot, _Counting()
         symbols(self.structure.system, self.structure.planar, {}, counter)
-        count = 2 * robot.nv + counter.count
-        variables = hy.make_vars(*[f"{kind}{i}" for kind in "xd" for i in range(count)])
-        duals = [Dual(x, d) for x, d in zip(variables[:count], variables[count:], strict=True)]
-        outputs = self._of(duals, operations(taylor.operations([]), hy.relup))
-        rows = [value_of(each) for each in outputs] + [derivative_of(each) for each in outputs]
-        return compiled(rows, variables, robot.nv)
+        return compiled(self._of, 2 * robot.nv + counter.count, robot.nv)
 
     def _of(self, duals: Sequence[Any], ops: Operations) -> list[Any]:
         nv = self.structure.system.robot.nv
@@ -225,11 +214,20 @@ class ToeNumbers(NamedTuple):
     speeds: Array
 
 
-def compiled(rows: Sequence[Any], variables: Sequence[Any], nv: int) -> Any:
-    """A function of expressions, compiled."""
+def compiled(of: Callable[[Sequence[Any], Operations], list[Any]], count: int, nv: int) -> Any:
+    """A function compiled: of its inputs, then their derivatives, its values, then their derivatives.
+
+    Args:
+        of: the function, of whatever scalars and operations.
+        count: of its inputs.
+        nv: of the robot.
+    """
     hy = taylor.require()
-    zero = hy.expression(0.0)
-    return hy.cfunc([zero + row for row in rows], variables, compact_mode=nv > taylor.UNROLLED)
+    variables = hy.make_vars(*[f"{kind}{i}" for kind in "xd" for i in range(count)])
+    duals = [Dual(x, d) for x, d in zip(variables[:count], variables[count:], strict=True)]
+    outputs, zero = of(duals, operations(taylor.operations([]), hy.relup)), hy.expression(0.0)
+    rows = [zero + part(each) for part in (value_of, derivative_of) for each in outputs]
+    return hy.cfunc(rows, variables, compact_mode=nv > taylor.UNROLLED)
 
 
 @lru_cache(taylor.MOST)

@@ -14,7 +14,7 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
 MOST_PANELS = 64  # of an arc
-STEPS_OF_PANEL = 5  # of Taylor's method, as it often is: more panels follow where these are too few
+STEPS_OF_PANEL = 6  # of Taylor's method, as it often is: more panels follow where these are too few
 EARLY = 4  # points that do not count yet where panels are long
 
 

@@ -53,7 +53,8 @@ def struck(
         lifted = {rise(toe): speed for toe, speed in zip(toes, speeds, strict=True)}
     responses, turned = (each.reshape(size, *each.shape[2:]) for each in (feet.responses, slopes.responses))
     given, change = np.array([value_of(each) for each in impulses]), derivatives(impulses, len(slopes.friction))
-    return given @ responses, responses.T @ change + np.tensordot(given, turned, 1), lifted
+    of_responses = (given @ turned.reshape(size, -1)).reshape(turned.shape[1:])
+    return given @ responses, responses.T @ change + of_responses, lifted
 
 
 def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: Any) -> tuple[list[Any], list[Any]]:
