@@ -7,7 +7,7 @@ from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.gaits import add_gait, named_gait
-from spear_pin.cli.motors import add_motors, motors
+from spear_pin.cli.motors import add_motors, check_motors, motors
 from spear_pin.cli.output import aligned, listed, progress
 from spear_pin.cli.pairs import RANGE, names, once, ranges, values
 
@@ -23,7 +23,9 @@ def add(commands: Commands) -> None:
         "the best robot and gait together: a measure made small over any numbers, within bounds",
     )
     add_gait(parser)
-    parser.add_argument("--minimize", required=True, metavar="MEASURE", help="such as energy or cost_of_transport")
+    parser.add_argument(
+        "--minimize", required=True, metavar="MEASURE", help="such as energy, electricity or cost_of_transport"
+    )
     parser.add_argument(
         "--over", type=ranges, action="extend", required=True, metavar=RANGE, help="parameters, apart by commas"
     )
@@ -46,6 +48,7 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Optimise the design, write and draw it."""
     check_out(arguments)
+    check_motors(arguments)
     from spear_pin.files import write_text
     from spear_pin.gaits.codesign.optimize_design import optimize_design
     from spear_pin.viz.plots import save_figure
@@ -63,7 +66,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             at_most=once(arguments.at_most, "--at-most"),
             at_least=once(arguments.at_least, "--at-least"),
             largest_multiplier=arguments.largest_multiplier,
-            motors=motors(arguments.motor),
+            motors=motors(arguments, gait.system.robot),
             iterations=arguments.iterations,
             on_iteration=lambda n, value, missed: show(
                 f"iteration {n}: {arguments.minimize} {value:.6g}, bounds missed by {missed:.2g}"

@@ -1,36 +1,65 @@
-"""Motors of joints on the command line: `--motor JOINT=MOTOR`."""
+"""Motors of joints on the command line: `--motor JOINT=MOTOR`, with `--bus` behind gears on a supply."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from spear_pin.cli.pairs import once, words
 
 if TYPE_CHECKING:
-    from spear_pin.model.motor import Motor
+    from spear_pin.model.motor import Drive, Motor
+    from spear_pin.model.robot import Robot
 
 
 def add_motors(parser: argparse.ArgumentParser) -> None:
-    """Declare the option."""
+    """Declare the options."""
     parser.add_argument(
         "--motor",
         type=words,
         action="extend",
         default=[],
         metavar="JOINT=MOTOR",
-        help="of the catalogue, for its heat",
+        help="of the catalogue, for its heat; with --bus for its electricity, and what of its torque is left",
     )
+    parser.add_argument("--bus", type=float, metavar="V", help="of the supply of the motors, V")
+    parser.add_argument("--efficiency", type=float, metavar="X", help="of the gears of motors with --bus (default: 1)")
 
 
-def motors(pairs: Iterable[tuple[str, str]]) -> dict[str, Motor]:
-    """Motors of the catalogue, by joint.
+def check_motors(arguments: argparse.Namespace) -> None:
+    """Refuse a supply or gears that are none, or go without what they are of, before anything is computed.
 
     Raises:
-        UnknownName: there is no motor of a name.
+        BadValue: the option is named.
+    """
+    from spear_pin.errors import require
+
+    if arguments.bus is not None:
+        require("--bus", arguments.bus, lambda volts: 0.0 < volts < float("inf"), "a number > 0, in V")
+        require("--motor", len(arguments.motor), lambda count: count > 0, "JOINT=MOTOR, with --bus")
+    if arguments.efficiency is not None:
+        require("--efficiency", arguments.efficiency, lambda eta: 0.0 < eta <= 1.0, "a number in (0, 1]")
+        require("--bus", arguments.bus, lambda volts: volts is not None, "a number > 0, in V, with --efficiency")
+
+
+def motors(arguments: argparse.Namespace, robot: Robot) -> dict[str, Motor | Drive]:
+    """Motors of the catalogue, by joint, or drives of them where there is a supply.
+
+    Args:
+        arguments: of the command.
+        robot: whose gears they are behind.
+
+    Raises:
+        UnknownName: there is no motor, or no joint with one, of a name.
         BadValue: a joint is given two.
     """
     from spear_pin.model.catalogue import motor
+    from spear_pin.model.motor import Drive, Gearbox
 
-    return {joint: motor(name) for joint, name in once(pairs, "--motor").items()}
+    found = {joint: motor(name) for joint, name in once(arguments.motor, "--motor").items()}
+    if arguments.bus is None:
+        return {**found}
+    efficiency = 1.0 if arguments.efficiency is None else arguments.efficiency
+    return {
+        joint: Drive(each, Gearbox(robot.gear_ratio(joint), efficiency), arguments.bus) for joint, each in found.items()
+    }

@@ -7,7 +7,7 @@ from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.gaits import add_gait, add_kept, named_gait
-from spear_pin.cli.motors import add_motors, motors
+from spear_pin.cli.motors import add_motors, check_motors, motors
 from spear_pin.cli.output import aligned, listed, progress
 from spear_pin.cli.pairs import names
 
@@ -37,6 +37,7 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Differentiate the gait, write the table and draw it."""
     check_out(arguments)
+    check_motors(arguments)
     from spear_pin.files import write_text
     from spear_pin.hybrid.parameters import nonzero
     from spear_pin.viz.plots import save_figure
@@ -47,7 +48,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         gait = named_gait(arguments.what)
         show("differentiating")
         over = arguments.over or nonzero(gait.system, OVER)
-        found = gait.sensitivity(over, arguments.vary, arguments.keep, motors(arguments.motor))
+        found = gait.sensitivity(over, arguments.vary, arguments.keep, motors(arguments, gait.system.robot))
     files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
     write_text(files[0], found.to_json() + "\n")
     save_figure(elasticities(found), files[1])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.gaits import add_gait, add_kept, named_gait
-from spear_pin.cli.motors import add_motors, motors
+from spear_pin.cli.motors import add_motors, check_motors, motors
 from spear_pin.cli.output import aligned, listed, progress
 from spear_pin.cli.pairs import one_pair
 
@@ -61,6 +61,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.viz.plots.uncertainty import drawable, monte_carlo, variance_shares
 
     check_out(arguments)
+    check_motors(arguments)
     samples = arguments.monte_carlo
     if samples is not None and not 2 <= samples <= MOST:
         raise BadValue("--monte-carlo", samples, f"a whole number from 2 to {MOST}")
@@ -71,7 +72,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         show("looking for the gait")
         gait = named_gait(arguments.what)
         show("differentiating")
-        table = gait.sensitivity(over, arguments.vary, arguments.keep, motors(arguments.motor))
+        table = gait.sensitivity(over, arguments.vary, arguments.keep, motors(arguments, gait.system.robot))
         spread = _spread(table, arguments.sigma, arguments.correlation)
         drawn = None
         if samples is not None:

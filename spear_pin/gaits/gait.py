@@ -31,7 +31,7 @@ from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.parameters import LIMITS, PARTS, Fitted, limits, parameter, rebuilt, replaced
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
-from spear_pin.model.motor import NO_MOTORS, Motor
+from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 from spear_pin.model.origin import check_origin, origin, robot_of, unsaid
 from spear_pin.model.spring import Spring
 from spear_pin.showing import Shown
@@ -106,7 +106,7 @@ class Gait(Shown):
         over: Sequence[str],
         vary: Sequence[str] = (),
         keep: Sequence[str] = (),
-        motors: Mapping[str, Motor] = NO_MOTORS,
+        motors: Mapping[str, Motor | Drive] = NO_MOTORS,
     ) -> Sensitivity:
         """What a change of any parameters does to the gait: exact derivatives of its state, measures and multipliers.
 
@@ -114,8 +114,9 @@ class Gait(Shown):
             over: parameters, by the names of law, springs, ground or robot, such as "stiffness" or "knee_ratio".
             vary: parameters that are solved for, so that measures stay as they are.
             keep: names of as many measures.
-            motors: of joints, by name, for the measures `heat_JOINT`, in J a cycle, and `energy`, the net work of all
-                motors and this heat; gears have the robot's ratio and lose nothing.
+            motors: of joints, by name: motors, for the measures `heat_JOINT`, in J a cycle, and `energy`, the net work
+                of all motors and this heat, behind gears that lose nothing, or drives, for `electricity_JOINT`, in J a
+                cycle, `electricity` where all joints have one, and `reserve_JOINT`, in N·m; ratios are the robot's.
 
         Raises:
             UnknownName: there is no parameter, measure or joint with a motor of a name.

@@ -73,6 +73,31 @@ MUTATIONS = [
         {"derivatives: a cost by a weight that stays": ("weight.derivative * stride.value + ", "")},
     ),
     *mistakes_in(
+        "gaits/sensitivity/electricity",
+        ["gaits/sensitivity/test_electricity"],
+        {
+            "gears that help where a motor drives": (
+                "efficiency ** (-1.0 if drives else 1.0)",
+                "efficiency ** (1.0 if drives else -1.0)",
+            ),
+            "electricity is given back": ("np.where(on, whole, 0.0)", "whole"),
+            "power jumps where it stays": ("0.5 * h * (last - begin) * moved", "0.0 * moved"),
+            "a reserve at half the no-load speed": ("2.0 * slope / c * change", "slope / c * change"),
+            "gears help a reserve": ("in (efficiency, 1.0 / efficiency)", "in (1.0 / efficiency,)"),
+        },
+    ),
+    *mistakes_in(
+        "gaits/codesign/step",
+        ["gaits/codesign/test_trust_region"],
+        {
+            "steps go over kinks of the function": ("if ahead <= 0.0:", "if False:"),
+            "steps go over kinks of constraints": (
+                "(other.c < 0.0) & (left >= local.c)",
+                "(other.c < 0.0) & (left < -1e300)",
+            ),
+        },
+    ),
+    *mistakes_in(
         "gaits/sensitivity/orbit",
         ["gaits/sensitivity/test_sensitivity"],
         {

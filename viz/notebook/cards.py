@@ -210,7 +210,7 @@ def _(drawn: MonteCarlo) -> Card:
 
 
 def _elasticities(table: Sensitivity, name: str) -> str:
-    return ", ".join(f"{value:+.2g} %" for value in table.elasticity(name))
+    return ", ".join(f"{value:+.2g} %" if np.isfinite(value) else "none" for value in table.elasticity(name))
 
 
 @described.register

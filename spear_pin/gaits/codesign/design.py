@@ -177,22 +177,23 @@ def design(
         name: Chosen(number(begun.system, name), number(gait.system, name), low, high, unit(gait.system, name))
         for name, (low, high) in problem.over.items()
     }
-    found = problem.measures(orbit)
-    known = [each for each in problem.bounds if each.measure in found]
-    bounds = {each.label: (found[each.measure].value, each.value) for each in known}
+    known = [(each, problem.measure(orbit, each.measure)) for each in problem.bounds]
+    bounds = {each.label: (found.value, each.value) for each, found in known if found is not None}
+    goal, held = problem.measure(orbit, problem.minimize), bool(np.isfinite(end.stationarity))  # what holds it is known
+    assert goal is not None
     if problem.largest_multiplier is not None:
         bounds["largest multiplier at most"] = largest(orbit), problem.largest_multiplier
     return Design(
         gait,
         problem.minimize,
-        found[problem.minimize].unit,
+        goal.unit,
         end.path[0][0] * scale,
         objective,
         chosen,
         bounds,
         {name: margin.value for name, margin in orbit.margins.items()},
         _prices(problem, orbit, end, scale),
-        _assumptions(problem, orbit, end, scale, names) if names else {},
+        _assumptions(problem, orbit, end, scale, names) if names and held else {},
         largest(orbit),
         tuple((value * scale, missed) for value, missed in end.path),
         end.stationarity,
@@ -237,11 +238,22 @@ def _prices(problem: Problem, orbit: Orbit, end: Minimum[Orbit], scale: float) -
 def _assumptions(
     problem: Problem, orbit: Orbit, end: Minimum[Orbit], scale: float, names: Sequence[str]
 ) -> dict[str, Assumption]:
-    """By how much the minimum changes with each, to first order: of Lagrange's function, the design being as it is."""
-    whole = Orbit(orbit.system, orbit.state, (*problem.vary, *names), orbit.motors)
+    """By how much the minimum changes with each, to first order: of Lagrange's function, the design being as it is.
+
+    On a kink, that of both sides, in the shares that hold the minimum.
+    """
     watch = bool(problem.largest_multiplier is not None and end.multipliers[-len(STABILITY) :].any())
-    goal, rows = problem.slopes(whole, watch)
+
+    def of(orbit: Orbit) -> tuple[Array, Array]:
+        return problem.slopes(Orbit(orbit.system, orbit.state, (*problem.vary, *names), orbit.motors), watch)
+
+    goal, rows = of(orbit)
     slopes = goal - scale * rows.T @ end.multipliers
+    for price, cut in end.kinks:
+        if price > NO_PRICE:
+            across, others = of(cut.other.more)
+            i = cut.constraint
+            slopes += price * ((across - goal) if i is None else scale * (rows[i] - others[i]))
     return {
         name: Assumption(number(orbit.system, name), unit(orbit.system, name), float(slope))
         for name, slope in zip(names, slopes, strict=True)

@@ -13,16 +13,18 @@ from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.codesign.closing import closed, led
 from spear_pin.gaits.codesign.design import Design, assumed, design
 from spear_pin.gaits.codesign.problem import Problem
-from spear_pin.gaits.codesign.trust_region import NO_VALUE, Local, minimised
+from spear_pin.gaits.codesign.step import Local
+from spear_pin.gaits.codesign.trust_region import NO_VALUE, minimised
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
+from spear_pin.gaits.sensitivity.electricity import check_gears
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.tangent_cycles import REFUSALS
 from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import number
 from spear_pin.kinds import typed
-from spear_pin.model.motor import NO_MOTORS, Motor
+from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 
 Array = NDArray[np.float64]
 NO_MEASURES: Mapping[str, float] = MappingProxyType({})
@@ -39,7 +41,7 @@ def optimize_design(
     at_most: Mapping[str, float] = NO_MEASURES,
     at_least: Mapping[str, float] = NO_MEASURES,
     largest_multiplier: float | None = None,
-    motors: Mapping[str, Motor] = NO_MOTORS,
+    motors: Mapping[str, Motor | Drive] = NO_MOTORS,
     assuming: Sequence[str] | None = None,
     tolerance: float = 1e-6,
     iterations: int = 100,
@@ -52,14 +54,16 @@ def optimize_design(
 
     Args:
         gait: where it begins; it need not keep what is to be kept.
-        minimize: a measure: of `gait.sensitivity`, with motors `energy` and `heat_JOINT`, or `margin_EVENT`.
+        minimize: a measure: of `gait.sensitivity`, with motors `energy` and `heat_JOINT`, with drives of all joints
+            `electricity`, or `margin_EVENT`.
         over: least and greatest values of parameters, by the names of law, springs, ground or robot.
         keep: measures of which the values are kept.
         vary: as many parameters, which are solved for; those that the gait was solved for.
         at_most: upper bounds of measures, such as `peak_torque_knee`.
         at_least: lower bounds, such as `margin_spring_switch`: how far an event is from happening otherwise.
         largest_multiplier: upper bound of the multipliers' moduli.
-        motors: of joints, by name, whose heat `energy` counts; gears have the robot's ratio and lose nothing.
+        motors: of joints, by name: motors, whose heat `energy` counts behind gears that lose nothing, or drives, with
+            `electricity_JOINT` and `reserve_JOINT`; gears have the robot's ratio, which may vary.
         assuming: numbers of which the answer says what their change would do; those of gears, springs, ground and
             masses.
         tolerance: of the relative gain that is still predicted.
@@ -69,8 +73,8 @@ def optimize_design(
     Raises:
         MissingExtra: heyoka is not installed.
         UnknownName: there is no parameter, measure or joint of a name.
-        BadValue: a range is none, the gait lies outside of one, as many measures are not kept as are solved for, or the
-            gait moves in space or has hardware.
+        BadValue: a range is none, the gait lies outside of one, as many measures are not kept as are solved for, a
+            drive has another ratio than the robot, or the gait moves in space or has hardware.
         NoGait: no gait near the given one keeps what is to be kept.
         NotDifferentiable: the gait has no derivative.
 
@@ -83,6 +87,7 @@ def optimize_design(
         (True, ['stiffness'])
     """
     check_lanes(gait.system)
+    check_gears(gait.system, motors)
     taylor.require()
     solved_for = tuple(vary) if vary is not None else tuple(gait.parameters) if keep else ()
     problem = Problem(

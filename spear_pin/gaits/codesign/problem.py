@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import NoGait, UnknownName
 from spear_pin.gaits.codesign.stability import borders, slopes
-from spear_pin.gaits.codesign.trust_region import Local
-from spear_pin.gaits.sensitivity.measures import Measure
+from spear_pin.gaits.codesign.step import Local
+from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.hybrid.parameters import number
-from spear_pin.model.motor import Motor
+from spear_pin.model.motor import Drive, Motor
 
 Array = NDArray[np.float64]
 OnCycle = Callable[[], object]
@@ -55,7 +55,7 @@ class Problem:
         at_most: upper bounds of measures.
         at_least: lower bounds of measures.
         largest_multiplier: upper bound of every multiplier's modulus; None: no bound.
-        motors: of joints, for `heat_JOINT` and `energy`.
+        motors: of joints, for `heat_JOINT` and `energy`, or drives, for `electricity` and `reserve_JOINT`.
     """
 
     minimize: str
@@ -65,7 +65,7 @@ class Problem:
     at_most: Mapping[str, float]
     at_least: Mapping[str, float]
     largest_multiplier: float | None
-    motors: Mapping[str, Motor]
+    motors: Mapping[str, Motor | Drive]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -88,9 +88,9 @@ class Problem:
         upper = [Bound(name, -1.0, value) for name, value in self.at_most.items()]
         return (*upper, *(Bound(name, 1.0, value) for name, value in self.at_least.items()))
 
-    def measures(self, orbit: Orbit) -> dict[str, Measure]:
-        """All measures of a gait, and margins."""
-        return orbit.measures | {MARGIN + name: margin for name, margin in orbit.margins.items()}
+    def measure(self, orbit: Orbit, name: str) -> Measure | None:
+        """A measure of a gait, or a margin; None where there is none of that name."""
+        return orbit.margins.get(name.removeprefix(MARGIN)) if name.startswith(MARGIN) else orbit.measures.get(name)
 
     def named(self, orbit: Orbit) -> None:
         """Check that a gait has the measures.
@@ -102,23 +102,22 @@ class Problem:
         for name in self.keep:
             if name not in kept:
                 raise UnknownName("measure to keep", name, kept)
-        found = self.measures(orbit)
         for name in (self.minimize, *self.at_most, *self.at_least):
-            if name not in found:
-                raise UnknownName("measure", name, found)
+            if self.measure(orbit, name) is None:
+                raise UnknownName("measure", name, [*orbit.measures, *(MARGIN + each for each in orbit.margins)])
 
     def values(self, orbit: Orbit) -> tuple[float, Array]:
         """What is minimised, and the constraints, which are met where they are >= 0, in units of their size, (m,)."""
-        found, values = self.measures(orbit), []
-        if self.minimize not in found:
+        goal, values = self.measure(orbit, self.minimize), []
+        if goal is None:
             raise NoGait(f"there is no {self.minimize} here", np.nan)
         for each in self.bounds:
             # an event that is not armed has no margin, and needs none
-            known = each.measure in found
-            values.append(each.side * (found[each.measure].value - each.value) / each.size if known else 1.0)
+            found = self.measure(orbit, each.measure)
+            values.append(1.0 if found is None else each.side * (found.value - each.value) / each.size)
         if self.largest_multiplier is not None:
             values.extend(borders(orbit.jacobian, self.largest_multiplier).tolist())
-        return found[self.minimize].value, np.array(values)
+        return goal.value, np.array(values)
 
     def slopes(self, orbit: Orbit, watch: bool, on_cycle: OnCycle = lambda: None) -> tuple[Array, Array]:
         """Derivatives of `values` along the branch by all of an orbit's names that are not solved for, (n,) and (m, n).
@@ -128,16 +127,17 @@ class Problem:
             watch: whether those of the multipliers are needed, which take a cycle each; else they are zero.
             on_cycle: called before each cycle.
         """
-        others, found = len(orbit.names) - len(self.vary), self.measures(orbit)
+        others, goal = len(orbit.names) - len(self.vary), self.measure(orbit, self.minimize)
+        assert goal is not None
         dxi, dz = solved(orbit, self.vary, list(self.keep))
         chain, rows = np.concatenate([dxi, dz, np.eye(others)]), []
         for each in self.bounds:
-            along = found[each.measure].derivative @ chain if each.measure in found else np.zeros(others)
-            rows.append(each.side * along / each.size)
+            found = self.measure(orbit, each.measure)
+            rows.append(np.zeros(others) if found is None else each.side * found.derivative @ chain / each.size)
         if self.largest_multiplier is not None:
             of = slopes(orbit, self.vary, list(self.keep), self.largest_multiplier, on_cycle) if watch else None
             rows.extend(np.zeros((len(STABILITY), others)) if of is None else of)
-        return found[self.minimize].derivative @ chain, np.array(rows).reshape(-1, others)
+        return goal.derivative @ chain, np.array(rows).reshape(-1, others)
 
     def local(self, orbit: Orbit, scale: float, on_cycle: OnCycle = lambda: None) -> Local[Orbit]:
         """The problem about a gait, with parameters counted from 0 to 1 within their ranges.

@@ -1,19 +1,20 @@
 """Minimise under inequalities where there may be no value: sequential quadratic programming with trust regions.
 
 A step is trusted as far as the model has been right. Where there is no value the region shrinks, so that iterates stay
-where values exist; solvers that evaluate wherever their line search leads do not.
+where values exist; solvers that evaluate wherever their line search leads do not. Where the function or a constraint
+has a kink, trials that were no better say what is across it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Generic, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
+
+from spear_pin.gaits.codesign.step import FAILURES, Cut, Local, step_within
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -21,11 +22,9 @@ FIRST, LARGEST = 0.1, 0.5  # radii, of the box
 GOOD, BAD = 0.75, 0.1  # shares of a predicted gain
 PENALTY = 2.0  # of the largest multiplier, at least
 STILL = 1e-3  # of the function, over the whole box: what a minimum leaves of the gradient
-HIGHEST = 1e6  # of a multiplier
-FAILURES = RuntimeError, ArithmeticError, np.linalg.LinAlgError  # of solvers
 NEARBY = 1e-4  # of the box: what holds a point is that near
-NEAR = 1e-12  # a row that is shorter is none
-ROUNDING = 1e-12  # by which constraints are eased, so that a box without an inside has one
+BENT = 1e4  # curvature of the function, over the whole box: as much only where it has a kink
+REMEMBERED = 15.0  # radii: points across kinks that are farther do not count
 CONVERGED, STUCK, NO_VALUE, TOO_LONG = (
     "converged",
     "no step makes it better",
@@ -33,45 +32,6 @@ CONVERGED, STUCK, NO_VALUE, TOO_LONG = (
     "iterations ran out",
 )
 UNSOLVED = "the quadratic model has no solution"
-
-
-@dataclass(frozen=True)
-class Local(Generic[T]):
-    """A function and its constraints about a point.
-
-    Attributes:
-        x: the point, (n,).
-        f: the function.
-        c: constraints, to be >= 0, (m,).
-        slopes: gives the gradient of the function, (n,), and the constraints' derivatives, (m, n). It may take long,
-            and is asked only where a step goes on from.
-        more: what else is known there.
-    """
-
-    x: Array
-    f: float
-    c: Array
-    slopes: Callable[[], tuple[Array, Array]]
-    more: T
-
-    @cached_property
-    def _slopes(self) -> tuple[Array, Array]:
-        return self.slopes()
-
-    @property
-    def g(self) -> Array:
-        """The gradient, (n,)."""
-        return self._slopes[0]
-
-    @property
-    def A(self) -> Array:  # noqa: N802
-        """Derivatives of the constraints, (m, n)."""
-        return self._slopes[1]
-
-    @property
-    def violation(self) -> float:
-        """By how much constraints are missed, summed."""
-        return float(np.maximum(-self.c, 0.0).sum())
 
 
 @dataclass(frozen=True)
@@ -83,6 +43,7 @@ class Minimum(Generic[T]):
         multipliers: of Lagrange, of the constraints, (m,), >= 0.
         at_bounds: of the lower and upper bounds, (2, n), >= 0.
         stationarity: what of the gradient they leave, its largest component.
+        kinks: what holds it of what is across kinks, with multipliers, those of constraints counted above, too.
         path: function and violation after each iteration.
         reason: why it ended.
     """
@@ -91,6 +52,7 @@ class Minimum(Generic[T]):
     multipliers: Array
     at_bounds: Array
     stationarity: float
+    kinks: tuple[tuple[float, Cut[T]], ...]
     path: tuple[tuple[float, float], ...]
     reason: str
 
@@ -122,22 +84,31 @@ def minimised(
         on_step: called after each.
     """
     best, radius, penalty, steep = start, FIRST, 1.0, False
-    hessian = np.eye(len(start.x)) * max(float(np.abs(start.g).max()), 1e-3)
+    hessian, plain = _plain(start), True
     path, reason, beyond = [(best.f, best.violation)], TOO_LONG, False
+    across: list[Local[T]] = []
     for n in range(iterations):
         low, high = np.maximum(lower - best.x, -radius), np.minimum(upper - best.x, radius)
+        near = [each for each in across if np.abs(each.x - best.x).max() <= REMEMBERED * radius]
         try:
-            ahead = _step(best, hessian, low, high)
+            ahead = step_within(best, hessian, low, high, near)
         except FAILURES:
-            reason = UNSOLVED
-            break
+            if plain:
+                reason = UNSOLVED
+                break
+            hessian, plain = _plain(best), True
+            continue
+        plain = False
         step, multipliers = ahead.s, ahead.multipliers
-        penalty = max(0.5 * penalty, 1.0, PENALTY * float(multipliers.max(initial=0.0)))
+        penalty = max(0.5 * penalty, 1.0, PENALTY * float(ahead.prices.max(initial=0.0)))
         predicted = -(best.g @ step + 0.5 * step @ hessian @ step) + penalty * (best.violation - ahead.missed)
         size = float(np.abs(step).max())
         reach = radius if size > 0.9 * radius else 1.0  # a step that the region cuts short says little
+        if predicted <= tolerance * max(abs(best.f), 1.0) * reach and ahead.on_kink and radius > NEARBY:
+            radius *= 0.3  # points that are across a kink far away say little of it here
+            continue
         if predicted <= tolerance * max(abs(best.f), 1.0) * reach:
-            left = _held(best, hessian, lower, upper)[2]
+            left = _held(best, hessian, lower, upper, across).stationarity
             if left <= STILL * max(abs(best.f), 1.0) or steep:
                 reason = CONVERGED if best.violation <= tolerance else STUCK
                 break
@@ -156,86 +127,61 @@ def minimised(
         elif gained > GOOD * predicted and size > 0.9 * radius:
             radius = min(2.0 * radius, LARGEST)
         if there is not None and gained > 0.0:
-            hessian = _updated(hessian, step, change)
+            if np.linalg.norm(change) < BENT * max(abs(best.f), 1.0) * np.linalg.norm(step):  # else it went over a kink
+                hessian = _updated(hessian, step, change)
             best, steep = there, False
+        elif there is not None and _known(there):
+            across = [*across[-2 * len(best.x) :], there]
         path.append((best.f, best.violation))
         on_step(n + 1, best)
         if radius < tolerance:
             reason = NO_VALUE if beyond else STUCK
             break
-    return Minimum(best, *_held(best, hessian, lower, upper), tuple(path), reason)
+    held = _held(best, hessian, lower, upper, across)
+    return Minimum(best, *held, tuple(path), reason)
+
+
+def _plain(local: Local[T]) -> Array:
+    """A first curvature."""
+    return np.eye(len(local.x)) * max(float(np.abs(local.g).max()), 1e-3)
 
 
 def _of_lagrange(local: Local[T], multipliers: Array) -> Array:
     return np.asarray(local.g - local.A.T @ multipliers)
 
 
-def _held(local: Local[T], hessian: Array, lower: Array, upper: Array) -> tuple[Array, Array, float]:
-    """Multipliers of what holds a point, of constraints and of bounds, and what they leave of the gradient."""
-    low, high = np.maximum(lower - local.x, -NEARBY), np.minimum(upper - local.x, NEARBY)
+def _known(local: Local[T]) -> bool:
+    """Whether a point has derivatives."""
     try:
-        end = _step(local, hessian, low, high)
+        return bool(np.isfinite(local.g).all() and np.isfinite(local.A).all())
     except FAILURES:
-        return np.zeros(len(local.c)), np.zeros((2, len(local.x))), np.inf
-    found = np.where(local.c >= -NEARBY, end.multipliers, 0.0)  # what is missed has no price
-    at_bounds = np.where(np.array([low > -NEARBY, high < NEARBY]), end.at_bounds, 0.0)
-    left = local.g - local.A.T @ found - at_bounds[0] + at_bounds[1]
-    return found, at_bounds, float(np.abs(left).max())
+        return False
 
 
-@dataclass(frozen=True)
-class _Step:
-    """A step of the model within a box.
+class _Held(NamedTuple, Generic[T]):
+    """As of `Minimum`."""
 
-    Attributes:
-        s: the step, (n,).
-        missed: by how much the linearised constraints are missed, summed: no step in the box misses them by less.
-        multipliers: of the constraints, (m,).
-        at_bounds: of the box, lower and upper, (2, n).
-    """
-
-    s: Array
-    missed: float
     multipliers: Array
     at_bounds: Array
+    stationarity: float
+    kinks: tuple[tuple[float, Cut[T]], ...]
 
 
-def _step(local: Local[T], hessian: Array, low: Array, high: Array) -> _Step:
-    """The step of least model among those that miss the constraints by as little as can be."""
-    n, m = len(local.x), len(local.c)
-    slack = np.zeros(m)
-    if m:
-        cost = np.concatenate([np.zeros(n), np.ones(m)])
-        box = [*zip(low, high, strict=True), *[(0.0, None)] * m]
-        found = scipy.optimize.linprog(cost, -np.hstack([local.A, np.eye(m)]), local.c, bounds=box)
-        if found.x is None:
-            raise RuntimeError(found.message)
-        slack = np.maximum(found.x[n:], 0.0)
-    rows = np.concatenate([local.A, np.eye(n), -np.eye(n)])
-    right = np.concatenate([-local.c - slack, low, -high]) - ROUNDING
-    s, multipliers = _quadratic(hessian, local.g, rows, right)
-    return _Step(np.clip(s, low, high), float(slack.sum()), multipliers[:m], multipliers[m:].reshape(2, n))
-
-
-def _quadratic(hessian: Array, g: Array, rows: Array, right: Array) -> tuple[Array, Array]:
-    """Minimise g·s + s·B s / 2 under rows s >= right, and the multipliers.
-
-    As the least distance that it is in coordinates in which B is one, by non-negative least squares: Lawson and Hanson,
-    Solving Least Squares Problems, chapter 23.
-    """
-    half = np.linalg.cholesky(hessian)
-    to = scipy.linalg.solve_triangular(half, rows.T, lower=True).T
-    far = scipy.linalg.solve_triangular(half, g, lower=True)
-    height = right + to @ far
-    scale = np.maximum(np.linalg.norm(to, axis=1), NEAR)
-    above = np.column_stack([to, height]) / scale[:, None]
-    y, _ = scipy.optimize.nnls(above.T, np.eye(1, len(g) + 1, len(g))[0], maxiter=100 * len(rows))
-    left = 1.0 - above[:, -1] @ y
-    if not left > 0.0:
-        raise RuntimeError("no step meets the constraints")
-    multipliers = np.asarray(np.minimum(y / left / scale, HIGHEST))
-    u = to.T @ multipliers - far
-    return scipy.linalg.solve_triangular(half.T, u, lower=False), multipliers
+def _held(local: Local[T], hessian: Array, lower: Array, upper: Array, across: Sequence[Local[T]]) -> _Held[T]:
+    """What holds a point, of constraints, bounds and kinks, and what that leaves of the gradient."""
+    low, high = np.maximum(lower - local.x, -NEARBY), np.minimum(upper - local.x, NEARBY)
+    near = [each for each in across if np.abs(each.x - local.x).max() <= NEARBY]
+    try:
+        end = step_within(local, hessian, low, high, near)
+    except FAILURES:
+        return _Held(np.zeros(len(local.c)), np.zeros((2, len(local.x))), np.inf, ())
+    found = np.where(local.c >= -NEARBY, end.multipliers, 0.0)  # what is missed has no price
+    prices = np.where(local.c >= -NEARBY, end.prices, 0.0)
+    at_bounds = np.where(np.array([low > -NEARBY, high < NEARBY]), end.at_bounds, 0.0)
+    left = local.g - local.A.T @ found - at_bounds[0] + at_bounds[1]
+    for price, cut in end.kinks:
+        left = left - price * cut.row
+    return _Held(prices, at_bounds, float(np.abs(left).max()), end.kinks)
 
 
 def _updated(hessian: Array, step: Array, change: Array) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.gaits.sensitivity.heat import ENERGY, HEAT, WORK, heating
-from spear_pin.gaits.sensitivity.measures import CLEARANCE, LEAST_STRIDE, PRESSED
+from spear_pin.gaits.sensitivity.measures import CLEARANCE, DEFLECTION, LEAST_STRIDE, PRESSED
 from spear_pin.gaits.sensitivity.panels import Panels
 from spear_pin.hybrid.arc import Arc, Record
 from spear_pin.hybrid.automaton import HybridSystem
@@ -151,7 +151,8 @@ class _Chunk:
         robot = self.system.robot
         found = self._of_laps()
         sums = {name: np.zeros(self.count) for name in ("work", "positive_work")}
-        squares, tops = np.zeros((robot.nu, self.count)), np.full((robot.nu, self.count), -np.inf)
+        squares = np.zeros((robot.nu, self.count))
+        tops, rates, lowest, highest = np.full((4, robot.nu, self.count), -np.inf)
         force, friction, aloft = ({toe: np.full(self.count, -np.inf) for toe in robot.toes} for _ in range(3))
         weight = self.system.robot.weight
         for parts in self.groups.values():
@@ -169,6 +170,11 @@ class _Chunk:
                 sums["positive_work"] += panels.positive(power)
                 squares[j] += panels.integral(torque**2)
                 tops[j] = np.maximum(tops[j], np.maximum(panels.peak(torque), panels.peak(-torque)))
+                angle, rate = (y[i].reshape(-1, POINTS) for i in (robot.index(joint), robot.nv + robot.index(joint)))
+                rates[j] = np.maximum(rates[j], np.maximum(panels.peak(rate), panels.peak(-rate)))
+                lowest[j], highest[j] = (
+                    np.maximum(ends[j], panels.peak(side * angle)) for ends, side in ((lowest, -1.0), (highest, 1.0))
+                )
             closed = [toe for toe, _ in closed_toes(tuple(robot.toes), domain)]
             for k, toe in enumerate(closed):
                 along, up = (values.forces[2 * k + i].reshape(-1, POINTS) for i in (0, 1))
@@ -181,7 +187,9 @@ class _Chunk:
         found |= sums
         for j, joint in enumerate(robot.actuated):
             found[f"rms_torque_{joint}"] = np.sqrt(squares[j] / found["period"])
-            found[f"peak_torque_{joint}"] = tops[j]
+            found[f"peak_torque_{joint}"], found[f"peak_speed_{joint}"] = tops[j], rates[j]
+            found[f"least_{joint}"], found[f"greatest_{joint}"] = -lowest[j], highest[j]
+        found["effort"] = squares.sum(axis=0)
         for toe in robot.toes:
             found[f"peak_force_{toe}"], found[f"friction_used_{toe}"] = force[toe], friction[toe]
             found[CLEARANCE + toe] = aloft[toe]
@@ -213,6 +221,12 @@ class _Chunk:
                 i = robot.index(system.cyclic[0])
                 row["stride"] = float(lap.y[i] - y[i])
                 row["mean_speed"] = row["stride"] / period
+            for arc in lap.arcs:
+                let_go = arc.event.reset.release if arc.event is not None and arc.event.reset is not None else ()
+                for mount in arc.domain.mounts:
+                    if mount.joint in let_go:
+                        left = mount.side * float(arc.after[robot.index(mount.joint)] - arc.held[mount.rest]) + 0.0
+                        row[DEFLECTION + mount.joint] = min(left, row.get(DEFLECTION + mount.joint, left))
             rows[lane] = row
             names += [name for name in row if name not in names]
         nothing: dict[str, float] = {}

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.gaits.sensitivity.measures import Measure
+from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.signals import Pieces, extremes
 from spear_pin.hybrid.tangent.derivative import Derivative, Stretch
 

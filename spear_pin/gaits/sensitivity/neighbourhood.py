@@ -14,7 +14,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import section
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
-from spear_pin.model.motor import Motor
+from spear_pin.model.motor import Drive, Motor
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ class Neighbourhood:
         state_slopes: derivatives of (q, v), (2 nv, m).
         solved_slopes: of what is solved for, (k, m).
         multipliers: (d,).
-        motors: of joints, by their names, whose heat is measured.
+        motors: of joints, by their names, or drives, whose heat or electricity is measured.
     """
 
     system: HybridSystem
@@ -49,7 +49,7 @@ class Neighbourhood:
     state_slopes: Array
     solved_slopes: Array
     multipliers: NDArray[np.complex128]
-    motors: Mapping[str, Motor] = field(default_factory=dict)
+    motors: Mapping[str, Motor | Drive] = field(default_factory=dict)
 
     @property
     def columns(self) -> tuple[str, ...]:

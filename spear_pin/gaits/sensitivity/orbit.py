@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.sensitivity.heat import with_heat
+from spear_pin.gaits.sensitivity.electricity import check_gears, electricity
+from spear_pin.gaits.sensitivity.heat import heat
 from spear_pin.gaits.sensitivity.margins import margins
-from spear_pin.gaits.sensitivity.measures import Measure, measures
+from spear_pin.gaits.sensitivity.measure import Measure, Measures
+from spear_pin.gaits.sensitivity.measures import measures
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.engines.structure import Structure
@@ -25,7 +27,7 @@ from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.fields import tangent_feet
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.seeds import numbers, seeds, weight_seeds
-from spear_pin.model.motor import NO_MOTORS, Motor
+from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 
 Array = NDArray[np.float64]
 CLOSED = 1e-6  # of the return map's displacement: what closes no better is no fixed point
@@ -39,13 +41,13 @@ class Orbit:
         system: the system.
         state: (q, v) on the section.
         names: of the parameters.
-        motors: of joints, by their names, whose heat is measured.
+        motors: of joints, by their names, whose heat is measured, or drives, whose electricity is.
     """
 
     system: HybridSystem
     state: State
     names: tuple[str, ...]
-    motors: Mapping[str, Motor] = field(default_factory=dict)
+    motors: Mapping[str, Motor | Drive] = field(default_factory=dict)
 
     @cached_property
     def chart(self) -> Chart:
@@ -96,15 +98,19 @@ class Orbit:
         return self.chart.coordinates((self.cycle.y[:nv], self.cycle.y[nv:]))
 
     @cached_property
-    def measures(self) -> dict[str, Measure]:
+    def measures(self) -> Measures:
         """All measures, with derivatives by ξ and by the parameters.
 
         Raises:
-            UnknownName: a joint has no motor torque.
-            BadValue: a motor's resistance or torque constant is not known.
+            UnknownName: as one is asked for, a joint has no motor torque.
+            BadValue: as one is asked for, a motor's resistance or torque constant is not known.
         """
-        found = measures(self.cycle, self.start, self.weight)
-        return with_heat(found, self.system, self.motors, self.names, self.dimension) if self.motors else found
+        drives = {joint: each for joint, each in self.motors.items() if isinstance(each, Drive)}
+        motors = {joint: each for joint, each in self.motors.items() if isinstance(each, Motor)}
+        more = electricity(self.cycle, drives, self.names, self.dimension) if drives else ()
+        if motors:
+            more = (*more, heat(self.system, motors, self.names, self.dimension))
+        return measures(self.cycle, self.start, self.weight, more)
 
     @property
     def weight(self) -> Measure:
@@ -157,13 +163,14 @@ def orbit_of_gait(
     over: Sequence[str],
     vary: Sequence[str] = (),
     keep: Sequence[str] = (),
-    motors: Mapping[str, Motor] = NO_MOTORS,
+    motors: Mapping[str, Motor | Drive] = NO_MOTORS,
 ) -> Orbit:
     """The orbit of a gait, its cycle and its measures found; its names are those of `vary`, then those of `over`.
 
     Arguments and what is raised are those of `sensitivity.sensitivity`.
     """
     check_lanes(system)
+    check_gears(system, motors)
     names = (*vary, *over)
     if len(set(names)) != len(names) or not over:
         raise BadValue("over", list(over), "one parameter or more, each once, none of them solved for")

@@ -21,6 +21,7 @@ from spear_pin.hybrid.engines.structure import OF_GROUND
 from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
+from spear_pin.model.motor import Drive, Motor
 
 Array = NDArray[np.float64]
 OnLanes = Callable[[int], object]
@@ -66,9 +67,10 @@ def found_anew(local: Neighbourhood, parameters: Array, on_lanes: OnLanes = lamb
 
 
 def side_by_side(local: Neighbourhood) -> bool:
-    """Whether lanes may differ in all parameters, and record all that is kept."""
+    """Whether lanes may differ in all parameters, and record all that is kept and measured."""
     return (
-        has_lanes(local.system, (*local.over, *local.vary))
+        not any(isinstance(each, Drive) for each in local.motors.values())
+        and has_lanes(local.system, (*local.over, *local.vary))
         and not set(local.vary) & set(OF_GROUND)
         and all(name in MEASURES and name in local.system.measures for name in local.keep)
     )
@@ -83,7 +85,8 @@ def _in_lanes(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Sam
     table = find_many(system, start, local.vary, target, guess=local.placed(system, y, given))
     found = np.flatnonzero(table.converged)
     own = {name: table.parameters[name][found] for name in (*local.over, *local.vary)}
-    cycles = measured(system, own, table.q[found], table.v[found], local.motors, on_lanes)
+    motors = {joint: each for joint, each in local.motors.items() if isinstance(each, Motor)}  # as all are
+    cycles = measured(system, own, table.q[found], table.v[found], motors, on_lanes)
     on_lanes(len(parameters) - len(found))
     outputs = {name: table.parameters[name] for name in local.vary}
     outputs |= {name: _spread(values, found, len(parameters)) for name, values in cycles.values.items()}

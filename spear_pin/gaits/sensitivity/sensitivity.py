@@ -20,10 +20,11 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number, unit
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
-from spear_pin.model.motor import NO_MOTORS, Motor
+from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
+ROUNDING = 1e-12  # of outputs, in their units
 
 
 @dataclass(frozen=True, repr=False)
@@ -45,7 +46,7 @@ class Sensitivity(Shown):
         multipliers: by decreasing modulus, (d,).
         multiplier_derivatives: (d, m), NaN where the order of events changes too near.
         one_sided: events that meet another in this gait, whose derivatives are of the order that happens.
-        motors: of joints, by their names, whose heat is among the outputs.
+        motors: of joints, by their names, or drives, whose heat or electricity is among the outputs.
 
     Example:
         >>> from spear_pin import find_gait, hopping, load
@@ -69,7 +70,7 @@ class Sensitivity(Shown):
     multipliers: NDArray[np.complex128]
     multiplier_derivatives: NDArray[np.complex128]
     one_sided: tuple[str, ...]
-    motors: Mapping[str, Motor]
+    motors: Mapping[str, Motor | Drive]
 
     def __repr__(self) -> str:
         return f"Sensitivity({len(self.outputs)} outputs over {', '.join(self.parameters)})"
@@ -96,7 +97,7 @@ class Sensitivity(Shown):
         return np.array([self.derivatives[name] for name in self.outputs])
 
     def elasticity(self, output: str) -> Array:
-        """% of an output for one more % of each parameter, (m,).
+        """% of an output for one more % of each parameter, (m,); NaN of an output that is zero but for rounding.
 
         Raises:
             UnknownName: there is no such output.
@@ -104,8 +105,7 @@ class Sensitivity(Shown):
         if output not in self.outputs:
             raise UnknownName("output", output, self.outputs)
         value = self.outputs[output]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            found: Array = self.derivatives[output] * self.given / value
+        found: Array = self.derivatives[output] * self.given / (value if abs(value) > ROUNDING else np.nan)
         return found
 
     @typed
@@ -178,7 +178,7 @@ def sensitivity(
     over: Sequence[str],
     vary: Sequence[str] = (),
     keep: Sequence[str] = (),
-    motors: Mapping[str, Motor] = NO_MOTORS,
+    motors: Mapping[str, Motor | Drive] = NO_MOTORS,
 ) -> Sensitivity:
     """Derivatives of a gait's state, measures and multipliers with respect to parameters.
 
@@ -192,8 +192,9 @@ def sensitivity(
         over: parameters, by the names of law, springs, ground or robot.
         vary: parameters that are solved for, so that the measures of `keep` stay as they are.
         keep: as many measures.
-        motors: of joints, by name, for the measures `heat_JOINT`, in J a cycle, and `energy`, the net work of all
-            motors and this heat; gears have the robot's ratio and lose nothing.
+        motors: of joints, by name: motors, for the measures `heat_JOINT`, in J a cycle, and `energy`, the net work
+            of all motors and this heat, behind gears that lose nothing, or drives, for `electricity_JOINT`, in J a
+            cycle, `electricity` where all joints have one, and `reserve_JOINT`, in N·m; ratios are the robot's.
 
     Raises:
         UnknownName: there is no parameter, measure or joint with a motor of a name.

@@ -33,6 +33,18 @@ class Pieces:
     derivatives: Array
     rate: float = 0.0
 
+    def plus(self, other: Pieces | float, change: Array | float = 0.0) -> Pieces:
+        """The sum with another along the same arc, or with a number that has a derivative, (c,)."""
+        if isinstance(other, Pieces):
+            values, derivatives = self.values + other.values, self.derivatives + other.derivatives
+            return Pieces(self.stretch, values, derivatives, self.rate + other.rate)
+        return Pieces(self.stretch, self.values + other, self.derivatives + change, self.rate)
+
+    def times(self, factor: float, change: Array | float = 0.0) -> Pieces:
+        """The product with a number that has a derivative, (c,)."""
+        derivatives = factor * self.derivatives + self.values[:, None] * change
+        return Pieces(self.stretch, factor * self.values, derivatives, factor * self.rate)
+
     def panels(self) -> Iterator[tuple[float, float, Array, Array]]:
         """Beginning and length of each panel, Legendre coefficients of the values and of the derivatives."""
         to, arc = rule(POINTS).legendre, self.stretch.arc
@@ -61,7 +73,7 @@ def positive(pieces: Sequence[Pieces]) -> tuple[float, Array]:
         begin, end = _ends(piece)
         change = change + max(end, 0.0) * piece.stretch.tau - max(begin, 0.0) * piece.stretch.since
         for _, h, values, derivatives in piece.panels():
-            marks = [-1.0, *_roots(values), 1.0]
+            marks = [-1.0, *roots(values), 1.0]
             whole, slopes = legendre.legint(values), legendre.legint(derivatives)
             for left, right in zip(marks[:-1], marks[1:], strict=True):
                 if legendre.legval(0.5 * (left + right), values) > 0.0:
@@ -96,7 +108,7 @@ def extremes(piece: Pieces) -> Iterator[tuple[float, float, Array]]:
     count = len(panels)
     for i, (_, h, values, derivatives) in enumerate(panels):
         slope = legendre.legder(values)
-        for x in (-1.0, *_roots(slope), 1.0):
+        for x in (-1.0, *roots(slope), 1.0):
             change: Any = legendre.legval(x, derivatives)
             rate = float(legendre.legval(x, slope)) * 2.0 / h if h > 0.0 else 0.0
             if x == -1.0 and i == 0:
@@ -132,8 +144,8 @@ def largest_ratio(
             continue
         for i, ((_, h, a, da), (_, _, b, db)) in enumerate(zip(above.panels(), below.panels(), strict=True)):
             slope_a, slope_b = legendre.legder(a), legendre.legder(b)
-            turns = _roots(legendre.legsub(legendre.legmul(slope_a, b), legendre.legmul(a, slope_b)))
-            falls = _roots(legendre.legsub(b, [least]))
+            turns = roots(legendre.legsub(legendre.legmul(slope_a, b), legendre.legmul(a, slope_b)))
+            falls = roots(legendre.legsub(b, [least]))
             for x in (-1.0, *turns, *falls, 1.0):
                 bottom, top = float(legendre.legval(x, b)), float(legendre.legval(x, a))
                 if bottom < least * (1.0 - 1e-9) or abs(top / bottom) <= best:
@@ -156,7 +168,7 @@ def largest_ratio(
 def where_it_falls(guard: Pieces, signal: Pieces) -> tuple[float, Array] | None:
     """A signal where a guard first falls through zero, and its derivative; None where it does not."""
     for (_, _, g, dg), (_, _, values, derivatives) in zip(guard.panels(), signal.panels(), strict=True):
-        for x in _roots(g):
+        for x in roots(g):
             fall = float(legendre.legval(x, legendre.legder(g)))
             if fall < 0.0:
                 later = -legendre.legval(x, dg) / fall  # in half lengths of the panel, as the rate is
@@ -171,7 +183,7 @@ def _ends(piece: Pieces) -> tuple[float, float]:
     return float(legendre.legval(-1.0, panels[0][2])), float(legendre.legval(1.0, panels[-1][2]))
 
 
-def _roots(coefficients: Any) -> list[float]:
+def roots(coefficients: Any) -> list[float]:
     """Where a Legendre series changes its sign inside (-1, 1), rising."""
     trimmed: Any = legendre.legtrim(coefficients, tol=1e-13 * max(float(np.abs(coefficients).max()), 1e-300))
     if len(trimmed) < 2:

@@ -17,8 +17,8 @@ from scipy.linalg import lapack
 
 Array = NDArray[np.float64]
 POINTS = 16
-# of a motion's Legendre coefficients, by which the last ones are to be smaller than itself: with it derivatives of peaks
-# are right to 5e-11 of the shipped hop, of friction's ratio to 4e-8 of bounds, of states at the end to 1e-14
+# of a motion's Legendre coefficients, by which the last ones are to be smaller than itself: so derivatives of peaks are
+# right to 5e-11 of the shipped hop, of the ratio of friction to 4e-8 of bounds, of states at the end to 1e-14
 TAIL = 1e-9
 
 

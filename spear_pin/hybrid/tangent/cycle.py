@@ -90,7 +90,8 @@ class _Whole:
         """Derivatives along an arc."""
         n, nv, c, domain = 2 * self.nv, self.nv, self.c, self.recorder.field(arc.domain, arc.held)
         raw = np.concatenate([self.raw, np.array(flat(arc.held), dtype=float).reshape(-1)])
-        given = np.concatenate([self.seeds, derivatives(flat({name: now.held[name] for name in arc.held}), c)])
+        held = {name: now.held[name] for name in arc.held}
+        given = np.concatenate([self.seeds, derivatives(flat(held), c)])
         t, h, y = points(arc)
         # directions are the state's, then those given, then the clock; at the points, at the beginning and at the end
         directions = _directions(n, c)
@@ -105,7 +106,7 @@ class _Whole:
         motion = slopes.slopes[nv:, :-2, :-1].reshape(nv, -1, POINTS, n + c).transpose(1, 2, 0, 3)
         S = carried(motion, h, now.dy)
         after = now.dy if arc.end - arc.t <= SHORTEST else S.end
-        stretch = Stretch(arc, t, y, S, after, values, slopes, now.tau)
+        stretch = Stretch(arc, t, y, S, after, values, slopes, held, now.tau)
         stretch.tau = self._tau(stretch, now)
         return stretch
 
@@ -171,7 +172,7 @@ def _directions(n: int, c: int) -> Array:
 
 def _dual_law(system: HybridSystem, raw: Array, seeds: Array) -> Any:
     """Parameters of the law, dual."""
-    changes = enumerate(seeds.any(axis=1).tolist())
+    changes = enumerate(np.any(seeds, axis=1).tolist())
 
     def dual(value: Any) -> Any:
         if isinstance(value, tuple):

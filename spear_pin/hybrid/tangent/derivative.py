@@ -33,6 +33,7 @@ class Stretch:
         dstate: derivatives of the state at its end, at the fixed clock, (2 nv, c).
         said: what the domain says at the points, at the beginning and at the end, (..., k + 2).
         slopes: derivatives of that along the state, directions beside and the clock, (..., k + 2, 2 nv + c + 1).
+        held: what is held, dual where it has a derivative.
         since: derivative of the time at which it begins, (c,).
         tau: of the time at which it ends, (c,), of which the cycle says what it is once it knows the rest.
     """
@@ -44,6 +45,7 @@ class Stretch:
     dstate: Array
     said: Values
     slopes: Values
+    held: Mapping[str, Any]
     since: Array
     tau: Array = field(init=False)
 

@@ -14,7 +14,9 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.parameters import number, with_numbers
+from spear_pin.model.numbers import body_numbers
 from spear_pin.model.planar import Planar
+from spear_pin.model.variants import parameters_of
 
 Array = NDArray[np.float64]
 STEP = (
@@ -35,9 +37,13 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
 
     Raises:
         UnknownName: there is no parameter of a name.
-        BadValue: a parameter is zero, and with it part of the equations.
+        BadValue: a parameter is zero, and with it part of the equations, or is none of the numbers.
     """
-    return changes(system, names, numbers)
+    found, of_robot = changes(system, names, numbers), {*parameters_of(system.robot), *body_numbers(system.robot)}
+    for name, column in zip(names, found.T, strict=True):
+        if not column.any() and name not in of_robot:  # a gear ratio without a rotor is a number of motors alone
+            raise BadValue(name, number(system, name), "a number of the equations: this one is built into the events")
+    return found
 
 
 def weight_seeds(system: HybridSystem, names: Sequence[str]) -> Array:

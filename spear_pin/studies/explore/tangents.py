@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from spear_pin.errors import BadValue, SpearError
 from spear_pin.gaits.bounding import SPEED_BY
 from spear_pin.gaits.bounding_law import LEGS
-from spear_pin.gaits.sensitivity.measures import Measure
+from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
 from spear_pin.gaits.sensitivity.orbit import Orbit, orbit_of_gait, solved
 from spear_pin.hybrid.parameters import number

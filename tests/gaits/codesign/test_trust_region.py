@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import scipy
 
-from spear_pin.gaits.codesign.trust_region import CONVERGED, NO_VALUE, STUCK, Local, minimised
+from spear_pin.gaits.codesign.step import Local
+from spear_pin.gaits.codesign.trust_region import CONVERGED, NO_VALUE, STUCK, UNSOLVED, minimised
 
 
 def problem(f, g, c=lambda x: np.empty(0), A=lambda x: np.empty((0, 2)), inside=lambda x: True):
@@ -101,3 +102,71 @@ def test_goes_round_a_hole_in_which_there_is_no_value():
     )
     end = found(value, (-1.0, -1.0))
     assert end.converged and end.local.x == pytest.approx([1.0, 1.0], abs=1e-5)
+
+
+def test_a_minimum_on_a_kink():
+    """Of the larger of two paraboloids, where their gradients are opposite: in shares of 0.477 and 0.523."""
+    sides = [
+        (lambda x: (x[0] - 1.0) ** 2 + x[1] ** 2 + x[1], lambda x: np.array([2.0 * (x[0] - 1.0), 2.0 * x[1] + 1.0])),
+        (lambda x: (x[0] + 1.0) ** 2 + 2.0 * x[1] ** 2, lambda x: np.array([2.0 * (x[0] + 1.0), 4.0 * x[1]])),
+    ]
+    value, calls = problem(
+        lambda x: max(f(x) for f, _ in sides), lambda x: max(sides, key=lambda side: side[0](x))[1](x)
+    )
+    end = found(value, (-1.2, 1.0))
+    assert end.converged and end.local.x == pytest.approx([-0.045328, -0.156744], abs=2e-5) and len(calls) < 60
+    assert end.stationarity < 1e-3
+    share = sum(price for price, cut in end.kinks if cut.constraint is None)
+    assert min(share, 1.0 - share) == pytest.approx(0.4773, abs=1e-3)
+
+
+def test_a_constraint_with_a_kink():
+    """The point of a wedge |x₁| <= 1 - x₀ that is nearest to (2, 0): its edge, by both sides, each at a price of 1."""
+    value, _ = problem(
+        lambda x: float((x[0] - 2.0) ** 2 + x[1] ** 2),
+        lambda x: np.array([2.0 * (x[0] - 2.0), 2.0 * x[1]]),
+        lambda x: np.array([1.0 - x[0] - abs(x[1])]),
+        lambda x: np.array([[-1.0, -np.sign(x[1])]]),
+    )
+    end = found(value, (0.2, 0.3))
+    assert end.local.x == pytest.approx([1.0, 0.0], abs=1e-6) and end.local.violation < 1e-7
+    assert end.multipliers == pytest.approx([2.0], abs=1e-3) and end.stationarity < 1e-3
+    assert [cut.constraint for price, cut in end.kinks if price > 1e-3] == [0]
+
+
+def test_a_share_of_a_kink_that_is_more_than_all_is_given_up():
+    """Across the kink the function falls: it is no valley."""
+    value, _ = problem(
+        lambda x: max(-x[0], -3.0 * x[0]) + float(x[1] ** 2),
+        lambda x: np.array([-3.0 if x[0] < 0.0 else -1.0, 2.0 * x[1]]),
+    )
+    end = found(value, (-1.0, 0.5))
+    assert end.converged and end.local.x == pytest.approx([2.0, 0.0], abs=1e-5)
+
+
+@pytest.mark.parametrize("n", [2, 3, 4])
+def test_the_largest_of_random_paraboloids(n):
+    """The minimum by linear programming's relative: an epigraph, whose constraints are smooth."""
+    random, ended = np.random.default_rng(n), []
+    for _ in range(8):
+        centres, scales = random.uniform(-1.0, 1.0, (3, n)), random.uniform(0.5, 3.0, (3, n))
+
+        def pieces(x, centres=centres, scales=scales):
+            return (scales * (x - centres) ** 2).sum(axis=1)
+
+        def slope(x, centres=centres, scales=scales, pieces=pieces):
+            i = int(pieces(x).argmax())
+            return 2.0 * scales[i] * (x - centres[i])
+
+        value, _ = problem(lambda x, pieces=pieces: float(pieces(x).max()), slope, A=lambda x: np.empty((0, n)))
+        end = found(value, [1.5] * n, [-2.0] * n, [2.0] * n)
+        top = scipy.optimize.minimize(
+            lambda z: z[-1],
+            [1.5] * n + [60.0],
+            constraints={"type": "ineq", "fun": lambda z, pieces=pieces: z[-1] - pieces(z[:-1])},
+            method="SLSQP",
+            options={"ftol": 1e-12},
+        )
+        ended.append(end.reason)
+        assert end.local.f == pytest.approx(top.fun, rel=1e-4)
+    assert UNSOLVED not in ended and CONVERGED in ended

@@ -1,6 +1,7 @@
 """Derivatives of gaits against gaits that are found again with other numbers, and what is refused."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -90,6 +91,16 @@ def test_it_is_told_drawn_and_written(table, tmp_path):
     assert save_figure(figure, tmp_path / "table.svg").stat().st_size > 1000
     with pytest.raises(UnknownName, match="nothing"):
         table.elasticity("nothing")
+
+
+@pytest.mark.parametrize("value", [0.0, -3e-16])
+def test_an_output_that_is_zero_has_no_elasticity(table, tmp_path, value):
+    """As the deflection of springs in a bound, which are slack as they are let go."""
+    other = replace(table, outputs={**table.outputs, "work": value})
+    assert np.isnan(other.elasticity("work")).all() and np.isfinite(other.elasticity("positive_work")).all()
+    labels = [text.get_text() for text in elasticities(other).axes[0].texts]
+    assert labels.count("none") == len(OVER) and "none, none" in card(other)
+    assert other.values[other.measures.index("work")].any()
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,48 @@
+"""What joints and toes do along the arcs of a cycle, as signals with derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from spear_pin.gaits.sensitivity.signals import Pieces
+from spear_pin.hybrid.rules.footing import closed_toes
+from spear_pin.hybrid.tangent.derivative import Stretch
+from spear_pin.model.robot import Robot
+
+
+def powered(stretches: Sequence[Stretch], robot: Robot, joint: str) -> tuple[list[Pieces], list[Pieces]]:
+    """Torque of a joint's motors, and speed of the joint."""
+    j, there = robot.actuated.index(joint), lasting(stretches)
+    torque = [Pieces(each, each.values.u[j], each.derivatives.u[j], float(each.rate.u[j])) for each in there]
+    return torque, coordinate(stretches, robot.nv + robot.index(joint))
+
+
+def coordinate(stretches: Sequence[Stretch], i: int) -> list[Pieces]:
+    """A number of the state."""
+    return [Pieces(each, each.y[i], each.dy[i], float(each.end.slopes[i])) for each in lasting(stretches)]
+
+
+def forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Iterator[tuple[Pieces, Pieces]]:
+    """Force on a toe along the ground and normal to it, where it is on it."""
+    for each in lasting(stretches):
+        closed = closed_in(each, toes)
+        if toe in closed:
+            k = 2 * closed.index(toe)
+            values, changes, rates = each.values.forces, each.derivatives.forces, each.rate.forces
+            along, up = (Pieces(each, values[n], changes[n], float(rates[n])) for n in (k, k + 1))
+            yield along, up
+
+
+def closed_in(stretch: Stretch, toes: Sequence[str]) -> list[str]:
+    """Toes that are on the ground."""
+    return [name for name, _ in closed_toes(tuple(toes), stretch.arc.domain)]
+
+
+def long(stretches: Sequence[Stretch]) -> list[Stretch]:
+    """Those that last in this cycle."""
+    return [each for each in stretches if not each.at_once]
+
+
+def lasting(stretches: Sequence[Stretch]) -> list[Stretch]:
+    """Those that last in this cycle, or on one side beside it."""
+    return [each for each in stretches if not each.at_once or each.late]

@@ -1,0 +1,184 @@
+"""Electricity that drives take in a cycle, gears with losses among them, and what is left of their envelopes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from spear_pin.errors import BadValue
+from spear_pin.gaits.sensitivity.along_arcs import powered
+from spear_pin.gaits.sensitivity.heat import motors_of_joint, ratio_of
+from spear_pin.gaits.sensitivity.measure import Group, Measure, total
+from spear_pin.gaits.sensitivity.signals import Pieces, peak, roots
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.tangent.collocation import POINTS, rule
+from spear_pin.hybrid.tangent.derivative import Derivative
+from spear_pin.model.motor import Drive, Motor
+
+Array = NDArray[np.float64]
+ELECTRICITY, RESERVE = "electricity", "reserve_"
+
+
+class _Joint(NamedTuple):
+    """A drive behind a joint.
+
+    Attributes:
+        drive: of each of its motors.
+        motors: that share the joint's torque.
+        constant: N kt with the robot's ratio, in N·m/A.
+        change: derivative of that, (c,).
+    """
+
+    drive: Drive
+    motors: int
+    constant: float
+    change: Array
+
+
+def electricity(cycle: Derivative, drives: Mapping[str, Drive], names: Sequence[str], d: int) -> tuple[Group, ...]:
+    """Of drives `electricity_JOINT` and `electricity`, their sum, in J, and `reserve_JOINT`, in N·m.
+
+    The first is ∫ max(V i, 0) dt of a cycle, of all motors of the joint: nothing is stored of what they give back. The
+    last is what of its torque a motor has to spare where that is least, at the joint, negative where it cannot give it;
+    where it is to brake, the help of the gears is not counted. A motor's greatest speed is none of it. Gears have the
+    robot's ratio, which may vary, and the drive's efficiency. The sum is there where all joints have drives.
+
+    Args:
+        cycle: the cycle.
+        drives: of joints, by their names; a pair's joint has two.
+        names: of the parameters.
+        d: coordinates ahead of them.
+
+    Raises:
+        UnknownName: as it is found, a joint has no motor torque.
+        BadValue: as it is found, a motor's resistance or torque constant is not known.
+    """
+    robot = cycle.system.robot
+
+    def joints() -> Iterator[tuple[str, _Joint, list[Pieces], list[Pieces]]]:
+        for name, drive in drives.items():
+            joint = _joint(cycle.system, name, drive, names, d)
+            yield name, joint, *powered(cycle.stretches, robot, name)
+
+    def taken(of: Mapping[str, Measure]) -> dict[str, Measure]:
+        parts = {f"{ELECTRICITY}_{name}": Measure(*_drawn(u, w, joint), "J") for name, joint, u, w in joints()}
+        whole = {ELECTRICITY: total([*parts.values()])} if set(drives) == set(robot.actuated) else {}
+        return {**parts, **whole}
+
+    def reserves(of: Mapping[str, Measure]) -> dict[str, Measure]:
+        return {RESERVE + name: Measure(*_reserve(u, w, joint), "N·m") for name, joint, u, w in joints()}
+
+    return Group(f"{ELECTRICITY}(_.*)?", taken), Group(f"{RESERVE}.*", reserves)
+
+
+def check_gears(system: HybridSystem, motors: Mapping[str, Motor | Drive]) -> None:
+    """Refuse drives behind other gears than the robot's.
+
+    Raises:
+        BadValue: a ratio is another one.
+        UnknownName: a joint has no motor torque.
+    """
+    for joint, each in motors.items():
+        if isinstance(each, Drive) and not math.isclose(each.gearbox.ratio, system.robot.gear_ratio(joint)):
+            expected = f"the robot's, {system.robot.gear_ratio(joint):g}: vary {joint}_ratio there"
+            raise BadValue(f"ratio of the drive of {joint}", each.gearbox.ratio, expected)
+
+
+def _joint(system: HybridSystem, name: str, drive: Drive, names: Sequence[str], d: int) -> _Joint:
+    motors, kt = motors_of_joint(system, name), drive.motor.known("torque_constant")
+    drive.motor.known("resistance")
+    ratio, change = ratio_of(system, name, names, d)
+    return _Joint(drive, motors, ratio * kt, change * kt)
+
+
+def _drawn(torque: Sequence[Pieces], speed: Sequence[Pieces], joint: _Joint) -> tuple[float, Array]:
+    """∫ max(V i, 0) dt of all motors, and its derivative.
+
+    Where the joint turns back under torque the gears' losses change sides, and the power jumps: the place moves.
+    """
+    total, change = 0.0, np.zeros(torque[0].derivatives.shape[1])
+    for u, w in zip(torque, speed, strict=True):
+        last: float | None = None  # power where the interval before ends
+        for (_, h, U, dU), (_, _, W, dW) in zip(u.panels(), w.panels(), strict=True):
+            U, dU, turns = U / joint.motors, dU / joint.motors, roots(W)
+            marks = sorted([-1.0, 1.0, *turns, *roots(U), *roots(_returns(U, W, joint))])
+            for left, right in zip(marks[:-1], marks[1:], strict=True):
+                drives = bool(_at(0.5 * (left + right), U) * _at(0.5 * (left + right), W) >= 0.0)
+                x = np.concatenate([left + (right - left) * rule(POINTS).nodes, [left, right]])
+                weights = 0.5 * h * (right - left) * rule(POINTS).weights
+                power = _Power(_at(x, U), _at(x, W), drives, joint)
+                total += float(weights @ power.value[:-2])
+                change = change + power.along(_at(x, dU), _at(x, dW), joint.change)[:, :-2] @ weights
+                begin, end = power.value[-2:].tolist()
+                if last is None:
+                    change = change - begin * u.stretch.since
+                elif left in turns:
+                    moved = -_at(left, dW) / _at(left, legendre.legder(W))
+                    change = change + 0.5 * h * (last - begin) * moved
+                last = end
+        change = change + (last or 0.0) * u.stretch.tau
+    return joint.motors * total, joint.motors * change
+
+
+def _at(x: Any, coefficients: Any) -> Any:
+    """Values of Legendre series, (k,) or (k, c), at places on [-1, 1]."""
+    return legendre.legval(x, coefficients)
+
+
+def _returns(U: Array, W: Array, joint: _Joint) -> Array:
+    """What changes its sign where a braking motor begins, or ends, to give power back: R η u / (N kt)² + ω."""
+    resistance, efficiency = joint.drive.motor.known("resistance"), joint.drive.gearbox.efficiency
+    return np.asarray(resistance * efficiency / joint.constant**2 * U + W)
+
+
+class _Power:
+    """max(V i, 0) of one motor, R i² + N kt ω i, as `Drive.bus_power` of current `Drive.current`.
+
+    Args:
+        u: torques of a motor at the joint, in N·m.
+        w: speeds of the joint, in rad/s.
+        drives: whether the motor drives, or brakes.
+        joint: the drive.
+    """
+
+    def __init__(self, u: Array, w: Array, drives: bool, joint: _Joint) -> None:
+        share = joint.drive.gearbox.efficiency ** (-1.0 if drives else 1.0)
+        heat = joint.drive.motor.known("resistance") * (share / joint.constant) ** 2
+        whole = heat * u * u + share * u * w
+        on = whole > 0.0
+        self.value = np.where(on, whole, 0.0)
+        self._by_u = np.where(on, 2.0 * heat * u + share * w, 0.0)
+        self._by_w = np.where(on, share * u, 0.0)
+        self._by_constant = np.where(on, -2.0 * heat * u * u / joint.constant, 0.0)
+
+    def along(self, du: Array, dw: Array, dconstant: Array) -> Array:
+        """Its derivatives, (c, points)."""
+        return np.asarray(self._by_u * du + self._by_w * dw + self._by_constant * dconstant[:, None])
+
+
+def _reserve(torque: Sequence[Pieces], speed: Sequence[Pieces], joint: _Joint) -> tuple[float, Array]:
+    """Least of the envelope less the torque, to either side, and its derivative.
+
+    The envelope is N kt i with i as much as supply and amplifier give, times η; above the no-load speed, where i brakes
+    whatever is wanted, over η.
+    """
+    drive, c, change = joint.drive, joint.constant, joint.change
+    resistance, efficiency, missed = drive.motor.known("resistance"), drive.gearbox.efficiency, list[Pieces]()
+    for side in (1.0, -1.0):
+        asked = [each.times(side / joint.motors) for each in torque]
+        for share in (efficiency, 1.0 / efficiency):  # the less of both, as i drives or brakes
+            stall, slope = share * c * drive.bus / resistance, side * share * c**2 / resistance
+            missed += [
+                one.plus(other.times(slope, 2.0 * slope / c * change)).plus(-stall, -stall / c * change)
+                for one, other in zip(asked, speed, strict=True)
+            ]
+        if drive.current_limit is not None:
+            most = efficiency * c * drive.current_limit
+            missed += [one.plus(-most, -most / c * change) for one in asked]
+    value, along = peak(missed)
+    return -value, -along

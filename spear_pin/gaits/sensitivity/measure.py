@@ -1,0 +1,74 @@
+"""A measure of a cycle with its derivatives, and many of them, each found when it is asked for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A measure of a cycle.
+
+    Attributes:
+        value: in its unit.
+        derivative: along each direction, (c,).
+        unit: the unit.
+    """
+
+    value: float
+    derivative: Array
+    unit: str
+
+
+class Group(NamedTuple):
+    """Measures that are found together.
+
+    Attributes:
+        names: a pattern of their names.
+        found: finds them, given all measures, of which it may make use of others.
+    """
+
+    names: str
+    found: Callable[[Mapping[str, Measure]], Mapping[str, Measure]]
+
+
+class Measures(Mapping[str, Measure]):
+    """Measures by name: what is asked for is found, at the cost of what is found with it.
+
+    Args:
+        groups: all of them.
+    """
+
+    def __init__(self, groups: Sequence[Group]) -> None:
+        self._groups, self._found = tuple(groups), dict[int, Mapping[str, Measure]]()
+
+    def __getitem__(self, name: str) -> Measure:
+        for i, group in enumerate(self._groups):
+            if re.fullmatch(group.names, name) and name in self._of(i):
+                return self._of(i)[name]
+        raise KeyError(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return (name for i in range(len(self._groups)) for name in self._of(i))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def _of(self, i: int) -> Mapping[str, Measure]:
+        if i not in self._found:
+            self._found[i] = self._groups[i].found(self)
+        return self._found[i]
+
+
+def total(parts: Sequence[Measure]) -> Measure:
+    """The sum of measures of one unit."""
+    value = float(sum(each.value for each in parts))
+    return Measure(value, np.sum([each.derivative for each in parts], axis=0), parts[0].unit)
