@@ -1,9 +1,9 @@
 """The hop of least cost, sought among fixed points: every iterate is a hop, as long in the air as is wanted.
 
-The numbers of law and spring that are chosen, four or five, are unknowns of COBYQA, which takes no derivatives: the
-electricity has kinks, and where the toe does not leave the ground there is no hop. For each of its trial points
-Newton's method gives the state and the stance torque, from the nearest hop that is known. What comes out is made a
-fixed point to the last digits.
+The numbers of law and spring that are chosen, four or five, are unknowns of COBYQA, which takes no derivatives: where
+toes bounce, or do not leave the ground, the cost jumps, or there is no hop. For each of its trial points Newton's
+method gives the state and the stance torque, from the nearest hop that is known. What comes out is made a fixed point
+to the last digits; `descent` goes on from there.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ TORQUE = "stance_torque"  # what is solved for the flight time
 ROUNDS, GAIN = 2, 3e-3  # of the optimiser, each from the best that is known, until one saves less of the cost
 RADIUS = 1.0  # units: of the trust region that a round begins with
 TRIALS = 120  # of a round
+KEPT = -2 * OVER  # of limits, left of a hop that keeps them
 MISSED = 0.02  # of limits, by which they are taken to be exceeded where there is no hop
 
 
@@ -46,12 +47,17 @@ def best_hop(task: Task, place: Place) -> Gait:
         except NoGait as error:  # on the brink of hops whose toe does not leave the ground
             failures.append(error)
             continue
-        cycle = simulate(gait.system, gait.state, samples=task.samples, progress=False)
-        left = task.spare(gait.system, cycle).min(initial=0.0)
-        if left >= -2 * OVER:
+        _, left = judged(task, gait)
+        if left >= KEPT:
             return gait
         failures.append(NoGait(f"beside it a limit is exceeded by {-100 * left:.2g} %", gait.residual))
     raise failures[0]
+
+
+def judged(task: Task, gait: Gait) -> tuple[float, float]:
+    """What a hop costs, and what is left of the limit that is used up most, as a share of it."""
+    cycle = simulate(gait.system, gait.state, samples=task.samples, progress=False)
+    return task.cost(gait.system, cycle), float(task.spare(gait.system, cycle).min(initial=0.0))
 
 
 def explore(hops: HopFamily, tolerance: float) -> None:

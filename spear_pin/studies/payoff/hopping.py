@@ -21,6 +21,7 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.parameters import rebuilt as with_parts
 from spear_pin.hybrid.simulate import simulate
@@ -31,8 +32,9 @@ from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
 from spear_pin.studies.design import energy_drawn, points_of
 from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
-from spear_pin.studies.payoff.best_hop import best_hop
+from spear_pin.studies.payoff.best_hop import KEPT, TORQUE, best_hop, judged
 from spear_pin.studies.payoff.cycles import Task
+from spear_pin.studies.payoff.descent import descended
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
 from spear_pin.studies.payoff.grid import NONE, SWITCHED, Point
@@ -50,7 +52,7 @@ LOADED = 0.1  # of the weight: with less on the toe the share that friction take
 TREAD, TAUT = 0.02, 0.005  # of the weight, rad: how far from a brink
 FREQUENCIES = (1.0, 1.3)  # of SPEAR-II's, scaled, that a first hop is looked for with, in turn
 KNEE, HIP = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
-FREQUENCY, TORQUE, STIFFNESS = (0.3, 2.5), (0.0, 6.0), (0.0, 8.0)  # of SPEAR-II's, scaled
+RATES, TORQUES, STIFFNESS = (0.3, 2.5), (0.0, 6.0), (0.0, 8.0)  # of SPEAR-II's, scaled
 WORDS = Words(
     one="hop",
     doing="hopping in place",
@@ -151,10 +153,10 @@ def ranges(robot: Robot, free: bool) -> dict[str, tuple[float, float]]:
         return shares[0] * value, shares[1] * value
 
     chosen = {
-        "stance_torque": times(TORQUE, law.stance_torque),
+        TORQUE: times(TORQUES, law.stance_torque),
         "knee_touchdown": angles("knee", *KNEE),
         "hip_touchdown": angles("hip", *HIP),
-        "frequency": times(FREQUENCY, law.frequency),
+        "frequency": times(RATES, law.frequency),
         "virtual_stiffness": times(STIFFNESS, stiffness),
     }
     return chosen | ({"stiffness": times(STIFFNESS, stiffness)} if free else {})
@@ -221,6 +223,15 @@ def _from_cold(robot: Robot, point: Point, task: Task) -> Gait:
     raise failures[0]
 
 
+def _down(task: Task, gait: Gait, measure: str, motors: Motors | None) -> Gait:
+    """The hop at the end of the descent from one, if it costs less, and limits are kept."""
+    end, (least, most) = descended(gait, measure, motors, task.ranges, TAUT), task.ranges[TORQUE]
+    if not least <= parameter(end.system, TORQUE) <= most:
+        return gait
+    (before, _), (after, left) = (judged(task, each) for each in (gait, end))
+    return end if after < before and left >= KEPT else gait
+
+
 def _task(robot: Robot, point: Point, cost: Any, spare: Any, mesh: int) -> Task:
     chosen = ranges(robot, free=point.stiffness is None)
     return Task(point.speed, cost, spare, chosen, mesh, *TOLERANCES[mesh])
@@ -243,12 +254,14 @@ class Hops(Gaits):
         else:
             near = rebuilt(self.kind, robot, asked.start.gait)
             gait = best_hop(task, led(task, Place.of(asked.start.point.kind, near), point))
+        gait = _down(task, gait, "electricity", motors)
         return gait, figures_of(gait, motors, mesh), None
 
     def reference(self, robot: Robot, speed: float) -> Gait:
         """As of `Gaits`."""
         point = Point(NONE, speed)
-        return _from_cold(robot, point, _task(robot, point, effort, partial(kept, None), MESH))
+        task = _task(robot, point, effort, partial(kept, None), MESH)
+        return _down(task, _from_cold(robot, point, task), "effort", None)
 
     def speeds(self, robot: Robot) -> tuple[float, ...]:
         """As of `Gaits`: flight times."""
@@ -270,7 +283,11 @@ class Hops(Gaits):
 
     def asked(self, robot: Robot) -> Mapping[str, Any]:
         """As of `Gaits`."""
-        return {"gait": "hop", "ranges": {name: list(ends) for name, ends in ranges(robot, free=True).items()}}
+        return {
+            "gait": "hop",
+            "search": "with descent",
+            "ranges": {name: list(ends) for name, ends in ranges(robot, free=True).items()},
+        }
 
     def energy(self, robot: Robot, figures: Figures) -> float:
         """As of `Gaits`."""
@@ -290,6 +307,7 @@ def hops(robot: Robot, path: Path, **options: Any) -> Study:
 
     Raises:
         NoGait, BadFile, BadValue: as of `studied`.
-        MissingExtra: for several processes joblib, is not installed.
+        MissingExtra: heyoka, or for several processes joblib, is not installed.
     """
+    taylor.require()
     return studied(HOPS, robot, path, **options)

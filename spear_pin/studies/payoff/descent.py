@@ -1,0 +1,126 @@
+"""From the hop of least cost that was found down to the least nearby, by exact derivatives, within its limits.
+
+A search without derivatives goes over cliffs, where toes bounce and hops end, but stops short in valleys; derivatives
+lead down valleys to their ends, and not over cliffs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from spear_pin.errors import MissingExtra
+from spear_pin.gaits.codesign.optimize_design import optimize_design
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.search import gait_beside
+from spear_pin.gaits.tangent_cycles import REFUSALS
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
+from spear_pin.hybrid.parameters import changed, number
+from spear_pin.model.limits import UNKNOWN
+from spear_pin.model.motor import NO_MOTORS
+from spear_pin.model.robot import Robot
+from spear_pin.studies.payoff.best_hop import TORQUE
+from spear_pin.studies.payoff.cycles import with_values
+from spear_pin.studies.payoff.motors import PARTS, Motors
+
+TOLERANCE = 1e-5  # of the gain that is still predicted, relative
+LEAST = 1e-3  # of a range of stiffness: without any a spring has no derivative
+
+
+@dataclass(frozen=True)
+class AtTouchdown:
+    """The change by which a fixed spring rests where the law has the knee land, whatever angle that is."""
+
+    def __call__(self, system: HybridSystem) -> HybridSystem:
+        """The system with such a spring."""
+        return replace(system, domains=tuple(map(self._domain, system.domains)))
+
+    def _domain(self, domain: Domain) -> Domain:
+        return replace(domain, guards=tuple(map(self._guard, domain.guards)))
+
+    def _guard(self, guard: Guard) -> Guard:
+        return guard if guard.reset is None else replace(guard, reset=self._reset(guard.reset))
+
+    def _reset(self, reset: Reset) -> Reset:
+        latch = reset.latch
+        if latch is None or reset.phase != "stance":
+            return reset
+
+        def landed(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
+            return {**latch(q, v, held, p), "knee_touchdown": p.knee_touchdown}
+
+        return replace(reset, latch=landed)
+
+
+def descended(
+    gait: Gait, measure: str, motors: Motors | None, ranges: Mapping[str, tuple[float, float]], taut: float
+) -> Gait:
+    """The hop at the end of the descent from one, with its flight; that one where there is no way down.
+
+    Args:
+        gait: a hop.
+        measure: that is to be small, of `optimize_design`.
+        motors: that drive it, if there are any.
+        ranges: of each number that is chosen, least and most.
+        taut: how far a spring is deflected at least as it is let go, in rad.
+
+    Raises:
+        MissingExtra: heyoka is not installed.
+    """
+    system, fixed = gait.system, gait.system.spring.rest is not None
+    start = replace(gait, system=changed(system, AtTouchdown())) if fixed else gait
+    at_most, at_least = limits(system.robot, motors)
+    if not fixed:
+        at_least["deflection_knee"] = taut
+    drives = NO_MOTORS if motors is None else {part: getattr(motors, part) for part in PARTS}
+    keep = {"flight_time": gait.durations["flight"]}
+    try:
+        over = {name: _with(number(system, name), *ends) for name, ends in ranges.items() if name != TORQUE}
+        if "stiffness" in over:
+            low, high = over["stiffness"]
+            over["stiffness"] = max(low, min(LEAST * high, system.spring.stiffness)), high
+        end = optimize_design(
+            start,
+            measure,
+            over,
+            keep,
+            vary=[TORQUE],
+            at_most=at_most,
+            at_least=at_least,
+            motors=drives,
+            assuming=(),
+            tolerance=TOLERANCE,
+        ).gait
+        values = {name: number(end.system, name) for name in (*over, TORQUE)}
+        return gait_beside(with_values(system, values), end.state, [TORQUE], keep)
+    except MissingExtra:
+        raise
+    except REFUSALS:
+        return gait
+
+
+def limits(robot: Robot, motors: Motors | None) -> tuple[dict[str, float], dict[str, float]]:
+    """Upper and lower bounds of measures, by the robot's file and the motors."""
+    at_most, at_least = dict[str, float](), dict[str, float]()
+    for part in PARTS:
+        own, fastest = robot.limits[part], np.inf
+        if motors is not None:
+            drive, at_least[f"reserve_{part}"] = getattr(motors, part), 0.0
+            fastest = (drive.motor.max_speed or np.inf) / drive.gearbox.ratio
+        low, high = own.position
+        upper = {
+            "peak_torque": own.effort or np.inf,
+            "peak_speed": min(own.velocity or np.inf, fastest),
+            "greatest": high,
+        }
+        at_most |= {f"{name}_{part}": limit for name, limit in upper.items() if limit < UNKNOWN}
+        at_least |= {f"least_{part}": low} if low > -UNKNOWN else {}
+    return at_most, at_least
+
+
+def _with(value: float, least: float, most: float) -> tuple[float, float]:
+    return min(least, value), max(most, value)
