@@ -16,7 +16,7 @@ MOVABLE = ("hinge", "slide")
 
 
 @dataclass(frozen=True)
-class Drive:
+class DrivenJoint:
     """An actuator of one joint.
 
     Attributes:
@@ -32,7 +32,7 @@ class Drive:
 
 def read_drives(
     path: Path, root: Any, defaults: Defaults, joints: Mapping[str, str], named: Collection[str], autolimits: bool
-) -> tuple[tuple[Drive, ...], list[str]]:
+) -> tuple[tuple[DrivenJoint, ...], list[str]]:
     """The motors of joints, and what is said of the other actuators.
 
     Args:
@@ -46,7 +46,7 @@ def read_drives(
     Raises:
         BadFile: an actuator acts on a joint that is not there, or its numbers are too many or too few.
     """
-    found: dict[str, Drive] = {}
+    found: dict[str, DrivenJoint] = {}
     others = []
     for element in section(root, "actuator"):
         said = defaults.of(element)
@@ -59,7 +59,7 @@ def read_drives(
             others.append(element.get("name") or f"a {element.tag}")
         else:
             effort = abs(gear) * _largest(path, element, said, autolimits)
-            found[str(joint)] = Drive(str(joint), gear, effort)
+            found[str(joint)] = DrivenJoint(str(joint), gear, effort)
     return tuple(found.values()), [f"actuators other than one for each joint, {listed(others)}"] if others else []
 
 

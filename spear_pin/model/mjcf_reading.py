@@ -20,7 +20,7 @@ from spear_pin.errors import BadFile, listed
 from spear_pin.model.elements import fault
 from spear_pin.model.inertial import notes_on
 from spear_pin.model.mjcf_mass import add_mass
-from spear_pin.model.mjcf_motors import MOVABLE, Drive, read_drives
+from spear_pin.model.mjcf_motors import MOVABLE, DrivenJoint, read_drives
 from spear_pin.model.mjcf_rotations import angle_unit
 from spear_pin.model.mjcf_sections import MAIN, Defaults, include, read_defaults, section, settings
 from spear_pin.model.mjcf_writing import PLACE, SHORTEST, Writing, at_least_zero, called, copy, counted, is_true, values
@@ -74,7 +74,7 @@ class Mjcf:
     root: str
     text: str
     gravity: tuple[float, ...]
-    drives: tuple[Drive, ...]
+    drives: tuple[DrivenJoint, ...]
     rubbing: Mapping[str, tuple[float, float]]
     notes: tuple[str, ...]
     look: Look
