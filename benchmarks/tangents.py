@@ -33,6 +33,7 @@ from spear_pin.hybrid.result import State
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import start
 from spear_pin.hybrid.shooting import Shooting
+from spear_pin.hybrid.tangent.collocation import ENDS
 from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.record import TOL, Recorder
 
@@ -77,7 +78,7 @@ def row(gait: Gait, over: tuple[str, ...]) -> dict[str, float]:
     runner = laps(optimised)
     plain = best(lambda: runner(y))
     exact, of_one_code = (
-        best(lambda recorder=recorder: differentiated(gait.system, recorder, y, begins, seeds))
+        best(lambda recorder=recorder: differentiated(gait.system, recorder, y, begins, seeds, ENDS))
         for recorder in (Recorder(gait.system), Recorder(gait.system, optimised))
     )
     columns = begins.shape[1]

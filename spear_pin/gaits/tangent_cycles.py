@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import SpearError
 from spear_pin.gaits.sensitivity.measure import Measure
-from spear_pin.gaits.sensitivity.measures import measures
+from spear_pin.gaits.sensitivity.measures import measures, of_ends
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import LOCK, has_lanes
 from spear_pin.hybrid.engines.structure import NONZERO
@@ -21,6 +21,7 @@ from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.result import Moment, Run
 from spear_pin.hybrid.shooting import Cycle, Cycles
+from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE
 from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.record import Recorder, many
@@ -140,7 +141,8 @@ class TangentCycles:
             with_parameters(self.system, dict(zip(self.vary, values.tolist(), strict=True)))  # it says what is valid
             with LOCK:
                 recorder = self._recorder(values)
-                cycle = differentiated(self.system, recorder, y, along, self._seeds)
+                fineness = ENDS if of_ends(self.measures) else INSIDE
+                cycle = differentiated(self.system, recorder, y, along, self._seeds, fineness)
             load = Measure(self.system.robot.weight, np.zeros(along.shape[1]), "N")  # which none of the numbers changes
             found = measures(cycle, along, load)
             measured = [found.get(name) for name in self.measures]

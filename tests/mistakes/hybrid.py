@@ -263,7 +263,7 @@ MUTATIONS = [
         "hybrid/tangent/collocation",
         ["hybrid/tangent/test_collocation"],
         {
-            "panels ten thousand times rougher": ("TAIL = 1e-9", "TAIL = 1e-5"),
+            "panels ten thousand times rougher": ("TAIL = 1e-11", "TAIL = 1e-7"),
             "a panel begins where the last began": (
                 "S, end = begins[i], begins[i + 1]",
                 "S, end = begins[0], begins[i + 1]",

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -18,6 +19,7 @@ from spear_pin.hybrid.tangent.heights import dual_heights
 Array = NDArray[np.float64]
 All = Mapping[str, Measure]
 CLEARANCE, DEFLECTION = "clearance_", "deflection_"
+TIMES, ADVANCE = ".*_time|period", "stride|mean_speed"
 PRESSED = 0.02  # of a robot's weight: friction counts under forces above this
 LEAST_STRIDE = 1e-3  # m: over a shorter one nothing is transported
 
@@ -164,11 +166,16 @@ def _springs(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[
     return found
 
 
+def of_ends(names: Iterable[str]) -> bool:
+    """Whether measures are of events' times and states alone, not of what is inside of arcs."""
+    return all(re.fullmatch(f"{TIMES}|{ADVANCE}|.*_at_.*", name) for name in names)
+
+
 Finder = Callable[[Derivative, Array, Measure, All], dict[str, Measure]]
 GROUPS: tuple[tuple[str, Finder], ...] = (
-    (".*_time|period", _times),
+    (TIMES, _times),
     (".*_height|.*_at_.*", _at_events),
-    ("stride|mean_speed", _advance),
+    (ADVANCE, _advance),
     ("work|positive_work|cost_of_transport", _works),
     ("rms_torque_.*|peak_torque_.*|effort", _torques),
     ("peak_force_.*|friction_used_.*", _forces),

@@ -17,9 +17,25 @@ from scipy.linalg import lapack
 
 Array = NDArray[np.float64]
 POINTS = 16
-# of a motion's Legendre coefficients, by which the last ones are to be smaller than itself: so derivatives of peaks are
-# right to 5e-11 of the shipped hop, of the ratio of friction to 4e-8 of bounds, of states at the end to 1e-14
-TAIL = 1e-9
+TAIL = 1e-11  # of a motion's Legendre coefficients, by which the last ones are to be smaller than itself
+
+
+class Fineness(NamedTuple):
+    """Of panels.
+
+    Attributes:
+        tail: as `TAIL`, at most.
+        steps: of Taylor's method in a panel, at most.
+    """
+
+    tail: float
+    steps: int
+
+
+INSIDE = Fineness(TAIL, 4)
+"""For peaks and ratios inside of panels, of torques and forces, too, which are less smooth than the motion."""
+ENDS = Fineness(100.0 * TAIL, 6)
+"""For ends of panels, and integrals, which have twice as many digits: states there are right to 1e-14."""
 
 
 class Rule(NamedTuple):

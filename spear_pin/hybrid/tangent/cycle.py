@@ -21,7 +21,7 @@ from spear_pin.hybrid.domain import Reset, Switch
 from spear_pin.hybrid.engines.structure import with_fields
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
-from spear_pin.hybrid.tangent.collocation import POINTS, carried
+from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, carried
 from spear_pin.hybrid.tangent.derivative import SHORTEST, Derivative, Stretch, falling
 from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals
 from spear_pin.hybrid.tangent.points import points
@@ -48,7 +48,9 @@ class _Now:
     steepness: float = math.inf
 
 
-def differentiated(system: HybridSystem, recorder: Recorder, y: Array, dy: Array, seeds: Array) -> Derivative:
+def differentiated(
+    system: HybridSystem, recorder: Recorder, y: Array, dy: Array, seeds: Array, fineness: Fineness = INSIDE
+) -> Derivative:
     """A cycle from a state on the section, with derivatives.
 
     Args:
@@ -57,11 +59,12 @@ def differentiated(system: HybridSystem, recorder: Recorder, y: Array, dy: Array
         y: the state, (2 nv,).
         dy: derivatives of the state, (2 nv, c).
         seeds: of the system's numbers, (p, c).
+        fineness: of panels; `ENDS` where nothing inside of arcs is asked for.
 
     Raises:
         NotDifferentiable: the cycle does not close, or something in it has no derivative; the text says what.
     """
-    whole = _Whole(system, recorder, seeds)
+    whole = _Whole(system, recorder, seeds, fineness)
     held = whole.begun(y, dy)
     arcs = recorder.cycle(y)
     now, stretches = _Now(dy, held, np.zeros(dy.shape[1])), []
@@ -75,8 +78,8 @@ def differentiated(system: HybridSystem, recorder: Recorder, y: Array, dy: Array
 class _Whole:
     """What stays the same along a cycle: the system, its numbers, and their derivatives."""
 
-    def __init__(self, system: HybridSystem, recorder: Recorder, seeds: Array) -> None:
-        self.system, self.recorder, self.seeds = system, recorder, seeds
+    def __init__(self, system: HybridSystem, recorder: Recorder, seeds: Array, fineness: Fineness) -> None:
+        self.system, self.recorder, self.seeds, self.fineness = system, recorder, seeds, fineness
         self.nv, self.c, self.raw = system.robot.nv, seeds.shape[1], recorder.numbers
         self.law = _dual_law(system, self.raw, seeds)
 
@@ -92,7 +95,7 @@ class _Whole:
         raw = np.concatenate([self.raw, np.array(flat(arc.held), dtype=float).reshape(-1)])
         held = {name: now.held[name] for name in arc.held}
         given = np.concatenate([self.seeds, derivatives(flat(held), c)])
-        t, h, y = points(arc)
+        t, h, y = points(arc, self.fineness)
         # directions are the state's, then those given, then the clock; at the points, at the beginning and at the end
         directions = _directions(n, c)
         every = np.zeros((len(raw), n + c + 1))

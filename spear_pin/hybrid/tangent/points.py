@@ -8,18 +8,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.arc import Arc
-from spear_pin.hybrid.tangent.collocation import POINTS, TAIL, roughness, rule
+from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, roughness, rule
 from spear_pin.hybrid.tangent.derivative import SHORTEST
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Array = NDArray[np.float64]
 MOST_PANELS = 64  # of an arc
-STEPS_OF_PANEL = 6  # of Taylor's method, as it often is: more panels follow where these are too few
 EARLY = 4  # points that do not count yet where panels are long
 
 
-def points(arc: Arc) -> tuple[Array, float, Array]:
+def points(arc: Arc, fineness: Fineness = INSIDE) -> tuple[Array, float, Array]:
     """Clocks of the points, (k,), length of a panel in s, and states there, (2 nv, k).
+
+    Args:
+        arc: the arc.
+        fineness: of panels.
 
     Raises:
         NotDifferentiable: the motion is not smooth, or cannot be followed again.
@@ -28,19 +31,19 @@ def points(arc: Arc) -> tuple[Array, float, Array]:
     if length <= SHORTEST:
         t = arc.t + length * gauss.nodes
         return t, length, np.tile(arc.y[:, None], (1, len(t)))
-    motion, panels = arc.motion, min(max(1, math.ceil(arc.steps / STEPS_OF_PANEL)), MOST_PANELS)
+    motion, panels = arc.motion, min(max(1, math.ceil(arc.steps / fineness.steps)), MOST_PANELS)
     assert motion is not None
     while True:
         h = length / panels
         t = (arc.t + h * (np.arange(panels)[:, None] + gauss.nodes)).ravel()
         y = motion(t)
         left = roughness(y.T.reshape(panels, POINTS, -1))
-        if left <= TAIL:
+        if left <= fineness.tail:
             return t, h, y
         if not math.isfinite(left):
             raise NotDifferentiable(f"the motion in {arc.domain.name} cannot be followed again")
         if panels == MOST_PANELS:
             raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")
         # shorter by a factor, coefficients fall by that to the power of the points, at first of fewer
-        wanted = panels * (left / TAIL) ** (1.0 / (POINTS - EARLY))
+        wanted = panels * (left / fineness.tail) ** (1.0 / (POINTS - EARLY))
         panels = min(max(panels + 1, math.ceil(wanted)), MOST_PANELS)

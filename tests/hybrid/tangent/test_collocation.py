@@ -78,5 +78,5 @@ def test_rule_integrates_polynomials():
 
 def test_motion_is_smooth_where_polynomials_follow_it():
     t = rule().nodes[None, :, None]
-    assert roughness(np.sin(4.0 * t)) < TAIL < roughness(np.sin(6.0 * t))
+    assert roughness(np.sin(3.0 * t)) < TAIL < roughness(np.sin(5.0 * t))
     assert roughness(np.abs(t - 0.3)) > 1e-3

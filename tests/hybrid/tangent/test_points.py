@@ -7,8 +7,8 @@ import pytest
 
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.domain import Domain
-from spear_pin.hybrid.tangent.collocation import POINTS
-from spear_pin.hybrid.tangent.points import MOST_PANELS, STEPS_OF_PANEL, points
+from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE, POINTS
+from spear_pin.hybrid.tangent.points import MOST_PANELS, points
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 FLIGHT = Domain("flight", "flight", ("open",), lambda *given: [])
@@ -23,14 +23,20 @@ def waves(rate):
     return lambda t: np.array([np.sin(rate * t), rate * np.cos(rate * t)])
 
 
-@pytest.mark.parametrize("steps", [0, 1, STEPS_OF_PANEL + 1, 40, 330, 5000])
+@pytest.mark.parametrize("steps", [0, 1, INSIDE.steps + 1, 40, 330, 5000])
 def test_steps_are_only_a_first_guess(steps):
     t, h, y = points(arc(waves(20.0), steps))
     panels = len(t) // POINTS
-    assert panels == pytest.approx(2.0 / h) and panels >= min(math.ceil(steps / STEPS_OF_PANEL), MOST_PANELS)
-    assert panels >= 9 and (steps > 40 or panels <= 11)
+    assert panels == pytest.approx(2.0 / h) and panels >= min(math.ceil(steps / INSIDE.steps), MOST_PANELS)
+    assert panels >= 11 and (steps > 40 or panels <= 14)
     np.testing.assert_array_equal(y, waves(20.0)(t))
     assert 1.0 < t[0] < t[-1] < 3.0 and (np.diff(t) > 0.0).all()
+
+
+def test_fewer_panels_where_only_ends_count():
+    motion = arc(waves(20.0), 6)
+    fine, coarse = points(motion), points(motion, ENDS)
+    assert coarse[1] > fine[1] and len(coarse[0]) < len(fine[0])
 
 
 @pytest.mark.parametrize("steps", [0, 5000])
