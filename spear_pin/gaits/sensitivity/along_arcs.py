@@ -13,13 +13,23 @@ from spear_pin.model.robot import Robot
 def powered(stretches: Sequence[Stretch], robot: Robot, joint: str) -> tuple[list[Pieces], list[Pieces]]:
     """Torque of a joint's motors, and speed of the joint."""
     j, there = robot.actuated.index(joint), lasting(stretches)
-    torque = [Pieces(each, each.values.u[j], each.derivatives.u[j], float(each.rate.u[j])) for each in there]
+    torque = [Pieces(each, each.said.u[j], each.dsaid.u[j], each.rates.u[j]) for each in there]
     return torque, coordinate(stretches, robot.nv + robot.index(joint))
 
 
 def coordinate(stretches: Sequence[Stretch], i: int) -> list[Pieces]:
     """A number of the state."""
-    return [Pieces(each, each.y[i], each.dy[i], float(each.end.slopes[i])) for each in lasting(stretches)]
+    return [along(each, i) for each in lasting(stretches)]
+
+
+def along(stretch: Stretch, i: int) -> Pieces:
+    """A number of the state along an arc."""
+    return Pieces(stretch, stretch.y[i], stretch.dy[i], stretch.said.slopes[i, -2:])
+
+
+def guarded(stretch: Stretch, g: int) -> Pieces:
+    """A guard along an arc."""
+    return Pieces(stretch, stretch.said.guards[g], stretch.dsaid.guards[g], stretch.rates.guards[g])
 
 
 def forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Iterator[tuple[Pieces, Pieces]]:
@@ -28,9 +38,11 @@ def forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Itera
         closed = closed_in(each, toes)
         if toe in closed:
             k = 2 * closed.index(toe)
-            values, changes, rates = each.values.forces, each.derivatives.forces, each.rate.forces
-            along, up = (Pieces(each, values[n], changes[n], float(rates[n])) for n in (k, k + 1))
-            yield along, up
+            values, changes, rates = each.said.forces, each.dsaid.forces, each.rates.forces
+            yield (
+                Pieces(each, values[k], changes[k], rates[k]),
+                Pieces(each, values[k + 1], changes[k + 1], rates[k + 1]),
+            )
 
 
 def closed_in(stretch: Stretch, toes: Sequence[str]) -> list[str]:

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.gaits.sensitivity.along_arcs import guarded
 from spear_pin.gaits.sensitivity.measure import Measure
-from spear_pin.gaits.sensitivity.signals import Pieces, extremes
+from spear_pin.gaits.sensitivity.signals import extremes
 from spear_pin.hybrid.tangent.derivative import Derivative, Stretch
 
 Array = NDArray[np.float64]
@@ -24,23 +25,25 @@ def margins(cycle: Derivative) -> dict[str, Measure]:
     """
     found = dict[str, Measure]()
     for stretch in cycle.stretches:
-        for name, value, derivative in _of(stretch):
+        for name, value, derivative in of_arc(stretch):
             if name not in found or value < found[name].value:
                 found[name] = Measure(value, derivative, "")
     return found
 
 
-def _of(stretch: Stretch) -> Iterator[tuple[str, float, Array]]:
+def of_arc(stretch: Stretch) -> Iterator[tuple[str, float, Array]]:
+    """What may be the least margin of an event: its name, the value, and the derivative."""
     arc = stretch.arc
     if stretch.at_once:
         for g, guard in enumerate(arc.domain.guards):
             if guard is arc.event:
-                yield guard.name, -float(stretch.end.guards[g]), -stretch.dend.guards[g]
+                below = guarded(stretch, g).times(-1.0)
+                yield guard.name, float(below.values[-2]), below.derivatives[-2] + below.rates[0] * stretch.since
         return
     for g, guard in enumerate(arc.domain.guards):
         if guard.observes:
             continue
-        piece = Pieces(stretch, stretch.values.guards[g], stretch.derivatives.guards[g])
+        piece = guarded(stretch, g)
         least = max(guard.tolerance, ZERO * float(np.abs(piece.values).max()))
         if np.ptp(piece.values) <= ZERO * least:  # what is held disarms it
             continue

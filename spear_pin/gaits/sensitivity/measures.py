@@ -9,12 +9,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.gaits.sensitivity.along_arcs import closed_in, coordinate, forces, long, powered
+from spear_pin.gaits.sensitivity.along_arcs import along, closed_in, coordinate, forces, guarded, long, powered
 from spear_pin.gaits.sensitivity.measure import Group, Measure, Measures, total
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
-from spear_pin.hybrid.tangent.derivative import Derivative
+from spear_pin.hybrid.tangent.derivative import Derivative, Stretch
 from spear_pin.hybrid.tangent.dual import derivative_of, value_of
-from spear_pin.hybrid.tangent.heights import dual_heights
+from spear_pin.hybrid.tangent.heights import Heights, dual_heights
 
 Array = NDArray[np.float64]
 All = Mapping[str, Measure]
@@ -56,10 +56,7 @@ def _at_events(cycle: Derivative, start: Array, weight: Measure, of: All) -> dic
         for g, guard in enumerate(stretch.arc.domain.guards):
             if guard.observes and "boom_z" in robot.coordinates:
                 i = robot.index("boom_z")
-                height = Pieces(stretch, stretch.y[i], stretch.dy[i])
-                fallen = where_it_falls(
-                    Pieces(stretch, stretch.values.guards[g], stretch.derivatives.guards[g]), height
-                )
+                fallen = where_it_falls(guarded(stretch, g), along(stretch, i))
                 if fallen is not None:
                     found.setdefault(f"{guard.name}_height", Measure(*fallen, "m"))
     last = cycle.stretches[-1]
@@ -86,7 +83,7 @@ def _advance(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[
 
 
 def _works(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
-    powers = [_power(*powered(cycle.stretches, cycle.system.robot, joint)) for joint in cycle.system.robot.actuated]
+    powers = [_products(*powered(cycle.stretches, cycle.system.robot, joint)) for joint in cycle.system.robot.actuated]
     found = {
         "work": total([Measure(*integral(each), "J") for each in powers]),
         "positive_work": total([Measure(*positive(each), "J") for each in powers]),
@@ -105,7 +102,7 @@ def _torques(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[
     squares = []
     for joint in robot.actuated:
         torque, _ = powered(cycle.stretches, robot, joint)
-        square, change = integral([_squared(each) for each in torque])
+        square, change = integral(_products(torque, torque))
         squares.append(Measure(square, change, "N²·m²·s"))
         rms = float(np.sqrt(square / period.value))
         of_rms = 0.5 / max(rms, 1e-300) * (change / period.value - square / period.value**2 * period.derivative)
@@ -126,14 +123,22 @@ def _forces(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[s
 
 
 def _clearances(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
-    toes, nv = cycle.system.robot.toes, cycle.system.robot.nv
-    heights, found = dual_heights(cycle.system, cycle.numbers, cycle.dnumbers), dict[str, Measure]()
+    toes, found = cycle.system.robot.toes, dict[str, Measure]()
+    heights = dual_heights(cycle.system, cycle.numbers, np.pad(cycle.dnumbers, ((0, 0), (0, 1))))
     for toe in toes:
         aloft = [each for each in long(cycle.stretches) if toe not in closed_in(each, toes)]
         if aloft:
-            pieces = [Pieces(each, *heights.along(toe, each.y[:nv], each.dy[:nv])) for each in aloft]
-            found[CLEARANCE + toe] = Measure(*peak(pieces), "m")
+            found[CLEARANCE + toe] = Measure(*peak([_height(heights, toe, each) for each in aloft]), "m")
     return found
+
+
+def _height(heights: Heights, toe: str, stretch: Stretch) -> Pieces:
+    """Of a toe along an arc; the last direction is the motion's own."""
+    nv = len(stretch.y) // 2
+    values, derivatives = heights.along(
+        toe, stretch.y[:nv], np.concatenate([stretch.dy[:nv], stretch.y[nv:, :, None]], axis=2)
+    )
+    return Pieces(stretch, values, derivatives[:, :-1], derivatives[-2:, -1])
 
 
 def _ranges(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
@@ -185,15 +190,8 @@ GROUPS: tuple[tuple[str, Finder], ...] = (
 )
 
 
-def _power(torque: Sequence[Pieces], speed: Sequence[Pieces]) -> list[Pieces]:
-    return [
-        Pieces(u.stretch, u.values * w.values, u.derivatives * w.values[:, None] + u.values[:, None] * w.derivatives)
-        for u, w in zip(torque, speed, strict=True)
-    ]
-
-
-def _squared(piece: Pieces) -> Pieces:
-    return Pieces(piece.stretch, piece.values**2, 2.0 * piece.values[:, None] * piece.derivatives)
+def _products(one: Sequence[Pieces], other: Sequence[Pieces]) -> list[Pieces]:
+    return [a.times(b) for a, b in zip(one, other, strict=True)]
 
 
 def _largest(pieces: Sequence[Pieces]) -> tuple[float, Array]:

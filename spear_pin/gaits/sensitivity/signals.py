@@ -1,4 +1,7 @@
-"""Integrals and peaks of what changes along a cycle, with derivatives: polynomials through Gauss's points of arcs."""
+"""Integrals and peaks of what changes along a cycle, with derivatives: polynomials through Gauss's points of arcs.
+
+They go through the arcs' beginnings and ends, too: friction that is used is largest where a toe begins to slip.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from spear_pin.hybrid.tangent.collocation import POINTS, rule
+from spear_pin.hybrid.tangent.collocation import POINTS, through
 from spear_pin.hybrid.tangent.derivative import Stretch
 
 Array = NDArray[np.float64]
@@ -23,35 +26,41 @@ class Pieces:
 
     Attributes:
         stretch: the arc.
-        values: at Gauss's points, (k,).
+        values: at Gauss's points, at the beginning and at the end, (k,).
         derivatives: at a fixed clock of the phase, (k, c).
-        rate: of the values along the motion, at the end.
+        rates: of the values along the motion, at the beginning and at the end, (2,).
     """
 
     stretch: Stretch
     values: Array
     derivatives: Array
-    rate: float = 0.0
+    rates: Array
 
     def plus(self, other: Pieces | float, change: Array | float = 0.0) -> Pieces:
         """The sum with another along the same arc, or with a number that has a derivative, (c,)."""
         if isinstance(other, Pieces):
             values, derivatives = self.values + other.values, self.derivatives + other.derivatives
-            return Pieces(self.stretch, values, derivatives, self.rate + other.rate)
-        return Pieces(self.stretch, self.values + other, self.derivatives + change, self.rate)
+            return Pieces(self.stretch, values, derivatives, self.rates + other.rates)
+        return Pieces(self.stretch, self.values + other, self.derivatives + change, self.rates)
 
-    def times(self, factor: float, change: Array | float = 0.0) -> Pieces:
-        """The product with a number that has a derivative, (c,)."""
-        derivatives = factor * self.derivatives + self.values[:, None] * change
-        return Pieces(self.stretch, factor * self.values, derivatives, factor * self.rate)
+    def times(self, other: Pieces | float, change: Array | float = 0.0) -> Pieces:
+        """The product with another along the same arc, or with a number that has a derivative, (c,)."""
+        if isinstance(other, Pieces):
+            derivatives = self.derivatives * other.values[:, None] + self.values[:, None] * other.derivatives
+            rates = self.rates * other.values[-2:] + self.values[-2:] * other.rates
+            return Pieces(self.stretch, self.values * other.values, derivatives, rates)
+        derivatives = other * self.derivatives + self.values[:, None] * change
+        return Pieces(self.stretch, other * self.values, derivatives, other * self.rates)
 
     def panels(self) -> Iterator[tuple[float, float, Array, Array]]:
         """Beginning and length of each panel, Legendre coefficients of the values and of the derivatives."""
-        to, arc = rule(POINTS).legendre, self.stretch.arc
-        count = len(self.values) // POINTS
+        arc, count = self.stretch.arc, len(self.values) // POINTS
         h = (arc.end - arc.t) / count
         for i in range(count):
-            chosen = slice(i * POINTS, (i + 1) * POINTS)
+            ends = {-1.0: -2} if i == 0 else {}
+            if i == count - 1:
+                ends[1.0] = -1
+            to, chosen = through(*ends), [*range(i * POINTS, (i + 1) * POINTS), *ends.values()]
             yield arc.t + i * h, h, to @ self.values[chosen], to @ self.derivatives[chosen]
 
 
@@ -61,7 +70,7 @@ def integral(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     for piece in pieces:
         weights, stretch = piece.stretch.weights, piece.stretch
         total += float(weights @ piece.values)
-        begin, end = _ends(piece)
+        begin, end = piece.values[-2:]
         change = change + weights @ piece.derivatives + end * stretch.tau - begin * stretch.since
     return total, change
 
@@ -70,7 +79,7 @@ def positive(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     """∫ of the positive part over the cycle, and its derivative: where the signal changes its sign nothing is added."""
     total, change = 0.0, np.zeros(pieces[0].derivatives.shape[1])
     for piece in pieces:
-        begin, end = _ends(piece)
+        begin, end = piece.values[-2:]
         change = change + max(end, 0.0) * piece.stretch.tau - max(begin, 0.0) * piece.stretch.since
         for _, h, values, derivatives in piece.panels():
             marks = [-1.0, *roots(values), 1.0]
@@ -88,9 +97,9 @@ def peak(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     change: Any = np.zeros(pieces[0].derivatives.shape[1])
     for piece in pieces:
         if piece.stretch.at_once:  # beside this cycle it lasts, on one side
-            value = float(piece.values[-1])
-            if piece.rate > 0.0 and value >= best - NEAR * abs(best):
-                best, change = value, piece.derivatives[-1] + piece.rate * piece.stretch.tau
+            value, rate = float(piece.values[-1]), piece.rates[-1]
+            if rate > 0.0 and value >= best - NEAR * abs(best):
+                best, change = value, piece.derivatives[-1] + rate * piece.stretch.tau
             continue
         for _, value, along in extremes(piece):
             if value > best:
@@ -106,15 +115,13 @@ def extremes(piece: Pieces) -> Iterator[tuple[float, float, Array]]:
     """
     stretch, panels = piece.stretch, list(piece.panels())
     count = len(panels)
-    for i, (_, h, values, derivatives) in enumerate(panels):
-        slope = legendre.legder(values)
-        for x in (-1.0, *roots(slope), 1.0):
+    for i, (_, _, values, derivatives) in enumerate(panels):
+        for x in (-1.0, *roots(legendre.legder(values)), 1.0):
             change: Any = legendre.legval(x, derivatives)
-            rate = float(legendre.legval(x, slope)) * 2.0 / h if h > 0.0 else 0.0
             if x == -1.0 and i == 0:
-                change = change + rate * stretch.since
+                change = change + piece.rates[0] * stretch.since
             elif x == 1.0 and i == count - 1:
-                change = change + rate * stretch.tau
+                change = change + piece.rates[-1] * stretch.tau
             yield (i + 0.5 * (x + 1.0)) / count, float(legendre.legval(x, values)), np.asarray(change)
 
 
@@ -137,12 +144,12 @@ def largest_ratio(
         stretch, count = above.stretch, len(above.values) // POINTS
         if stretch.at_once:
             bottom, ratio = float(below.values[-1]), float(above.values[-1] / below.values[-1])
-            rate, up = (above.rate - ratio * below.rate) / bottom, np.sign(ratio)
+            rate, up = (above.rates[-1] - ratio * below.rates[-1]) / bottom, np.sign(ratio)
             if bottom >= least and up * rate > 0.0 and abs(ratio) >= best * (1.0 - NEAR):
                 along = (above.derivatives[-1] - ratio * below.derivatives[-1]) / bottom + rate * stretch.tau
                 best, change = abs(ratio), up * along
             continue
-        for i, ((_, h, a, da), (_, _, b, db)) in enumerate(zip(above.panels(), below.panels(), strict=True)):
+        for i, ((_, _, a, da), (_, _, b, db)) in enumerate(zip(above.panels(), below.panels(), strict=True)):
             slope_a, slope_b = legendre.legder(a), legendre.legder(b)
             turns = roots(legendre.legsub(legendre.legmul(slope_a, b), legendre.legmul(a, slope_b)))
             falls = roots(legendre.legsub(b, [least]))
@@ -152,15 +159,15 @@ def largest_ratio(
                     continue
                 best, ratio = abs(top / bottom), top / bottom
                 dtop, dbottom = np.asarray(legendre.legval(x, da)), np.asarray(legendre.legval(x, db))
-                fall = float(legendre.legval(x, slope_b))
-                rate = (float(legendre.legval(x, slope_a)) - ratio * fall) / bottom
-                along = (dtop - ratio * dbottom) / bottom
+                along, rates = (dtop - ratio * dbottom) / bottom, (above.rates - ratio * below.rates) / bottom
                 if x in falls:
+                    fall = float(legendre.legval(x, slope_b))
+                    rate = (float(legendre.legval(x, slope_a)) - ratio * fall) / bottom
                     along = along - rate / fall * (dbottom - dleast)
                 elif x == -1.0 and i == 0:
-                    along = along + 2.0 / h * rate * stretch.since
+                    along = along + rates[0] * stretch.since
                 elif x == 1.0 and i == count - 1:
-                    along = along + 2.0 / h * rate * stretch.tau
+                    along = along + rates[-1] * stretch.tau
                 change = np.asarray(np.sign(ratio) * along)
     return best, change
 
@@ -176,11 +183,6 @@ def where_it_falls(guard: Pieces, signal: Pieces) -> tuple[float, Array] | None:
                 change: Any = legendre.legval(x, derivatives) + rate * later
                 return float(legendre.legval(x, values)), change
     return None
-
-
-def _ends(piece: Pieces) -> tuple[float, float]:
-    panels = list(piece.panels())
-    return float(legendre.legval(-1.0, panels[0][2])), float(legendre.legval(1.0, panels[-1][2]))
 
 
 def roots(coefficients: Any) -> list[float]:

@@ -76,6 +76,22 @@ def rule(points: int = POINTS) -> Rule:
     return Rule(0.5 * (x + 1.0), weights, partial, twice, both, whole, legendre)
 
 
+@cache
+def through(*ends: float) -> Array:
+    """From values at Gauss's points, and at ends of the panel beside them, to Legendre coefficients, (k, k).
+
+    Args:
+        ends: which ends, -1 and 1.
+    """
+    gauss = rule()
+    if not ends:
+        return gauss.legendre
+    x = np.append(2.0 * gauss.nodes - 1.0, ends)
+    found: Array = np.linalg.inv(np.polynomial.legendre.legvander(x, len(x) - 1))
+    found.setflags(write=False)
+    return found
+
+
 def roughness(states: Array) -> float:
     """Size of the last Legendre coefficients of motion by its own, given at points, (panels, points, rows).
 

@@ -109,7 +109,7 @@ class _Whole:
         motion = slopes.slopes[nv:, :-2, :-1].reshape(nv, -1, POINTS, n + c).transpose(1, 2, 0, 3)
         S = carried(motion, h, now.dy)
         after = now.dy if arc.end - arc.t <= SHORTEST else S.end
-        stretch = Stretch(arc, t, y, S, after, values, slopes, held, now.tau)
+        stretch = Stretch(arc, states, S, after, values, slopes, held, now.tau)
         stretch.tau = self._tau(stretch, now)
         return stretch
 
@@ -127,7 +127,7 @@ class _Whole:
             # beside this cycle a guard on zero that falls is an event of its own, another one stays at once
             met = abs(stretch.end.guards[i]) <= arc.event.tolerance and falling(fall)
             return -change / fall if met else now.tau
-        highest = np.abs(stretch.values.guards[i]).max()
+        highest = np.abs(stretch.said.guards[i]).max()
         steepness = -fall * (arc.end - arc.t) / max(highest, 1e-300)
         now.steepness = min(now.steepness, steepness)
         if not steepness > GRAZING:

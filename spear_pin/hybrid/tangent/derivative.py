@@ -23,23 +23,21 @@ SHORTEST = 1e-9  # s: there is nothing to be carried along a shorter arc
 
 @dataclass(eq=False)
 class Stretch:
-    """An arc with derivatives at Gauss's points of its panels, in rising time.
+    """An arc with derivatives at k places: Gauss's points of its panels in rising time, its beginning and its end.
 
     Attributes:
         arc: the arc.
-        t: clock of the phase, (k,).
         y: states, (2 nv, k).
         carried: their derivatives.
         dstate: derivatives of the state at its end, at the fixed clock, (2 nv, c).
-        said: what the domain says at the points, at the beginning and at the end, (..., k + 2).
-        slopes: derivatives of that along the state, directions beside and the clock, (..., k + 2, 2 nv + c + 1).
+        said: what the domain says there, (..., k).
+        slopes: derivatives of that along the state, directions beside and the clock, (..., k, 2 nv + c + 1).
         held: what is held, dual where it has a derivative.
         since: derivative of the time at which it begins, (c,).
         tau: of the time at which it ends, (c,), of which the cycle says what it is once it knows the rest.
     """
 
     arc: Arc
-    t: Array
     y: Array
     carried: Carried
     dstate: Array
@@ -51,9 +49,8 @@ class Stretch:
 
     @property
     def weights(self) -> Array:
-        """Of an integral over the arc, (k,)."""
-        panels: Array = np.tile(self.carried.h * rule().weights, len(self.carried.K))
-        return panels
+        """Of an integral over the arc, (k,), zero at its ends."""
+        return np.append(np.tile(self.carried.h * rule().weights, len(self.carried.K)), [0.0, 0.0])
 
     @property
     def state(self) -> Array:
@@ -62,18 +59,14 @@ class Stretch:
 
     @cached_property
     def dy(self) -> Array:
-        """Derivatives of the states at the points, (2 nv, k, c)."""
-        return self.carried.inside()
-
-    @property
-    def values(self) -> Values:
-        """What the domain says at the points, (..., k)."""
-        return self.said._replace(rows=self.said.rows[:, :-2])
+        """Derivatives of the states at a fixed clock, (2 nv, k, c)."""
+        ends = np.stack([self.carried.begins[0], self.dstate], axis=1)
+        return np.concatenate([self.carried.inside(), ends], axis=1)
 
     @cached_property
-    def derivatives(self) -> Values:
-        """Derivatives of that at a fixed clock, (..., k, c)."""
-        n, slopes = len(self.y), self.slopes.rows[:, :-2]
+    def dsaid(self) -> Values:
+        """Derivatives of what the domain says at a fixed clock, (..., k, c)."""
+        n, slopes = len(self.y), self.slopes.rows
         chained = (slopes[..., :n].swapaxes(0, 1) @ self.dy.swapaxes(0, 1)).swapaxes(0, 1)
         return self.said._replace(rows=chained + slopes[..., n:-1])
 
@@ -92,14 +85,17 @@ class Stretch:
         return slopes[..., :n] @ self.end.slopes + slopes[..., -1], slopes[..., :n] @ self.dstate + slopes[..., n:-1]
 
     @cached_property
-    def dend(self) -> Values:
-        """Derivatives of what the domain says at the end, at the fixed clock, (..., c)."""
-        return self.said._replace(rows=self.at_end(self.slopes.rows[:, -1])[1])
+    def rates(self) -> Values:
+        """Rates of what the domain says along the motion, at the beginning and at the end, (..., 2)."""
+        n, slopes = len(self.y), self.slopes.rows[:, -2:]
+        return self.said._replace(
+            rows=np.einsum("rin,ni->ri", slopes[..., :n], self.said.slopes[:, -2:]) + slopes[..., -1]
+        )
 
-    @cached_property
+    @property
     def rate(self) -> Values:
-        """Rates of that along the motion, (...)."""
-        return self.said._replace(rows=self.at_end(self.slopes.rows[:, -1])[0])
+        """Those at the end, (...)."""
+        return self.said._replace(rows=self.rates.rows[:, -1])
 
     @property
     def at_once(self) -> bool:

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from spear_pin import simulate
+from spear_pin import find_gait, simulate
 from spear_pin.gaits.codesign.closing import closed, led
+from spear_pin.gaits.sensitivity.margins import of_arc
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
-from spear_pin.hybrid.parameters import number
+from spear_pin.hybrid.parameters import number, with_numbers
 
 pytestmark = pytest.mark.extra("heyoka")
 VARY, KEEP, OVER = ("stance_torque",), {"flight_time": 0.2}, ("stiffness", "knee_ratio", "friction")
@@ -50,3 +51,26 @@ def test_derivatives_against_gaits_nearby(begun, j):
         expected = (8.0 * (a - b) - (c - d)) / 12.0
         scale = max(abs(found.value), 1e-3)
         assert h * along(begun, found, margin, j) == pytest.approx(expected, rel=1e-5, abs=1e-9 * scale)
+
+
+def test_an_event_at_once_by_derivatives_against_gaits_nearby(hop):
+    """With less torque the toe lifts off as that switches, the time of which moves with the frequency."""
+    other, over = find_gait(with_numbers(hop.system, {"stance_torque": 6.5})), ("stiffness", "frequency")
+    begun = closed(Orbit(other.system, other.state, over), (), {})
+    _, found, change = at_once(begun)
+    assert found == pytest.approx(-begun.cycle.stretches[-2].end.guards[0]) and found > 1.0
+    for j, name in enumerate(over):
+        h = 2e-4 * number(begun.system, name)
+        others = dict.fromkeys(over, 0.0)
+        a, b, c, d = (at_once(led(begun, (), {}, {**others, name: k * h}))[1] for k in (1, -1, 2, -2))
+        dxi, _ = solved(begun, (), [])
+        along = change @ np.concatenate([dxi, np.eye(len(over))])[:, j]
+        assert h * along == pytest.approx((8.0 * (a - b) - (c - d)) / 12.0, rel=1e-5, abs=1e-9 * found)
+
+
+def at_once(orbit):
+    """The last but one arc's only margin, of lift-off at once."""
+    stretch = orbit.cycle.stretches[-2]
+    assert stretch.at_once and stretch.arc.event.name == "lift_off" and not stretch.late
+    (margin,) = of_arc(stretch)
+    return margin

@@ -9,6 +9,7 @@ from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio,
 from spear_pin.hybrid.tangent.collocation import POINTS, rule
 
 PANELS = 3
+STEP = 1e-5  # of differences
 
 
 def pieces(function, slope, begin=0.0, end=2.0, since=0.0, tau=0.0):
@@ -16,11 +17,11 @@ def pieces(function, slope, begin=0.0, end=2.0, since=0.0, tau=0.0):
     h = (end - begin) / PANELS
     t = (begin + h * (np.arange(PANELS)[:, None] + rule(POINTS).nodes)).ravel()
     arc = SimpleNamespace(t=begin, end=end)
-    weights = np.tile(h * rule(POINTS).weights, PANELS)
-    stretch = SimpleNamespace(
-        arc=arc, at_once=False, t=t, weights=weights, since=np.array([since]), tau=np.array([tau])
-    )
-    return Pieces(stretch, function(t), slope(t)[:, None])
+    weights = np.append(np.tile(h * rule(POINTS).weights, PANELS), [0.0, 0.0])
+    stretch = SimpleNamespace(arc=arc, at_once=False, weights=weights, since=np.array([since]), tau=np.array([tau]))
+    t, ends = np.append(t, [begin, end]), np.array([begin, end])
+    rates = (function(ends + STEP) - function(ends - STEP)) / (2.0 * STEP)
+    return Pieces(stretch, function(t), slope(t)[:, None], rates)
 
 
 def test_an_integral_with_ends_that_move():
@@ -54,3 +55,13 @@ def test_the_largest_ratio_where_the_second_is_large_enough():
     assert value == pytest.approx(0.5, rel=1e-12) and change == pytest.approx([0.0], abs=1e-12)
     value, change = largest_ratio([(above, below)], 2.0, np.array([0.5]))  # of 3 + p - t, at least 2 + p / 2
     assert value == pytest.approx(0.5, rel=1e-12) and change == pytest.approx([-0.125], rel=1e-12)
+
+
+def test_ends_are_exact_where_panels_are_too_coarse():
+    """Forces are less smooth than the motion that panels are made for."""
+    rough = pieces(lambda t: -1.0 / (1.0 + 20.0 * (2.0 - t)), lambda t: np.exp(-20.0 * (2.0 - t)), tau=0.5)
+    value, change = peak([rough.times(-1.0)])
+    assert value == pytest.approx(1.0, rel=1e-14) and change == pytest.approx([-1.0 + 0.5 * 20.0], rel=1e-6)
+    flat = pieces(np.ones_like, lambda t: 0.0 * t, tau=0.5)
+    value, change = largest_ratio([(rough, flat)], 0.5)
+    assert value == pytest.approx(1.0, rel=1e-14) and change == pytest.approx([-1.0 + 0.5 * 20.0], rel=1e-6)
