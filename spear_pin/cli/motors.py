@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from spear_pin.model.robot import Robot
 
 
+EFFICIENCY = 0.83  # of gears of which none is given: a two-stage GP 52 C's
+GEARS = f"of the gears of motors with --bus (default: {EFFICIENCY}, a two-stage GP 52 C's)"
+
+
 def add_motors(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument(
@@ -23,7 +27,7 @@ def add_motors(parser: argparse.ArgumentParser) -> None:
         help="of the catalogue, for its heat; with --bus for its electricity, and what of its torque is left",
     )
     parser.add_argument("--bus", type=float, metavar="V", help="of the supply of the motors, V")
-    parser.add_argument("--efficiency", type=float, metavar="X", help="of the gears of motors with --bus (default: 1)")
+    parser.add_argument("--efficiency", type=float, metavar="X", help=GEARS)
 
 
 def check_motors(arguments: argparse.Namespace) -> None:
@@ -59,7 +63,7 @@ def motors(arguments: argparse.Namespace, robot: Robot) -> dict[str, Motor | Dri
     found = {joint: motor(name) for joint, name in once(arguments.motor, "--motor").items()}
     if arguments.bus is None:
         return {**found}
-    efficiency = 1.0 if arguments.efficiency is None else arguments.efficiency
+    efficiency = EFFICIENCY if arguments.efficiency is None else arguments.efficiency
     return {
         joint: Drive(each, Gearbox(robot.gear_ratio(joint), efficiency), arguments.bus) for joint, each in found.items()
     }

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.legs import BODY, called, in_the_plane, one_leg, rests_on
+from spear_pin.cli.motors import EFFICIENCY
 from spear_pin.cli.output import aligned, progress
 from spear_pin.errors import BadValue, SpearError, UnknownName, require
 from spear_pin.words import number
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from spear_pin.studies.payoff import Answer, SearchEnd, Study
 
 QUADRUPED, LEG = "q_spear", "spear_ii"  # robots that are in the plane as they ship
-EFFICIENCY = 0.83  # of a gearbox whose efficiency is not given
 
 
 def add(commands: Commands) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import FREE, number_or_free
 from spear_pin.cli.legs import add_plane, in_the_plane
+from spear_pin.cli.motors import EFFICIENCY
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 
 GAIT = "least_effort"  # of which the request is, unless another is named
 MOTORS = 2  # of a joint of the quadruped in the plane, whose legs are pairs
-KNEE_EFFICIENCY = 0.83  # of the knee's gearbox, a two-stage GP 52 C
 RATIO, BUS = 15.0, 48.0  # of the knee's gearbox; in V
 
 
@@ -126,7 +126,7 @@ def _knee_drive(arguments: argparse.Namespace) -> Drive | None:
         return None
     ratio = RATIO if arguments.ratio is None else arguments.ratio
     bus = BUS if arguments.bus is None else arguments.bus
-    drive = Drive(motor(arguments.knee_motor), Gearbox(ratio, KNEE_EFFICIENCY), bus)
+    drive = Drive(motor(arguments.knee_motor), Gearbox(ratio, EFFICIENCY), bus)
     for quantity in ("torque_constant", "resistance"):
         drive.motor.known(quantity)
     return drive

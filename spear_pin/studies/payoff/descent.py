@@ -78,11 +78,11 @@ def descended(
         at_least["deflection_knee"] = taut
     drives = NO_MOTORS if motors is None else {part: getattr(motors, part) for part in PARTS}
     keep = {"flight_time": gait.durations["flight"]}
+    over = {name: _with(number(system, name), *ends) for name, ends in ranges.items() if name != TORQUE}
+    if "stiffness" in over:
+        low, high = over["stiffness"]
+        over["stiffness"] = max(low, min(LEAST * high, system.spring.stiffness)), high
     try:
-        over = {name: _with(number(system, name), *ends) for name, ends in ranges.items() if name != TORQUE}
-        if "stiffness" in over:
-            low, high = over["stiffness"]
-            over["stiffness"] = max(low, min(LEAST * high, system.spring.stiffness)), high
         end = optimize_design(
             start,
             measure,

@@ -1,15 +1,19 @@
 """The descent from a hop: what a fixed spring rests at, what limits say, and that it leads down."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from spear_pin import HoppingLaw, Spring, find_gait, hopping, load
+from spear_pin.errors import MissingExtra, NoGait
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import changed, number, rebuilt, with_parameters
 from spear_pin.hybrid.simulate import simulate
-from spear_pin.studies.payoff import Motors
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
+from spear_pin.studies.payoff import Motors, descent
+from spear_pin.studies.payoff import hopping as hopping_study
 from spear_pin.studies.payoff.descent import AtTouchdown, descended, limits
 from spear_pin.studies.payoff.hopping import MESH, TAUT, electricity, kept, ranges
 from spear_pin.studies.payoff.motors import known
@@ -51,11 +55,47 @@ def test_a_fixed_spring_rests_where_the_knee_is_to_land(hop):
     assert orbit.cycle.dy[:, -1] == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
 
 
+@pytest.fixture(scope="module")
+def start(hop):
+    """A hop of the study's, before it is led down."""
+    law = replace(hop.system.law, hold_extension=True, minimum_force=0.05 * hop.system.robot.weight, hip_touchdown=0.5)
+    return find_gait(rebuilt(hop.system, law=law), ["stance_torque"], {"flight_time": 0.2})
+
+
+@pytest.mark.parametrize("failure", [NotDifferentiable("toes alternate"), NoGait("none", 1.0), ZeroDivisionError()])
+def test_without_a_way_down_the_hop_stays_as_it_was(start, monkeypatch, failure):
+    def refuses(*arguments, **named):
+        raise failure
+
+    monkeypatch.setattr(descent, "optimize_design", refuses)
+    assert descended(start, "effort", None, ranges(start.system.robot, free=False), TAUT) is start
+
+
+def test_that_heyoka_is_missing_is_told(start, monkeypatch):
+    def missing(*arguments, **named):
+        raise MissingExtra("heyoka", "fast", "a descent")
+
+    monkeypatch.setattr(descent, "optimize_design", missing)
+    with pytest.raises(MissingExtra, match="fast"):
+        descended(start, "effort", None, ranges(start.system.robot, free=False), TAUT)
+
+
+@pytest.mark.parametrize(
+    ("torque", "cost", "left", "taken"),
+    [(7.0, 0.9, 0.0, True), (7.0, 1.1, 0.0, False), (7.0, 0.9, -1.0, False), (1e3, 0.9, 0.0, False)],
+)
+def test_an_end_is_taken_if_it_costs_less_within_limits(start, monkeypatch, torque, cost, left, taken):
+    """Of a torque in its range, too."""
+    end = replace(start, system=with_parameters(start.system, {"stance_torque": torque}))
+    monkeypatch.setattr(hopping_study, "descended", lambda *arguments: end)
+    monkeypatch.setattr(hopping_study, "judged", lambda task, gait: (1.0, 0.0) if gait is start else (cost, left))
+    task = SimpleNamespace(ranges=ranges(start.system.robot, free=False))
+    assert hopping_study._down(task, start, "effort", None) is (end if taken else start)
+
+
 @pytest.mark.slow
 @pytest.mark.extra("heyoka")
-def test_it_leads_down_within_limits(hop, motors):
-    law = replace(hop.system.law, hold_extension=True, minimum_force=0.05 * hop.system.robot.weight, hip_touchdown=0.5)
-    start = find_gait(rebuilt(hop.system, law=law), ["stance_torque"], {"flight_time": 0.2})
+def test_it_leads_down_within_limits(start, motors):
     chosen = ranges(start.system.robot, free=False)
     end = descended(start, "electricity", motors, chosen, TAUT)
     cycles = [simulate(each.system, each.state, samples=MESH, progress=False) for each in (start, end)]
