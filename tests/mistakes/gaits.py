@@ -61,10 +61,30 @@ MUTATIONS = [
                 "0.0",
             ),
             "derivatives: a peak at an end that stays": (
-                "change = change + rate * stretch.tau",
-                "change = change + 0.0",
+                "yield 1.0, float(piece.values[END]), piece.derivatives[END] + piece.rates[END] * stretch.tau",
+                "yield 1.0, float(piece.values[END]), piece.derivatives[END]",
             ),
             "derivatives: a weight that stays": ("(dbottom - dleast)", "dbottom"),
+        },
+    ),
+    *mistakes_in(
+        "gaits/sensitivity/margins",
+        ["gaits/sensitivity/test_margins"],
+        {
+            "derivatives: a margin whose place stays": (
+                "piece.derivatives[BEGIN] + piece.rates[BEGIN] * piece.stretch.since",
+                "piece.derivatives[BEGIN]",
+            ),
+        },
+    ),
+    *mistakes_in(
+        "gaits/sensitivity/signals",
+        ["gaits/sensitivity/test_margins"],
+        {
+            "derivatives: ends of panels are margins": (
+                " < 0.0:\n            turns.append",
+                " < 1e300:\n            turns.append",
+            )
         },
     ),
     *mistakes_in(

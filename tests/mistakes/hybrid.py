@@ -8,8 +8,8 @@ MUTATIONS = [
         ["hybrid/tangent/test_hop", "hybrid/tangent/test_grazing", "hybrid/tangent/test_bound"],
         {
             "derivatives: sign of the motion after an event": (
-                "now.dy - values.slopes[:, -2, None] * now.tau",
-                "now.dy + values.slopes[:, -2, None] * now.tau",
+                "now.dy - values.slopes[:, BEGIN, None] * now.tau",
+                "now.dy + values.slopes[:, BEGIN, None] * now.tau",
             ),
             "derivatives: an event at a fixed time": (
                 "stretch.dstate + stretch.end.slopes[:, None] * tau",
@@ -30,6 +30,17 @@ MUTATIONS = [
                 "/ fall if False else now.tau",
             ),
             "derivatives: grazing is not refused": ("if not steepness > GRAZING", "if steepness == -1.0"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/tangent/cycle",
+        ["gaits/sensitivity/test_kinks"],
+        {
+            "derivatives: a kink that stays": (
+                "now.tau = now.bent.tau = stretch.since = later(now.bent, stretch)",
+                "pass",
+            ),
+            "derivatives: slopes of the other side of a kink": ("            if kink:\n", "            if False:\n"),
         },
     ),
     *mistakes_in(

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from spear_pin.gaits.sensitivity.signals import Pieces
 from spear_pin.hybrid.rules.footing import closed_toes
-from spear_pin.hybrid.tangent.derivative import Stretch
+from spear_pin.hybrid.tangent.derivative import BEGIN, END, Stretch
 from spear_pin.model.robot import Robot
 
 
@@ -24,7 +24,7 @@ def coordinate(stretches: Sequence[Stretch], i: int) -> list[Pieces]:
 
 def along(stretch: Stretch, i: int) -> Pieces:
     """A number of the state along an arc."""
-    return Pieces(stretch, stretch.y[i], stretch.dy[i], stretch.said.slopes[i, -2:])
+    return Pieces(stretch, stretch.y[i], stretch.dy[i], stretch.said.slopes[i, [BEGIN, END]])
 
 
 def guarded(stretch: Stretch, g: int) -> Pieces:

@@ -22,6 +22,7 @@ from spear_pin.model.motor import Drive, Motor
 
 Array = NDArray[np.float64]
 ELECTRICITY, RESERVE = "electricity", "reserve_"
+STILL = 1e-9  # rad/s: a joint that a law keeps at rest is held against its gears, whichever way rounding turns it
 
 
 class _Joint(NamedTuple):
@@ -105,10 +106,11 @@ def _drawn(torque: Sequence[Pieces], speed: Sequence[Pieces], joint: _Joint) -> 
     for u, w in zip(torque, speed, strict=True):
         last: float | None = None  # power where the interval before ends
         for (_, h, U, dU), (_, _, W, dW) in zip(u.panels(), w.panels(), strict=True):
-            U, dU, turns = U / joint.motors, dU / joint.motors, roots(W)
+            U, dU, still = U / joint.motors, dU / joint.motors, np.abs(W).sum() < STILL
+            turns = [] if still else roots(W)
             marks = sorted([-1.0, 1.0, *turns, *roots(U), *roots(_returns(U, W, joint))])
             for left, right in zip(marks[:-1], marks[1:], strict=True):
-                drives = bool(_at(0.5 * (left + right), U) * _at(0.5 * (left + right), W) >= 0.0)
+                drives = still or bool(_at(0.5 * (left + right), U) * _at(0.5 * (left + right), W) >= 0.0)
                 x = np.concatenate([left + (right - left) * rule(POINTS).nodes, [left, right]])
                 weights = 0.5 * h * (right - left) * rule(POINTS).weights
                 power = _Power(_at(x, U), _at(x, W), drives, joint)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.gaits.sensitivity.along_arcs import guarded
+from spear_pin.gaits.sensitivity.along_arcs import guarded, long
 from spear_pin.gaits.sensitivity.measure import Measure
-from spear_pin.gaits.sensitivity.signals import extremes
-from spear_pin.hybrid.tangent.derivative import Derivative, Stretch
+from spear_pin.gaits.sensitivity.signals import Pieces, extremes
+from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch
 
 Array = NDArray[np.float64]
 ZERO = 1e-9  # of a guard's largest value: it begins on zero
@@ -21,34 +21,62 @@ def margins(cycle: Derivative) -> dict[str, Measure]:
 
     Of an event that does not happen it is the least value of its guard, of one that happens the guard's value where its
     domain is entered, and of one that happens at once how far the guard is below zero there. Each is in the guard's
-    unit: N of a force, m of a height, rad of an angle. Scheduled events have none; guards are margins to them, too.
+    unit: N of a force, m of a height, rad of an angle; of several guards that make the same event it is the least
+    number. Scheduled events have none; guards are margins to them, too.
     """
     found = dict[str, Measure]()
-    for stretch in cycle.stretches:
-        for name, value, derivative in of_arc(stretch):
+    for motion in motions(cycle.stretches):
+        for name, value, derivative in of_motion(motion):
             if name not in found or value < found[name].value:
                 found[name] = Measure(value, derivative, "")
     return found
 
 
-def of_arc(stretch: Stretch) -> Iterator[tuple[str, float, Array]]:
-    """What may be the least margin of an event: its name, the value, and the derivative."""
-    arc = stretch.arc
-    if stretch.at_once:
-        for g, guard in enumerate(arc.domain.guards):
-            if guard is arc.event:
-                below = guarded(stretch, g).times(-1.0)
-                yield guard.name, float(below.values[-2]), below.derivatives[-2] + below.rates[0] * stretch.since
+def motions(stretches: Sequence[Stretch]) -> Iterator[list[Stretch]]:
+    """Arcs that go on into each other, as at kinks, from event to event."""
+    motion = list[Stretch]()
+    for stretch in stretches:
+        motion.append(stretch)
+        if stretch.arc.event is not None and stretch.arc.event.reset is not None:
+            yield motion
+            motion = []
+    if motion:
+        yield motion
+
+
+def of_motion(motion: Sequence[Stretch]) -> Iterator[tuple[str, float, Array]]:
+    """What may be the least margin of an event from event to event: its name, the value, and the derivative."""
+    domain, event, lasting = motion[-1].arc.domain, motion[-1].arc.event, long(motion)
+    if not lasting:
+        at_once = motion[-1]
+        for g, guard in enumerate(domain.guards):
+            if guard is event:  # on zero it is no less an event that does not happen at once
+                left = guarded(at_once, g) if at_once.late else guarded(at_once, g).times(-1.0)
+                yield guard.name, *_begin(left)
         return
-    for g, guard in enumerate(arc.domain.guards):
+    for g, guard in enumerate(domain.guards):
         if guard.observes:
             continue
-        piece = guarded(stretch, g)
-        least = max(guard.tolerance, ZERO * float(np.abs(piece.values).max()))
-        if np.ptp(piece.values) <= ZERO * least:  # what is held disarms it
+        pieces = [guarded(each, g) for each in lasting]
+        values = np.concatenate([each.values for each in pieces])
+        least = max(guard.tolerance, ZERO * float(np.abs(values).max()))
+        if np.ptp(values) <= ZERO * least:  # what is held disarms it
             continue
-        every = list(extremes(piece))
-        risen = abs(every[0][1]) > least  # else its own event has just put it on zero, from where it rises
-        for place, value, derivative in every:
-            if (place == 0.0 or guard is not arc.event) and (risen or abs(value) > least):
+        first, *others = extremes_of(pieces)
+        risen = abs(first[0]) > least  # else its own event has just put it on zero, from where it rises
+        for value, derivative in (first,) if guard is event else (first, *others):
+            if risen or abs(value) > least:
                 yield guard.name, value, derivative
+
+
+def extremes_of(pieces: Sequence[Pieces]) -> Iterator[tuple[float, Array]]:
+    """Values at the ends of a motion of several arcs, and where it turns, with derivatives."""
+    for i, piece in enumerate(pieces):
+        for place, value, derivative in extremes(piece):
+            turns = place == 1.0 and i + 1 < len(pieces) and piece.rates[END] * pieces[i + 1].rates[BEGIN] < 0.0
+            if 0.0 < place < 1.0 or turns or (place == 0.0 and i == 0) or (place == 1.0 and i + 1 == len(pieces)):
+                yield value, derivative
+
+
+def _begin(piece: Pieces) -> tuple[float, Array]:
+    return float(piece.values[BEGIN]), piece.derivatives[BEGIN] + piece.rates[BEGIN] * piece.stretch.since

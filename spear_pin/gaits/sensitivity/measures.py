@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from spear_pin.gaits.sensitivity.along_arcs import along, closed_in, coordinate, forces, guarded, long, powered
 from spear_pin.gaits.sensitivity.measure import Group, Measure, Measures, total
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
-from spear_pin.hybrid.tangent.derivative import Derivative, Stretch
+from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch
 from spear_pin.hybrid.tangent.dual import derivative_of, value_of
 from spear_pin.hybrid.tangent.heights import Heights, dual_heights
 
@@ -138,7 +138,7 @@ def _height(heights: Heights, toe: str, stretch: Stretch) -> Pieces:
     values, derivatives = heights.along(
         toe, stretch.y[:nv], np.concatenate([stretch.dy[:nv], stretch.y[nv:, :, None]], axis=2)
     )
-    return Pieces(stretch, values, derivatives[:, :-1], derivatives[-2:, -1])
+    return Pieces(stretch, values, derivatives[:, :-1], derivatives[[BEGIN, END], -1])
 
 
 def _ranges(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:

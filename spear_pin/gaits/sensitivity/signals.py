@@ -1,6 +1,7 @@
 """Integrals and peaks of what changes along a cycle, with derivatives: polynomials through Gauss's points of arcs.
 
-They go through the arcs' beginnings and ends, too: friction that is used is largest where a toe begins to slip.
+They go through the arcs' beginnings and ends, too, as which only kinks are not exact: friction that is used is largest
+where a toe begins to slip.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.tangent.collocation import POINTS, through
-from spear_pin.hybrid.tangent.derivative import Stretch
+from spear_pin.hybrid.tangent.derivative import BEGIN, END, Stretch
 
 Array = NDArray[np.float64]
 NEAR = 1e-9  # of a peak: so near to it an instant carries it on
@@ -47,7 +48,8 @@ class Pieces:
         """The product with another along the same arc, or with a number that has a derivative, (c,)."""
         if isinstance(other, Pieces):
             derivatives = self.derivatives * other.values[:, None] + self.values[:, None] * other.derivatives
-            rates = self.rates * other.values[-2:] + self.values[-2:] * other.rates
+            ends = [BEGIN, END]
+            rates = self.rates * other.values[ends] + self.values[ends] * other.rates
             return Pieces(self.stretch, self.values * other.values, derivatives, rates)
         derivatives = other * self.derivatives + self.values[:, None] * change
         return Pieces(self.stretch, other * self.values, derivatives, other * self.rates)
@@ -57,10 +59,9 @@ class Pieces:
         arc, count = self.stretch.arc, len(self.values) // POINTS
         h = (arc.end - arc.t) / count
         for i in range(count):
-            ends = {-1.0: -2} if i == 0 else {}
-            if i == count - 1:
-                ends[1.0] = -1
-            to, chosen = through(*ends), [*range(i * POINTS, (i + 1) * POINTS), *ends.values()]
+            begins, ends = i == 0, i == count - 1
+            chosen = [*range(i * POINTS, (i + 1) * POINTS), *[BEGIN] * begins, *[END] * ends]
+            to = through(*[-1.0] * begins, *[1.0] * ends)
             yield arc.t + i * h, h, to @ self.values[chosen], to @ self.derivatives[chosen]
 
 
@@ -70,7 +71,7 @@ def integral(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     for piece in pieces:
         weights, stretch = piece.stretch.weights, piece.stretch
         total += float(weights @ piece.values)
-        begin, end = piece.values[-2:]
+        begin, end = piece.values[[BEGIN, END]]
         change = change + weights @ piece.derivatives + end * stretch.tau - begin * stretch.since
     return total, change
 
@@ -79,7 +80,7 @@ def positive(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     """∫ of the positive part over the cycle, and its derivative: where the signal changes its sign nothing is added."""
     total, change = 0.0, np.zeros(pieces[0].derivatives.shape[1])
     for piece in pieces:
-        begin, end = piece.values[-2:]
+        begin, end = piece.values[[BEGIN, END]]
         change = change + max(end, 0.0) * piece.stretch.tau - max(begin, 0.0) * piece.stretch.since
         for _, h, values, derivatives in piece.panels():
             marks = [-1.0, *roots(values), 1.0]
@@ -97,9 +98,9 @@ def peak(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     change: Any = np.zeros(pieces[0].derivatives.shape[1])
     for piece in pieces:
         if piece.stretch.at_once:  # beside this cycle it lasts, on one side
-            value, rate = float(piece.values[-1]), piece.rates[-1]
+            value, rate = float(piece.values[END]), piece.rates[END]
             if rate > 0.0 and value >= best - NEAR * abs(best):
-                best, change = value, piece.derivatives[-1] + rate * piece.stretch.tau
+                best, change = value, piece.derivatives[END] + rate * piece.stretch.tau
             continue
         for _, value, along in extremes(piece):
             if value > best:
@@ -108,21 +109,22 @@ def peak(pieces: Sequence[Pieces]) -> tuple[float, Array]:
 
 
 def extremes(piece: Pieces) -> Iterator[tuple[float, float, Array]]:
-    """Values at an arc's ends, where the signal turns, and between panels, with derivatives.
+    """Values at an arc's ends, and where the signal turns, with derivatives.
 
     Yields:
         the place, 0 at the arc's beginning and 1 at its end; the value; its derivative.
     """
-    stretch, panels = piece.stretch, list(piece.panels())
-    count = len(panels)
-    for i, (_, _, values, derivatives) in enumerate(panels):
-        for x in (-1.0, *roots(legendre.legder(values)), 1.0):
+    stretch, panels = piece.stretch, [each[2:] for each in piece.panels()]
+    slopes, count = [legendre.legder(values) for values, _ in panels], len(panels)
+    yield 0.0, float(piece.values[BEGIN]), piece.derivatives[BEGIN] + piece.rates[BEGIN] * stretch.since
+    for i, (values, derivatives) in enumerate(panels):
+        turns = roots(slopes[i])
+        if i + 1 < count and legendre.legval(1.0, slopes[i]) * legendre.legval(-1.0, slopes[i + 1]) < 0.0:
+            turns.append(1.0)
+        for x in turns:
             change: Any = legendre.legval(x, derivatives)
-            if x == -1.0 and i == 0:
-                change = change + piece.rates[0] * stretch.since
-            elif x == 1.0 and i == count - 1:
-                change = change + piece.rates[-1] * stretch.tau
             yield (i + 0.5 * (x + 1.0)) / count, float(legendre.legval(x, values)), np.asarray(change)
+    yield 1.0, float(piece.values[END]), piece.derivatives[END] + piece.rates[END] * stretch.tau
 
 
 def largest_ratio(
@@ -143,10 +145,10 @@ def largest_ratio(
     for above, below in pairs:
         stretch, count = above.stretch, len(above.values) // POINTS
         if stretch.at_once:
-            bottom, ratio = float(below.values[-1]), float(above.values[-1] / below.values[-1])
-            rate, up = (above.rates[-1] - ratio * below.rates[-1]) / bottom, np.sign(ratio)
+            bottom, ratio = float(below.values[END]), float(above.values[END] / below.values[END])
+            rate, up = (above.rates[END] - ratio * below.rates[END]) / bottom, np.sign(ratio)
             if bottom >= least and up * rate > 0.0 and abs(ratio) >= best * (1.0 - NEAR):
-                along = (above.derivatives[-1] - ratio * below.derivatives[-1]) / bottom + rate * stretch.tau
+                along = (above.derivatives[END] - ratio * below.derivatives[END]) / bottom + rate * stretch.tau
                 best, change = abs(ratio), up * along
             continue
         for i, ((_, _, a, da), (_, _, b, db)) in enumerate(zip(above.panels(), below.panels(), strict=True)):
@@ -165,9 +167,9 @@ def largest_ratio(
                     rate = (float(legendre.legval(x, slope_a)) - ratio * fall) / bottom
                     along = along - rate / fall * (dbottom - dleast)
                 elif x == -1.0 and i == 0:
-                    along = along + rates[0] * stretch.since
+                    along = along + rates[BEGIN] * stretch.since
                 elif x == 1.0 and i == count - 1:
-                    along = along + rates[-1] * stretch.tau
+                    along = along + rates[END] * stretch.tau
                 change = np.asarray(np.sign(ratio) * along)
     return best, change
 

@@ -22,8 +22,9 @@ from spear_pin.hybrid.engines.structure import with_fields
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, carried
-from spear_pin.hybrid.tangent.derivative import SHORTEST, Derivative, Stretch, falling
+from spear_pin.hybrid.tangent.derivative import BEGIN, END, SHORTEST, Derivative, Stretch, falling
 from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals
+from spear_pin.hybrid.tangent.kinks import later, of_the_inside
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, flat, struck
@@ -38,12 +39,14 @@ class _Now:
 
     Attributes:
         behind: whether those of the state are at that event, not yet at a fixed clock.
+        bent: the arc before, if it ended at a kink.
     """
 
     dy: Array
     held: dict[str, Any]
     tau: Array
     behind: bool = False
+    bent: Stretch | None = None
     durations: dict[str, Any] = field(default_factory=dict)
     steepness: float = math.inf
 
@@ -101,16 +104,21 @@ class _Whole:
         every = np.zeros((len(raw), n + c + 1))
         every[:, n:-1] = given
         clocks, states = np.empty(len(t) + 2), np.empty((n, len(t) + 2))
-        clocks[:-2], clocks[-2], clocks[-1] = t, arc.t, arc.end
-        states[:, :-2], states[:, -2], states[:, -1] = y, arc.y, arc.after
+        clocks[:-2], clocks[BEGIN], clocks[END] = t, arc.t, arc.end
+        states[:, :-2], states[:, BEGIN], states[:, END] = y, arc.y, arc.after
         values, slopes = domain.at(clocks, states, raw, directions[n], directions[:n, None], every)
+        for place, kink in ((BEGIN, now.bent is not None), (END, arc.event is None)):
+            if kink:
+                slopes.rows[:, place] = of_the_inside(slopes.rows, place)
         if now.behind:
-            now.dy, now.behind = now.dy - values.slopes[:, -2, None] * now.tau, False
+            now.dy, now.behind = now.dy - values.slopes[:, BEGIN, None] * now.tau, False
         motion = slopes.slopes[nv:, :-2, :-1].reshape(nv, -1, POINTS, n + c).transpose(1, 2, 0, 3)
         S = carried(motion, h, now.dy)
         after = now.dy if arc.end - arc.t <= SHORTEST else S.end
         stretch = Stretch(arc, states, S, after, values, slopes, held, now.tau)
-        stretch.tau = self._tau(stretch, now)
+        if now.bent is not None:
+            now.tau = now.bent.tau = stretch.since = later(now.bent, stretch)
+        stretch.tau, now.bent = self._tau(stretch, now), None if arc.event is not None else stretch
         return stretch
 
     def _tau(self, stretch: Stretch, now: _Now) -> Array:
@@ -122,7 +130,7 @@ class _Whole:
             due = arc.event.time(arc.switches, self.law)
             return due.d + np.zeros(self.c) if isinstance(due, Dual) else np.zeros(self.c)
         i = stretch.place
-        fall, change = stretch.at_end(stretch.slopes.guards[i, -1])
+        fall, change = stretch.at(END, stretch.slopes.guards[i, END])
         if stretch.at_once:
             # beside this cycle a guard on zero that falls is an event of its own, another one stays at once
             met = abs(stretch.end.guards[i]) <= arc.event.tolerance and falling(fall)

@@ -19,6 +19,7 @@ from spear_pin.hybrid.tangent.fields import Values
 
 Array = NDArray[np.float64]
 SHORTEST = 1e-9  # s: there is nothing to be carried along a shorter arc
+BEGIN, END = -2, -1  # places behind Gauss's points
 
 
 @dataclass(eq=False)
@@ -60,7 +61,7 @@ class Stretch:
     @cached_property
     def dy(self) -> Array:
         """Derivatives of the states at a fixed clock, (2 nv, k, c)."""
-        ends = np.stack([self.carried.begins[0], self.dstate], axis=1)
+        ends = np.stack([self._dy_at(BEGIN), self._dy_at(END)], axis=1)
         return np.concatenate([self.carried.inside(), ends], axis=1)
 
     @cached_property
@@ -73,29 +74,33 @@ class Stretch:
     @property
     def end(self) -> Values:
         """What the domain says at the end, (...)."""
-        return self.said._replace(rows=self.said.rows[:, -1])
+        return self.said._replace(rows=self.said.rows[:, END])
 
-    def at_end(self, slopes: Array) -> tuple[Any, Array]:
-        """Rates along the motion at the end, (...), and derivatives at the fixed clock, (..., c).
+    def at(self, place: int, slopes: Array) -> tuple[Any, Array]:
+        """Rates along the motion at the beginning or the end, (...), and derivatives at the fixed clock, (..., c).
 
         Args:
+            place: `BEGIN` or `END`.
             slopes: of something that the domain says there, (..., 2 nv + c + 1).
         """
-        n = len(self.y)
-        return slopes[..., :n] @ self.end.slopes + slopes[..., -1], slopes[..., :n] @ self.dstate + slopes[..., n:-1]
+        n, along, dy = len(self.y), self.said.slopes[:, place], self._dy_at(place)
+        return slopes[..., :n] @ along + slopes[..., -1], slopes[..., :n] @ dy + slopes[..., n:-1]
+
+    def _dy_at(self, place: int) -> Array:
+        """Derivatives of the state at the beginning or the end, (2 nv, c)."""
+        begins: Array = self.carried.begins[0]
+        return begins if place == BEGIN else self.dstate
 
     @cached_property
     def rates(self) -> Values:
         """Rates of what the domain says along the motion, at the beginning and at the end, (..., 2)."""
-        n, slopes = len(self.y), self.slopes.rows[:, -2:]
-        return self.said._replace(
-            rows=np.einsum("rin,ni->ri", slopes[..., :n], self.said.slopes[:, -2:]) + slopes[..., -1]
-        )
+        rates = [self.at(place, self.slopes.rows[:, place])[0] for place in (BEGIN, END)]
+        return self.said._replace(rows=np.stack(rates, axis=1))
 
     @property
     def rate(self) -> Values:
         """Those at the end, (...)."""
-        return self.said._replace(rows=self.rates.rows[:, -1])
+        return self.said._replace(rows=self.rates.rows[:, END])
 
     @property
     def at_once(self) -> bool:

@@ -3,11 +3,14 @@
 import numpy as np
 import pytest
 
-from spear_pin import find_gait, simulate
+from spear_pin import Gait, find_gait, simulate
 from spear_pin.gaits.codesign.closing import closed, led
-from spear_pin.gaits.sensitivity.margins import of_arc
+from spear_pin.gaits.sensitivity.margins import margins, of_motion
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.hybrid.parameters import number, with_numbers
+from spear_pin.hybrid.tangent.collocation import ENDS
+from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.record import Recorder
 
 pytestmark = pytest.mark.extra("heyoka")
 VARY, KEEP, OVER = ("stance_torque",), {"flight_time": 0.2}, ("stiffness", "knee_ratio", "friction")
@@ -68,9 +71,23 @@ def test_an_event_at_once_by_derivatives_against_gaits_nearby(hop):
         assert h * along == pytest.approx((8.0 * (a - b) - (c - d)) / 12.0, rel=1e-5, abs=1e-9 * found)
 
 
+def test_panels_do_not_matter():
+    """A guard that rises from zero is nowhere less than where its domain is left, or turns."""
+    gait = Gait.load("force_lift_off")
+    orbit = Orbit(gait.system, gait.state, ("posterior_hip_torque",))
+    start, seeds = np.concatenate(gait.state), orbit.seeds
+    coarse = margins(differentiated(gait.system, Recorder(gait.system), start, orbit.start, seeds, ENDS))
+    fine = margins(differentiated(gait.system, Recorder(gait.system), start, orbit.start, seeds))
+    assert list(coarse) == list(fine)
+    for name, margin in fine.items():
+        assert coarse[name].value == pytest.approx(margin.value, rel=1e-6), name
+        scale = np.abs(margin.derivative).max()
+        np.testing.assert_allclose(coarse[name].derivative, margin.derivative, rtol=0, atol=1e-5 * scale, err_msg=name)
+
+
 def at_once(orbit):
     """The last but one arc's only margin, of lift-off at once."""
     stretch = orbit.cycle.stretches[-2]
     assert stretch.at_once and stretch.arc.event.name == "lift_off" and not stretch.late
-    (margin,) = of_arc(stretch)
+    (margin,) = of_motion([stretch])
     return margin
