@@ -88,6 +88,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "assumptions": {name: found.elasticity(name) for name in found.ranked},
         "largest_multiplier": found.largest,
         "cycles": found.cycles,
+        "missed": found.missed,
         "converged": found.converged,
         "reason": found.reason,
         "files": [str(path) for path in files],

@@ -7,7 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import BOUND, WHAT
+from spear_pin.cli.gaits import BOUND, WHAT, named_gait
 from spear_pin.cli.legs import add_leg, one_leg, rests_on
 from spear_pin.cli.output import aligned, listed, progress
 from spear_pin.cli.pairs import RANGE, one_range
@@ -124,6 +124,10 @@ def _hop(arguments: argparse.Namespace, target: dict[str, float]) -> Gait:
     from spear_pin.studies.hop_of_another import scaled_hopping
 
     leg = one_leg(arguments, ["boom_x"])
+    if leg is None and not target and arguments.at is None:
+        own = named_gait("hop")
+        if arguments.over[0] not in own.system.measures:
+            return own
     robot = load("spear_ii", locked=["boom_x"]) if leg is None else leg
     at = {} if arguments.at is None else {arguments.over[0]: arguments.at}
     if at and arguments.over[0] in parameters_of(robot):

@@ -36,14 +36,16 @@ def check_motors(arguments: argparse.Namespace) -> None:
     Raises:
         BadValue: the option is named.
     """
-    from spear_pin.errors import require
+    from spear_pin.errors import BadValue, require
 
     if arguments.bus is not None:
         require("--bus", arguments.bus, lambda volts: 0.0 < volts < float("inf"), "a number > 0, in V")
-        require("--motor", len(arguments.motor), lambda count: count > 0, "JOINT=MOTOR, with --bus")
+        if not arguments.motor:
+            raise BadValue("--bus", arguments.bus, "to go with --motor JOINT=MOTOR")
     if arguments.efficiency is not None:
         require("--efficiency", arguments.efficiency, lambda eta: 0.0 < eta <= 1.0, "a number in (0, 1]")
-        require("--bus", arguments.bus, lambda volts: volts is not None, "a number > 0, in V, with --efficiency")
+        if arguments.bus is None:
+            raise BadValue("--efficiency", arguments.efficiency, "to go with --bus, the supply of --motor")
 
 
 def motors(arguments: argparse.Namespace, robot: Robot) -> dict[str, Motor | Drive]:

@@ -58,6 +58,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "solved": {name: values.tolist() for name, values in found.solved.items()},
         "values": dict(found.outputs),
         "units": dict(found.output_units),
+        "derivatives": {name: each.tolist() for name, each in found.derivatives.items()},
         "elasticities": {name: found.elasticity(name) for name in found.measures},
         "one_sided": list(found.one_sided),
         "files": [str(path) for path in files],

@@ -139,7 +139,11 @@ def check_lanes(system: HybridSystem) -> None:
     if system.robot.added is not None:
         raise BadValue("robot", system.robot, "one on its slider")
     if not system.robot.planar:
-        raise BadValue("robot", system.robot, "one that moves in the plane: many lanes are not run in space yet")
+        raise BadValue(
+            "robot",
+            system.robot,
+            "one that moves in the plane: in space gaits have no derivatives, and are not run side by side",
+        )
 
 
 def may_differ(system: HybridSystem, name: str) -> bool:

@@ -65,6 +65,7 @@ class TestMistakes:
                 ("hop", "--over", "stiffness=40:60", "--out", "none"),
                 "--out is 'none'; expected",
             ),
+            LATE(("hop", "--over", "mean_speed=-1:1"), "over is 'mean_speed'; expected what changes along a branch"),
             LATE(
                 ("hop", "--over", "flight_time=0.1:0.3", "--flight-time", "0.2"),
                 "another name, or no --flight-time",

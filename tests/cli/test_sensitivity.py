@@ -43,6 +43,8 @@ def test_with_a_motor(capsys, tmp_path):
         (("hop", "--motor", "toe=spear_ii_knee"), "'toe'"),
         (("hop", "--motor", "knee=ec_45"), "'ec_45'"),
         (("trot", "--over", "stiffness"), "in the plane"),
+        (("hop", "--efficiency", "0.9"), "--efficiency is 0.9; expected to go with --bus"),
+        (("hop", "--bus", "9"), "--bus is 9.0; expected to go with --motor"),
         (("hop", "--out", "none"), "--out is 'none'; expected"),
     ],
     ids=words,

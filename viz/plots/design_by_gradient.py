@@ -28,7 +28,8 @@ def optimised(design: Design) -> Figure:
         bars.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
         bars.invert_yaxis()
         bars.axvline(0.0, color="0.4", linewidth=0.5)
-        bars.set_xlabel("Elasticity")
+        bars.set_xlabel(f"Elasticity of {_words(design.minimize)}, % for one more %")
+        bars.margins(x=0.05)
         return figure
 
 

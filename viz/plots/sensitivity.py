@@ -6,10 +6,9 @@ import numpy as np
 from matplotlib.colors import SymLogNorm
 from matplotlib.figure import Figure
 
-from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
+from spear_pin.gaits.sensitivity.sensitivity import NOTHING, Sensitivity
 from spear_pin.viz.plots.paper import Picture, style
 
-NOTHING = 1e-9  # elasticities up to this are rounding
 LINEAR = 0.1  # elasticities up to this are told apart linearly, larger ones by their logarithms
 
 
@@ -18,7 +17,7 @@ def elasticities(table: Sensitivity) -> Figure:
     rows = np.array([table.elasticity(name) for name in table.outputs])
     top = max(1.0, float(np.nanmax(np.abs(rows), initial=0.0)))
     with style():
-        size = 3.2 + 0.75 * len(table.parameters), 0.9 + 0.24 * len(rows)
+        size = 3.9 + 0.75 * len(table.parameters), 0.9 + 0.24 * len(rows)
         figure = Picture(figsize=size, layout="constrained")
         panel = figure.subplots()
         panel.set_facecolor("0.85")
@@ -38,7 +37,7 @@ def elasticities(table: Sensitivity) -> Figure:
         panel.set_yticks(np.arange(len(rows)) + 0.5, [_said(table, name) for name in table.outputs], fontsize=7.5)
         panel.tick_params(length=0.0)
         panel.invert_yaxis()
-        figure.colorbar(mesh, label="Elasticity")
+        figure.colorbar(mesh, label="Elasticity, % for one more %")
         return figure
 
 

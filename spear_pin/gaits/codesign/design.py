@@ -23,6 +23,7 @@ from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
 STEP = 1e-6  # of the largest multiplier that is allowed
+MISSED = 1e-6  # of bounds, in all, relative to them
 NO_PRICE = 1e-6  # of the objective, for a whole bound or range: a price that is none
 
 
@@ -112,11 +113,15 @@ class Design(Shown):
         return f"Design({self.minimize} {self.start:.6g} -> {self.objective:.6g} {self.unit}, {self.reason})"
 
     def __str__(self) -> str:
-        lines = [f"{self.minimize}: {self.start:.6g} -> {self.objective:.6g} {self.unit}; {self.reason}"]
+        unit = "" if self.unit in ("", "1") else f" {self.unit}"
+        lines = [f"{self.minimize}: {self.start:.6g} -> {self.objective:.6g}{unit}; {self.reason}"]
+        if self.path[0][1] > MISSED:
+            lines.append(f"  it began beyond bounds, by {self.path[0][1]:.3g} of them in all")
+        if self.missed > MISSED:
+            lines.append(f"  BOUNDS ARE MISSED, by {self.missed:.3g} of them in all: nothing nearby keeps them")
         for name, each in self.parameters.items():
-            lines.append(
-                f"  {name:24} {each.start:10.5g} -> {each.value:10.5g} {each.unit} of {each.low:g} to {each.high:g}"
-            )
+            own = "" if each.unit in ("", "1") else f" {each.unit}"
+            lines.append(f"  {name:24} {each.start:10.5g} -> {each.value:10.5g}{own} of {each.low:g} to {each.high:g}")
         for name, (value, bound) in self.bounds.items():
             lines.append(f"  {name:40} {value:10.5g}, bound {bound:g}")
         lines.append(f"  largest multiplier {self.largest:.4f}, {self.cycles} cycles")
@@ -129,8 +134,13 @@ class Design(Shown):
         if self.assumptions:
             lines.append(f"% of {self.minimize} for one more % of what was assumed:")
             for name in self.ranked[:10]:
-                lines.append(f"  {name:40} {self.elasticity(name) + 0.0:+10.4f}")
+                lines.append(f"  {name:40} {round(self.elasticity(name), 4) + 0.0:+10.4f}")
         return "\n".join(lines)
+
+    @property
+    def missed(self) -> float:
+        """By how much bounds are missed in all, relative to them; a design misses none."""
+        return self.path[-1][1]
 
     @property
     def ranked(self) -> list[str]:

@@ -20,6 +20,7 @@ from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.sensitivity.electricity import check_gears
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.tangent_cycles import REFUSALS
+from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import number
@@ -170,6 +171,7 @@ def _check(gait: Gait, problem: Problem, tolerance: float, iterations: int) -> N
         number(gait.system, name)
     if len(set(problem.vary)) != len(problem.vary):
         raise BadValue("vary", problem.vary, "each parameter once")
+    check_wanted(gait.system, problem.keep)
     if problem.minimize in problem.keep:
         raise BadValue("minimize", problem.minimize, "a measure that is not kept")
     for name, least in problem.at_least.items():

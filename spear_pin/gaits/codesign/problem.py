@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -9,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import NoGait, UnknownName
+from spear_pin.errors import BadValue, NoGait, UnknownName
 from spear_pin.gaits.codesign.stability import borders, slopes
 from spear_pin.gaits.codesign.step import Local
 from spear_pin.gaits.sensitivity.measure import Measure
@@ -20,6 +21,7 @@ from spear_pin.model.motor import Drive, Motor
 Array = NDArray[np.float64]
 OnCycle = Callable[[], object]
 MARGIN = "margin_"
+OF_MOTORS = "energy|heat_.*|electricity.*|reserve_.*"
 STABILITY = ("multiplier at +1", "multiplier at -1", "multipliers in a complex pair")
 ROUNDING = 1e-5  # by which multipliers may miss their bound at an end
 WATCHED = 0.8  # of the largest multiplier that is allowed: above this its derivatives are needed
@@ -97,6 +99,7 @@ class Problem:
 
         Raises:
             UnknownName: it has not.
+            BadValue: it would with other motors.
         """
         kept = [name for name in orbit.measures if name in orbit.system.measures]  # the end is searched for with them
         for name in self.keep:
@@ -104,6 +107,10 @@ class Problem:
                 raise UnknownName("measure to keep", name, kept)
         for name in (self.minimize, *self.at_most, *self.at_least):
             if self.measure(orbit, name) is None:
+                if re.fullmatch(OF_MOTORS, name):
+                    given = f"those of {', '.join(self.motors)}" if self.motors else "none"
+                    expected = "one of joints whose motors are given, and electricity of drives on a supply, too"
+                    raise BadValue("measure", name, f"{expected}; motors are {given}")
                 raise UnknownName("measure", name, [*orbit.measures, *(MARGIN + each for each in orbit.margins)])
 
     def values(self, orbit: Orbit) -> tuple[float, Array]:

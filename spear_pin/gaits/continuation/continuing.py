@@ -27,6 +27,7 @@ from spear_pin.model.variants import parameters_of
 Array = NDArray[np.float64]
 NEAR = 0.1  # how far, scaled, the first point may be from the gait that is given
 LEAST_STEP = 1e-4
+STILL = 1e-10  # of a tangent: along it a measure does not change
 
 
 @typed
@@ -61,7 +62,7 @@ def continue_gait(
     Raises:
         UnknownName: unknown parameter or measure.
         BadValue: the range does not hold the gait's own value, or is none, there are not as many targets as numbers to
-            solve for, or a number is not valid.
+            solve for, a number is not valid, or a measure stays the same along the branch.
         NoGait: the gait is none of the equations', to begin with.
 
     Example:
@@ -78,6 +79,8 @@ def continue_gait(
     scale = problem.scale[-1]
     low, high = within[0] / scale, within[1] / scale
     start = _start(problem, state, values)
+    if abs(start.tangent[-1]) < STILL:
+        raise BadValue("over", over, f"what changes along a branch; it stays {values[-1]:g} here")
 
     def tell(point: Point) -> None:
         on_point(float(point.local.u[-1] * scale))

@@ -11,6 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+MULTIPLIER = "multiplier_"
+ROUNDING, ROOT = 1e-12, 1e-6  # in units of an output; of multipliers that are zero several times rounding leaves a root
+
+
+def rounding(output: str) -> float:
+    """Up to which modulus an output is zero but for rounding, in its unit."""
+    return ROOT if output.startswith(MULTIPLIER) else ROUNDING
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.errors import UnknownName
 from spear_pin.files import plain
+from spear_pin.gaits.sensitivity.measure import MULTIPLIER, rounding
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
 from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
 from spear_pin.gaits.sensitivity.orbit import orbit_of_gait, solved
@@ -24,7 +25,7 @@ from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
-ROUNDING = 1e-12  # of outputs, in their units
+NOTHING = 1e-9  # elasticities up to this are rounding
 
 
 @dataclass(frozen=True, repr=False)
@@ -40,7 +41,7 @@ class Sensitivity(Shown):
         units: of the parameters, empty where nothing says one.
         state: derivatives of (q, v) on the section, (2 nv, m).
         solved: derivatives of what is solved for, by name, (m,) each.
-        outputs: values of the measures and of the multipliers' moduli, by name.
+        outputs: values of what is solved for, of the measures and of the multipliers' moduli, by name.
         output_units: of those.
         derivatives: of the outputs, by name, (m,) each.
         multipliers: by decreasing modulus, (d,).
@@ -76,19 +77,21 @@ class Sensitivity(Shown):
         return f"Sensitivity({len(self.outputs)} outputs over {', '.join(self.parameters)})"
 
     def __str__(self) -> str:
-        width = max(map(len, self.outputs))
+        names, units = (max(map(len, each)) for each in (self.outputs, self.output_units.values()))
         head = " ".join(f"{name:>14.14}" for name in self.parameters)
-        lines = [f"{'':{width}} {'value':>12} {head}   (% for one more %)"]
+        lines = [f"{'':{names + units + 1}} {'value':>12} {head}   (% for one more %)"]
         for name, value in self.outputs.items():
-            row = " ".join(f"{each:14.4g}" for each in self.elasticity(name))
-            lines.append(f"{name:{width}} {value:12.6g} {row}")
+            row = " ".join(f"{_said(each):>14}" for each in self.elasticity(name).tolist())
+            value = value if abs(value) > rounding(name) else 0.0
+            unit = "" if self.output_units[name] == "1" else self.output_units[name]
+            lines.append(f"{name:{names}} {unit:{units}} {value:12.6g} {row}")
         if self.one_sided:
-            lines.append(f"one-sided: {', '.join(self.one_sided)} meets another event in this gait")
+            lines.append(f"one-sided, for events meet in this gait: {', '.join(self.one_sided)}")
         return "\n".join(lines)
 
     @property
     def measures(self) -> tuple[str, ...]:
-        """Names of the outputs: measures, and multipliers."""
+        """Names of the outputs: what is solved for, measures, and multipliers."""
         return tuple(self.outputs)
 
     @property
@@ -105,7 +108,7 @@ class Sensitivity(Shown):
         if output not in self.outputs:
             raise UnknownName("output", output, self.outputs)
         value = self.outputs[output]
-        found: Array = self.derivatives[output] * self.given / (value if abs(value) > ROUNDING else np.nan)
+        found: Array = self.derivatives[output] * self.given / (value if abs(value) > rounding(output) else np.nan)
         return found
 
     @typed
@@ -145,10 +148,9 @@ class Sensitivity(Shown):
             self.multipliers,
             self.motors,
         )
-        derivatives = {**self.solved, **self.derivatives, **dict(zip(local.columns, self.state, strict=True))}
-        outputs = {**dict(zip(local.vary, local.solved.tolist(), strict=True)), **self.outputs}
-        outputs |= dict(zip(local.columns, np.concatenate(self.at).tolist(), strict=True))
-        units = {name: unit(self.system, name) for name in local.vary} | dict(self.output_units) | local.units
+        derivatives = {**self.derivatives, **dict(zip(local.columns, self.state, strict=True))}
+        outputs = {**self.outputs, **dict(zip(local.columns, np.concatenate(self.at).tolist(), strict=True))}
+        units = {**self.output_units, **local.units}
         return Uncertainty(local, self.units, covariance, outputs, units, derivatives, self.one_sided)
 
     def to_json(self) -> str:
@@ -206,12 +208,15 @@ def sensitivity(
     orbit = orbit_of_gait(system, state, over, vary, keep, motors)
     dxi, dz = solved(orbit, vary, keep)
     chain = np.concatenate([dxi, dz, np.eye(len(over))])
-    multipliers, slopes = along_branch(orbit, over, orbit.start @ chain, dict(zip(vary, dz, strict=True)))
-    outputs = {name: measure.value for name, measure in orbit.measures.items()}
-    derivatives = {name: measure.derivative @ chain for name, measure in orbit.measures.items()}
-    units = {name: measure.unit for name, measure in orbit.measures.items()}
+    solved_for = dict(zip(vary, dz, strict=True))
+    multipliers, slopes = along_branch(orbit, over, orbit.start @ chain, solved_for)
+    outputs = {name: number(system, name) for name in vary}
+    outputs |= {name: measure.value for name, measure in orbit.measures.items()}
+    derivatives = {**solved_for, **{name: measure.derivative @ chain for name, measure in orbit.measures.items()}}
+    units = {name: unit(system, name) for name in vary}
+    units |= {name: measure.unit for name, measure in orbit.measures.items()}
     for i, (value, slope) in enumerate(zip(*moduli(multipliers, slopes), strict=True)):
-        name = f"multiplier_{i + 1}"
+        name = f"{MULTIPLIER}{i + 1}"
         outputs[name], units[name], derivatives[name] = float(value), "1", slope
     return Sensitivity(
         system,
@@ -221,7 +226,7 @@ def sensitivity(
         np.array([number(system, name) for name in over]),
         tuple(unit(system, name) for name in over),
         orbit.start @ chain,
-        dict(zip(vary, dz, strict=True)),
+        solved_for,
         outputs,
         units,
         derivatives,
@@ -230,3 +235,9 @@ def sensitivity(
         orbit.cycle.borders,
         dict(motors),
     )
+
+
+def _said(elasticity: float) -> str:
+    if not np.isfinite(elasticity):
+        return "none"
+    return f"{elasticity if abs(elasticity) > NOTHING else 0.0:.4g}"

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.files import plain
+from spear_pin.gaits.sensitivity.measure import MULTIPLIER, ROUNDING, rounding
 from spear_pin.gaits.sensitivity.monte_carlo import MonteCarlo
 from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
 from spear_pin.gaits.sensitivity.samples import found_anew
@@ -20,7 +21,6 @@ from spear_pin.showing import Shown
 
 Array = NDArray[np.float64]
 MOST = 1_000_000  # samples
-ROUNDING = 1e-12  # of a value: what spreads by less does not move
 
 
 @dataclass(frozen=True, repr=False)
@@ -79,7 +79,7 @@ class Uncertainty(Shown):
         lines.append(f"{'σ':{width}} {'':33} " + " ".join(f"{each:14.4g}" for each in self.parameter_deviations))
         for name, value in self.outputs.items():
             sigma = self.deviation(name)
-            relative = f"{100.0 * sigma / abs(value):8.3g}" if value else f"{'':8}"
+            relative = f"{100.0 * sigma / abs(value):8.3g}" if abs(value) > rounding(name) else f"{'':8}"
             row = " ".join(f"{100.0 * each:14.3g}" for each in self.gains(name))
             lines.append(f"{name:{width}} {value:12.6g} {sigma:11.4g} {relative} {row}")
         if self.correlated:
@@ -87,7 +87,7 @@ class Uncertainty(Shown):
                 "errors are correlated: to know one parameter tells of others, and shares do not add up to 100"
             )
         if self.one_sided:
-            lines.append(f"one-sided: {', '.join(self.one_sided)} meets another event in this gait")
+            lines.append(f"one-sided, for events meet in this gait: {', '.join(self.one_sided)}")
         return "\n".join(lines)
 
     def deviation(self, output: str) -> float:
@@ -110,7 +110,9 @@ class Uncertainty(Shown):
         Raises:
             UnknownName: there is no such output.
         """
-        return self.deviation(output) > ROUNDING * abs(self.outputs[output])
+        value = abs(self.outputs[output])
+        still = output.startswith(MULTIPLIER) and value <= rounding(output)  # a root of rounding
+        return not still and self.deviation(output) > ROUNDING * max(value, 1.0)
 
     def shares(self, output: str) -> Array:
         """Share of each parameter in the variance, g_i (Σ gᵀ)_i / σ², (m,); zero where the output does not move.

@@ -124,8 +124,20 @@ def test_names_that_are_none(hop):
     for name in ("nope", "energy", "clearance_toe", "margin_spring_switch"):
         with pytest.raises(UnknownName, match=name):
             optimize_design(hop, "work", {"stiffness": (42.0, 60.0)}, {name: 1.0}, motors=MOTORS)
-    with pytest.raises(UnknownName, match="energy"):  # there is none without motors
+    with pytest.raises(BadValue, match="measure is 'energy'; expected one of joints whose motors are given.* are none"):
         best(hop, {"stiffness": (42.0, 60.0)}, motors={})
+    with pytest.raises(BadValue, match=f"'electricity'.*those of {', '.join(MOTORS)}"):
+        best(hop, {"stiffness": (42.0, 60.0)}, at_most={"electricity": 20.0})
+    with pytest.raises(BadValue, match="target flight_time is -1.0"):
+        optimize_design(hop, "work", {"stiffness": (42.0, 60.0)}, {"flight_time": -1.0})
+
+
+def test_bounds_that_nothing_keeps_are_told(hop):
+    found = optimize_design(
+        hop, "work", {"stiffness": (42.0, 60.0)}, {"flight_time": 0.2}, at_least={"margin_spring_switch": 5.0}
+    )
+    assert not found.converged and found.missed == pytest.approx(1.0 - found.margins["spring_switch"] / 5.0, rel=1e-3)
+    assert "it began beyond bounds" in str(found) and "BOUNDS ARE MISSED, by 0.98" in str(found)
 
 
 def test_over_a_number_of_a_body(hop):

@@ -190,3 +190,15 @@ class TestMeasures:
         for _ in range(2):
             with pytest.raises(BadValue, match="it is 1"):
                 found["c"]
+
+
+@pytest.mark.extra("heyoka")
+def test_a_joint_that_is_kept_at_rest_takes_its_current_one_way():
+    """Rounding turns `long_stride`'s posterior knee to and fro under torque, by 1e-14 rad/s."""
+    gait = Gait.load("long_stride")
+    drive = Drive(motor("ec_90_flat_260w"), Gearbox(gait.system.robot.gear_ratio("posterior_knee"), 0.83), 48.0)
+    mass, taken = number(gait.system, "torso_mass"), []
+    for k in range(-3, 4):
+        system = with_numbers(gait.system, {"torso_mass": mass + k * 1e-9})
+        taken.append(Orbit(system, gait.state, (), {"posterior_knee": drive}).measures["electricity_posterior_knee"])
+    assert np.ptp([each.value for each in taken]) < 1e-8

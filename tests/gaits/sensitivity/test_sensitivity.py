@@ -55,6 +55,8 @@ def test_against_gaits_found_again(hop, table, name):
 def test_what_is_kept_stays(hop):
     table = hop.sensitivity(["stiffness", "knee_ratio"], ["stance_torque"], ["flight_time"])
     assert table.derivatives["flight_time"] == pytest.approx([0.0, 0.0], abs=1e-15)
+    assert table.measures[0] == "stance_torque" and table.derivatives["stance_torque"] is table.solved["stance_torque"]
+    assert table.outputs["stance_torque"] == hop.system.law.stance_torque
     h = 1e-2
     torques = []
     for step in (h, -h):
