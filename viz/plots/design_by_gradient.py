@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from spear_pin.gaits.codesign.design import Design
 from spear_pin.viz.plots.paper import BLUE, ORANGE, VERMILLION, Picture, style, with_unit
@@ -38,6 +39,7 @@ def _path(panel: Axes, design: Design) -> None:
     iterations = np.arange(len(values))
     panel.plot(iterations, values, color=BLUE, marker=".")
     panel.set_xlabel("Iteration")
+    panel.xaxis.set_major_locator(MaxNLocator(integer=True))
     panel.set_ylabel(with_unit(design.minimize, design.unit or "1"), color=BLUE)
     if missed.any():
         other = panel.twinx()
