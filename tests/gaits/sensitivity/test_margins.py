@@ -8,7 +8,7 @@ from spear_pin.gaits.codesign.closing import closed, led
 from spear_pin.gaits.sensitivity.margins import margins, of_motion
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.hybrid.parameters import number, with_numbers
-from spear_pin.hybrid.tangent.collocation import ENDS
+from spear_pin.hybrid.tangent.collocation import TAIL, Fineness
 from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.record import Recorder
 
@@ -76,7 +76,9 @@ def test_panels_do_not_matter():
     gait = Gait.load("force_lift_off")
     orbit = Orbit(gait.system, gait.state, ("posterior_hip_torque",))
     start, seeds = np.concatenate(gait.state), orbit.seeds
-    coarse = margins(differentiated(gait.system, Recorder(gait.system), start, orbit.start, seeds, ENDS))
+    coarse = margins(
+        differentiated(gait.system, Recorder(gait.system), start, orbit.start, seeds, Fineness(100.0 * TAIL, 6))
+    )
     fine = margins(differentiated(gait.system, Recorder(gait.system), start, orbit.start, seeds))
     assert list(coarse) == list(fine)
     for name, margin in fine.items():
