@@ -45,8 +45,8 @@ def values(word: str) -> list[tuple[str, float]]:
 
 
 def words(word: str) -> list[tuple[str, str]]:
-    """Read names that belong to names, `NAME=NAME`, apart by commas."""
-    return _pairs(word, "NAME=NAME")
+    """Read words that belong to names, `NAME=VALUE`, apart by commas."""
+    return _pairs(word, "NAME=VALUE")
 
 
 def one_pair(word: str, expected: str = "NAME=VALUE") -> tuple[str, str]:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.gaits import add_gait, add_kept, named_gait
 from spear_pin.cli.motors import add_motors, check_motors, motors
 from spear_pin.cli.output import aligned, listed, progress
-from spear_pin.cli.pairs import one_pair
+from spear_pin.cli.pairs import once, one_pair, words
 
 if TYPE_CHECKING:
     from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
@@ -28,11 +28,11 @@ def add(commands: Commands) -> None:
     add_gait(parser)
     parser.add_argument(
         "--sigma",
-        action="append",
+        action="extend",
         required=True,
-        type=one_pair,
+        type=words,
         metavar="NAME=VALUE",
-        help="standard deviation of a parameter, in its unit or in %% of its value; several times for several",
+        help="standard deviations of parameters, in their units or in %% of their values, apart by commas",
     )
     parser.add_argument(
         "--correlation",
@@ -67,13 +67,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         raise BadValue("--monte-carlo", samples, f"a whole number from 2 to {MOST}")
     if arguments.seed < 0:
         raise BadValue("--seed", arguments.seed, "a whole number >= 0")
-    over = [name for name, _ in arguments.sigma]
+    sigma = once(arguments.sigma, "--sigma")
     with progress() as show:
         show("looking for the gait")
         gait = named_gait(arguments.what)
         show("differentiating")
-        table = gait.sensitivity(over, arguments.vary, arguments.keep, motors(arguments, gait.system.robot))
-        spread = _spread(table, arguments.sigma, arguments.correlation)
+        table = gait.sensitivity([*sigma], arguments.vary, arguments.keep, motors(arguments, gait.system.robot))
+        spread = _spread(table, sigma, arguments.correlation)
         drawn = None
         if samples is not None:
             show(f"finding it {samples} times")
@@ -94,16 +94,16 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _spread(
-    table: Sensitivity, sigma: Sequence[tuple[str, str]], correlation: Sequence[tuple[str, str]]
-) -> Uncertainty:
+def _spread(table: Sensitivity, sigma: Mapping[str, str], correlation: Sequence[tuple[str, str]]) -> Uncertainty:
     """The uncertainty that is asked for."""
     import numpy as np
 
     from spear_pin.errors import BadValue, UnknownName
     from spear_pin.words import number
 
-    spread = table.uncertainty(dict(sigma))
+    spread = table.uncertainty(sigma)
+    if not spread.covariance.any():
+        raise BadValue("--sigma", dict(sigma), "one or more that are not 0")
     if not correlation:
         return spread
     matrix = np.eye(len(table.parameters))

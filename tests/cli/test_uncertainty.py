@@ -54,7 +54,11 @@ def test_with_a_motor(capsys, tmp_path):
         (("hop", "--sigma", "stiffness=-1"), ">= 0"),
         (("hop", "--sigma", "nope=1"), "'nope'"),
         (("hop", "--sigma", "stiffness=1", "--motor", "knee=nope"), "'nope'"),
-        (("hop", "--sigma", "stiffness=1", "--sigma", "stiffness=2"), "each once"),
+        (("hop", "--sigma", "stiffness=1", "--sigma", "stiffness=2"), "each name once"),
+        (
+            ("hop", "--sigma", "stiffness=0,damping=0"),
+            "--sigma is {'stiffness': '0', 'damping': '0'}; expected one or more",
+        ),
         (("hop", "--sigma", "stiffness=1", "--correlation", "stiffness=1"), "--correlation is 'stiffness=1'"),
         (("hop", "--sigma", "stiffness=1", "--correlation", "stiffness,damping=1"), "'damping'"),
         ((*HOP[1:], "--correlation", "stiffness,damping=2"), "from -1 to 1"),
