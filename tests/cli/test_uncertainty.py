@@ -56,8 +56,8 @@ def test_with_a_motor(capsys, tmp_path):
         (("hop", "--sigma", "stiffness=1", "--motor", "knee=nope"), "'nope'"),
         (("hop", "--sigma", "stiffness=1", "--sigma", "stiffness=2"), "each name once"),
         (
-            ("hop", "--sigma", "stiffness=0,damping=0"),
-            "--sigma is {'stiffness': '0', 'damping': '0'}; expected one or more",
+            ("hop", "--sigma", "stiffness=0"),
+            "--sigma is {'stiffness': '0'}; expected one or more",
         ),
         (("hop", "--sigma", "stiffness=1", "--correlation", "stiffness=1"), "--correlation is 'stiffness=1'"),
         (("hop", "--sigma", "stiffness=1", "--correlation", "stiffness,damping=1"), "'damping'"),
