@@ -137,13 +137,10 @@ def check_lanes(system: HybridSystem) -> None:
     if any(PINNED in domain.contacts for domain in system.domains):
         raise BadValue("system", system.kind, "one without pinned toes")
     if system.robot.added is not None:
-        raise BadValue("robot", system.robot, "one on its slider")
+        raise BadValue("robot", system.robot.name, "one on its slider")
     if not system.robot.planar:
-        raise BadValue(
-            "robot",
-            system.robot,
-            "one that moves in the plane: in space gaits have no derivatives, and are not run side by side",
-        )
+        expected = "one that moves in the plane: in space gaits have no derivatives yet, and are not run side by side"
+        raise BadValue("robot", system.robot.name, expected)
 
 
 def may_differ(system: HybridSystem, name: str) -> bool:
