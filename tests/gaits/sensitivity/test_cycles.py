@@ -22,9 +22,15 @@ OF_BIPED = (
     *("thrust", "set_back", "stiffness", "friction", "knee_ratio", "pitch_mass"),
     *("pitch_gain", "hip_gain", "knee_touchdown", "torque_limit", "left_hip_to_left_knee"),
 )
-OF_HOP = ("stance_torque", "stiffness", "friction", "knee_ratio", "damping", "knee_mass", "hip_to_knee", "frequency")
+OF_HOP = (
+    *("stance_torque", "stiffness", "damping", "knee_touchdown", "frequency", "friction", "hip_gain", "hip_damping"),
+    *("knee_gain", "knee_damping", "knee_ratio", "hip_ratio", "knee_rotor", "knee_mass", "hip_mass", "hip_com_z"),
+    *("knee_inertia", "hip_to_knee", "knee_to_toe", "boom_z_mass"),
+)
+HOPS = {"hop": 7.826, "other hop": 6.5}  # stance torques, in N·m
 UNTOLD = ("spring_switch",)  # a knee's spring grows slack where its toe is lifted off: the torque does not jump
-WORST, ENOUGH = 1e-6, 1e-8  # of a row's scale: what is allowed, and where closer differences are not looked for
+WORST = {True: 1e-8, False: 1e-6}  # of a row's scale: what is allowed, of hops and of others
+ENOUGH = 1e-2  # of that: closer differences are not looked for
 
 
 @cache
@@ -35,24 +41,23 @@ def gait_of(name):
     elif name == "biped":
         gait, over = find_gait(biped.system(), guess=biped.NEAR, rtol=1e-11), OF_BIPED
     else:
-        torque = {"hop": 7.826, "other hop": 6.5}[name]
         system = hopping(load("spear_ii", locked=["boom_x"]))
-        gait, over = find_gait(with_numbers(system, {"stance_torque": torque}), rtol=1e-11), OF_HOP
+        gait, over = find_gait(with_numbers(system, {"stance_torque": HOPS[name]}), rtol=1e-11), OF_HOP
     there = oracle.again(Orbit(gait.system, gait.state, over), over[0], 0.0)
     return Orbit(there.system, there.state, over)
 
 
-@pytest.mark.parametrize("name", [*BOUNDS, "biped", "hop", "other hop"])
+@pytest.mark.parametrize("name", [*BOUNDS, "biped", *HOPS])
 def test_cycles(name):
-    orbit = gait_of(name)
+    orbit, worst = gait_of(name), WORST[name in HOPS]
     chosen = [
         *range(0, orbit.dimension, 1 if orbit.dimension < 4 else 3),
         *range(orbit.dimension, orbit.columns.shape[1]),
     ]
-    found = oracle.compared(orbit, ENOUGH, UNTOLD, chosen)
+    found = oracle.compared(orbit, ENOUGH * worst, UNTOLD, chosen)
     assert sorted(found) == chosen  # none is left out
     for j, (errors, _) in found.items():
-        assert errors.max() < WORST, (j, np.argmax(errors))
+        assert errors.max() < worst, (j, np.argmax(errors))
 
 
 @pytest.mark.parametrize(
@@ -62,14 +67,15 @@ def test_cycles(name):
         ("least_effort", ("anterior_hip_torque", "stiffness")),
         ("force_lift_off", ("posterior_hip_torque", "hip_distance")),
         ("biped", ("thrust", "knee_ratio", "pitch_mass")),
-        ("other hop", ("stiffness", "knee_ratio", "friction", "hip_to_knee")),
+        ("hop", OF_HOP),
+        ("other hop", OF_HOP),
     ],
 )
 def test_gaits_found_again(name, over):
-    orbit = gait_of(name)
+    orbit, worst = gait_of(name), WORST[name in HOPS]
     table = sensitivity(orbit.system, orbit.state, over)
-    found = oracle.compared_gaits(orbit, table, ENOUGH, UNTOLD)
+    found = oracle.compared_gaits(orbit, table, ENOUGH * worst, UNTOLD)
     assert sorted(found) == sorted(over)
     for errors, of_multipliers, _ in found.values():
-        assert errors.max() < WORST
-        assert of_multipliers.max() < WORST
+        assert errors.max() < worst
+        assert of_multipliers.max() < worst
