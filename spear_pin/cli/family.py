@@ -123,18 +123,16 @@ def _hop(arguments: argparse.Namespace, target: dict[str, float]) -> Gait:
     from spear_pin.model.variants import parameters_of, vary
     from spear_pin.studies.hop_of_another import scaled_hopping
 
-    leg = one_leg(arguments, ["boom_x"])
-    if leg is None and not target and arguments.at is None:
-        own = named_gait("hop")
-        if arguments.over[0] not in own.system.measures:
-            return own
+    leg, over = one_leg(arguments, ["boom_x"]), arguments.over[0]
     robot = load("spear_ii", locked=["boom_x"]) if leg is None else leg
-    at = {} if arguments.at is None else {arguments.over[0]: arguments.at}
-    if at and arguments.over[0] in parameters_of(robot):
+    at = {} if arguments.at is None else {over: arguments.at}
+    if at and over in parameters_of(robot):
         robot, at = vary(robot, **at), {}
     system = hopping(robot) if leg is None else scaled_hopping(robot)
-    if arguments.over[0] in system.measures:
+    if over in system.measures:
         target, at = {**target, **at}, {}
+    elif leg is None and arguments.at is None and not target:
+        return named_gait("hop")
     return find_gait(with_parameters(system, at), ["stance_torque"] if target else [], dict[Any, float](target))
 
 

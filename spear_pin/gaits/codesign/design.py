@@ -113,15 +113,14 @@ class Design(Shown):
         return f"Design({self.minimize} {self.start:.6g} -> {self.objective:.6g} {self.unit}, {self.reason})"
 
     def __str__(self) -> str:
-        unit = "" if self.unit in ("", "1") else f" {self.unit}"
-        lines = [f"{self.minimize}: {self.start:.6g} -> {self.objective:.6g}{unit}; {self.reason}"]
+        lines = [f"{self.minimize}: {self.start:.6g} -> {self.objective:.6g}{_behind(self.unit)}; {self.reason}"]
         if self.path[0][1] > MISSED:
             lines.append(f"  it began beyond bounds, by {self.path[0][1]:.3g} of them in all")
         if self.missed > MISSED:
             lines.append(f"  BOUNDS ARE MISSED, by {self.missed:.3g} of them in all: nothing nearby keeps them")
         for name, each in self.parameters.items():
-            own = "" if each.unit in ("", "1") else f" {each.unit}"
-            lines.append(f"  {name:24} {each.start:10.5g} -> {each.value:10.5g}{own} of {each.low:g} to {each.high:g}")
+            unit, ends = _behind(each.unit), f"{each.low:g} to {each.high:g}"
+            lines.append(f"  {name:24} {each.start:10.5g} -> {each.value:10.5g}{unit} of {ends}")
         for name, (value, bound) in self.bounds.items():
             lines.append(f"  {name:40} {value:10.5g}, bound {bound:g}")
         lines.append(f"  largest multiplier {self.largest:.4f}, {self.cycles} cycles")
@@ -159,6 +158,10 @@ class Design(Shown):
             "assumptions": {name: vars(each) for name, each in self.assumptions.items()},
         }
         return json.dumps(plain(data), indent=1, allow_nan=False)
+
+
+def _behind(unit: str) -> str:
+    return "" if unit in ("", "1") else f" {unit}"
 
 
 def design(

@@ -33,15 +33,13 @@ def margins(cycle: Derivative) -> dict[str, Measure]:
 
 
 def motions(stretches: Sequence[Stretch]) -> Iterator[list[Stretch]]:
-    """Arcs that go on into each other, as at kinks, from event to event."""
+    """Arcs that go on into each other, as at kinks, from event to event; the section's is the last."""
     motion = list[Stretch]()
     for stretch in stretches:
         motion.append(stretch)
         if stretch.arc.event is not None and stretch.arc.event.reset is not None:
             yield motion
             motion = []
-    if motion:
-        yield motion
 
 
 def of_motion(motion: Sequence[Stretch]) -> Iterator[tuple[str, float, Array]]:

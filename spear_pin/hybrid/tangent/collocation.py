@@ -35,7 +35,7 @@ class Fineness(NamedTuple):
 INSIDE = Fineness(TAIL, 4)
 """For peaks and ratios inside of panels, of torques and forces, too, which are less smooth than the motion."""
 ENDS = Fineness(1e4 * TAIL, 14)
-"""For ends of panels, and integrals, which have twice as many digits: states there are right to 1e-14."""
+"""For ends of panels, which have twice as many digits: of shipped gaits they are those of the finest to 2e-12."""
 
 
 class Rule(NamedTuple):

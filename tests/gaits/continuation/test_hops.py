@@ -90,6 +90,18 @@ def test_where_the_toe_begins_to_chatter_it_goes_on(given):
     assert branch.ends[1].reason == "range"
 
 
+@pytest.mark.slow
+def test_with_less_torque_the_second_kind_touches_again_and_goes_on(robot):
+    branch = continue_gait(hop_at(robot, 6.5), "stance_torque", (5.91, 7.0))
+    border = branch.borders[-1]  # those below come within 1e-4 N·m of it, where rounding tells re-touches from chatter
+    assert border.parameter == pytest.approx(5.92681, abs=1e-5)
+    assert {("flight", "retouch"), ("chatter", "lift_off")} & set(border.after) and not set(border.before) - set(
+        border.after
+    )
+    assert all(other.parameter == pytest.approx(border.parameter, abs=1e-4) for other in branch.borders)
+    assert branch.ends[0].reason == "range"
+
+
 class TestPoints:
     def test_every_point_is_a_gait(self, first):
         assert first.residual.max() < 1e-8

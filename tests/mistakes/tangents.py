@@ -1,0 +1,73 @@
+"""Mistakes in derivatives along records of cycles."""
+
+from tests.mistakes.mutation import mistakes_in
+
+MUTATIONS = [
+    *mistakes_in(
+        "hybrid/tangent/cycle",
+        ["hybrid/tangent/test_hop", "hybrid/tangent/test_grazing", "hybrid/tangent/test_bound"],
+        {
+            "derivatives: sign of the motion after an event": (
+                "now.dy - values.slopes[:, BEGIN, None] * now.tau",
+                "now.dy + values.slopes[:, BEGIN, None] * now.tau",
+            ),
+            "derivatives: an event at a fixed time": (
+                "stretch.dstate + stretch.end.slopes[:, None] * tau",
+                "stretch.dstate",
+            ),
+            "derivatives: a latch at the section held fixed": (
+                "return dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law))",
+                "return value_of(dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law)))",
+            ),
+            "derivatives: a latch in the cycle held fixed": (
+                "now.held = dict(latched(now.held, [reset], q, v, self.law))",
+                "now.held = value_of(dict(latched(now.held, [reset], q, v, self.law)))",
+            ),
+            "derivatives: phases that last as long": ("Dual(arc.end, tau)", "Dual(arc.end, 0.0 * tau)"),
+            "derivatives: a schedule that stays": ("due.d + np.zeros(self.c) if", "0.0 * due.d + np.zeros(self.c) if"),
+            "derivatives: events that meet stay together": (
+                "/ fall if met else now.tau",
+                "/ fall if False else now.tau",
+            ),
+            "derivatives: grazing is not refused": ("if not steepness > GRAZING", "if steepness == -1.0"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/tangent/cycle",
+        ["gaits/sensitivity/test_kinks"],
+        {
+            "derivatives: a kink that stays": (
+                "now.tau = now.bent.tau = stretch.since = later(now.bent, stretch)",
+                "pass",
+            ),
+            "derivatives: slopes of the other side of a kink": ("            if kink:\n", "            if False:\n"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/tangent/resets",
+        ["hybrid/tangent/test_resets"],
+        {
+            "derivatives: friction drives a sliding toe": (
+                "grip = -friction if after[2 * i] > 0.0 else friction",
+                "grip = friction if after[2 * i] > 0.0 else -friction",
+            ),
+            "derivatives: an impact on a border": ("if margin < DEGENERATE", "if margin < -1.0"),
+            "derivatives: toes that depend on each other": ("if not np.linalg.cond(values) < SINGULAR", "if False"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/tangent/collocation",
+        ["hybrid/tangent/test_collocation"],
+        {
+            "panels ten thousand times rougher": ("TAIL = 1e-11", "TAIL = 1e-7"),
+            "a panel begins where the last began": (
+                "S, end = begins[i], begins[i + 1]",
+                "S, end = begins[0], begins[i + 1]",
+            ),
+            "positions of the points by once the partial sums": (
+                "gauss.twice @ self.K",
+                "gauss.partial @ self.K",
+            ),
+        },
+    ),
+]
