@@ -16,10 +16,10 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 
 import numpy as np
-from numpy.typing import NDArray
 from tqdm import tqdm
 
 from spear_pin import Gait, Ground, Spring, find_gait, hopping, load, simulate_many
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.lanes.runner import FEW
@@ -28,7 +28,6 @@ from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.result import FINEST, Options
 from spear_pin.hybrid.run import run
 
-Array = NDArray[np.float64]
 State = tuple[Array, Array]
 RTOL = 1e-11
 SAME = 1e-8  # m, rad, m/s, rad/s

@@ -15,9 +15,9 @@ from itertools import product
 from time import process_time
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spear_pin import Gait, find_gait, hopping, load, optimize_design
+from spear_pin.arrays import Array
 from spear_pin.errors import NoGait
 from spear_pin.gaits.codesign.closing import closed, led
 from spear_pin.gaits.codesign.design import Design
@@ -28,7 +28,6 @@ from spear_pin.hybrid.parameters import number
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.model.catalogue import motor
 
-Array = NDArray[np.float64]
 Ranges = Mapping[str, tuple[float, float]]
 HOP: Ranges = {"stiffness": (42.0, 60.0), "knee_ratio": (8.0, 30.0), "knee_touchdown": (0.80, 1.02)}
 MORE: Ranges = {

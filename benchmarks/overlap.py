@@ -12,9 +12,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spear_pin import Gait, simulate
+from spear_pin.arrays import Array
 from spear_pin.gaits.orbits.balance import balanced
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.gaits.spatial.law import ACROSS
@@ -27,7 +27,6 @@ HEADS = "impacts last, ms | residual of `turn_9` | left of a push after ten stri
 WINDOWS = (0.0, 0.002, 0.005, 0.010, 0.020)  # s
 STRIDES, HEADING = 10, 30.0
 PUSH = math.radians(5.0), 0.2, math.radians(10.0)  # rad of roll, m/s to the left, rad/s of yaw rate
-Array = NDArray[np.float64]
 
 
 def main() -> None:

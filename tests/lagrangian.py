@@ -16,9 +16,9 @@ from functools import cache
 
 import numpy as np
 import sympy as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from spear_pin.arrays import Array
 
 
 @dataclass(frozen=True)

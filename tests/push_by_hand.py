@@ -15,13 +15,12 @@ from functools import cache
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from spear_pin.arrays import Array
 from tests.lagrangian import BOOM_MASS, GRAVITY, SPEAR_II_LEG, Leg
 
-Array = NDArray[np.float64]
 FINEST = {"method": "LSODA", "rtol": 1e-12, "atol": 1e-14}
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(60)
 

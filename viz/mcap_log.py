@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from spear_pin import __version__
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, SpearError
 from spear_pin.files import atomic
 from spear_pin.hybrid.ground import Ground
@@ -30,8 +30,6 @@ from spear_pin.viz.playback.looks import read_looks
 from spear_pin.viz.playback.stage import GROUND
 from spear_pin.viz.playback.surface import outline
 from spear_pin.viz.playback.trajectory import in_world
-
-Array = NDArray[np.float64]
 
 SCHEMA = "spear_pin.Sample"
 ARROW = 0.3  # m, of the largest force

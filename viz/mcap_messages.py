@@ -10,15 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import MissingExtra
 from spear_pin.model.cut import STAY, Cut
 from spear_pin.model.robot import Robot
 from spear_pin.viz.playback.overlays import ARROW_COLOR
 from spear_pin.viz.playback.shapes import Shape
 
-Array = NDArray[np.float64]
 Schemas = Any  # classes of messages by their names
 
 WORLD = "world"

@@ -8,12 +8,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.push_test import PassiveKnee, Release
 from spear_pin.viz.playback.trajectory import TrajectoryLike, first
 from spear_pin.viz.player import record, shortened
-
-Array = NDArray[np.float64]
 
 HELD = 0.5  # s that are shown before the release
 

@@ -13,7 +13,8 @@ import numpy as np
 
 from benchmarks.peers.drake_system import RISE, STANCE, LeafSystem, make
 from benchmarks.peers.mujoco_exact import RTOL, adaptive
-from benchmarks.peers.task import STATES, Absent, Array, Lane, Task
+from benchmarks.peers.task import STATES, Absent, Lane, Task
+from spear_pin.arrays import Array
 
 try:
     from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator

@@ -6,7 +6,8 @@ import logging
 
 import numpy as np
 
-from benchmarks.peers.task import Array, Task
+from benchmarks.peers.task import Task
+from spear_pin.arrays import Array
 from spear_pin.model.loading import ROBOTS
 
 try:

@@ -13,7 +13,8 @@ import numpy as np
 import pinocchio as pin
 from scipy.integrate import solve_ivp
 
-from benchmarks.peers.task import STATES, Array, Lane, Task
+from benchmarks.peers.task import STATES, Lane, Task
+from spear_pin.arrays import Array
 
 ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 RTOLS = (1e-9,)

@@ -14,7 +14,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from benchmarks.peers.task import STATES, Absent, Array, Lane, Task
+from benchmarks.peers.task import STATES, Absent, Lane, Task
+from spear_pin.arrays import Array
 from spear_pin.model.loading import ROBOTS
 
 try:

@@ -11,7 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.peers.mujoco_exact import build, mujoco, plastic
-from benchmarks.peers.task import STATES, Array, Lane, Task
+from benchmarks.peers.task import STATES, Lane, Task
+from spear_pin.arrays import Array
 
 STANDARD = (0.9, 0.95, 0.001, 0.5, 2.0)  # MuJoCo's default impedance
 HARD = (0.999, 0.9999, 1e-4, 0.5, 2.0)

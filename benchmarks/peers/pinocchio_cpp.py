@@ -16,7 +16,8 @@ import numpy as np
 import pinocchio as pin
 from scipy.integrate import DOP853
 
-from benchmarks.peers.task import STATES, Absent, Array, Lane, Task
+from benchmarks.peers.task import STATES, Absent, Lane, Task
+from spear_pin.arrays import Array
 
 SOURCE = Path(__file__).with_name("hop.cpp")
 BOOST = (  # lists as long as its own build has them; a get that may find nothing, as it does for a few joints

@@ -8,15 +8,14 @@ from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spear_pin import Gait, find_gait, hopping, load, simulate
+from spear_pin.arrays import Array
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 
-Array = NDArray[np.float64]
 FINEST = 1e-12
 AGREES = 1e-6  # of the end state's largest component, in m, rad, m/s, rad/s
 STATES = 5  # that every lane runs: the fixed point and four more

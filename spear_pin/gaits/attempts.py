@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, SpearError
 from spear_pin.gaits.diagnosis import Reached
 from spear_pin.gaits.gait import Gait
@@ -33,7 +34,6 @@ from spear_pin.hybrid.section import Chart
 from spear_pin.hybrid.shooting import Shooting
 from spear_pin.hybrid.translation import translations, without
 
-Array = NDArray[np.float64]
 Measure = Callable[[Run], float]
 
 SETTLING = Options(rtol=1e-7, max_evaluations=EVALUATIONS)  # of each of these

@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.bounding_law import BoundingLaw, Leg, legs_of
 from spear_pin.gaits.collocation import Programme, node_name
 from spear_pin.gaits.request import FARTHEST, FASTEST, HIGHEST, Request
@@ -18,7 +18,6 @@ from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import Scale, scale_of
 
-Array = NDArray[np.float64]
 WITHIN, AWAY = 0.95, 0.01  # of a torque's or a rate's limit, and rad from an angle's: collocation's error uses it up
 KNEE_REST, HEIGHT = BoundingLaw.knee_rest, 0.57  # rad, m: of Q-SPEAR's knees, and of the hips they hold up
 

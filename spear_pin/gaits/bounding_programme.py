@@ -10,8 +10,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.bounding_law import LEGS, BoundingLaw, Leg, Phase, phases_of, support
 from spear_pin.gaits.bounding_nodes import KNEE_REST, Node, Room
 from spear_pin.gaits.collocation import Guess, Programme, Solution, casadi, hermite_simpson
@@ -31,7 +31,6 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.scale import Scale, scale_of
 from spear_pin.model.spring import PAIR_STIFFNESS
 
-Array = NDArray[np.float64]
 CONE = 0.98  # of the friction asked for: what the collocation's error may use up
 STIFFEST = 2000.0  # N·m/rad: of free springs, those of the law too, of a pair of Q-SPEAR's legs
 END = {True: 0.98, False: 1.02}  # s at the end of a stance, where the polynomial is not to run out, and of a flight

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import MissingExtra
 
-Array = NDArray[np.float64]
 Progress = Callable[[int, float, float], object]
 Guess = Callable[[str], Array | None]
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.bounding_law import INPUTS
 from spear_pin.gaits.gait import Gait
@@ -20,7 +20,6 @@ from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.shooting import Shooting
 from spear_pin.kinds import typed
 
-Array = NDArray[np.float64]
 SCALES = {name: 0.05 if name.endswith("touchdown") else 50.0 for name in INPUTS}  # rad and N·m: what counts as one
 GAINS, GAIN_STEP = (-150.0, 150.0), 20.0  # N·s: among which the best is sought, and between those simulated
 

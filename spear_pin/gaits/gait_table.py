@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.lane_cycles import NO_MULTIPLIERS, NOT_VALID
 from spear_pin.hybrid import reasons
 from spear_pin.hybrid.newton import CONVERGED as CONVERGED
 from spear_pin.hybrid.shooting import SHORT_CYCLE
 from spear_pin.showing import Shown
 
-Array = NDArray[np.float64]
 NO_CONVERGENCE = "no_convergence"
 REASONS: Mapping[str, str] = {
     CONVERGED: "a fixed point was found, with its multipliers",

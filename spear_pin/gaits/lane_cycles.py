@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.lane_measures import MEASURES, OBSERVED
 from spear_pin.hybrid import periodic
@@ -21,7 +22,6 @@ from spear_pin.hybrid.section import Charts
 from spear_pin.hybrid.shooting import NOT_FINITE, Cycles
 from spear_pin.hybrid.translation import without
 
-Array = NDArray[np.float64]
 Lanes = NDArray[np.int64]
 NOT_VALID, NO_MULTIPLIERS = "not_valid", "no_multipliers"
 

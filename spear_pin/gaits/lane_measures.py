@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import Batch
 
-Array = NDArray[np.float64]
 Measure = Callable[[HybridSystem, Array, Batch], Array]
 
 

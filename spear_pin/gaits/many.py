@@ -14,6 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.gait_table import NO_CONVERGENCE, GaitTable
 from spear_pin.gaits.lane_cycles import NOT_VALID, LaneCycles, multipliers, valid
@@ -31,7 +32,6 @@ from spear_pin.hybrid.section import section
 from spear_pin.hybrid.shooting import Shooting
 from spear_pin.kinds import typed
 
-Array = NDArray[np.float64]
 ROUNDS = 6  # times at most that a lane begins from a neighbour
 CALLS = 30  # of the engine at most, in which a lane has to converge
 

@@ -7,15 +7,14 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.collocation import Programme, Solution, casadi, quadrature
 from spear_pin.gaits.request import Request
 from spear_pin.model.motor import Drive
 from spear_pin.model.scale import Scale
 
-Array = NDArray[np.float64]
 MOTORS = ("posterior hip", "posterior knee", "anterior hip", "anterior knee")
 SMOOTH = 1.0  # W of Q-SPEAR: how sharply the sign of a power is told
 OF_EFFORT, OF_COST = 0.01, 10.0  # what an objective is multiplied by to be of order ten

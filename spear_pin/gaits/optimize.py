@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, Infeasible, NoGait
 from spear_pin.gaits.bounding import SPEED_BY, bounding
 from spear_pin.gaits.bounding_law import PAIR
@@ -27,7 +27,6 @@ from spear_pin.hybrid.ground import as_ground
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
-Array = NDArray[np.float64]
 COARSE, MESHES = 6, (10, 16)  # intervals of each phase, for a cold start and for what is polished
 # what is varied for the mean speed, which of some gaits does not depend on the first
 POLISHED_BY = (SPEED_BY, "anterior_hip_torque", "anterior_leg_touchdown")

@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import SpearError
 from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.measures import measures, of_ends
@@ -26,7 +26,6 @@ from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.record import Recorder, many
 
-Array = NDArray[np.float64]
 SAME = 1e-14  # of a number: places that differ by rounding, as charts leave it, have one cycle
 REFUSALS = SpearError, TypeError, ArithmeticError, np.linalg.LinAlgError
 """What stands for no derivative: a cycle that has none, a latch that branches on a value, an overflow."""

@@ -5,13 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from spear_pin.arrays import Array
 from spear_pin.hybrid.domain import Domain, Held
 from spear_pin.hybrid.orders import Order
-
-Array = NDArray[np.float64]
 
 
 class Arc(NamedTuple):

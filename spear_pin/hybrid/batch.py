@@ -9,6 +9,7 @@ from threading import Lock
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import PINNED
@@ -23,7 +24,6 @@ from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
 
-Array = NDArray[np.float64]
 TIMES_FINER = 1000.0  # than asked for is what the Taylor engine integrates with: it costs little
 CHUNK = 16384  # lanes at a time, which bounds memory
 LOCK = Lock()  # a compiled integrator has one state, whichever thread asks

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv
 
+from spear_pin.arrays import Array
 from spear_pin.errors import require
 from spear_pin.kinds import typed
 
-Array = NDArray[np.float64]
 CONTACTS = OPEN, STICK, SLIP_FORWARD, SLIP_BACKWARD, SLIP, PINNED = "open", "stick", "slip+", "slip-", "slip", "pinned"
 SIGN = {SLIP_FORWARD: 1.0, SLIP_BACKWARD: -1.0}
 SLIPS = (SLIP_FORWARD, SLIP_BACKWARD, SLIP)

@@ -13,12 +13,11 @@ from itertools import pairwise
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.rules.entry import ahead, at_once, stays_on_zero
 
-Array = NDArray[np.float64]
 Interpolant = Callable[[float], Array]
 BEND = -1  # in the place of a guard's index
 ON_KNOT = 1e-9  # rad: it has just been passed

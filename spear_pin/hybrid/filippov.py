@@ -18,8 +18,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid import shares
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
@@ -32,8 +32,6 @@ from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.footing import still
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.surface import BEYOND, MOST_AT_ONCE, alternation, begins, chatter, leads_round
-
-Array = NDArray[np.float64]
 
 
 class Unloaded(Flow):

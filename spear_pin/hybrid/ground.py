@@ -8,8 +8,9 @@ from numbers import Real
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dynamics import FLOATS, Operations
@@ -18,7 +19,6 @@ from spear_pin.model.planar import Feet, Terms
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import plus, times
 
-Array = NDArray[np.float64]
 STEEPEST = 1.2  # rad: steeper slopes are walls
 HIGHEST = 10.0  # m: far from zero, rounding of coordinates hides how guards change
 

@@ -14,13 +14,11 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import require
 from spear_pin.kinds import typed
 from spear_pin.model.actuator import Actuator
-
-Array = NDArray[np.float64]
 
 TONES = 24  # of which noise is made
 EDGE = 2e-4  # s, over which a command drops out and comes back

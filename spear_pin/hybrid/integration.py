@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.domain import Guard
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import BEND, Watch, bends
@@ -18,7 +18,6 @@ from spear_pin.hybrid.hardware import HARDWARE_TOLERANCE
 from spear_pin.hybrid.result import FINEST, Options, Piece
 from spear_pin.hybrid.rules import cycles as rules
 
-Array = NDArray[np.float64]
 MAX_STEP = 0.05  # s
 KNOT, DUE = "knot", "due"  # ends besides events: a knot of a spring's curve, and the time until which it goes
 

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, PINNED, SLIPS
@@ -29,7 +29,6 @@ from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import STATE_AT_REST, aloft, below_ground, rests, start
 
-Array = NDArray[np.float64]
 F = TypeVar("F", bound=Flow)
 
 

@@ -13,9 +13,9 @@ from itertools import count
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.per_lane import applied
 
-Array = NDArray[np.float64]
 Lanes = NDArray[np.int64]
 Words = NDArray[np.object_]
 Evaluate = Callable[[Lanes, Array], tuple[Array, Words]]

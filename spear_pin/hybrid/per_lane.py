@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from spear_pin.arrays import Array
 
 
 def null_spaces(rows: Array) -> Array:

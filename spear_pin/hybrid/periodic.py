@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import NoGait
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.newton import STEP, Lanes, jacobian
@@ -17,7 +18,6 @@ from spear_pin.hybrid.shooting import NOT_FINITE, Cycle, Cycles, Shooting
 from spear_pin.hybrid.spatial_section import seen
 from spear_pin.hybrid.translation import translations, without
 
-Array = NDArray[np.float64]
 EVALUATIONS = 60_000  # right-hand sides of one cycle; a gait's takes some thousands, even near an rtol of 1e-13
 
 

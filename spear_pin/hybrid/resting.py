@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import product
 
-import numpy as np
-from numpy.typing import NDArray
-
+from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Alternation, Crossing, Domain, Guard, Held
@@ -18,7 +16,6 @@ from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.start import rests
 from spear_pin.hybrid.rules.surface import BEYOND
 
-Array = NDArray[np.float64]
 BEARS, ALTERNATES, LEAVES = range(3)
 
 

@@ -6,16 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.domain import Domain, Guard, Held
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.trajectory import Event
 from spear_pin.kinds import typed
 
-Array = NDArray[np.float64]
 State = tuple[Array, Array]
 
 

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
@@ -29,8 +29,6 @@ from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.stored import in_inductances, in_mechanism, in_springs
 from spear_pin.hybrid.strikes import Overlap, struck
 from spear_pin.hybrid.trajectory import Event
-
-Array = NDArray[np.float64]
 
 NOTHING = 1e-12  # J: a spring that was latched in this instant
 

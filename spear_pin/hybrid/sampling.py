@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.filippov import flow_of
 from spear_pin.hybrid.result import Segment
-
-Array = NDArray[np.float64]
 
 NUMERIC = ("t", "q", "v", "a", "u", "tau", "friction", "force", "spring", "current", "reference")
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid import spatial_section
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines.structure import OF_GROUND, with_fields
@@ -26,7 +27,6 @@ from spear_pin.hybrid.translation import translations
 from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
 
-Array = NDArray[np.float64]
 Lanes = NDArray[np.int64]
 PROJECTIONS = 8  # onto the ground at most; each squares what is left
 FARTHEST = 1e6  # m, rad: there is no state farther off

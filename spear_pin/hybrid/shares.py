@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from spear_pin.arrays import Array
+
 EXACT = 1e-13  # of a share
 ROUNDING = 1e-9  # of the largest acceleration: what may remain of a toe's
 STARTS = ((0.5, 0.5), *product((0.95, 0.05), repeat=2))

@@ -11,12 +11,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.newton import Lanes, OnIterates, Roots, Words, differentiated, ignored, newton, stencil
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.section import Charts
 from spear_pin.hybrid.spatial_section import SpatialCharts
 
-Array = NDArray[np.float64]
 SHORTEST_CYCLE = 1e-3  # s: a toe that leaves and returns within it makes no gait, though it is nearly periodic
 NOT_FINITE, SHORT_CYCLE = "not_finite", "short_cycle"
 

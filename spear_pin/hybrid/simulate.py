@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import require
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines.pinocchio import electrical_flows, flow_names
@@ -15,7 +15,6 @@ from spear_pin.hybrid.trajectory import Ledger, Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.origin import origin
 
-Array = NDArray[np.float64]
 SAMPLES = 100  # a phase, at least
 
 

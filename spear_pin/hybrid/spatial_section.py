@@ -17,11 +17,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.symmetry import YAW, X, Y, Z, headed, mirror_of
 
-Array = NDArray[np.float64]
 Lanes = NDArray[np.int64]
 
 

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Container
 
-import numpy as np
-from numpy.typing import NDArray
-
+from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held
-
-Array = NDArray[np.float64]
 
 
 def in_springs(

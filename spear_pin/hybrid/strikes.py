@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import KELLER, HybridSystem
 from spear_pin.hybrid.contact import OPEN, PINNED, SLOW, STICK
 from spear_pin.hybrid.domain import Domain, Reset
@@ -26,8 +26,6 @@ from spear_pin.hybrid.rules.impact import (
 )
 from spear_pin.hybrid.rules.sliding_impact import sliding_impact
 from spear_pin.hybrid.rules.spatial_impact import spatial_impact
-
-Array = NDArray[np.float64]
 
 
 class Strike(NamedTuple):

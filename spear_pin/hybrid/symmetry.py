@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.result import State
 from spear_pin.model.chain import CHAIN
@@ -17,7 +17,6 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.sagittal import ACROSS, NEAR
 from spear_pin.model.tree import Tree
 
-Array = NDArray[np.float64]
 X, Y, Z, YAW, PITCH, ROLL = range(len(CHAIN))
 ODD = (Y, YAW, ROLL)
 """Coordinates of the base that change sign in the mirror."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, SpearError, UnknownName, require
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.trajectory_parts import gaps
@@ -20,8 +21,6 @@ from spear_pin.showing import Player, Shown, playing, plotted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, MissingExtra, RobotWarning, SpearError, UnknownName
 from spear_pin.files import atomic
 from spear_pin.hybrid.column_names import (
@@ -27,7 +27,6 @@ from spear_pin.hybrid.column_names import (
 if TYPE_CHECKING:
     from spear_pin.hybrid.trajectory import Trajectory
 
-Array = NDArray[np.float64]
 AXES = {  # of arrays over samples, besides time
     **dict.fromkeys(("q", "v", "a", "friction"), ("coordinate",)),
     **dict.fromkeys(("u", "tau", "current", "reference"), ("motor",)),

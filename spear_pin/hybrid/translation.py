@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.ground import Ground
 from spear_pin.model.planar import Planar
 
-Array = NDArray[np.float64]
 VERTICAL = 1e-12  # of a slider's direction
 
 

@@ -12,13 +12,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
-Array = NDArray[np.float64]
 HEIGHT = "boom_z"
 REACH = 0.9  # of the radius, above and below the pivot: the height is no coordinate where the arm stands upright
 

@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName, require
-
-Array = NDArray[np.float64]
 
 State = Literal["open", "coast", "short"]
 STATES: tuple[State, ...] = get_args(State)

@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.model.robot import Robot
 
-Array = NDArray[np.float64]
 BASES = "free", "chain", "fixed"
 ONE_OF = "'free', 'chain' or 'fixed'"
 CHAIN = ("torso_x", "torso_y", "torso_z", "yaw", "pitch", "roll")

@@ -12,14 +12,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.model.legs import Leg
 from spear_pin.model.limits import Limits, limits_of
 from spear_pin.model.tree import Tree
 
-Array = NDArray[np.float64]
 AHEAD, UP, PITCH, FLEX = (
     pin.JointModelPX(),
     pin.JointModelPZ(),

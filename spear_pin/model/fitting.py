@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadFile, BadValue, UnknownName
 
-Array = NDArray[np.float64]
 FLOATING = 6  # velocities of a floating joint
 SINGULAR = 1e-12  # least eigenvalue of a mass matrix whose diagonal is 1
 REMEDY = "give its links an <inertial>"

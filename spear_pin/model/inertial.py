@@ -9,12 +9,11 @@ from typing import Any
 
 import numpy as np
 from lxml import etree
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadFile, listed
 from spear_pin.model.elements import child, number, numbers
 
-Array = NDArray[np.float64]
 ROUNDING = 1e-15  # kg·m²: what a principal moment is off by this little is none
 # of the largest principal moment: how far the least may be below zero, and it above the sum of the others
 BELOW, ABOVE = 1e-9, 1e-6

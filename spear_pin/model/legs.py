@@ -17,15 +17,14 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.kinds import typed
 from spear_pin.model.frames import frame_id
 from spear_pin.model.limits import limits_of
 from spear_pin.model.tree import SHORTEST, Tree
 
-Array = NDArray[np.float64]
 Sides = Mapping[str, int] | int
 ONE_WAY = 2.0  # a knee flexes to where its limits leave it so many times the room of the other side
 BENT = 0.1  # rad: a knee that is bent by less in a posture tells nothing

@@ -7,12 +7,12 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
 
-Array = NDArray[np.float64]
 FINE = 1000  # angles at which a range is looked through for where the spring begins
 
 

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 from lxml import etree
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.kinds import typed
 from spear_pin.model.document import document
@@ -22,7 +23,6 @@ from spear_pin.model.inertial import fault_of
 from spear_pin.model.postures import checked, home
 from spear_pin.model.robot import Robot
 
-Array = NDArray[np.float64]
 FRICTION = 0.8  # of toes and ground, the package's assumption
 LEAST = 1e-14  # kg and kg·m² that a link without inertia is given: MuJoCo wants more than 1e-15
 CONTACT_RADIUS = 1e-3  # m, of the sphere that stands for a toe, a point

@@ -7,12 +7,10 @@ from typing import Any
 
 import numpy as np
 from lxml import etree
-from numpy.typing import NDArray
 
 from spear_pin.model.inertial import fault_of, nearest
 from spear_pin.model.mjcf_writing import PLACE, TURNS, Writing, at_least_zero, called, copy, counted, values
 
-Array = NDArray[np.float64]
 MOMENTS = ("diaginertia", "fullinertia")
 # how many sizes a geom whose mass is read has, between its ends and alone
 SIZES = {"sphere": (1, 1), "capsule": (1, 2), "cylinder": (1, 2), "box": (1, 3), "ellipsoid": (1, 3)}

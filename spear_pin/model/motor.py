@@ -8,12 +8,11 @@ from dataclasses import dataclass, fields
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
-
-Array = NDArray[np.float64]
 
 UNITS = {
     "torque_constant": "N·m/A",

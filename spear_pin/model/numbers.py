@@ -11,13 +11,11 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
 
-Array = NDArray[np.float64]
 UNITS: Mapping[str, str] = {
     "mass": "kg",
     "com_x": "m",

@@ -17,13 +17,12 @@ from math import acos
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
-
-Array = NDArray[np.float64]
 
 DEGREES = (16, 32, 64, 128, 256)
 TAIL = 1e-14  # of a series' largest coefficient: what its last ones have to be below

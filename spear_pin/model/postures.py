@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.model.robot import Robot
 
-Array = NDArray[np.float64]
 NEWTON = 20  # steps, of which a few are enough
 
 

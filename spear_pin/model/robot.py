@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.cut import Cut
 from spear_pin.model.directions import WORLD_ALIGNED, Axes, Directions, Round
@@ -23,7 +24,6 @@ from spear_pin.model.named_legs import leg_of
 from spear_pin.model.settings import Settings
 from spear_pin.showing import Shown
 
-Array = NDArray[np.float64]
 UNCHANGED: Mapping[str, Any] = MappingProxyType({})
 Added = Callable[[Array], tuple[int, float, float]]
 """Inertia μ(q) on one coordinate that no body of the model has: its row, μ, and dμ/dq along that coordinate."""

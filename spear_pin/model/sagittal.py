@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.kinds import typed
-from spear_pin.model.cut import AHEAD, PITCH, UP, Amount, Array, Assembly, Cut, Limb, Source, Turn, flat, products
+from spear_pin.model.cut import AHEAD, PITCH, UP, Amount, Assembly, Cut, Limb, Source, Turn, flat, products
 from spear_pin.model.legs import Leg, named_leg, simple
 from spear_pin.model.robot import Robot
 

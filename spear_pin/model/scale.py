@@ -7,13 +7,11 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.model.legs import Leg, in_convention, simple
 from spear_pin.model.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 class Scale(NamedTuple):

@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.model.frames import frame_id
 
-Array = NDArray[np.float64]
 SPLAY = 1e-2  # rad: axes that are off the normal of the sagittal plane by more turn out of it
 SHORTEST = 1e-6  # m: a thigh or a shank that is shorter has no direction
 ARMS = 0.25  # of the height from the lowest toe to the highest hip: what ends higher is no leg

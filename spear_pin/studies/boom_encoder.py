@@ -8,12 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import require
 from spear_pin.model.boom import RotaryBoom
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.hybrid.automaton import HybridSystem
@@ -23,7 +24,6 @@ from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive
 from spear_pin.studies.published_costs import CostPoint, Kind
 
-Array = NDArray[np.float64]
 FINE = 16  # points of quadrature between two samples
 INSTANT = 1e-12  # s: an event's two samples may differ by rounding
 ADVANCE = 1e-6  # m a cycle: less is hopping in place

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import require
 from spear_pin.files import atomic
 from spear_pin.kinds import typed
@@ -20,8 +20,6 @@ from spear_pin.studies.identification.records import SYNTHETIC, Calibration
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.push_test import RATE, PassiveKnee, equilibrium, pushed_angle
 from spear_pin.studies.push_test.motion import move
-
-Array = NDArray[np.float64]
 
 HOLD, SWING, PUSH = 3.0, 3.0, 1.5  # s; hold and wait as in Section 4.1.3, the push an assumption
 LONGEST = 10_000_000  # samples

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.column_names import (
     ENGAGED,
     TIME,
@@ -25,8 +26,6 @@ from spear_pin.model.robot import Robot
 from spear_pin.viz.bench.columns import Column
 from spear_pin.viz.bench.space import by_leg, in_space, plotted_in_space
 from spear_pin.viz.playback.trajectory import TrajectoryLike, read_times, table_of
-
-Array = NDArray[np.float64]
 
 MOST_VALUES = 48_000  # that a page holds, four bytes each
 

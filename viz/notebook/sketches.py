@@ -8,11 +8,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.model.postures import grounded
 from spear_pin.model.robot import Robot
 from spear_pin.viz.plots.paper import BLUE, VERMILLION
 
-Array = NDArray[np.float64]
 INK = "currentColor"
 LINE = (120, 20)  # px of a line over time
 SIDE = 150  # px of a drawing

@@ -8,11 +8,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.model.robot import Robot
 from spear_pin.viz.playback.kinematics import local_poses
 from spear_pin.viz.playback.shapes import Shape, frame_along
-
-Array = NDArray[np.float64]
 
 # in parts of the shorter link
 ALONG, BESIDE, RADIUS, WIRE = 0.5, 0.17, 0.085, 0.017

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.model.chain import CHAIN, FREE
-
-Array = NDArray[np.float64]
 
 # a motion that stays within this, in m, is played in place; one that turns by less, in rad, is seen from one side
 IN_PLACE, STRAIGHT = 0.5, 0.2

@@ -9,12 +9,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.ground import Ground
 from spear_pin.model.robot import Robot
 from spear_pin.viz.playback.trajectory import EventLike, TrajectoryLike, in_world, read_times
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,14 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.model.cut import Cut
 from spear_pin.model.frames import frame_id
 from spear_pin.model.robot import Robot
 from spear_pin.viz.playback.visuals import Visual
 
-Array = NDArray[np.float64]
 TRUNK = {"monopod": "boom", "sagittal": "torso"}  # link of a cut that bears what is no leg's
 
 

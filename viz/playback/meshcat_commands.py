@@ -8,9 +8,10 @@ from typing import Any, Literal
 
 import numpy as np
 import umsgpack
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from spear_pin.arrays import Array
+
 Command = dict[str, Any]
 # in three.js JSON form, without an id
 Geometry = Mapping[str, Any]

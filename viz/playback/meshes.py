@@ -15,11 +15,10 @@ import numpy as np
 from lxml import etree
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadFile
 from spear_pin.files import regular
 from spear_pin.viz.playback.appearance import Color, Undrawn
-
-Array = NDArray[np.float64]
 
 SUFFIXES = (".stl", ".obj", ".dae")
 MOST_BYTES = 100_000_000

@@ -7,13 +7,12 @@ from pathlib import PurePosixPath
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.model.mjcf_reading import Look
 from spear_pin.model.mjcf_rotations import NOTATIONS, rotation
 from spear_pin.viz.playback.appearance import Color, Form, Shown, Undrawn
 
-Array = NDArray[np.float64]
 LENGTHS: Mapping[Form, tuple[float, ...]] = {
     "sphere": (1.0,),
     "capsule": (1.0, 2.0),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.model.robot import Robot
 from spear_pin.viz.playback import meshcat_commands as c
 from spear_pin.viz.playback.coil import Coil, fit_coil, helix, tube
@@ -14,8 +15,6 @@ from spear_pin.viz.playback.frames import Frames, Switch
 from spear_pin.viz.playback.kinematics import quaternions
 from spear_pin.viz.playback.shapes import Shape, frame_along, segment
 from spear_pin.viz.playback.stage import WORLD
-
-Array = NDArray[np.float64]
 
 COIL_COLOR = (1.0, 0.42, 0.0)
 ARROW_COLOR = (0.84, 0.0, 0.42)

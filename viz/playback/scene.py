@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.ground import Ground
 from spear_pin.model.robot import Robot
 from spear_pin.viz.playback import meshcat_commands as c
@@ -29,8 +29,6 @@ from spear_pin.viz.playback.overlays import (
 from spear_pin.viz.playback.shapes import Shape
 from spear_pin.viz.playback.stage import WORLD, View, fit_view, stage
 from spear_pin.viz.playback.tracks import landings, track_overlays
-
-Array = NDArray[np.float64]
 
 ROBOT = f"{WORLD}/robot"
 GHOST = f"{WORLD}/ghost"

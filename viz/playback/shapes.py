@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.model.robot import Robot
 from spear_pin.viz.playback.appearance import Color
 from spear_pin.viz.playback.meshes import Mesh
 
-Array = NDArray[np.float64]
 Kind = Literal["box", "cylinder", "sphere", "mesh"]
 GREY: Color = (0.62, 0.65, 0.69, 1.0)
 

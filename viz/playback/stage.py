@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.ground import Ground
 from spear_pin.viz.playback import meshcat_commands as c
-
-Array = NDArray[np.float64]
 
 STAGE = "/stage"
 WORLD = f"{STAGE}/world"

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.ground import HIGHEST, Ground
-
-Array = NDArray[np.float64]
 
 SPACING = 0.01  # m between points of what is no plane
 HALVINGS = 40

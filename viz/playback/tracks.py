@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.model.robot import Robot
 from spear_pin.viz.playback import meshcat_commands as c
 from spear_pin.viz.playback.following import base_joint
@@ -15,8 +16,6 @@ from spear_pin.viz.playback.footfalls import contacts, footfalls
 from spear_pin.viz.playback.frames import Frames
 from spear_pin.viz.playback.overlays import Overlay, spread
 from spear_pin.viz.playback.stage import WORLD
-
-Array = NDArray[np.float64]
 
 WAY = f"{WORLD}/way of the torso"
 WAY_COLOR = (0.48, 0.36, 0.70)  # seen by day and by night

@@ -9,11 +9,11 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.ground import Ground
 from spear_pin.model.robot import Robot
 
-Array = NDArray[np.float64]
 Table = tuple[Sequence[str], Array]
 
 

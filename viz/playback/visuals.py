@@ -9,14 +9,12 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.model.document import Description
 from spear_pin.viz.playback.appearance import Shown, Undrawn
 from spear_pin.viz.playback.mjcf_visuals import is_shown, read_geom
 from spear_pin.viz.playback.urdf_visuals import read_visual
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

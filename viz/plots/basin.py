@@ -10,13 +10,12 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.studies.basin.attraction import ELSEWHERE, Attraction
 from spear_pin.viz.plots.paper import Picture, style
-
-Array = NDArray[np.float64]
 
 # a gait that is lost is grey, in shades that a print still tells apart
 LOST = {"fall": "0.80", "no_event": "0.55", ELSEWHERE: "#d55e00", "zeno": "black"}

@@ -9,14 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import LEGS, PAIR
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.viz.plots.paper import BLUE, GREEN, VERMILLION, Picture, style
 from spear_pin.viz.plots.trajectory import DETAIL
-
-Array = NDArray[np.float64]
 
 COLORS = {"posterior": BLUE, "anterior": VERMILLION}
 SHADES = {"posterior": "#dfe9f3", "anterior": "#f9e7db"}

@@ -11,8 +11,8 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.gait import Gait
@@ -22,8 +22,6 @@ from spear_pin.model.variants import PARAMETERS
 from spear_pin.studies.design import STIFFNESSES, Member, Points, against, points, spring_sweep
 from spear_pin.viz.plots.bound import COLORS, SHADES
 from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Picture, style, with_unit
-
-Array = NDArray[np.float64]
 
 FRONT_FIRST = LEGS[::-1]  # as the source has its panels
 DRIVES = (GREEN, PURPLE, ORANGE, SKY, "black")  # colours of drives, none of them a leg's

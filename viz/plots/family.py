@@ -13,12 +13,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.continuation.branch import Branch
 from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Picture, style
 from spear_pin.viz.plots.sweep import label
 
-Array = NDArray[np.float64]
 MARKS = {
     "fold": ("fold", "o", VERMILLION),
     "flip": ("flip", "D", PURPLE),

@@ -13,15 +13,14 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.studies.design import joints_of, points_of
 from spear_pin.studies.payoff import KINDS, Point, Study
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.viz.plots.paper import BLUE, GREEN, VERMILLION, style
 
-Array = NDArray[np.float64]
 TITLES = {NONE: "No spring", FIXED: "Fixed spring", SWITCHED: "Switchable spring"}
 COLORS = {NONE: VERMILLION, FIXED: GREEN, SWITCHED: BLUE}
 STIFFNESS = "Stiffness of a leg (N·m/rad)"

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.symmetry import ROLL, YAW, X, Y
 from spear_pin.hybrid.trajectory import Trajectory
@@ -21,7 +22,6 @@ from spear_pin.viz.playback.footfalls import color_of, footfalls, label_of
 from spear_pin.viz.plots.panels import label_columns
 from spear_pin.viz.plots.paper import BLUE, Picture, style
 
-Array = NDArray[np.float64]
 OFTEN = 40  # footprints of a foot above which they are small
 
 

@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.model.variants import PARAMETERS
 from spear_pin.viz.plots.paper import BLUE, VERMILLION, Picture, style, with_unit
 
-Array = NDArray[np.float64]
 UNITS = {
     "stiffness": "N·m/rad",
     "damping": "N·m·s/rad",

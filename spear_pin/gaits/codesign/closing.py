@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.gaits.tangent_cycles import REFUSALS
 
-Array = NDArray[np.float64]
 CLOSED = 1e-10  # of coordinates and of what is kept
 MOST = 8  # cycles
 SLOWEST = 0.5  # factor by which the residual has to fall

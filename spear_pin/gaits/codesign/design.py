@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.files import plain
 from spear_pin.gaits.codesign.problem import STABILITY, Problem, largest
 from spear_pin.gaits.codesign.stability import borders
@@ -21,7 +21,6 @@ from spear_pin.model.numbers import body_numbers
 from spear_pin.model.variants import parameters_of
 from spear_pin.showing import Shown
 
-Array = NDArray[np.float64]
 STEP = 1e-6  # of the largest multiplier that is allowed
 MISSED = 1e-6  # of bounds, in all, relative to them
 NO_PRICE = 1e-6  # of the objective, for a whole bound or range: a price that is none

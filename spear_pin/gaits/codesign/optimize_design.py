@@ -7,8 +7,8 @@ from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.codesign.closing import closed, led
 from spear_pin.gaits.codesign.design import Design, assumed, design
@@ -27,7 +27,6 @@ from spear_pin.hybrid.parameters import number
 from spear_pin.kinds import typed
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 
-Array = NDArray[np.float64]
 NO_MEASURES: Mapping[str, float] = MappingProxyType({})
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, UnknownName
 from spear_pin.gaits.codesign.stability import borders, slopes
 from spear_pin.gaits.codesign.step import Local
@@ -18,7 +18,6 @@ from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.hybrid.parameters import number
 from spear_pin.model.motor import Drive, Motor
 
-Array = NDArray[np.float64]
 OnCycle = Callable[[], object]
 MARGIN = "margin_"
 OF_MOTORS = "energy|heat_.*|electricity.*|reserve_.*"

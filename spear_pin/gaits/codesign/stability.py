@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import SpearError
 from spear_pin.gaits.sensitivity.multipliers import step_of
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
-Array = NDArray[np.float64]
 STEP = 1e-6  # of a parameter, of one side: shorter than of two
 
 

@@ -9,9 +9,9 @@ from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from spear_pin.arrays import Array
+
 T = TypeVar("T")
 HIGHEST = 1e6  # of a multiplier
 FAILURES = RuntimeError, ArithmeticError, np.linalg.LinAlgError  # of solvers

@@ -12,11 +12,10 @@ from dataclasses import dataclass
 from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.codesign.step import FAILURES, Cut, Local, step_within
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 FIRST, LARGEST = 0.1, 0.5  # radii, of the box
 GOOD, BAD = 0.75, 0.1  # shares of a predicted gain

@@ -9,13 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.continuation.problem import Local, NoValue, Problem
 from spear_pin.gaits.continuation.stepping import Point, ahead, along, corrected, placed, stepped
 from spear_pin.hybrid.orders import Order
 
-Array = NDArray[np.float64]
 CLOSEST = 1e-8  # arc length up to which a border is approached
 BEYOND = (1e-7, 1e-6, 1e-5, 1e-4)  # arc lengths at which the other side is looked for
 BENT = 10.0  # lengths of so small a step: how far a branch with a kink may lie from its tangent before

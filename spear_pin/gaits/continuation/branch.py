@@ -10,6 +10,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.continuation.borders import CONTINUOUS, DISCONTINUOUS, LOST, TURNED
 from spear_pin.gaits.continuation.cycles import Family
 from spear_pin.gaits.continuation.signs import CROSSING, FLIP, FOLD, KINK, SADDLE, TORUS
@@ -18,7 +19,6 @@ from spear_pin.gaits.gait_table import REASONS
 from spear_pin.hybrid.orders import Order, differing, said
 from spear_pin.showing import Shown
 
-Array = NDArray[np.float64]
 FORMAT = "spear_pin branch 1"
 KINDS: Mapping[str, str] = {
     FOLD: "fold",

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.attempts import WHY
 from spear_pin.gaits.continuation.borders import Border
@@ -24,7 +24,6 @@ from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
 from spear_pin.model.variants import parameters_of
 
-Array = NDArray[np.float64]
 NEAR = 0.1  # how far, scaled, the first point may be from the gait that is given
 LEAST_STEP = 1e-4
 STILL = 1e-10  # of a tangent: along it a measure does not change

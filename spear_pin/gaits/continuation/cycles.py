@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import SpearError
 from spear_pin.gaits.lane_cycles import LaneCycles
 from spear_pin.gaits.lane_measures import MEASURES
@@ -22,7 +23,6 @@ from spear_pin.hybrid.result import Run
 from spear_pin.hybrid.shooting import NOT_FINITE, Cycles
 from spear_pin.model.variants import parameters_of
 
-Array = NDArray[np.float64]
 KEPT = 16  # systems with other robots: three are asked for again and again
 Measure = str | Callable[[Run], float]
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.continuation.problem import NoValue
 from spear_pin.hybrid.newton import NO_NEIGHBOUR, STEP, stencil
 from spear_pin.hybrid.orders import Order
 
-Array = NDArray[np.float64]
 STEEPEST = 3e3  # slope: what is steeper jumps
 Values = Callable[[Array], tuple[Array, Sequence[str], Sequence[Order]]]
 """Values of functions, (m, r), at points, (m, k), why there is none, "" where there is, and the orders of events."""

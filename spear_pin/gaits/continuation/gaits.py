@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.continuation.cycles import Family
 from spear_pin.gaits.continuation.differences import differentiated
 from spear_pin.gaits.continuation.problem import Local, NoValue
@@ -22,8 +23,6 @@ from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import Charts, section
 from spear_pin.hybrid.shooting import SHORT_CYCLE, SHORTEST_CYCLE, Cycles
 from spear_pin.hybrid.spatial_section import SpatialCharts
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.orders import Order
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

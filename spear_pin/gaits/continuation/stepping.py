@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.continuation.problem import Local, NoValue, Problem
 
-Array = NDArray[np.float64]
 TOLERANCE = 1e-10  # of the equations
 ITERATIONS = 8  # of Newton's method
 FARTHEST = 0.5  # of the step: a correction farther than that leads to another branch

@@ -6,13 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.footfalls.course import CollocatedGait, Stretch
 from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.model.chain import CHAIN
 
-Array = NDArray[np.float64]
 BASE = len(CHAIN)
 FINER = 8  # parts of an interval
 

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.collocation import Progress, Solution, casadi, resampled
@@ -25,7 +24,6 @@ from spear_pin.gaits.footfalls.sequence import LEGS
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
-Array = NDArray[np.float64]
 PATIENCE = 500  # iterations; one that succeeds takes 40 to 250
 
 

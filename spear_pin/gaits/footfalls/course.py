@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.collocation import Solution
 from spear_pin.gaits.footfalls.request import FootfallRequest
 from spear_pin.model.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

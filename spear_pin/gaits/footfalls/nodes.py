@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.bounding_nodes import AWAY, WITHIN
 from spear_pin.gaits.collocation import Programme, casadi, node_name
 from spear_pin.gaits.footfalls.request import FootfallRequest
@@ -20,7 +20,6 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.scale import Scale
 from spear_pin.model.spatial import Spatial
 
-Array = NDArray[np.float64]
 BASE = len(CHAIN)
 FARTHEST, LOWEST, HIGHEST = 3.0, -0.3, 0.9  # m of Q-SPEAR: along, aside; of the torso above the ground
 TURNED, STEEPEST = 1.5, 1.9  # rad: yaw; a hip from straight down

@@ -8,15 +8,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.footfalls.limbs import length, reaching
 from spear_pin.gaits.footfalls.request import FootfallRequest
 from spear_pin.gaits.spatial.legs import Leg
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.scale import Scale
 
-Array = NDArray[np.float64]
 X, Y, Z, YAW = (CHAIN.index(name) for name in ("torso_x", "torso_y", "torso_z", "yaw"))
 FLEXED = math.radians(45.0)  # of a knee that bears
 FLIGHT, CONTACTS, SWEEP = 0.06, (0.1, 0.22), 0.4  # s, s and m of Q-SPEAR: a flight, a foot on the ground

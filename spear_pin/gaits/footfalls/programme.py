@@ -9,8 +9,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.collocation import Guess, Programme, casadi, hermite_simpson, node_name, quadrature
 from spear_pin.gaits.footfalls.limbs import hip_heights, legs_of
 from spear_pin.gaits.footfalls.nodes import BASE, Mechanics, Node, Room
@@ -24,7 +24,6 @@ from spear_pin.hybrid.symmetry import mirror_of
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import Scale, scale_in_space
 
-Array = NDArray[np.float64]
 CONE = 0.98  # of the friction asked for: what the collocation's error may use up
 OF_EFFORT = 1e-3  # what the effort is multiplied by to be of order ten
 FALLS = 0.1  # m/s of Q-SPEAR: at least, of a foot that lands

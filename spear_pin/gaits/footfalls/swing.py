@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.collocation import Programme, casadi
 from spear_pin.gaits.footfalls.nodes import Node
 from spear_pin.gaits.footfalls.request import SwingLaw
@@ -29,7 +29,6 @@ from spear_pin.gaits.virtual_constraints import (
 from spear_pin.hybrid.symmetry import X
 from spear_pin.model.scale import Scale
 
-Array = NDArray[np.float64]
 END = {
     True: 0.98,
     False: 1.02,

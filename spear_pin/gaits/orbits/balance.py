@@ -14,6 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.spatial.law import ACROSS, INPUTS, is_angle
@@ -30,7 +31,6 @@ from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_in_space
 
-Array = NDArray[np.float64]
 SCALES = {
     "adduction_torque": 10.0,
     "hip_difference": 25.0,

@@ -5,9 +5,6 @@ from __future__ import annotations
 import warnings
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from spear_pin.errors import BadValue, RobotWarning
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
@@ -25,7 +22,6 @@ from spear_pin.model.origin import origin, robot_of, unsaid
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
-Array = NDArray[np.float64]
 PLANAR, SPATIAL = "q_spear", "q_spear_full"
 EXACT = 1e-9  # residual of what is symmetric as it is
 

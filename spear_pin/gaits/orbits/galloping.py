@@ -11,8 +11,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, require
 from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.gait import Gait
@@ -24,7 +24,6 @@ from spear_pin.hybrid.symmetry import headed
 from spear_pin.kinds import typed
 from spear_pin.model.scale import scale_in_space
 
-Array = NDArray[np.float64]
 FIRST, SHORTEST, LONGEST = 1.0 / 16.0, 1.0 / 256.0, 0.25  # of the way: steps of the continuation
 PATH_RTOL, PATH_TOLERANCE = 1e-9, 1e-6  # of the integrator and of each step's solution
 ITERATIONS, SLOW, FARTHEST, WORSE = 12, 0.5, 0.5, 3.0

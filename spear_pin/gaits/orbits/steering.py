@@ -7,15 +7,14 @@ them is kept within bounds by the inputs, too.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import NoGait
 from spear_pin.gaits.orbits.strides import Strides
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.symmetry import headed
 
-Array = NDArray[np.float64]
 STEERED_BY = (
     *(f"{pair}_{name}" for pair in ("posterior", "anterior") for name in ("hip_difference", "leg_difference")),
     *(f"{pair}_{name}" for pair in ("posterior", "anterior") for name in ("adduction", "adduction_torque")),

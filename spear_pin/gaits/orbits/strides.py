@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.orbits.balance import unit_of
@@ -15,8 +15,6 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.result import Run, State
-
-Array = NDArray[np.float64]
 
 
 def footfall_gap(run: Run, pair: str, event: str = "touchdown") -> float:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spear_pin.errors import NoGait, require
 from spear_pin.gaits.gait import Gait
@@ -22,7 +21,6 @@ from spear_pin.hybrid.result import State
 from spear_pin.hybrid.symmetry import headed
 from spear_pin.kinds import typed
 
-Array = NDArray[np.float64]
 TURNS_BY = ("posterior_adduction", "anterior_adduction")
 STEADIED_BY = tuple(name for name in INPUTS if name.endswith(("hip_torque", "knee_torque", "leg_touchdown")))
 HEADING = 10.0  # weight of the yaw

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.sensitivity.along_arcs import powered
 from spear_pin.gaits.sensitivity.heat import motors_of_joint, ratio_of
@@ -20,7 +20,6 @@ from spear_pin.hybrid.tangent.collocation import POINTS, rule
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.model.motor import Drive, Motor
 
-Array = NDArray[np.float64]
 ELECTRICITY, RESERVE = "electricity", "reserve_"
 STILL = 1e-9  # rad/s: a joint that a law keeps at rest is held against its gears, whichever way rounding turns it
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.sensitivity.measure import Group, Measure, total
@@ -15,7 +15,6 @@ from spear_pin.hybrid.column_names import of_a_pair
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.model.motor import Gearbox, Motor, geared_constant
 
-Array = NDArray[np.float64]
 WORK, ENERGY, HEAT = "work", "energy", "heat_"
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.sensitivity.heat import ENERGY, HEAT, WORK, heating
 from spear_pin.gaits.sensitivity.measures import CLEARANCE, DEFLECTION, LEAST_STRIDE, PRESSED
 from spear_pin.gaits.sensitivity.panels import Panels
@@ -25,7 +25,6 @@ from spear_pin.hybrid.tangent.record import Recorder, many
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.model.motor import NO_MOTORS, Motor
 
-Array = NDArray[np.float64]
 CHUNK = 256  # cycles at a time, which bounds memory
 
 

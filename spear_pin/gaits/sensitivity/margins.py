@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.sensitivity.along_arcs import guarded, long
 from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.signals import Pieces, extremes
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch
 
-Array = NDArray[np.float64]
 ZERO = 1e-9  # of a guard's largest value: it begins on zero
 
 

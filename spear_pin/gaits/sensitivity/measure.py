@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from spear_pin.arrays import Array
+
 MULTIPLIER = "multiplier_"
 ROUNDING, ROOT = 1e-12, 1e-6  # in units of an output; of multipliers that are zero several times rounding leaves a root
 

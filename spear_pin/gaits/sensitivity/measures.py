@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.sensitivity.along_arcs import along, closed_in, coordinate, forces, guarded, long, powered
 from spear_pin.gaits.sensitivity.measure import Group, Measure, Measures, total
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
@@ -16,7 +16,6 @@ from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch
 from spear_pin.hybrid.tangent.dual import derivative_of, value_of
 from spear_pin.hybrid.tangent.heights import Heights, dual_heights
 
-Array = NDArray[np.float64]
 All = Mapping[str, Measure]
 CLEARANCE, DEFLECTION = "clearance_", "deflection_"
 TIMES, ADVANCE = ".*_time|period", "stride|mean_speed"

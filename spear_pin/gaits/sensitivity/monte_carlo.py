@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName
 from spear_pin.files import plain
 from spear_pin.gaits.sensitivity.samples import Samples
 from spear_pin.showing import Shown
 
-Array = NDArray[np.float64]
 WITHIN = 0.05  # of Monte Carlo's standard deviation, to which the first order is to agree
 FEW = 0.01  # of the samples, which may have no value without being named
 STILL = 1e-7  # of a value: what moves by less stays

@@ -8,12 +8,12 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import number
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
-Array = NDArray[np.float64]
 Multipliers = NDArray[np.complex128]
 STEP = 2.0**-11  # of a parameter
 

@@ -10,13 +10,12 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import section
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.model.motor import Drive, Motor
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

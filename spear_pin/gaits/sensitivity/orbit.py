@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.sensitivity.electricity import check_gears, electricity
 from spear_pin.gaits.sensitivity.heat import heat
@@ -29,7 +30,6 @@ from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.seeds import numbers, seeds, weight_seeds
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 
-Array = NDArray[np.float64]
 CLOSED = 1e-6  # of the return map's displacement: what closes no better is no fixed point
 
 

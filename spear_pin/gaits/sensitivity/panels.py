@@ -10,9 +10,9 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.tangent.collocation import POINTS, rule
 
-Array = NDArray[np.float64]
 CELLS = 64  # of a panel, in which a polynomial changes its sign once or not at all
 POLISHED = 3  # of Newton's steps to where it does
 CLIMBED, AROUND = 6, 4  # times that a peak's surroundings are looked at closer, so many places on each side of it

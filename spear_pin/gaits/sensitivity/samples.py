@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.gait_table import CONVERGED, NO_CONVERGENCE
 from spear_pin.gaits.lane_measures import MEASURES
@@ -23,7 +24,6 @@ from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.model.motor import Drive, Motor
 
-Array = NDArray[np.float64]
 OnLanes = Callable[[int], object]
 ITERATIONS = 8  # of Newton's method for a gait on its own
 CLOSED = 1e-9  # of its displacement, and of what is kept in its own size

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName
 from spear_pin.files import plain
 from spear_pin.gaits.sensitivity.measure import MULTIPLIER, rounding
@@ -24,7 +25,6 @@ from spear_pin.kinds import typed
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 from spear_pin.showing import Shown
 
-Array = NDArray[np.float64]
 NOTHING = 1e-9  # elasticities up to this are rounding
 
 

@@ -12,12 +12,11 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.tangent.collocation import POINTS, through
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Stretch
 
-Array = NDArray[np.float64]
 NEAR = 1e-9  # of a peak: so near to it an instant carries it on
 
 

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.words import number
 
-Array = NDArray[np.float64]
 ROUNDING = 1e-9  # of a correlation: no less symmetric or definite than that
 
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.files import plain
 from spear_pin.gaits.sensitivity.measure import MULTIPLIER, ROUNDING, rounding
@@ -19,7 +19,6 @@ from spear_pin.gaits.sensitivity.spread import factor
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
 
-Array = NDArray[np.float64]
 MOST = 1_000_000  # samples
 
 

@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import LEGS, leg_angle, turned
 from spear_pin.gaits.virtual_constraints import Evolution, Outputs, Sum, Variable
@@ -20,7 +20,6 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.sagittal import leg_pairs
 from spear_pin.model.tree import Tree
 
-Array = NDArray[np.float64]
 X, Y, Z, YAW, PITCH = (CHAIN.index(name) for name in ("torso_x", "torso_y", "torso_z", "yaw", "pitch"))
 SIDES = {"left": 1.0, "right": -1.0}
 FLIGHTS = ("flight_1", "flight_2")  # after the stance of the first group, and of the second

@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, SLIPS, constrained, solve
@@ -23,8 +23,6 @@ from spear_pin.hybrid.rules.footing import Rubbing, along
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.frames import frame_id
-
-Array = NDArray[np.float64]
 
 
 def flow_names(system: HybridSystem) -> tuple[str, ...]:

@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.contact import SETTING_OUT, SIGN, constrained, solve
 from spear_pin.hybrid.rules.cone import slides
 from spear_pin.hybrid.rules.footing import AT_REST, STARTS_TO_SLIDE, along
 
-Array = NDArray[np.float64]
 Ways = Mapping[str, tuple[float, ...]]
 """Of toes that slide, the unit vectors along the ground in which they do."""
 SWEEPS, SETTLED = 100, 1e-12  # over the directions in which several toes begin to slide

@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.engines.identity import Reader
@@ -18,7 +18,6 @@ from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.planar import Body, Planar
 from spear_pin.model.spring import UNITS, Spring
 
-Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 D = TypeVar("D")
 FLOATS = frozenset({float, np.float64})  # what most values are: asked first, as it is asked often

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import MissingExtra
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain
@@ -25,7 +26,6 @@ from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.rules.footing import Footing, closed_toes, fitness, footing
 from spear_pin.model.planar import Planar
 
-Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 TIME_LIMIT = -1  # ends of an arc that no guard ended
 FAILED = -2

@@ -7,8 +7,8 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.elimination import factorize, substitute
 from spear_pin.hybrid.engines.polynomials import Polynomials
 from spear_pin.hybrid.engines.structure import Structure, symbols
@@ -18,7 +18,6 @@ from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness, footing
 from spear_pin.hybrid.rules.impact import rises, routh
 from spear_pin.model.scalars import dot
 
-Array = NDArray[np.float64]
 UNCLEAR = -2  # an event on entering a domain that is, or may be, one only later than `AHEAD`
 AHEAD = AWAY[0]  # s: the only step that is tried
 OF_TOE = len(Footing._fields)

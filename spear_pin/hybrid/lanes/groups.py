@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from spear_pin.arrays import Array
+
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 Held = Mapping[str, Any]

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import flattened, shape_of
@@ -29,7 +29,6 @@ from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
 
-Array = NDArray[np.float64]
 EVENTS = 50  # of a cycle
 FEW_AT_ONCE = 4  # events in an instant
 RISES = "a toe that comes down rises"

@@ -6,15 +6,12 @@ What `modes.fitting` and `events.Watch` decide for one state, for many.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spear_pin.hybrid.engines.taylor import Point, Ready
 from spear_pin.hybrid.lanes.groups import Flags, Group, Indices
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.rules.entry import AWAY, NONE, at_once, bent, clear, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES
-
-Array = NDArray[np.float64]
 
 
 def choose(numbers: Numbers, phase: str, group: Group) -> tuple[list[tuple[Ready, Group, Point]], Group]:

@@ -7,9 +7,7 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.engines import structure
@@ -21,7 +19,6 @@ from spear_pin.hybrid.lanes.groups import Group, Indices, collected, spread, tak
 from spear_pin.hybrid.rules.entry import ahead
 from spear_pin.hybrid.rules.latching import latched
 
-Array = NDArray[np.float64]
 OTHERS = (*structure.OF_SPRINGS, "friction", *structure.OF_GROUND)  # numbers beside the law's in which lanes may differ
 
 

@@ -11,8 +11,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
@@ -33,7 +33,6 @@ from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
 from spear_pin.hybrid.run import run
 
-Array = NDArray[np.float64]
 FEW = 16  # lanes that are faster one by one
 PATIENCE = 3  # cycles of a lane that its lone runner refuses before it is left
 CROWD = 10  # events in an instant, of a lane that is then left to the reference engine, as may be a Zeno point

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from spear_pin.arrays import Array
+
 ON_CIRCLE = 1e-6  # by which the modulus of a root that is a direction may be off 1
 POLISH = 3  # steps of Newton's method, each of which doubles a root's digits
 WITHIN = 1e-12  # of the normal force: by so much more than the cone allows a toe may stick

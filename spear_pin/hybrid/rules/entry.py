@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.domain import Guard
 
-Array = NDArray[np.float64]
 GLIMPSES = (1e-7, 1e-6, 1e-5)  # s: how far a guard on zero is followed to tell whether it rises or falls
 AWAY = (1e-6, 1e-7, 1e-8, 1e-5, 1e-4)  # s: steps, tried in turn, that take guards on zero off it before none falls
 CHANGE = 1e-14  # of a guard's value, in its unit: less is rounding

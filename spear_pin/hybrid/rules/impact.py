@@ -10,14 +10,13 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.rules.scalars import nowhere, quotient, where
 
-Array = NDArray[np.float64]
 RESTING = 1e-9  # m/s: a toe that approaches more slowly does not strike, whatever friction might make of it
 AGREES, ROUNDING = 1e-9, 1e-12  # of the toes' speed, and in m/s: by so much a joint impact may violate its law
 

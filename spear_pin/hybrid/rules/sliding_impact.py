@@ -6,12 +6,11 @@ import math
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.rules.cone import foothold
 from spear_pin.hybrid.rules.impact import RESTING, JointImpact
 
-Array = NDArray[np.float64]
 ACCURACY = 1e-12  # of the integration
 STOPPED = math.log(1e-13)  # of the toe's first speed, where its sliding is over
 LONGEST = 1e4  # s, times the largest of A

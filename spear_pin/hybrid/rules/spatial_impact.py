@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.rules.cone import Foothold, foothold
 from spear_pin.hybrid.rules.impact import AGREES, ROUNDING, JointImpact
 
-Array = NDArray[np.float64]
 SWEEPS = 500
 SETTLED = 1e-15  # of the largest impulse: by so much it changes in the last sweep
 GAINED = 1e-12  # of the kinetic energy that goes through the toes: rounding

@@ -12,10 +12,10 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-Array = NDArray[np.float64]
+from spear_pin.arrays import Array
+
 POINTS = 16
 TAIL = 1e-11  # of a motion's Legendre coefficients, by which the last ones are to be smaller than itself
 

@@ -13,8 +13,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Reset, Switch
@@ -29,7 +29,6 @@ from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, flat, struck
 
-Array = NDArray[np.float64]
 GRAZING = 1e-6  # of a guard's mean fall over its arc: it falls more slowly through zero
 
 

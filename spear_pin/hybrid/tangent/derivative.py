@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Guard
@@ -17,7 +18,6 @@ from spear_pin.hybrid.rules.entry import AWAY, CHANGE
 from spear_pin.hybrid.tangent.collocation import Carried, rule
 from spear_pin.hybrid.tangent.fields import Values
 
-Array = NDArray[np.float64]
 SHORTEST = 1e-9  # s: there is nothing to be carried along a shorter arc
 BEGIN, END = -2, -1  # places behind Gauss's points
 

@@ -12,13 +12,11 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.dynamics import Operations
 from spear_pin.hybrid.elimination import solve
 from spear_pin.model.scalars import negated, plus, times, vanishes
-
-Array = NDArray[np.float64]
 
 
 class Dual:

@@ -13,8 +13,8 @@ from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.dynamics import Operations
 from spear_pin.hybrid.elimination import factorize, substitute
 from spear_pin.hybrid.engines import taylor
@@ -23,8 +23,6 @@ from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, derivatives, operations, value_of
 from spear_pin.model.scalars import dot
-
-Array = NDArray[np.float64]
 
 
 class Values(NamedTuple):

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines.structure import symbols
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, value_of
 from spear_pin.model.planar import Planar
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.tangent.collocation import POINTS, rule
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Stretch
 
-Array = NDArray[np.float64]
 SEEN = 1e-6  # of rates: a smaller jump is none, and when it happens does not matter
 
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, roughness, rule
 from spear_pin.hybrid.tangent.derivative import SHORTEST
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
-Array = NDArray[np.float64]
 MOST_PANELS = 64  # of an arc
 EARLY = 4  # points that do not count yet where panels are long
 

@@ -9,8 +9,8 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc, Record, Runner
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Reset
@@ -27,7 +27,6 @@ from spear_pin.hybrid.tangent.fields import TangentFeet, TangentField, tangent_f
 from spear_pin.hybrid.tangent.reference_runner import ReferenceRunner
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
-Array = NDArray[np.float64]
 PLAIN = "the cycle does not close, or what happens in it is not plain"
 TOL = 1e-15
 _fields: WeakKeyDictionary[Compilation, dict[Any, TangentField]] = WeakKeyDictionary()

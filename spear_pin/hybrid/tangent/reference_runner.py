@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Guard, Held, Switch
@@ -16,8 +16,6 @@ from spear_pin.hybrid.orders import Order, order_of
 from spear_pin.hybrid.result import FINEST, Moment, Options, Segment
 from spear_pin.hybrid.rules.cycles import RETOUCH, left_at_once
 from spear_pin.hybrid.run import run
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import SpearError
 from spear_pin.hybrid.elimination import solve
 from spear_pin.hybrid.rules.guards import rise
@@ -16,7 +16,6 @@ from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.model.scalars import dot
 
-Array = NDArray[np.float64]
 DEGENERATE = 1e-9  # of the largest of a joint impact's speeds and impulses: an active set so near to another
 SINGULAR = 1e12  # condition of J D⁻¹ Jᵀ, from which on toes depend on each other
 

@@ -8,8 +8,8 @@ from dataclasses import fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import structure
@@ -18,7 +18,6 @@ from spear_pin.model.numbers import body_numbers
 from spear_pin.model.planar import Planar
 from spear_pin.model.variants import parameters_of
 
-Array = NDArray[np.float64]
 STEP = (
     2.0**-8
 )  # of a parameter: numbers are polynomials in it of the second degree at most, so that no step is too long

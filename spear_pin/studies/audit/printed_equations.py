@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.bounding_law import PAIR, legs_of
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
@@ -19,8 +20,6 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.variants import vary
 from spear_pin.studies.audit.printed_designs import SPEAR_II
 from spear_pin.studies.push_test import WITH_MOTOR, equilibrium, resting_at, spear_ii
-
-Array = NDArray[np.float64]
 
 ANGLE = 1.0  # rad, of the knee, hip at half of it: the toe below the hip
 GRAVITY = 9.81  # m/s²

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import evolution, phases_of
 from spear_pin.gaits.virtual_constraints import errors
@@ -20,7 +20,6 @@ from spear_pin.hybrid.result import Moment, Options, Run, Segment
 from spear_pin.hybrid.run import run
 from spear_pin.model.robot import Robot
 
-Array = NDArray[np.float64]
 OFFSET = 1e-3  # rad: of the outputs at first
 LEFT = 0.05  # of them when they have come back
 SAMPLES = 40  # a segment

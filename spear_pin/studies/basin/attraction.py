@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.translation import translations, without
 from spear_pin.kinds import typed
 
-Array = NDArray[np.float64]
 NEAR = 0.01  # m, rad, m/s, rad/s
 ELSEWHERE = "elsewhere"  # still going, but not near the gait
 

@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.contact import OPEN
@@ -16,7 +17,6 @@ from spear_pin.hybrid.result import Moment, Options
 from spear_pin.hybrid.run import run
 from spear_pin.kinds import typed
 
-Array = NDArray[np.float64]
 RECOVERED = 0.01  # of the first section error
 NOTHING = 1e-7  # section error that the fixed point's and the integrator's own errors leave
 

@@ -9,14 +9,13 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import require
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.periodic import chart
 from spear_pin.kinds import typed
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

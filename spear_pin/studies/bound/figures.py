@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import PAIR, Leg, legs_of
 from spear_pin.gaits.gait import Gait
@@ -14,7 +15,6 @@ from spear_pin.gaits.virtual_constraints import value
 from spear_pin.hybrid.trajectory import Event, Trajectory
 from spear_pin.kinds import typed
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 LAST = 1e-3  # s: the end of a stance in which, with lift-off by force, force and its friction fade together

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.spatial.legs import pairs_of
 from spear_pin.hybrid.symmetry import ROLL, YAW, X, Y
@@ -14,7 +14,6 @@ from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.scale import scale_in_space
 
-Array = NDArray[np.float64]
 PARTS = ("adduction", "hip", "knee")
 LOADED = 20.0  # N of Q-SPEAR: below, the ratio of two forces means little
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.column_names import PAIR, of_a_pair, parted
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.model.robot import Robot
 from spear_pin.studies.comparison.sides import Side
 
-Array = NDArray[np.float64]
 Values = dict[tuple[str, str], float]  # by name and unit
 
 GAIT, MOTION, FORCES, TORQUES, ENERGY, BODY = "gait", "motion", "ground", "motors", "energy a cycle", "robot"

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.gait import Gait
 from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive, drawn_power
 from spear_pin.studies.bound import mean_speed
 from spear_pin.studies.design.operating_points import Points, points
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName
 from spear_pin.gaits.bounding_law import PAIR, legs_of
 from spear_pin.gaits.gait import Gait
@@ -18,7 +19,6 @@ from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
-Array = NDArray[np.float64]
 STIFFNESSES = (0.0, 56.0, 112.0, 200.0, 300.0, 400.0)  # N·m/rad, of Fig. 5.6; 112 is twice the source's 56
 
 

@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import NoGait
 from spear_pin.gaits.attempts import WHY
 from spear_pin.gaits.gait import Gait
@@ -28,7 +29,6 @@ from spear_pin.hybrid.section import section
 from spear_pin.hybrid.shooting import Cycles, Shooting
 from spear_pin.studies.explore.knobs import Knobs
 
-Array = NDArray[np.float64]
 RTOL = 1e-9
 CALLS = 13  # of the engine, in which Newton's method has to end
 LATE = "Newton's method takes longer than a few seconds"

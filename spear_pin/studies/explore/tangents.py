@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, SpearError
 from spear_pin.gaits.bounding import SPEED_BY
 from spear_pin.gaits.bounding_law import LEGS
@@ -20,7 +20,6 @@ from spear_pin.studies.explore.figures import figures
 from spear_pin.studies.explore.legs import RATIO
 from spear_pin.studies.explore.motion import Motion
 
-Array = NDArray[np.float64]
 ALIKE = 1e-3  # of a figure, which is of samples, that it may differ by from the measure that is differentiated
 MULTIPLIER = "multiplier"
 LONE = "only what repeats each cycle has derivatives here"

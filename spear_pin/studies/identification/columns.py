@@ -17,12 +17,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadFile
 from spear_pin.files import regular
-
-Array = NDArray[np.float64]
 
 HEAD = 1 << 16  # bytes of a file that are looked at to tell its format
 ROWS = 1 << 18  # that are read at a time

@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName
 from spear_pin.studies.identification.quantities import KNEE, QUANTITIES
 from spear_pin.studies.identification.rounding import Rounding
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.push_test import PassiveKnee
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.identification.smoothing import MovingAverage
 from spear_pin.studies.identification.trials import Trial
-
-Array = NDArray[np.float64]
 
 CALM = 0.03  # s, over which the angle is averaged for a first guess
 TAIL = 0.2  # of a trial: its end, at rest or nearly

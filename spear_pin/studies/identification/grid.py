@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from spear_pin.arrays import Array
+
 Whole = NDArray[np.int64]
 
 FINEST = 1e-5  # rad: steps below are those of floating-point numbers, or of nothing

@@ -7,8 +7,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.identification.first_guess import guess
@@ -16,8 +16,6 @@ from spear_pin.studies.identification.quantities import KNEE, NUISANCES, QUANTIT
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.push_test import PassiveKnee
 from spear_pin.studies.push_test.motion import move
-
-Array = NDArray[np.float64]
 
 RTOL = 1e-8
 ONSET = 0.1  # s, by which the time of a release may be corrected

@@ -9,13 +9,11 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.kinds import typed
 from spear_pin.studies.identification.columns import read_columns
-
-Array = NDArray[np.float64]
 
 SYNTHETIC = "SYNTHETIC"  # the word by which a file says that nobody measured it
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}  # in s

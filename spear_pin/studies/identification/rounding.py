@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.studies.identification.grid import grid_step
-
-Array = NDArray[np.float64]
 
 HARMONICS = 20  # they hold 97 % of the power of an error of rounding
 COARSE = 0.4  # of a step: noise above makes the errors of rounding white

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName
 from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
@@ -25,8 +25,6 @@ from spear_pin.studies.identification.quantities import NUISANCES
 from spear_pin.studies.identification.rounding import errors, rounding
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.identification.uncertainty import nrmse_fit, scatter, whiteness
-
-Array = NDArray[np.float64]
 
 VARY = ("stiffness", "damping", "rest_angle")  # what the source estimates
 TOLERANCE = 1e-8

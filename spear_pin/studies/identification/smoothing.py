@@ -8,9 +8,9 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
 
-Array = NDArray[np.float64]
 Kind = Literal["centred", "causal"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 

@@ -8,12 +8,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadFile, BadValue, require
 from spear_pin.kinds import typed
 from spear_pin.studies.identification.records import Record
 from spear_pin.studies.identification.smoothing import MovingAverage
-
-Array = NDArray[np.float64]
 
 STEADY = 0.1  # s, over which the angle is averaged to find falls, and to see whether it is held
 APART = 1.0  # s, between releases at least

@@ -9,9 +9,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.studies.identification.smoothing import MovingAverage
-
-Array = NDArray[np.float64]
 
 SINGULAR = 1e-10  # least singular value of the Jacobian with columns of length one: below, some cannot be told apart
 LAGS = 20  # of the test of whiteness

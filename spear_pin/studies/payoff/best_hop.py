@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import NoGait
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
@@ -21,7 +21,6 @@ from spear_pin.studies.payoff.cycles import OVER, Cycles, Task
 from spear_pin.studies.payoff.hop_family import HopFamily
 from spear_pin.studies.payoff.leading import Place, let_go
 
-Array = NDArray[np.float64]
 TORQUE = "stance_torque"  # what is solved for the flight time
 ROUNDS, GAIN = 2, 3e-3  # of the optimiser, each from the best that is known, until one saves less of the cost
 RADIUS = 1.0  # units: of the trust region that a round begins with

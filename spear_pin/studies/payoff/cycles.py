@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, rebuilt, with_parameters
@@ -20,7 +20,6 @@ from spear_pin.hybrid.simulate import sample
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.model.scale import scale_of
 
-Array = NDArray[np.float64]
 LIFT_OFF = "lift_off"  # of which a hop has one: a toe that leaves again as it lands makes the cycle jump
 STEP = 1e-4  # of differences, of the unknowns in their units
 ANGLE, RATE, SHARE = 0.1, 1.0, 0.1  # units of the state, in rad and 1/√(l/g), and of a range

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import NoGait
 from spear_pin.studies.payoff.cycles import CLOSED, REACH, Cycle, Cycles
 
-Array = NDArray[np.float64]
 SHORT = 0.2  # units: nearer than that no way between is tried
 HALVINGS = 2  # of the way to a hop
 CORRECTIONS = 6  # by Newton's method with the Jacobian of a hop nearby, which they improve

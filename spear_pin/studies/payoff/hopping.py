@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import NoGait
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
@@ -43,7 +43,6 @@ from spear_pin.studies.payoff.motors import PARTS, Motors
 from spear_pin.studies.payoff.searches import Search, rebuilt
 from spear_pin.studies.payoff.study import Study, studied
 
-Array = NDArray[np.float64]
 USUAL = 0.2  # s: flight of SPEAR-II
 SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
 MESH, FINER = 160, 480  # samples of each phase: where a joint turns back, the losses of its gears jump

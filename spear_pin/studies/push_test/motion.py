@@ -17,8 +17,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import PINNED, Contact
@@ -37,8 +38,6 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 from spear_pin.studies.push_test.passive_knee import PassiveKnee
 from spear_pin.studies.push_test.sensitivity import PARAMETERS, Step, derivatives
-
-Array = NDArray[np.float64]
 
 RTOL = 1e-10
 WORK, WORK_PER_SECOND = 20_000, 2_000  # right-hand sides: twenty times what a release takes

@@ -10,13 +10,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import require
 from spear_pin.kinds import typed
 from spear_pin.model.spring import STIFFEST, Spring
-
-Array = NDArray[np.float64]
 
 MOST = 1e30  # N·m of dry friction: with more, forces are no numbers
 

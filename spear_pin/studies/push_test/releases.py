@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import require
 from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.push_test.motion import RTOL, move
 from spear_pin.studies.push_test.passive_knee import PassiveKnee
 from spear_pin.studies.push_test.rest import equilibrium, pushed_angle
-
-Array = NDArray[np.float64]
 
 DEPTHS = (0.05, 0.075, 0.10)  # m, of Section 4.1.3
 RATE = 1000.0  # samples a second, as in Section 4.1.3

@@ -14,12 +14,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.push_test.passive_knee import PassiveKnee
-
-Array = NDArray[np.float64]
 
 # what a motion can be derived by: the numbers of the passive knee, the reflected rotor inertia, the start
 PARAMETERS = ("stiffness", "damping", "coulomb", "zero", "rotor", "initial_angle")

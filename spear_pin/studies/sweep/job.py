@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, SpearError, UnknownName
 from spear_pin.gaits.gait import KINDS, built_as_named
 from spear_pin.gaits.gait_table import REASONS
@@ -24,7 +25,6 @@ from spear_pin.hybrid.result import State
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import PARAMETERS, parameters_of, vary
 
-Array = NDArray[np.float64]
 Rows = dict[str, Any]
 CODES = {reason: code for code, reason in enumerate(REASONS)}
 CARRIED = ("section", "cyclic", "phase_limit", "shortest_flight")  # fields that processes can be told

@@ -8,12 +8,11 @@ from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.kinds import typed
-
-Array = NDArray[np.float64]
 
 
 @typed

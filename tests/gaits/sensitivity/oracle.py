@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
@@ -23,7 +23,6 @@ from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import Charts, chart, section
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
-Array = NDArray[np.float64]
 LEVELS = 4
 STEPS = 2.0**-8 / 8.0 ** np.arange(6)  # of a parameter, in m, rad and their rates of a coordinate
 LEAST = 1e-2  # in SI units

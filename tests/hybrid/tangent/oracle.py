@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.section import Chart, chart
@@ -13,7 +13,6 @@ from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.seeds import seeds
 
-Array = NDArray[np.float64]
 LEVELS = 4
 
 
