@@ -13,7 +13,19 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # matrices are small, and process
 from spear_pin import Gait, HoppingLaw, find_gait, hopping, load, simulate
 from spear_pin.model.loading import ROBOTS
 
+from tests.durations import Durations
+
 SOLVED = Path(__file__).parent / "solved"
+
+
+def pytest_addoption(parser):
+    """`--durations-json FILE` writes what each folder, file and test took."""
+    parser.addoption("--durations-json", type=Path, help="write the processor time of each folder and file to FILE")
+
+
+def pytest_configure(config):
+    """Measures what tests take, in every run."""
+    config.pluginmanager.register(Durations(config.getoption("--durations-json")), "spear-durations")
 
 
 @pytest.hookimpl(wrapper=True)

@@ -1,0 +1,72 @@
+"""Records the processor time of the tests, folder by folder, and compares it with the budgets in `budgets.toml`.
+
+Processor time, of a test and of what it starts, stays the same on a busy machine; wall time does not. Each run prints
+the folders that take the most; `--durations-json FILE` writes every folder and file.
+"""
+
+import json
+import resource
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SHOWN = 8
+
+
+def processor_time() -> float:
+    """Seconds of a processor that this process, and those it has waited for, took so far."""
+    usages = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
+
+
+class Durations:
+    """A plugin that measures in each process, and adds up where the results come together."""
+
+    def __init__(self, target: Path | None):
+        self.target = target
+        self.last = processor_time()
+        self.files: Counter[str] = Counter()
+        self.tests: Counter[str] = Counter()
+        self.slowest: Counter[str] = Counter()
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(self):
+        """Gives the report of a phase (setup, call, teardown) what has passed since the last one."""
+        report = yield
+        now = processor_time()
+        report.processor_time, self.last = now - self.last, now
+        return report
+
+    def pytest_runtest_logreport(self, report):
+        """Adds a phase to its file."""
+        file = report.nodeid.partition("::")[0]
+        self.files[file] += getattr(report, "processor_time", 0.0)
+        self.slowest[report.nodeid] += getattr(report, "processor_time", 0.0)
+        self.tests[file] += report.when == "call"
+
+    def folders(self) -> Counter[str]:
+        """Seconds of a processor by folder."""
+        folders: Counter[str] = Counter()
+        for file, seconds in self.files.items():
+            folders[str(Path(file).parent)] += seconds
+        return folders
+
+    def pytest_terminal_summary(self, terminalreporter):
+        """Prints the folders that take the most, and writes all of them where that is asked for."""
+        folders = self.folders()
+        most = "; ".join(f"{folder} {seconds:.0f} s" for folder, seconds in folders.most_common(SHOWN))
+        terminalreporter.write_line(f"processor time {sum(folders.values()):.0f} s: {most}")
+        if self.target is not None:
+            kept = {
+                "folders": _rounded(folders),
+                "files": _rounded(self.files),
+                "tests": {test: seconds for test, seconds in _rounded(self.slowest).items() if seconds > 0.5},
+                "counts": dict(sorted(self.tests.items())),
+            }
+            self.target.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+
+
+def _rounded(seconds: Counter[str]) -> dict[str, float]:
+    return {name: round(value, 2) for name, value in seconds.most_common()}
