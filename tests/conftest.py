@@ -12,7 +12,6 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # matrices are small, and process
 
 from spear_pin import Gait, HoppingLaw, find_gait, hopping, load, simulate
 from spear_pin.model.loading import ROBOTS
-
 from tests.durations import Durations
 
 SOLVED = Path(__file__).parent / "solved"

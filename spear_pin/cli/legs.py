@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from spear_pin.model.robot import Robot
+    from spear_pin.model.settings import Settings
 
 NAMES = {"spear_ii": "SPEAR-II", "q_spear": "Q-SPEAR", "q_spear_full": "Q-SPEAR", "hoppy": "HOPPY"}
 OPTIONS = ("leg", "side", "body", "repair")
@@ -141,11 +142,11 @@ def _leg(robot: Robot, name: str | None, side: int | None, body: float | None, l
     from dataclasses import replace
 
     from spear_pin import monopod
+    from spear_pin.model.legs import lacking_legs
 
     names = [leg.name for leg in robot.legs]
     if not names:
-        expected = "a robot, x forward and z up, with a leg: a hip and a knee about the y axis, and a toe"
-        raise BadValue("robot", robot.source, expected)
+        raise BadValue("robot", robot.source, lacking_legs(robot))
     if name is not None and name not in names:
         raise UnknownName("leg", name, names)
     leg = robot.legs[0 if name is None else names.index(name)]
@@ -197,14 +198,30 @@ def rests_on(robot: Robot) -> list[tuple[str, str]]:
         return []
     lines = [line.strip() for line in str(robot.cut).splitlines()]
     if robot.settings is not None:
-        said = [f"a spring at the {joint}" for joint in robot.settings.springs]
-        said += [f"{motor.name} at the {joint}" for joint, motor in robot.settings.motors.items()]
-        lines.append(f"{robot.settings.path} says: {', '.join(said) or 'no springs, nor motors'}")
+        lines.append(f"{robot.settings.path} says: {_said(robot.settings)}")
     if not robot.model.armature.any():
         lines.append("rotors without inertia: the file names none")
     what, own = ("the leg", "SPEAR-II") if robot.cut.kind == "monopod" else ("the plane", "Q-SPEAR")
     lines.append(f"springs, gains and torques that neither a file nor an option gives: {own}'s, scaled")
     return [("" if i else what, line) for i, line in enumerate(lines)]
+
+
+def _said(settings: Settings) -> str:
+    """What a TOML file says of springs, motors and gears, in words."""
+    alike: dict[str, list[str]] = {}
+    for joint in settings.springs:
+        alike.setdefault("a spring", []).append(joint)
+    if not alike:
+        alike["no springs"] = []
+    for joint, motor in settings.motors.items():
+        alike.setdefault(motor.name, []).append(joint)
+    for joint, gear in settings.gears.items():
+        numbers = [f"a ratio of {gear.ratio:g}"] if gear.ratio is not None else []
+        numbers += [f"a rotor of {gear.rotor:g} kg·m²"] if gear.rotor is not None else []
+        alike.setdefault(" and ".join(numbers), []).append(joint)
+    if not (settings.motors or settings.gears):
+        alike["no motors"] = []
+    return "; ".join(f"{what} at the {' and the '.join(joints)}" if joints else what for what, joints in alike.items())
 
 
 def doubted(doubts: Sequence[str]) -> list[tuple[str, str]]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -9,10 +11,13 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pinocchio as pin
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadFile
-from spear_pin.model.group_states import add_postures
+from spear_pin.model.frames import INSIDE, POINT
+from spear_pin.model.gears import Gear
 from spear_pin.model.memory import check_memory
 from spear_pin.model.mjcf_reading import Mjcf
+from spear_pin.model.srdf_reading import read_srdf
 from spear_pin.model.urdf import BASE, WORLD, Base, Urdf
 
 MODEL = "pinocchio.Model"  # the source of what was built elsewhere
@@ -24,9 +29,10 @@ class Draft:
     """A robot as a file, or a model, describes it.
 
     Attributes:
-        model: with armature, rotors and gear ratios set.
+        model: with no gear set but what is in the armature of an MJCF file.
         name: of the robot.
         place: what errors name, a path.
+        gears: what is said of ratios and rotors, by joint.
         motors: names of the joints that have one.
         notes: what there is to warn of, a line each.
         source: what the robot is loaded from again.
@@ -35,6 +41,7 @@ class Draft:
     model: pin.Model
     name: str
     place: str | Path
+    gears: Mapping[str, Gear]
     motors: tuple[str, ...]
     notes: tuple[str, ...]
     source: str
@@ -57,22 +64,48 @@ def of_urdf(urdf: Urdf, base: Base | None) -> Draft:
     for frame in model.frames:
         if frame.type != pin.FrameType.BODY and frame.name != "universe":
             frame.name = frame.name.partition(":")[2]
-    armature = np.zeros(model.nv)
-    rotor_inertia, gear_ratio = np.zeros(model.nv), np.zeros(model.nv)
-    for transmission in urdf.transmissions:
-        joint = model.joints[model.getJointId(transmission.joint)]
-        if joint.nv != 1:
-            problem = f"a transmission drives {transmission.joint!r}, a joint of {joint.nv} degrees of freedom"
-            raise BadFile(urdf.path, problem)
-        armature[joint.idx_v] = transmission.reflected_inertia
-        rotor_inertia[joint.idx_v] = transmission.rotor_inertia
-        gear_ratio[joint.idx_v] = transmission.gear_ratio
-    # only the armature enters the dynamics; the other two are kept for those who read them
-    model.armature, model.rotorInertia, model.rotorGearRatio = armature, rotor_inertia, gear_ratio
-    notes = (*urdf.notes, *add_postures(model, urdf.path))
-    notes = notes if urdf.root == WORLD else (*notes, *fixed_trunk(model, urdf.root, base))
-    motors = tuple(transmission.joint for transmission in urdf.transmissions)
-    return Draft(model, urdf.name, urdf.path, motors, notes, str(urdf.path))
+    for joint in urdf.transmissions:
+        freedoms = model.joints[model.getJointId(joint)].nv
+        if freedoms != 1:
+            raise BadFile(urdf.path, f"a transmission drives {joint!r}, a joint of {freedoms} degrees of freedom")
+    for joint, normal in urdf.normals.items():
+        if model.existJointName(joint):  # unless it is held
+            _turn_plane(model, model.getJointId(joint), np.array(normal))
+    _forget_gears(model)
+    beside = read_srdf(model, urdf.path)
+    for name, q in beside.postures.items():
+        model.referenceConfigurations[name] = q
+    gears, notes = dict(urdf.transmissions), [*urdf.notes, *beside.notes]
+    for joint, gear in beside.gears.items():
+        gears[joint], differ = gears.get(joint, Gear()).completed(gear)
+        if differ:
+            notes.append(f"its SRDF says another {' and '.join(differ)} of {joint!r} than the URDF, whose is taken")
+    if urdf.root != WORLD:
+        notes += fixed_trunk(model, urdf.root, base)
+    return Draft(model, urdf.name, urdf.path, gears, tuple(urdf.transmissions), tuple(notes), str(urdf.path))
+
+
+def _forget_gears(model: pin.Model) -> None:
+    """Take away the ratios of 1 that Pinocchio begins with."""
+    model.armature, model.rotorInertia, model.rotorGearRatio = (np.zeros(model.nv) for _ in range(3))
+
+
+def _turn_plane(model: pin.Model, joint: int, normal: Array) -> None:
+    """Turn the plane of a planar joint, whose normal is z in Pinocchio, by the least turn; what it carries stays."""
+    up, normal = np.array([0.0, 0.0, 1.0]), normal / np.linalg.norm(normal)
+    axis = np.cross(up, normal)
+    length = float(np.linalg.norm(axis))
+    axis = axis / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
+    turned = pin.SE3(pin.AngleAxis(math.atan2(length, normal[2]), axis).matrix(), np.zeros(3))
+    back = turned.inverse()
+    model.jointPlacements[joint] = model.jointPlacements[joint] * turned
+    model.inertias[joint] = back.act(model.inertias[joint])
+    for child in range(joint + 1, model.njoints):
+        if model.parents[child] == joint:
+            model.jointPlacements[child] = back * model.jointPlacements[child]
+    for frame in model.frames:
+        if frame.parentJoint == joint:
+            frame.placement = back * frame.placement
 
 
 def of_mjcf(mjcf: Mjcf, base: Base | None) -> Draft:
@@ -91,22 +124,44 @@ def of_mjcf(mjcf: Mjcf, base: Base | None) -> Draft:
             raise BadFile(mjcf.path, f"Pinocchio cannot build it: {problem}") from None
     check_memory(mjcf.path, model.njoints - 1, model.nv)
     model.gravity.linear = np.array(mjcf.gravity)
+    _forget_gears(model)
     armature, damping = np.zeros(model.nv), np.zeros(model.nv)
-    for name, (inertia, drag) in mjcf.rubbing.items():
+    for name, rubbing in mjcf.rubbing.items():
         joint = model.joints[model.getJointId(name)]
         rows = slice(joint.idx_v, joint.idx_v + joint.nv)
-        armature[rows], damping[rows] = inertia, drag
+        armature[rows], damping[rows] = rubbing.armature or 0.0, rubbing.damping
     model.armature, model.damping = armature, damping
-    rotor_inertia, gear_ratio = np.zeros(model.nv), np.zeros(model.nv)
     effort = np.array(model.upperEffortLimit)
+    gears = {}
     for drive in mjcf.drives:
         row = model.joints[model.getJointId(drive.joint)].idx_v
-        gear_ratio[row], rotor_inertia[row] = drive.gear, armature[row] / drive.gear**2
+        gears[drive.joint] = Gear(drive.gear, armature=mjcf.rubbing[drive.joint].armature)
         effort[row] = min(effort[row], drive.effort)
-    model.rotorInertia, model.rotorGearRatio = rotor_inertia, gear_ratio
     model.upperEffortLimit, model.lowerEffortLimit = effort, -effort
+    for frame in model.frames:
+        if frame.type == POINT and frame.name in mjcf.inside:
+            frame.type = INSIDE
+    for name, posture in mjcf.postures.items():
+        model.referenceConfigurations[name] = _configuration(model, posture)
     notes = (*mjcf.notes, *fixed_trunk(model, mjcf.root, base))
-    return Draft(model, mjcf.name, mjcf.path, tuple(drive.joint for drive in mjcf.drives), notes, str(mjcf.path))
+    motors = tuple(drive.joint for drive in mjcf.drives)
+    return Draft(model, mjcf.name, mjcf.path, gears, motors, notes, str(mjcf.path))
+
+
+def _configuration(model: pin.Model, posture: Mapping[str, tuple[float, ...]]) -> Array:
+    """A configuration, (nq,), of MuJoCo's coordinates by joint, quaternions' scalars first."""
+    q = np.array(pin.neutral(model))
+    for name, values in posture.items():
+        joint = model.joints[model.getJointId(name)]
+        if len(values) == 1:
+            place: tuple[float, ...] = values if joint.nq == 1 else (math.cos(values[0]), math.sin(values[0]))
+        else:
+            turn = np.array(values[-4:])
+            length = float(np.linalg.norm(turn))
+            w, x, y, z = turn / length if length > 0.0 else (1.0, 0.0, 0.0, 0.0)
+            place = (*values[:-4], x, y, z, w)
+        q[joint.idx_q : joint.idx_q + joint.nq] = place
+    return q
 
 
 def of_model(model: pin.Model, base: Base | None) -> Draft:
@@ -123,7 +178,7 @@ def of_model(model: pin.Model, base: Base | None) -> Draft:
         made = _on_floating_joint(model)
     else:
         made = model.copy()
-    return Draft(made, model.name or "robot", MODEL, (), tuple(fixed_trunk(made, "universe", base)), MODEL)
+    return Draft(made, model.name or "robot", MODEL, {}, (), tuple(fixed_trunk(made, "universe", base)), MODEL)
 
 
 def fixed_trunk(model: pin.Model, root: str, base: Base | None) -> list[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -100,12 +99,6 @@ def child(path: Path, element: Any, tag: str) -> Any:
     return found
 
 
-def optional(element: Any, tag: str, read: Callable[[Any], float]) -> float | None:
-    """Value that `read` makes of a child, whatever the namespace of its tag."""
-    found = element.find("{*}" + tag)
-    return None if found is None else read(found)
-
-
 def number(path: Path, element: Any, attribute: str, default: str | None = None) -> float:
     """An attribute that is one number."""
     return parse_number(path, element, element.get(attribute, default))
@@ -120,16 +113,35 @@ def numbers(path: Path, element: Any, attribute: str, count: int) -> list[float]
     return values
 
 
+def limit(path: Path, element: Any, attribute: str, default: str | None = None) -> float:
+    """An attribute that limits something, as of `parse_limit`."""
+    return parse_limit(path, element, element.get(attribute, default))
+
+
+def parse_limit(path: Path, element: Any, text: str | None) -> float:
+    """A limit; infinite where it is larger than any limit, as "inf", 1.8e308 and 3.4e38 are.
+
+    Raises:
+        BadFile: it is no number; the text names the element.
+    """
+    value = _value(text)
+    return math.copysign(math.inf, value) if abs(value) > MAX_NUMBER else parse_number(path, element, text)
+
+
 def parse_number(path: Path, element: Any, text: str | None) -> float:
     """A finite number, in any notation that Python reads.
 
     Raises:
         BadFile: it is none; the text names the element.
     """
-    try:
-        value = float(text or "")
-    except ValueError:
-        value = math.nan
+    value = _value(text)
     if not abs(value) <= MAX_NUMBER:
         raise fault(path, element, f"<{element.tag}> has the value {text!r}; expected a finite number")
     return value
+
+
+def _value(text: str | None) -> float:
+    try:
+        return float(text or "")
+    except ValueError:
+        return math.nan

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pinocchio as pin
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.model.catalogue import motor
 from spear_pin.model.fitting import drivable, hold
+from spear_pin.model.gears import Gear
 from spear_pin.model.legs import Leg, find_legs, named_leg
 from spear_pin.model.motor import Gearbox
 from spear_pin.model.named_legs import NamedLeg, leg_of
@@ -24,24 +26,28 @@ from spear_pin.model.tree import Tree
 SAME = 1e-6  # relative difference of two numbers that say the same
 
 
-def equipped(said: Sidecar, model: pin.Model, name: str, toes: Sequence[str]) -> tuple[Settings | None, Any]:
+def equipped(
+    said: Sidecar, model: pin.Model, known: Mapping[str, Gear], name: str, toes: Sequence[str]
+) -> tuple[Settings | None, Any, Mapping[str, Gear]]:
     """What the file says, held against the robot.
 
     Args:
         said: what it says.
-        model: of the robot as its file has it; ratios and rotors that are said are set in it.
+        model: of the robot as its file has it.
+        known: what that file says of ratios and rotors, by joint.
         name: of the robot.
         toes: of the robot, whatever arguments say.
 
     Returns:
-        the settings, None without a file, and the joints with motors: names, "all", or None where it does not say.
+        the settings, None without a file; the joints with motors: names, "all", or None where it does not say; and
+        ratios and rotors as both files say them.
 
     Raises:
         BadFile: there is no such joint, frame or leg, or the model says otherwise.
     """
     path = said.path
     if path is None:
-        return None, None
+        return None, None, known
     with blaming(path, "locked"):
         held = hold(model, said.locked or ())
     with blaming(path, "toes"):
@@ -52,7 +58,7 @@ def equipped(said: Sidecar, model: pin.Model, name: str, toes: Sequence[str]) ->
         if pairs and len({named_leg(held, legs, leg).hip for pair in pairs for leg in pair}) != 4:
             raise BadValue("pairs", said.pairs, "four different legs")
     gears = _gears(said, path, model, legs)
-    drives = {joint: _geared(path, model, joint, key, table) for joint, (key, table) in gears.items()}
+    drives = {joint: _geared(path, known.get(joint, Gear()), joint, *table) for joint, table in gears.items()}
     settings = Settings(
         str(path),
         sides={leg.name: leg.side for leg in legs},
@@ -60,10 +66,17 @@ def equipped(said: Sidecar, model: pin.Model, name: str, toes: Sequence[str]) ->
         pairs=pairs,
         springs=_springs(said, path, legs),
         motors={joint: motor(table["motor"]) for joint, (_, table) in gears.items() if "motor" in table},
-        efficiencies={joint: gearbox.efficiency for joint, gearbox in drives.items()},
+        efficiencies={joint: efficiency for joint, (_, efficiency) in drives.items()},
+        gears={joint: gear for joint, (_, table) in gears.items() if (gear := _own(table)) != Gear()},
         post=_post(said, path, model),
     )
-    return settings, tuple(gears) if isinstance(said.motors, Mapping) else said.motors
+    driven = tuple(gears) if isinstance(said.motors, Mapping) else said.motors
+    return settings, driven, {**known, **{joint: geared for joint, (geared, _) in drives.items()}}
+
+
+def _own(table: Mapping[str, Any]) -> Gear:
+    """What a table itself says of a gear."""
+    return Gear(table.get("ratio"), table.get("rotor_inertia"))
 
 
 def _post(said: Sidecar, path: Path, model: pin.Model) -> tuple[float, float] | None:
@@ -151,28 +164,28 @@ def _gears(
     return found
 
 
-def _geared(path: Path, model: pin.Model, joint: str, key: str, table: Mapping[str, Any]) -> Gearbox:
-    """Set a joint's ratio and rotor as a table says; what the model says already has to be the same."""
-    where, row = f"motors.{key}", model.joints[model.getJointId(joint)].idx_v
-    ratios, rotors, armature = model.rotorGearRatio.copy(), model.rotorInertia.copy(), model.armature.copy()
-    known, reflected = float(ratios[row]), float(armature[row])
-    if "ratio" not in table and not known and {"motor", "rotor_inertia"} & set(table):
+def _geared(path: Path, known: Gear, joint: str, key: str, table: Mapping[str, Any]) -> tuple[Gear, float]:
+    """A joint's gear as a table says it, and its efficiency; what the robot's file says has to be the same."""
+    where, own = f"motors.{key}", _own(table)
+    if own.ratio is None and known.ratio is None and {"motor", "rotor_inertia"} & set(table):
         raise BadFile(path, f"{where} has no ratio, and neither has the robot's file for {joint!r}; expected one")
+    given = known.ratio if own.ratio is None else own.ratio
     with blaming(path, where):
-        gearbox = Gearbox(table.get("ratio", known or 1.0), table.get("efficiency", 1.0))
-    if known and not math.isclose(known, gearbox.ratio, rel_tol=SAME):
-        has = f"{known:.12g}, which the robot's file has for {joint!r}"
+        gearbox = Gearbox(1.0 if given is None else given, table.get("efficiency", 1.0))
+    if known.ratio is not None and not math.isclose(known.ratio, gearbox.ratio, rel_tol=SAME):
+        has = f"{known.ratio:.12g}, which the robot's file has for {joint!r}"
         raise BadFile(path, f"{where}.ratio is {gearbox.ratio!r}; expected {has}")
-    rotor = table.get("rotor_inertia", motor(table["motor"]).rotor_inertia if "motor" in table else None)
-    if rotor is None and "motor" in table and not reflected:
+    rotor = motor(table["motor"]).rotor_inertia if own.rotor is None and "motor" in table else own.rotor
+    reflected = replace(known, ratio=gearbox.ratio).reflected
+    if rotor is None and "motor" in table and reflected is None:
         raise BadFile(path, f"{where} has no rotor_inertia, and that of {table['motor']} is not known; expected one")
-    rotor = reflected / gearbox.ratio**2 if rotor is None else rotor
-    if rotor < 0:
+    if rotor is not None and rotor < 0:
         raise BadFile(path, f"{where}.rotor_inertia is {rotor!r}; expected a number >= 0, in kg·m²")
-    if reflected and not math.isclose(reflected, gearbox.ratio**2 * rotor, rel_tol=SAME):
+    if (
+        rotor is not None
+        and reflected is not None
+        and not math.isclose(reflected, gearbox.ratio**2 * rotor, rel_tol=SAME)
+    ):
         of = f"{reflected / gearbox.ratio**2:.6g} kg·m², which the robot's file has for {joint!r}"
         raise BadFile(path, f"{where}: the rotor's inertia is {rotor!r}; expected {of}")
-    ratios[row], rotors[row] = table.get("ratio", known), rotor
-    armature[row] = reflected or gearbox.ratio**2 * rotor
-    model.rotorGearRatio, model.rotorInertia, model.armature = ratios, rotors, armature
-    return gearbox
+    return Gear(given, known.rotor if rotor is None else rotor, known.armature), gearbox.efficiency

@@ -58,11 +58,12 @@ def with_motors(
                 raise BadValue("motors", joint, f"joints of one degree of freedom: {', '.join(valid) or 'none'}")
             raise UnknownName("joint", joint, valid)
     actuated = tuple(joint for joint in valid if joint in wanted)
-    ratios = model.rotorGearRatio.copy()
+    ratios, rotors = model.rotorGearRatio.copy(), model.rotorInertia.copy()
     for joint in actuated:
         row = model.joints[model.getJointId(joint)].idx_v
-        ratios[row] = ratios[row] or 1.0
-    model.rotorGearRatio = ratios
+        if not ratios[row]:  # that nothing says
+            ratios[row], rotors[row] = 1.0, model.armature[row]
+    model.rotorGearRatio, model.rotorInertia = ratios, rotors
     return model, actuated
 
 

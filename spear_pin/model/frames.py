@@ -6,8 +6,10 @@ import pinocchio as pin
 
 from spear_pin.errors import UnknownName
 
-# of frames that are called the same, a link's goes first; the last is of a point, as MJCF has them
-KINDS = (pin.FrameType.BODY, pin.FrameType.FIXED_JOINT, pin.FrameType.JOINT, pin.FrameType.OP_FRAME)
+POINT = pin.FrameType.OP_FRAME  # of an MJCF file: a site, or a geom where a limb may end
+INSIDE = pin.FrameType.SENSOR  # the middle of any other geom
+# of frames that are called the same, a link's goes first
+KINDS = (pin.FrameType.BODY, pin.FrameType.FIXED_JOINT, pin.FrameType.JOINT, POINT, INSIDE)
 
 
 def frame_id(model: pin.Model, frame: str) -> int:

@@ -12,7 +12,8 @@ from lxml import etree
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadFile, listed
-from spear_pin.model.elements import child, number, numbers
+from spear_pin.model.elements import child, number
+from spear_pin.model.origins import copy_origin
 
 ROUNDING = 1e-15  # kg·m²: what a principal moment is off by this little is none
 # of the largest principal moment: how far the least may be below zero, and it above the sum of the others
@@ -109,14 +110,3 @@ def notes_on(faults: Mapping[str, Fault], what: str, repair: bool) -> list[str]:
     (name, fault), *others = faults.items()
     rest = f", and so have {listed([repr(each) for each, _ in others])}" if others else ""
     return [f"{what} {name!r} has an inertia {fault.problem}, {fault.by}{rest} (repair=True mends it)"]
-
-
-def copy_origin(path: Path, element: Any, copy: Any) -> None:
-    """Copy the `<origin>` of an element, if it has one."""
-    origin = element.find("origin")
-    if origin is None:
-        return
-    part = etree.SubElement(copy, "origin")
-    for attribute in ("xyz", "rpy"):
-        if origin.get(attribute) is not None:
-            part.set(attribute, " ".join(map(repr, numbers(path, origin, attribute, 3))))

@@ -177,6 +177,21 @@ def find_legs(robot: LeggedRobot, toes: Iterable[str] | None = None, sides: Side
     return tuple(replace(leg, side=found[leg.name]) for leg in legs)
 
 
+def lacking_legs(robot: LeggedRobot) -> str:
+    """Say what a robot in which no leg is found would need, in words that follow "expected"."""
+    usual = "a robot, x forward and z up, with a leg: a hip and a knee about the y axis, and a toe"
+    return lacking_toe(robot) or usual
+
+
+def lacking_toe(robot: LeggedRobot) -> str | None:
+    """Say which limb of a robot has no frame at its end, in words that follow "expected"; None if there is none."""
+    endless = [] if robot.toes else Tree(robot.model).endless()
+    if not endless:
+        return None
+    remedy = "name a toe, such as a link on a fixed joint where the limb meets the ground"
+    return f"a robot with toes: the limb below {endless[0]!r} ends without a frame: {remedy}"
+
+
 def _told_apart(legs: Sequence[Leg]) -> list[Leg]:
     """Legs, named as their toes where two would have one name."""
     names = [leg.name for leg in legs]

@@ -44,6 +44,31 @@ def limits_of(model: pin.Model) -> dict[str, Limits]:
     return found
 
 
+def order_limits(model: pin.Model) -> list[str]:
+    """Exchange limits of joints of which the lower one is above the upper one.
+
+    Args:
+        model: it is changed.
+
+    Returns:
+        a line for each such joint, and for each whose limits leave it no room, so that they are none.
+    """
+    lower, upper = model.lowerPositionLimit.copy(), model.upperPositionLimit.copy()
+    notes = []
+    for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
+        place = joint.idx_q
+        if joint.nv == joint.nq == 1 and lower[place] > upper[place]:
+            notes.append(
+                f"joint {name!r} has the lower limit {lower[place]:g} above the upper one, {upper[place]:g}: exchanged"
+            )
+            lower[place], upper[place] = upper[place], lower[place]
+        elif joint.nv == joint.nq == 1 and lower[place] == upper[place] != 0.0:
+            both = f"{lower[place]:g} and {upper[place]:g}"
+            notes.append(f"joint {name!r} has the limits {both}, which leave it no room: it is not limited")
+    model.lowerPositionLimit, model.upperPositionLimit = lower, upper
+    return notes
+
+
 def _open(limit: float) -> float:
     """A limit, infinite where it is the largest number there is, which models that are built by hand have."""
     return float(limit) if abs(limit) < np.finfo(float).max else math.copysign(math.inf, limit)

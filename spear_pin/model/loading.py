@@ -19,6 +19,8 @@ from spear_pin.model.elements import parse
 from spear_pin.model.equipping import equipped
 from spear_pin.model.examples import PACKAGE, beginning_with, example_robots
 from spear_pin.model.fitting import check_floating, drivable, hold, with_inertia, with_motors
+from spear_pin.model.gears import set_gears
+from spear_pin.model.limits import order_limits
 from spear_pin.model.mjcf_reading import mjcf_of
 from spear_pin.model.robot import Robot
 from spear_pin.model.sidecar import NAMING, SUFFIX, Sidecar, read
@@ -146,7 +148,9 @@ def load(
     draft = _draft(said.source, "free" if wanted_base == "chain" else wanted_base, repair)
     shipped = ROBOTS[str(said.source)].toes if str(said.source) in ROBOTS else ()
     own_toes = shipped if said.own_toes is None else said.own_toes
-    settings, driven = equipped(said, draft.model, draft.name, own_toes)
+    notes = [*draft.notes, *order_limits(draft.model)]
+    settings, driven, gears = equipped(said, draft.model, draft.gears, draft.name, own_toes)
+    notes += set_gears(draft.model, gears)
     locked = _names((said.locked or ()) if locked is None else locked)
     model = hold(draft.model, locked)
     if wanted_base in ("free", "chain"):
@@ -155,7 +159,7 @@ def load(
     asked = "all" if motors == "all" else None if motors is None else _names(motors)
     wanted = driven if asked is None else asked
     model, actuated = with_motors(model, draft.motors if wanted is None else wanted, locked)
-    notes = [*draft.notes, *mended]
+    notes += mended
     if wanted is None and not draft.motors and drivable(model):
         notes.append('no joint has a motor: motors="all" gives one to each, motors=[...] to those that it names')
     for note in notes:

@@ -98,10 +98,8 @@ def _add_geom(writing: Writing, geom: Any, to: Any, inherited: str | None) -> No
         _check_size(writing, geom, said, kind, name)
         copied = etree.SubElement(to, "geom", type=kind)
         copy(writing, geom, copied, said, (*placed, "size", "mass", "density"))
-        if said.get("shellinertia") == "true":
-            writing.lose("shellinertia", to.get("name"))
     elif kind != "plane" and values(writing.path, geom, said.get("mass", "1"))[0] > 0:
-        writing.lose("mass of a mesh", to.get("name"))
+        writing.unread.lose("mass of a mesh", to.get("name"))
 
 
 def _check_size(writing: Writing, geom: Any, said: Mapping[str, str], kind: str, name: str) -> None:

@@ -8,9 +8,9 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from spear_pin.errors import listed
-from spear_pin.model.elements import fault, parse_number
+from spear_pin.model.elements import fault, parse_limit, parse_number
 from spear_pin.model.mjcf_sections import Defaults, section
+from spear_pin.model.mjcf_writing import Rubbing
 
 MOVABLE = ("hinge", "slide")
 
@@ -21,19 +21,38 @@ class DrivenJoint:
 
     Attributes:
         joint: name of the joint.
-        gear: joint torque per torque of the actuator.
+        gear: joint torque per torque of the actuator; None where nothing says it.
         effort: the largest torque at the joint, in N·m (N, if it slides).
     """
 
     joint: str
-    gear: float = 1.0
+    gear: float | None = None
     effort: float = inf
+
+
+@dataclass(frozen=True)
+class Drives:
+    """The actuators of a file.
+
+    Attributes:
+        motors: those that are motors of joints.
+        rubbing: what all of them add to the joints that they act on, by joint.
+        others: names of those that are no motors.
+        damped: joints with damping of an actuator that is not viscous.
+        elements: of the others.
+    """
+
+    motors: tuple[DrivenJoint, ...]
+    rubbing: Mapping[str, Rubbing]
+    others: tuple[str, ...]
+    damped: tuple[str, ...]
+    elements: tuple[Any, ...]
 
 
 def read_drives(
     path: Path, root: Any, defaults: Defaults, joints: Mapping[str, str], named: Collection[str], autolimits: bool
-) -> tuple[tuple[DrivenJoint, ...], list[str]]:
-    """The motors of joints, and what is said of the other actuators.
+) -> Drives:
+    """Read the actuators. An armature and a damping of one act at its joint times the square of its gear.
 
     Args:
         path: of the file.
@@ -44,23 +63,44 @@ def read_drives(
         autolimits: whether a range alone limits.
 
     Raises:
-        BadFile: an actuator acts on a joint that is not there, or its numbers are too many or too few.
+        BadFile: an actuator acts on a joint that is not there, or its numbers are too many or too few, or negative.
     """
     found: dict[str, DrivenJoint] = {}
-    others = []
+    rubbing: dict[str, Rubbing] = {}
+    others, damped, elements = [], [], []
     for element in section(root, "actuator"):
         said = defaults.of(element)
         joint = said.get("joint", said.get("jointinparent"))
         if joint is not None and joint not in named:
             problem = f"<{element.tag}> acts on the joint {joint!r}, which is not there"
             raise fault(path, element, f"{problem}; valid: {', '.join(joints) or 'none'}")
-        gear = _values(path, element, said.get("gear", "1"))[0]
-        if joints.get(joint or "") not in MOVABLE or joint in found or gear == 0.0:
+        gear = _values(path, element, said["gear"])[0] if "gear" in said else None
+        square = 1.0 if gear is None else gear * gear
+        movable = joints.get(joint or "") in MOVABLE
+        if joint is not None and movable:
+            had, own = rubbing.get(joint, Rubbing(None, 0.0)), _rubbing(path, element, said)
+            armatures = [each for each in (had.armature, own.armature and square * own.armature) if each is not None]
+            rubbing[joint] = Rubbing(sum(armatures) if armatures else None, had.damping + square * own.damping)
+            if any(_values(path, element, said.get("damping", "0"))[1:]):
+                damped.append(joint)
+        if not movable or joint in found or gear == 0.0:
             others.append(element.get("name") or f"a {element.tag}")
+            elements.append(element)
         else:
-            effort = abs(gear) * _largest(path, element, said, autolimits)
+            effort = (1.0 if gear is None else abs(gear)) * _largest(path, element, said, autolimits)
             found[str(joint)] = DrivenJoint(str(joint), gear, effort)
-    return tuple(found.values()), [f"actuators other than one for each joint, {listed(others)}"] if others else []
+    return Drives(tuple(found.values()), rubbing, tuple(others), tuple(damped), tuple(elements))
+
+
+def _rubbing(path: Path, element: Any, said: Mapping[str, str]) -> Rubbing:
+    """Armature and damping of an actuator, before its gear."""
+    numbers = {
+        name: _values(path, element, said[name])[0] if name in said else None for name in ("armature", "damping")
+    }
+    for name, value in numbers.items():
+        if value is not None and value < 0:
+            raise fault(path, element, f"<{element.tag}> has the {name} {value:g}; expected a number >= 0")
+    return Rubbing(numbers["armature"], numbers["damping"] or 0.0)
 
 
 def _largest(path: Path, element: Any, said: Mapping[str, str], autolimits: bool) -> float:
@@ -73,7 +113,7 @@ def _largest(path: Path, element: Any, said: Mapping[str, str], autolimits: bool
             and name in said
             and said.get(limited, "auto") in ("true", "auto" if autolimits else "true")
         ):
-            ends = _values(path, element, said[name])
+            ends = [parse_limit(path, element, part) for part in said[name].split()]
             if len(ends) != 2:
                 problem = f"{name} of <{element.tag}> is {said[name]!r}; expected 2 numbers"
                 raise fault(path, element, problem)

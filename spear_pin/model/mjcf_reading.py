@@ -7,6 +7,7 @@ joint each, and no meshes. MuJoCo need not be installed.
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,25 +17,37 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
-from spear_pin.errors import BadFile, listed
-from spear_pin.model.elements import fault
+from spear_pin.errors import BadFile
+from spear_pin.model.elements import fault, parse_limit
 from spear_pin.model.inertial import notes_on
+from spear_pin.model.mjcf_keyframes import places_of, read_keyframes
 from spear_pin.model.mjcf_mass import add_mass
 from spear_pin.model.mjcf_motors import MOVABLE, DrivenJoint, read_drives
+from spear_pin.model.mjcf_points import add_point
 from spear_pin.model.mjcf_rotations import angle_unit
 from spear_pin.model.mjcf_sections import MAIN, Defaults, include, read_defaults, section, settings
-from spear_pin.model.mjcf_writing import PLACE, SHORTEST, Writing, at_least_zero, called, copy, counted, is_true, values
+from spear_pin.model.mjcf_unread import tell_unread
+from spear_pin.model.mjcf_writing import (
+    PLACE,
+    SHORTEST,
+    Rubbing,
+    Writing,
+    at_least_zero,
+    called,
+    copy,
+    counted,
+    is_true,
+    values,
+)
 from spear_pin.model.urdf import BASE, MAX_LINKS, UNIVERSE, WORLD, Base
 
 JOINTS = ("joint", "freejoint")
 JOINT_TYPES = ("free", "ball", "slide", "hinge")
 JOINT = ("axis", "pos", "frictionloss", "actuatorfrcrange")
 UNREAD = ("frame", "replicate", "composite", "flexcomp", "attach", "plugin")  # in a body: they would change it
-# settings of the compiler that change masses, and values of them that change nothing
-MASSES = {"boundmass": ("0", 1e-9), "boundinertia": ("0", 1e-9), "settotalmass": ("-1", 0.0)}
-FLAGS = {"inertiagrouprange": "0 5"}
 # words that the compiler takes
 KEYWORDS = {"angle": ("degree", "radian"), "inertiafromgeom": ("auto", "false", "true")}
+MOST = sys.float_info.max  # which Pinocchio reads, as it does not read "inf"
 REMEDY = "let MuJoCo write it anew (mujoco.mj_saveLastXML), which expands it"
 
 
@@ -64,9 +77,11 @@ class Mjcf:
         text: one tree of bodies.
         gravity: in m/s², (3,).
         drives: the motors.
-        rubbing: armature and damping of joints, by name; Pinocchio does not read those of all.
+        rubbing: of joints, by name; Pinocchio does not read those of all.
+        postures: of keyframes, by name: MuJoCo's coordinates by joint, in rad or m, zero where the model's are.
         notes: what is not as in the file, a line each.
         look: what the bodies look like.
+        inside: names of geoms of which the middle is no end of a limb.
     """
 
     path: Path
@@ -75,9 +90,11 @@ class Mjcf:
     text: str
     gravity: tuple[float, ...]
     drives: tuple[DrivenJoint, ...]
-    rubbing: Mapping[str, tuple[float, float]]
+    rubbing: Mapping[str, Rubbing]
+    postures: Mapping[str, Mapping[str, tuple[float, ...]]]
     notes: tuple[str, ...]
     look: Look
+    inside: frozenset[str]
 
 
 def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = False) -> Mjcf:
@@ -107,26 +124,47 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
     written = etree.Element("mujoco", model="robot")
     etree.SubElement(written, "compiler", angle="radian")
     world = etree.SubElement(written, "worldbody")
+    places = places_of(section(root, "worldbody"), defaults)
     trunk = _based(writing, body, base)
     if trunk.find("joint") is None and trunk.find("freejoint") is None:  # of such a one Pinocchio ignores the place
         world = etree.SubElement(world, "body", name=writing.name(WORLD))
     _add_body(writing, trunk, world, None)
     autolimits = is_true(compiler.get("autolimits"), True)
-    drives, left_out = read_drives(path, root, defaults, writing.joints, writing.jointed, autolimits)
+    drives = read_drives(path, root, defaults, writing.joints, writing.jointed, autolimits)
     option = settings(root, "option")
     gravity = values(path, root, option.get("gravity", "0 0 -9.81"))
     if len(gravity) != 3:
         raise BadFile(path, f"has a gravity of {len(gravity)} numbers; expected 3")
     if any(flag.get("gravity") == "disable" for flag in section(root, "option")):
         gravity = (0.0, 0.0, 0.0)
-    lost = [f"{what} of {listed(names)}" for what, names in writing.lost.items()]
-    lost += _beside(path, root, compiler, [other.get("name") or "nameless" for other in others]) + left_out
-    notes = [f"not taken over: {'; '.join(lost)}"] if lost else []
-    notes += notes_on(writing.faults, "body", repair)
+    postures = read_keyframes(path, root, {name: places[at] for name, at in writing.elements.items() if at in places})
+    tell_unread(writing, root, body, others, drives)
+    notes = [*filter(None, [writing.unread.line]), *notes_on(writing.faults, "body", repair)]
     text = str(etree.tostring(written, encoding="unicode"))
     name, first = root.get("model") or path.stem, world.find("body").get("name")
     look = Look(tuple(writing.geoms), _assets(root, defaults), compiler)
-    return Mjcf(path, name, first, text, gravity, drives, writing.rubbing, tuple(notes), look)
+    rubbing = {name: _together(own, drives.rubbing.get(name)) for name, own in writing.rubbing.items()}
+    return Mjcf(
+        path,
+        name,
+        first,
+        text,
+        gravity,
+        drives.motors,
+        rubbing,
+        postures,
+        tuple(notes),
+        look,
+        frozenset(writing.inside),
+    )
+
+
+def _together(own: Rubbing, driven: Rubbing | None) -> Rubbing:
+    """What a joint and its actuators say together."""
+    if driven is None:
+        return own
+    armatures = [each for each in (own.armature, driven.armature) if each is not None]
+    return Rubbing(sum(armatures) if armatures else None, own.damping + driven.damping)
 
 
 def _assets(root: Any, defaults: Defaults) -> dict[tuple[str, str], Mapping[str, str]]:
@@ -171,22 +209,6 @@ def _robot(path: Path, root: Any) -> tuple[Any, list[Any]]:
     return robot, [body for body in bodies if body is not robot]
 
 
-def _beside(path: Path, root: Any, compiler: Mapping[str, str], bodies: list[str]) -> list[str]:
-    """Elements beside the robot that would act on it."""
-    found = [f"the bodies beside it, {listed(bodies)}"] if bodies else []
-    for tag, what in (("equality", "equality constraints"), ("tendon", "tendons")):
-        names = [each.get("name") or f"a {each.tag}" for each in section(root, tag)]
-        if names:
-            found.append(f"{what}, {listed(names)}")
-    option = settings(root, "option")
-    odd = [key for key, (usual, least) in MASSES.items() if values(path, root, compiler.get(key, usual))[0] > least]
-    odd += [key for key, usual in FLAGS.items() if compiler.get(key, usual) != usual]
-    fluid = [key for key in ("density", "viscosity") if any(values(path, root, option.get(key, "0")))]
-    return (
-        found + ([f"of <compiler> {listed(odd)}"] if odd else []) + ([f"the fluid's {listed(fluid)}"] if fluid else [])
-    )
-
-
 def _based(writing: Writing, body: Any, base: Base | None) -> Any:
     """The first body, with or without a free joint as asked for; if it has other joints, on one that floats."""
     floats = _floats(writing, body)
@@ -216,8 +238,6 @@ def _add_body(writing: Writing, body: Any, parent: Any, inherited: str | None) -
     if writing.bodies > MAX_LINKS:
         raise BadFile(path, f"has more than {MAX_LINKS} bodies")
     name = body.get("name") or writing.name(f"body_{writing.bodies}")
-    if any(values(path, body, body.get("gravcomp", "0"))):
-        writing.lose("gravcomp", name)
     children = list(body.iterchildren(etree.Element))
     inner = etree.SubElement(parent, "body")
     floats = _floats(writing, body)
@@ -237,7 +257,7 @@ def _add_body(writing: Writing, body: Any, parent: Any, inherited: str | None) -
         if child.tag in UNREAD:
             raise fault(path, child, f"body {name!r} has a <{child.tag}>, which is not read: {REMEDY}")
         if child.tag in ("site", "geom"):
-            _add_point(writing, child, inner, inherited)
+            add_point(writing, child, inner, inherited, alone=body.find("body") is None)
         elif child.tag == "body":
             _add_body(writing, child, inner, inherited)
 
@@ -249,11 +269,11 @@ def _add_joint(writing: Writing, joint: Any, body: Any, owner: str, inherited: s
     if kind not in JOINT_TYPES:
         raise writing.fault(joint, f"{called(joint)} has the type {kind!r}; valid: {', '.join(JOINT_TYPES)}")
     name = joint.get("name") or writing.name(BASE if kind == "free" else f"{owner}_joint", joint=True)
-    writing.joints[name] = kind
+    writing.joints[name], writing.elements[name] = kind, joint
     armature, damping, frictionloss = (
         at_least_zero(writing, joint, said, each, f"joint {name!r}") for each in ("armature", "damping", "frictionloss")
     )
-    writing.rubbing[name] = armature, damping
+    writing.rubbing[name] = Rubbing(armature if "armature" in said else None, damping)
     if kind == "free":
         etree.SubElement(body, "freejoint", name=name)
         return
@@ -264,9 +284,9 @@ def _add_joint(writing: Writing, joint: Any, body: Any, owner: str, inherited: s
     if "range" in said:
         unit = 1.0 if kind == "slide" else angle_unit(writing.compiler)
         ref, *_ = values(path, joint, said.get("ref", "0"))
-        ends = [unit * (end - ref) for end in counted(writing, joint, said, "range")]
-        copied.set("range", " ".join(map(repr, ends)))
-    low, high = counted(writing, joint, {"range": "0 0", **said}, "range")
+        ends = [unit * (end - ref) for end in _ends(writing, joint, said)]
+        copied.set("range", " ".join(repr(min(max(end, -MOST), MOST)) for end in ends))
+    low, high = _ends(writing, joint, {"range": "0 0", **said})
     if said.get("limited") == "true" and low >= high:
         problem = f"joint {name!r} is limited, but has the range {said.get('range', '')!r}"
         raise writing.fault(joint, f"{problem}; expected two angles, or lengths, the lower one first")
@@ -276,21 +296,13 @@ def _add_joint(writing: Writing, joint: Any, body: Any, owner: str, inherited: s
     for what, numbers in (
         ("damping that is not viscous", values(path, joint, said.get("damping", "0"))[1:]),
         ("frictionloss", [frictionloss]),
-        ("springdamper", values(path, joint, said.get("springdamper", "0"))),
-        ("stiffness", values(path, joint, said.get("stiffness", "0"))),
         ("ref (q is MuJoCo's qpos less ref)", values(path, joint, said.get("ref", "0"))),
     ):
         if any(numbers):
-            writing.lose(what, name)
+            writing.unread.lose(what, name)
 
 
-def _add_point(writing: Writing, element: Any, body: Any, inherited: str | None) -> None:
-    """Write a site, or the middle of a geom, that has a name: a frame, which may be a toe."""
-    said, name = writing.defaults.of(element, inherited), element.get("name")
-    if not name or "fromto" in said or "mesh" in said:
-        return
-    if element.tag == "geom":
-        if name in writing.taken:
-            return
-        writing.taken.add(name)
-    copy(writing, element, etree.SubElement(body, "site", name=name), said, PLACE)
+def _ends(writing: Writing, joint: Any, said: Mapping[str, str]) -> tuple[float, ...]:
+    """The two ends of a range, infinite where they mean that there is none."""
+    ends = tuple(parse_limit(writing.path, joint, part) for part in said["range"].split())
+    return ends if len(ends) == 2 else counted(writing, joint, said, "range")

@@ -15,7 +15,10 @@ from spear_pin.model.elements import MAX_BYTES, SOURCE, fault, parse
 
 MAX_INCLUDES, MAX_DEPTH = 100, 256
 MAIN = "main"  # the class of what names none
-ACTUATORS = ("general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion")
+ACTUATORS = (
+    *("general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion"),
+    *("orientation", "pid", "dcmotor"),
+)
 Attributes = Mapping[str, str]
 NOTHING: Attributes = MappingProxyType({})
 
@@ -100,14 +103,17 @@ class Defaults:
 
 
 def read_defaults(path: Path, root: Any) -> Defaults:
-    """The defaults of a file.
+    """Read the defaults of a file. Those at the top are of everything, whatever their class is called, as in MuJoCo 3.
 
     Raises:
         BadFile: a class has no name.
     """
     classes: dict[str, dict[str, dict[str, str]]] = {MAIN: {}}
-    for top in root.findall("default"):
-        _collect(path, top, top.get("class") or MAIN, classes.get(MAIN, {}), classes)
+    tops = root.findall("default")
+    for top in tops:
+        _collect(path, top, MAIN, {}, classes)
+    for name in {top.get("class") for top in tops} - {None}:
+        classes.setdefault(str(name), classes[MAIN])
     return Defaults(classes)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -15,6 +15,7 @@ from spear_pin.model.elements import fault, parse_number
 from spear_pin.model.inertial import Fault
 from spear_pin.model.mjcf_rotations import rotation
 from spear_pin.model.mjcf_sections import Defaults
+from spear_pin.model.unread import Unread
 
 TURNS = ("quat", "axisangle", "xyaxes", "zaxis", "euler")  # notations of a rotation
 PLACE = ("pos", *TURNS)
@@ -24,6 +25,13 @@ COUNTS = {
     **{"mass": 1, "density": 1, "diaginertia": 3, "fullinertia": 6, "range": 2, "actuatorfrcrange": 2, "ref": 1},
 }
 SHORTEST = 1e-14  # of directions and quaternions: MuJoCo refuses shorter ones
+
+
+class Rubbing(NamedTuple):
+    """Armature of a joint, in kg·m², None where nothing says it, and its damping, in N·m·s/rad."""
+
+    armature: float | None
+    damping: float
 
 
 @dataclass
@@ -38,10 +46,12 @@ class Writing:
         taken: names of bodies and sites.
         jointed: names of joints, which may be those of bodies.
         joints: types of joints that are written, by name.
-        rubbing: armature and damping of joints, by name.
-        lost: names of joints and bodies by what they lose.
+        rubbing: of joints, by name.
+        elements: of the joints that are written, by name.
+        unread: what is not taken over.
         faults: what is wrong with inertias, by the names of their bodies.
         geoms: attributes of geoms, with the names of their bodies.
+        inside: names of geoms of which the middle is no end of a limb.
         bodies: how many are written.
     """
 
@@ -52,10 +62,12 @@ class Writing:
     taken: set[str]
     jointed: set[str]
     joints: dict[str, str] = field(default_factory=dict)
-    rubbing: dict[str, tuple[float, float]] = field(default_factory=dict)
-    lost: dict[str, list[str]] = field(default_factory=dict)
+    rubbing: dict[str, Rubbing] = field(default_factory=dict)
+    elements: dict[str, Any] = field(default_factory=dict)
+    unread: Unread = field(default_factory=Unread)
     faults: dict[str, Fault] = field(default_factory=dict)
     geoms: list[tuple[str, Mapping[str, str]]] = field(default_factory=list)
+    inside: set[str] = field(default_factory=set)
     bodies: int = 0
 
     def name(self, wanted: str, joint: bool = False) -> str:
@@ -65,10 +77,6 @@ class Writing:
             wanted += "_"
         taken.add(wanted)
         return wanted
-
-    def lose(self, what: str, name: str) -> None:
-        """Note that something is not taken over."""
-        self.lost.setdefault(what, []).append(name)
 
     def fault(self, element: Any, problem: str) -> BadFile:
         """An error at an element."""

@@ -7,11 +7,11 @@ from collections.abc import Iterable
 import numpy as np
 import pinocchio as pin
 
-from spear_pin.errors import require
+from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
 from spear_pin.model.cut import AHEAD, UP, Amount, Assembly, Cut, Limb, Source, products
 from spear_pin.model.fitting import hold
-from spear_pin.model.legs import Leg, named_leg, sided, simple
+from spear_pin.model.legs import Leg, lacking_legs, named_leg, sided, simple
 from spear_pin.model.robot import Robot
 
 SHARE = "share"
@@ -44,6 +44,8 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
         ('boom_x', 'boom_z', 'hip', 'knee')
     """
     locked = tuple(locked)
+    if isinstance(leg, str) and not robot.legs:
+        raise BadValue("robot", robot, lacking_legs(robot))
     of = sided(simple(named_leg(robot.model, robot.legs, leg)))
     source = Source(robot)
     mass, mirrored = _body(source, robot, of, body), of.bends < 0

@@ -15,7 +15,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.kinds import typed
 from spear_pin.model.cut import AHEAD, PITCH, UP, Amount, Assembly, Cut, Limb, Source, Turn, flat, products
-from spear_pin.model.legs import Leg, named_leg, simple
+from spear_pin.model.legs import Leg, lacking_toe, named_leg, simple
 from spear_pin.model.robot import Robot
 
 ENDS = ("posterior", "anterior")
@@ -153,7 +153,7 @@ def _found(robot: Robot, source: Source) -> list[Pair]:
     if len(pairs) != 2 or len(matched) != 4 or len(limbs) != 4:
         names = ", ".join(leg.name for leg in limbs) or "none"
         expected = f"four legs (found: {names}), x forward and z up, whose hips mirror each other; or give pairs"
-        raise BadValue("robot", robot, expected)
+        raise BadValue("robot", robot, lacking_toe(robot) or expected)
     return _paired(source, pairs)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from spear_pin.model.cut import Turn
+from spear_pin.model.gears import Gear
 from spear_pin.model.motor import Motor
 from spear_pin.model.named_legs import NamedLeg
 
@@ -23,6 +24,7 @@ class Settings:
         springs: a `Spring` for each knee that has one, by its joint.
         motors: of joints by name, where they are known.
         efficiencies: of joints' gearboxes, in (0, 1].
+        gears: ratios and rotors that the file itself says, by joint.
         post: place, x and y in m, of the post about which it goes, if it does.
     """
 
@@ -33,6 +35,7 @@ class Settings:
     springs: Mapping[str, Any] = field(default_factory=dict)
     motors: Mapping[str, Motor] = field(default_factory=dict)
     efficiencies: Mapping[str, float] = field(default_factory=dict)
+    gears: Mapping[str, Gear] = field(default_factory=dict)
     post: tuple[float, float] | None = None
 
     def of_cut(self, angles: Mapping[str, Sequence[Turn]]) -> Settings:
@@ -44,8 +47,8 @@ class Settings:
             angles: as of `Cut`.
         """
         springs = {name: _together(spring, len(angles[name])) for name, spring in _alike(self.springs, angles).items()}
-        motors, efficiencies = _alike(self.motors, angles), _alike(self.efficiencies, angles)
-        return Settings(self.path, springs=springs, motors=motors, efficiencies=efficiencies)
+        motors, efficiencies, gears = (_alike(each, angles) for each in (self.motors, self.efficiencies, self.gears))
+        return Settings(self.path, springs=springs, motors=motors, efficiencies=efficiencies, gears=gears)
 
 
 def _alike(of_joints: Mapping[str, Any], angles: Mapping[str, Sequence[Turn]]) -> dict[str, Any]:

@@ -7,61 +7,68 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from spear_pin.errors import BadFile
-from spear_pin.model.elements import number, optional, parse_number
+from lxml import etree
+
+from spear_pin.errors import BadFile, listed
+from spear_pin.model.elements import parse_number
+from spear_pin.model.gears import Gear
 
 COMMANDS = ("effort", "position", "velocity", "acceleration")  # interfaces of ros2_control that move a joint
+RATIOS = ("gear_ratio", "gearRatio", "mechanicalReduction", "mechanical_reduction")
+ROTORS = ("rotor_inertia", "rotorInertia", "motorInertia", "motor_inertia")
 
 
 @dataclass(frozen=True)
-class Transmission:
-    """One motor on one joint.
+class Motors:
+    """The motors of a URDF.
 
     Attributes:
-        joint: name of the driven joint.
-        gear_ratio: rotor turns per joint turn, N.
-        rotor_inertia: inertia of the rotor at the rotor, J, in kg·m².
+        gears: by joint.
+        notes: what is left out, a line each.
+        elements: those of the file that are read here or told of here.
     """
 
-    joint: str
-    gear_ratio: float = 1.0
-    rotor_inertia: float = 0.0
-
-    @property
-    def reflected_inertia(self) -> float:
-        """N² J at the joint, in kg·m² (what (3.12)-(3.13) add to the kinetic energy)."""
-        return self.gear_ratio**2 * self.rotor_inertia
+    gears: Mapping[str, Gear]
+    notes: tuple[str, ...]
+    elements: tuple[Any, ...]
 
 
-def read_transmissions(path: Path, root: Any) -> tuple[tuple[Transmission, ...], tuple[str, ...]]:
-    """The motors of a URDF, and a line about each that is left out.
+def read_transmissions(path: Path, root: Any) -> Motors:
+    """Read the motors of a URDF.
 
     A transmission is left out if it is none from one motor to one joint that moves, or its reduction is no number. A
-    joint that `<ros2_control>` commands has a motor; its gear is that of the transmission there.
+    joint that `<ros2_control>` commands has a motor; its gear is that of the transmission there. Ratio and rotor stand
+    in the transmission, in its joint, in its actuator, or in the joint that it drives.
 
     Raises:
         BadFile: a gear ratio is zero, or one number contradicts another, or a rotor's inertia is negative.
     """
-    kinds = {joint.get("name"): joint.get("type") for joint in root.findall("joint")}
-    found: dict[str, Transmission] = {}
+    joints = {joint.get("name"): joint for joint in root.findall("joint")}
+    kinds = {name: joint.get("type") for name, joint in joints.items()}
+    found: dict[str, Gear] = {}
     notes: list[str] = []
+    elements: list[Any] = []
     controls = root.findall("ros2_control")
     plain = root.findall("transmission")
     for element in (*plain, *(element for each in controls for element in each.findall("transmission"))):
-        problem = _misfit(element, kinds) or _no_number(element)
+        problem = _misfit(element, kinds)
         joint = element.find("joint").get("name") if problem is None else None
+        numbers = _numbers(element, joints[joint]) if joint is not None else []
+        problem = problem or _no_number(numbers)
         if joint in found and element in plain:
             problem = f"joint {joint!r} has two, and the first is taken"
         if problem is not None:
             notes.append(f"transmission {element.get('name')!r} is left out: {problem}")
-        elif joint not in found:
-            found[str(joint)] = _transmission(path, element, str(joint))
+            elements.append(element)
+        else:
+            elements += numbers
+            found.setdefault(str(joint), _gear(path, element, numbers, str(joint)))
     for joint in (joint for each in controls for joint in _commanded(each)):
         if kinds.get(joint, "fixed") == "fixed":
             notes.append(f"<ros2_control> commands {joint!r}, which is no joint that moves: it is left out")
         else:
-            found.setdefault(joint, Transmission(joint))
-    return tuple(found.values()), tuple(dict.fromkeys(notes))
+            found.setdefault(joint, Gear())
+    return Motors(found, tuple(dict.fromkeys(notes)), tuple(elements))
 
 
 def _misfit(element: Any, kinds: Mapping[str, str]) -> str | None:
@@ -71,48 +78,57 @@ def _misfit(element: Any, kinds: Mapping[str, str]) -> str | None:
             return f"it has {len(element.findall(tag)) or 'no'} <{tag}>, and one is supported"
     joint = element.find("joint").get("name")
     if kinds.get(joint, "fixed") == "fixed":
-        movable = ", ".join(name for name, kind in kinds.items() if kind != "fixed")
+        movable = listed([name for name, kind in kinds.items() if kind != "fixed"])
         state = "is fixed" if joint in kinds else "is not there"
         return f"it drives the joint {joint!r}, which {state}; valid: {movable or 'none'}"
     return None
 
 
-def _reduction(element: Any) -> Any | None:
-    """The element that says a transmission's ratio: of ROS 1 the actuator has it, of ros2_control first the joint."""
-    later = element.getparent().tag == "ros2_control"
-    for place in ("joint", "actuator") if later else ("actuator",):
-        for tag in ("mechanical_reduction", "mechanicalReduction") if later else ("mechanicalReduction",):
-            found = element.find(f"{place}/{{*}}{tag}")
-            if found is not None:
-                return found
+def _numbers(element: Any, joint: Any) -> list[Any]:
+    """Elements that say ratio or rotor, whatever the namespace of their tags."""
+    places = (element.find("joint"), element.find("actuator"), element, joint)
+    return [
+        each
+        for place in places
+        for each in place.iterchildren(etree.Element)
+        if etree.QName(each).localname in (*RATIOS, *ROTORS)
+    ]
+
+
+def _text(element: Any) -> str | None:
+    """A number as an attribute or as a text, as they are both in use."""
+    return element.get("value") or (element.text or "").strip() or None
+
+
+def _no_number(numbers: list[Any]) -> str | None:
+    for element in _named(numbers, RATIOS):
+        try:
+            float(_text(element) or "")
+        except ValueError:
+            return f"its <{etree.QName(element).localname}> is {_text(element) or ''!r}, not a number"
     return None
 
 
-def _no_number(element: Any) -> str | None:
-    reduction = _reduction(element)
-    if reduction is None:
-        return None
-    try:
-        float(reduction.text or "")
-    except ValueError:
-        return f"its <{reduction.tag}> is {reduction.text or ''!r}, not a number"
-    return None
+def _named(numbers: list[Any], names: tuple[str, ...]) -> list[Any]:
+    return [element for element in numbers if etree.QName(element).localname in names]
 
 
-def _transmission(path: Path, element: Any, joint: str) -> Transmission:
-    actuator = element.find("actuator")
-    found = _reduction(element)
-    reduction = None if found is None else parse_number(path, found, found.text)
-    ratio = optional(actuator, "gear_ratio", lambda e: number(path, e, "value"))
-    rotor = optional(actuator, "rotor_inertia", lambda e: number(path, e, "value"))
-    if ratio is not None and reduction is not None and ratio != reduction:
-        problem = f"joint {joint!r}: mechanicalReduction {reduction:g} disagrees with gear_ratio {ratio:g}"
+def _gear(path: Path, element: Any, numbers: list[Any], joint: str) -> Gear:
+    ratio, rotor = (_agreed(path, _named(numbers, names), joint) for names in (RATIOS, ROTORS))
+    if ratio == 0 or (rotor is not None and rotor < 0):
+        problem = f"joint {joint!r}: gear ratio {ratio}, rotor inertia {rotor}; expected nonzero and >= 0"
         raise BadFile(path, problem, element.sourceline)
-    gear = ratio if ratio is not None else reduction if reduction is not None else 1.0
-    if gear == 0 or (rotor is not None and rotor < 0):
-        problem = f"joint {joint!r}: gear ratio {gear:g}, rotor inertia {rotor}; expected nonzero and >= 0"
-        raise BadFile(path, problem, element.sourceline)
-    return Transmission(joint, gear, rotor or 0.0)
+    return Gear(ratio, rotor)
+
+
+def _agreed(path: Path, elements: list[Any], joint: str) -> float | None:
+    """The number that elements say, None if there are none."""
+    said = [(etree.QName(each).localname, parse_number(path, each, _text(each))) for each in elements]
+    for name, value in said[1:]:
+        if value != said[0][1]:
+            problem = f"joint {joint!r}: {said[0][0]} {said[0][1]:g} disagrees with {name} {value:g}"
+            raise BadFile(path, problem, elements[0].getparent().sourceline)
+    return said[0][1] if said else None
 
 
 def _commanded(control: Any) -> list[str]:

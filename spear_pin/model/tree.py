@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.arrays import Array
-from spear_pin.model.frames import frame_id
+from spear_pin.model.frames import POINT, frame_id
 
 SPLAY = 1e-2  # rad: axes that are off the normal of the sagittal plane by more turn out of it
 SHORTEST = 1e-6  # m: a thigh or a shank that is shorter has no direction
@@ -72,10 +72,9 @@ class Tree:
 
     def ends(self) -> tuple[str, ...]:
         """Frames at the ends of the limbs that may be legs, one each."""
-        parents, found = set(map(int, self.model.parents)), []
-        for tip in range(1, self.model.njoints):
-            pitching = [joint for joint in self.chain(tip) if self.pitches(joint)]
-            frame = self._end(tip, pitching[1]) if tip not in parents and len(pitching) >= 2 else None
+        found = []
+        for tip, pitching in self._limbs():
+            frame = self._end(tip, pitching[1])
             if frame is not None:
                 found.append((frame.name, self.data.oMf[frame_id(self.model, frame.name)].translation[2], pitching))
         if not found:
@@ -84,13 +83,28 @@ class Tree:
         highest = max(self.data.oMi[pitching[0]].translation[2] for _, _, pitching in found)
         return tuple(name for name, height, _ in found if height <= lowest + ARMS * (highest - lowest))
 
+    def endless(self) -> list[str]:
+        """Last joints of the limbs that would be legs, but have no frame away from their knee."""
+        return [str(self.model.names[tip]) for tip, joints in self._limbs() if self._end(tip, joints[1]) is None]
+
+    def _limbs(self) -> list[tuple[int, list[int]]]:
+        """The last joint of each limb, and the joints that turn in the sagittal plane on the way, two or more."""
+        parents = set(map(int, self.model.parents))
+        chains = {tip: self.chain(tip) for tip in range(1, self.model.njoints) if tip not in parents}
+        limbs = ((tip, [joint for joint in chain if self.pitches(joint)]) for tip, chain in chains.items())
+        return [(tip, pitching) for tip, pitching in limbs if len(pitching) >= 2]
+
     def _end(self, tip: int, knee: int) -> Any:
-        """Link at the end of a limb that is farthest from a joint; of several as far the one named as a toe."""
-        frames = [f for f in self.model.frames if int(f.parentJoint) == tip and f.type == pin.FrameType.BODY]
-        places = [(self.data.oMi[tip] * frame.placement).translation for frame in frames]
-        distances = [float(np.linalg.norm(place - self.data.oMi[knee].translation)) for place in places]
-        longest = max(distances, default=0.0)
-        if longest < SHORTEST:
-            return None
-        far = [f for f, distance in zip(frames, distances, strict=True) if distance >= longest - 1e-9]
-        return next((frame for frame in far if re.search("(?i)toe|foot", frame.name)), far[-1])
+        """Frame at the end of a limb that is farthest from a joint; of several as far the one named as a toe.
+
+        Links go before the sites and the geoms of an MJCF file, which are asked where no link is away from the joint.
+        """
+        for kind in (pin.FrameType.BODY, POINT):
+            frames = [f for f in self.model.frames if int(f.parentJoint) == tip and f.type == kind]
+            places = [(self.data.oMi[tip] * frame.placement).translation for frame in frames]
+            distances = [float(np.linalg.norm(place - self.data.oMi[knee].translation)) for place in places]
+            longest = max(distances, default=0.0)
+            if longest >= SHORTEST:
+                far = [f for f, distance in zip(frames, distances, strict=True) if distance >= longest - 1e-9]
+                return next((frame for frame in far if re.search("(?i)toe|foot", frame.name)), far[-1])
+        return None

@@ -7,8 +7,10 @@ links' inertias and the joints only, its numbers in one notation, its joints num
 
 from __future__ import annotations
 
+import math
+import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -16,14 +18,21 @@ from typing import Any, Literal
 from lxml import etree
 
 from spear_pin.errors import BadFile
-from spear_pin.model.elements import child, number, numbers, parse
-from spear_pin.model.inertial import Fault, copy_inertial, copy_origin, notes_on
-from spear_pin.model.transmissions import Transmission, read_transmissions
+from spear_pin.model.elements import child, limit, number, numbers, parse
+from spear_pin.model.gears import Gear
+from spear_pin.model.inertial import Fault, copy_inertial, notes_on
+from spear_pin.model.origins import copy_origin, turn_quaternions
+from spear_pin.model.transmissions import read_transmissions
+from spear_pin.model.unread import Unread, find_unread
+from spear_pin.model.urdf_grammar import URDF
 
 MAX_LINKS = 500
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 AXLESS = ("fixed", "floating")  # joints whose axis means nothing
 NOT_NEGATIVE = ("effort", "velocity", "damping", "friction")  # numbers of joints
+LIMITS = ("lower", "upper", "effort", "velocity")
+UNLIMITED = -1.0  # an effort or a velocity that is not limited
+NORMAL = (1.0, 0.0, 0.0)  # axis of a joint that names none
 UNIVERSE = "universe"
 BASE, WORLD = "base", "world"  # the joint and the link that are put under a root that is to float
 Base = Literal["free", "fixed"]
@@ -39,7 +48,8 @@ class Urdf:
         root: name of its root link.
         document: the whole of it, without comments.
         text: links and joints only; joint i of the document is called "i:" and its name.
-        transmissions: the motors.
+        transmissions: the motors, by joint.
+        normals: of planar joints, by joint, (3,).
         notes: what is not as in the file, a line each.
     """
 
@@ -48,7 +58,8 @@ class Urdf:
     root: str
     document: str
     text: str
-    transmissions: tuple[Transmission, ...]
+    transmissions: Mapping[str, Gear]
+    normals: Mapping[str, tuple[float, ...]]
     notes: tuple[str, ...] = ()
 
 
@@ -78,11 +89,27 @@ def urdf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
     _check_expanded(path, root)
     if len(root.findall("link")) > MAX_LINKS:
         raise BadFile(path, f"has {len(root.findall('link'))} links; at most {MAX_LINKS} are read")
+    turn_quaternions(path, root)
     trunk = _check_tree(path, root)
     document = str(etree.tostring(root, encoding="unicode"))
-    transmissions, left_out = read_transmissions(path, root)
+    motors = read_transmissions(path, root)
     text, changed = _dynamics(path, root, trunk, base, repair)
-    return Urdf(path, root.get("name") or path.stem, trunk, document, text, transmissions, (*changed, *left_out))
+    normals = {joint.get("name"): _normal(path, joint) for joint in root.findall("joint[@type='planar']")}
+    notes = [*changed, *motors.notes, *filter(None, [_unread(root, motors.elements)])]
+    return Urdf(path, root.get("name") or path.stem, trunk, document, text, motors.gears, normals, tuple(notes))
+
+
+def _unread(root: Any, known: tuple[Any, ...] = ()) -> str | None:
+    """One line about what is not taken over."""
+    unread = Unread()
+    find_unread(root, URDF, unread, known=known)
+    return unread.line
+
+
+def _normal(path: Path, joint: Any) -> tuple[float, ...]:
+    """Normal of the plane in which a planar joint moves."""
+    axis = joint.find("axis")
+    return NORMAL if axis is None else tuple(numbers(path, axis, "xyz", 3))
 
 
 def _check_expanded(path: Path, root: Any) -> None:
@@ -117,11 +144,7 @@ def _dynamics(path: Path, root: Any, trunk: str, base: Base | None, repair: bool
         joint = etree.SubElement(robot, "joint", name=f"0000:{_untaken(BASE, joints)}", type="floating")
         etree.SubElement(joint, "parent", link=world.get("name"))
         etree.SubElement(joint, "child", link=trunk)
-    notes = notes_on(faults, "link", repair)
-    mimics = [joint.get("name") for joint in root.findall("joint") if joint.find("mimic") is not None]
-    if mimics:
-        notes.append(f"<mimic> is left out, the joints are independent: {', '.join(mimics)}")
-    return str(etree.tostring(robot, encoding="unicode")), notes
+    return str(etree.tostring(robot, encoding="unicode")), notes_on(faults, "link", repair)
 
 
 def _copy_joint(path: Path, joint: Any, kind: str, copy: Any, place: int) -> None:
@@ -148,11 +171,15 @@ def _copy(path: Path, element: Any, copy: Any, **attributes: str | None) -> None
     """Copy attributes that are numbers, each with its default; without one they have to be there."""
     part = etree.SubElement(copy, element.tag)
     for name, default in attributes.items():
-        value = numbers(path, element, name, 1)[0] if default is None else number(path, element, name, default)
+        if default is None and len((element.get(name) or "").split()) != 1:
+            numbers(path, element, name, 1)  # which says what is wrong
+        value = (limit if name in LIMITS else number)(path, element, name, default)
+        if value == UNLIMITED and name in ("effort", "velocity"):
+            value = math.inf
         if value < 0 and name in NOT_NEGATIVE:
             problem = f"joint {element.getparent().get('name')!r} has the {name} {value:g}; expected a number >= 0"
             raise BadFile(path, problem, element.sourceline)
-        part.set(name, repr(value))
+        part.set(name, repr(min(max(value, -sys.float_info.max), sys.float_info.max)))
 
 
 def _floating(root: Any, trunk: str) -> str | None:
@@ -216,7 +243,8 @@ def _check_tree(path: Path, root: Any) -> str:
     roots = [link for link in links if link not in parents]
     if len(roots) != 1:
         found = ", ".join(roots) or ("none (a loop)" if links else "none (there is no <link>)")
-        raise BadFile(path, f"the links form no single tree; roots: {found}")
+        unread = _unread(root)
+        raise BadFile(path, f"the links form no single tree; roots: {found}{f'; {unread}' if unread else ''}")
     reached = {roots[0], *(joint.find("child").get("link") for joint in _outward(root, roots[0]))}
     looped = next((link for link in links if link not in reached), None)
     if looped is not None:

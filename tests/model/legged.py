@@ -11,11 +11,11 @@ def link(name, mass=0.0, com=(0, 0, 0), inertia=(0, 0, 0, 0, 0, 0)):
     return f'<link name="{name}">{TRUNK.format(com=xyz(com), mass=mass, inertia=INERTIA.format(*inertia))}</link>'
 
 
-def joint(name, kind, parent, child, place=(0, 0, 0), axis=(0, 0, 1), limits=(-3.0, 3.0), effort=20.0):
-    """A joint, with a little friction and damping if it moves."""
+def joint(name, kind, parent, child, place=(0, 0, 0), axis=(0, 0, 1), limits=(-3.0, 3.0), effort=20.0, friction=0.0):
+    """A joint, with a little damping if it moves."""
     moving = kind in ("revolute", "prismatic", "continuous")
     bounds = f'<limit lower="{limits[0]}" upper="{limits[1]}" effort="{effort}" velocity="15"/>' if moving else ""
-    rubbing = '<dynamics damping="0.03" friction="0.2"/>' if moving else ""
+    rubbing = f'<dynamics damping="0.03" friction="{friction}"/>' if moving else ""
     return (
         f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
         f'<origin xyz="{xyz(place)}"/><axis xyz="{xyz(axis)}"/>{bounds}'
@@ -41,7 +41,9 @@ def robot(*parts):
     return f'<robot name="made" xmlns:drake="http://drake.mit.edu">{"".join(parts)}</robot>'
 
 
-def limb(name, place, y=1, hip=1, knee=1, knee_limits=(-0.1, 2.5), ahead=0.0, ankle=False, kind="revolute"):
+def limb(
+    name, place, y=1, hip=1, knee=1, knee_limits=(-0.1, 2.5), ahead=0.0, ankle=False, kind="revolute", friction=0.0
+):
     """A leg below the link "trunk", its abduction about x.
 
     Args:
@@ -54,6 +56,7 @@ def limb(name, place, y=1, hip=1, knee=1, knee_limits=(-0.1, 2.5), ahead=0.0, an
         ahead: of the toe before the shank, in m.
         ankle: whether it has one.
         kind: of hip and knee, "revolute" or "continuous".
+        friction: Coulomb's, of hip and knee, in N·m.
     """
     foot = [
         link(f"{name}_foot", 0.06, (0.002, 0, 0), (2e-5, 3e-5, 2e-5, 0, 0, 0)),
@@ -66,9 +69,9 @@ def limb(name, place, y=1, hip=1, knee=1, knee_limits=(-0.1, 2.5), ahead=0.0, an
         link(f"{name}_shank", 0.2, (0.005, 0.001 * y, -0.09), (1e-3, 9e-4, 1.5e-4, 1e-5 * y, 3e-5, 2e-5 * y)),
         joint(f"{name}_swing", "revolute", "trunk", f"{name}_bracket", place, (1, 0, 0), (-0.7, 0.7)),
         joint(f"{name}_pitch", kind, f"{name}_bracket", f"{name}_thigh", (0.02, 0.05 * y, -0.01), (0, hip, 0),
-              (-1.0, 2.0), 25.0),
+              (-1.0, 2.0), 25.0, friction),
         joint(f"{name}_bend", kind, f"{name}_thigh", f"{name}_shank", (0.0, 0.03 * y, -0.19), (0, knee, 0),
-              knee_limits, 30.0),
+              knee_limits, 30.0, friction),
         *foot,
         *(motor(f"{name}_{part}", 6.0 + i) for i, part in enumerate(("swing", "pitch", "bend"))),
     ]  # fmt: skip

@@ -80,10 +80,10 @@ class TestRobot:
     def test_motors(self):
         expected = {"adduction": (60, 0.047), "hip": (60, 0.047), "knee": (15, 0.027)}
         transmissions = read_urdf(ROBOTS["q_spear_full"].path).transmissions
-        assert tuple(motor.joint for motor in transmissions) == JOINTS
-        for motor in transmissions:
-            ratio, reflected = expected[motor.joint.rpartition("_")[2]]
-            assert motor.gear_ratio == ratio and motor.reflected_inertia == pytest.approx(reflected, rel=1e-12)
+        assert tuple(transmissions) == JOINTS
+        for joint, gear in transmissions.items():
+            ratio, reflected = expected[joint.rpartition("_")[2]]
+            assert gear.ratio == ratio and gear.reflected == pytest.approx(reflected, rel=1e-12)
 
     @pytest.mark.parametrize("leg", LEGS)
     def test_leg_hangs_below_its_hip(self, leg):

@@ -160,10 +160,14 @@ class TestMade:
         model = sagittal(load(write(quadruped()))).model
         assert_same(model.armature[3:], [2 * 49e-4, 2 * 64e-4, 2 * 49e-4, 2 * 64e-4])
         assert_same(model.damping[3:], 4 * [0.06])
-        assert_same(model.upperDryFrictionLimit[3:], 4 * [0.4])
         assert_same(model.upperEffortLimit[3:], [50.0, 60.0, 50.0, 60.0])
         assert_same(model.upperVelocityLimit[3:], 4 * [15.0])
         assert_same(model.rotorGearRatio[3:], [7.0, 8.0, 7.0, 8.0])
+
+    @pytest.mark.filterwarnings("ignore:made. not taken over. friction")
+    def test_dry_friction_of_a_pair(self, write):
+        model = sagittal(load(write(quadruped(friction=0.2)))).model
+        assert_same(model.upperDryFrictionLimit[3:], 4 * [0.4])
 
     def test_root_link_as_trunk(self, write):
         floating = sagittal(load(write(quadruped())))

@@ -3,8 +3,8 @@
 import pytest
 
 from spear_pin.errors import BadFile, SpearError
+from spear_pin.model.gears import Gear
 from spear_pin.model.loading import ROBOTS, load
-from spear_pin.model.transmissions import Transmission
 from spear_pin.model.urdf import read_urdf
 from tests.model.planar_arm import ARM, ELBOW_LIMIT, edited, refusal
 
@@ -16,8 +16,8 @@ class TestRead:
         path = write(ARM)
         urdf = read_urdf(path)
         assert (urdf.path, urdf.name) == (path, "arm")
-        assert urdf.transmissions == (Transmission("shoulder", 50.0, 2e-5),)
-        assert urdf.transmissions[0].reflected_inertia == pytest.approx(0.05)
+        assert urdf.transmissions == {"shoulder": Gear(50.0, 2e-5)}
+        assert urdf.transmissions["shoulder"].reflected == pytest.approx(0.05)
 
     def test_path_as_text(self, write):
         path = write(ARM)
@@ -25,21 +25,21 @@ class TestRead:
 
     def test_reduction_alone(self, write):
         text = edited('<drake:gear_ratio value="50"/>', "")
-        assert read_urdf(write(text)).transmissions == (Transmission("shoulder", 50.0, 2e-5),)
+        assert read_urdf(write(text)).transmissions == {"shoulder": Gear(50.0, 2e-5)}
 
     def test_ratio_alone(self, write):
         text = edited("<mechanicalReduction>50</mechanicalReduction>", "")
-        assert read_urdf(write(text)).transmissions == (Transmission("shoulder", 50.0, 2e-5),)
+        assert read_urdf(write(text)).transmissions == {"shoulder": Gear(50.0, 2e-5)}
 
     def test_motor_without_numbers(self, write):
         urdf = read_urdf(write(edited("</robot>", ELBOW_DRIVE)))
-        assert urdf.transmissions[1] == Transmission("elbow", 1.0, 0.0)
-        assert urdf.transmissions[1].reflected_inertia == 0.0
+        assert urdf.transmissions["elbow"] == Gear(None, None)
+        assert urdf.transmissions["elbow"].reflected is None
 
     def test_comments_are_dropped(self, write):
         text = edited(">50<", "> 5<!-- fifty -->0 <")
         urdf = read_urdf(write(text))
-        assert urdf.transmissions[0].gear_ratio == 50.0
+        assert urdf.transmissions["shoulder"].ratio == 50.0
         assert "fifty" not in urdf.text
 
     def test_utf_16(self, write):
@@ -68,9 +68,9 @@ class TestRead:
     )
     def test_shipped(self, name, expected):
         found = read_urdf(ROBOTS[name].path).transmissions
-        assert {t.joint: t.gear_ratio for t in found} == {joint: ratio for joint, (ratio, _) in expected.items()}
-        for transmission in found:
-            assert transmission.reflected_inertia == pytest.approx(expected[transmission.joint][1], rel=1e-12)
+        assert {joint: gear.ratio for joint, gear in found.items()} == {joint: n for joint, (n, _) in expected.items()}
+        for joint, gear in found.items():
+            assert gear.reflected == pytest.approx(expected[joint][1], rel=1e-12)
 
 
 class TestStricterThanTheParser:

@@ -134,7 +134,7 @@ FAULTS = {
         "<mechanicalReduction>50<",
         "<mechanicalReduction>60<",
         ("'shoulder'", "mechanicalReduction 60", "gear_ratio 50"),
-        "<transmission",
+        "<actuator",
     ),
     "ratio of zero": Fault("50", "0", ("'shoulder'", "gear ratio 0", "nonzero"), "<transmission"),
     "negative rotor inertia": Fault(

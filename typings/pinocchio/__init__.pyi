@@ -44,6 +44,8 @@ class JointModel:
 
 class Frame:
     name: str
+    placement: Any
+    type: Any
     def __init__(self, name: str, joint: int, parent: int, placement: SE3, kind: Any, inertia: Any) -> None: ...
     def __getattr__(self, name: str) -> Any: ...
 

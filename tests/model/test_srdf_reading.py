@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spear_pin import RobotWarning, load
-from spear_pin.model.group_states import srdf_of
+from spear_pin.model.srdf_reading import srdf_of
 from tests.model.legged import quadruped
 
 JOINT = '<joint name="{}" value="{}"/>'

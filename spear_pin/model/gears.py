@@ -1,0 +1,67 @@
+"""What drives a joint: the ratio and the rotor of its gear, each of them None where nothing says it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import pinocchio as pin
+
+
+@dataclass(frozen=True)
+class Gear:
+    """A rotor behind a gear, as far as a file says it; None is "not said", which is neither 1 nor 0.
+
+    Attributes:
+        ratio: rotor turns per joint turn, N.
+        rotor: inertia of the rotor at the rotor, J, in kg·m².
+        armature: what a file gives reflected to the joint already, N² J, in kg·m².
+    """
+
+    ratio: float | None = None
+    rotor: float | None = None
+    armature: float | None = None
+
+    @property
+    def reflected(self) -> float | None:
+        """N² J at the joint, in kg·m² (what (3.12)-(3.13) add to the kinetic energy); a ratio that is not said is 1."""
+        if self.armature is not None or self.rotor is None:
+            return self.armature
+        ratio = 1.0 if self.ratio is None else self.ratio
+        return ratio**2 * self.rotor
+
+    def completed(self, other: Gear) -> tuple[Gear, tuple[str, ...]]:
+        """Fill what is not said by another source, which is to be believed less.
+
+        Returns:
+            both together, and names of what they say otherwise, of which this one's is kept.
+        """
+        pairs = {name: (getattr(self, name), getattr(other, name)) for name in ("ratio", "rotor", "armature")}
+        differ = tuple(name for name, (own, more) in pairs.items() if own is not None and more not in (None, own))
+        return Gear(**{name: more if own is None else own for name, (own, more) in pairs.items()}), differ
+
+
+def set_gears(model: pin.Model, gears: Mapping[str, Gear]) -> list[str]:
+    """Set armatures, rotors and ratios of joints of one degree of freedom.
+
+    Args:
+        model: it is changed; of Pinocchio's numbers only the armature enters the dynamics. A ratio of zero is none.
+        gears: by joint.
+
+    Returns:
+        what is assumed of them, a line each.
+    """
+    armature, ratios, rotors = model.armature.copy(), model.rotorGearRatio.copy(), model.rotorInertia.copy()
+    guessed = []
+    for joint, gear in gears.items():
+        row, reflected = model.joints[model.getJointId(joint)].idx_v, gear.reflected
+        if gear.rotor and gear.ratio is None and gear.armature is None:
+            guessed.append(joint)
+        armature[row] = reflected or 0.0
+        ratios[row] = gear.ratio or 0.0
+        rotors[row] = (reflected or 0.0) / gear.ratio**2 if gear.ratio and gear.rotor is None else gear.rotor or 0.0
+    model.armature, model.rotorGearRatio, model.rotorInertia = armature, ratios, rotors
+    if not guessed:
+        return []
+    joints = ", ".join(map(repr, guessed))
+    return [f"rotors without a ratio, which is taken as 1: {joints} (a TOML file's `ratio` says another)"]

@@ -1,0 +1,92 @@
+"""Read the SRDF file that goes with a URDF: postures, which tell where knees bend to, and rotors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from spear_pin.arrays import Array
+from spear_pin.errors import BadFile
+from spear_pin.model.elements import number, parse, parse_number
+from spear_pin.model.gears import Gear
+from spear_pin.model.unread import Unread, find_unread
+from spear_pin.model.urdf_grammar import SRDF
+
+
+@dataclass(frozen=True)
+class Srdf:
+    """What an SRDF says of a robot.
+
+    Attributes:
+        postures: configurations, (nq,), by name.
+        gears: rotors of joints, by joint.
+        notes: what is wrong or not taken over, a line each.
+    """
+
+    postures: dict[str, Array]
+    gears: dict[str, Gear]
+    notes: tuple[str, ...] = ()
+
+
+def srdf_of(urdf: Path) -> Path | None:
+    """Find the SRDF beside a URDF, or in the folder "srdf" beside its folder: of its name, or the only one there."""
+    folder = urdf.resolve().parent.parent / "srdf"
+    named = [urdf.with_suffix(".srdf"), folder / f"{urdf.stem}.srdf"]
+    others = sorted(folder.glob("*.srdf")) if folder.is_dir() else []
+    return next((path for path in [*named, *(others if len(others) == 1 else [])] if path.is_file()), None)
+
+
+def read_srdf(model: pin.Model, urdf: Path) -> Srdf:
+    """Read what the SRDF says of joints that the model has, of one coordinate each; nothing if it is wrong.
+
+    Args:
+        model: of the URDF.
+        urdf: its path.
+    """
+    path = srdf_of(urdf)
+    if path is None:
+        return Srdf({}, {})
+    try:
+        path, root = parse(path)
+        postures = {state.get("name", ""): _posture(path, model, state) for state in root.iterfind("group_state")}
+        said = {joint.get("name", ""): _gear(path, joint) for joint in root.iterfind("rotor_params/joint")}
+    except BadFile as error:
+        return Srdf({}, {}, (f"its SRDF is left out: {error}",))
+    unread = Unread()
+    find_unread(root, SRDF, unread)
+    gears = {}
+    for name, gear in said.items():
+        if _joint(model, name) is None:
+            unread.lose("<rotor_params> of what is no joint of one degree of freedom", name)
+        elif gear.ratio == 0 or (gear.rotor or 0.0) < 0:
+            unread.lose("<rotor_params> with a ratio of 0 or an inertia below 0", name)
+        else:
+            gears[name] = gear
+    return Srdf(postures, gears, () if unread.line is None else (f"its SRDF {path.name!r}: {unread.line}",))
+
+
+def _posture(path: Path, model: pin.Model, state: Any) -> Array:
+    q = np.array(pin.neutral(model))
+    for each in state.iterfind("joint"):
+        joint = _joint(model, each.get("name", ""))
+        if joint is not None and joint.nq == 1:
+            q[joint.idx_q] = parse_number(path, each, each.get("value"))
+    return q
+
+
+def _gear(path: Path, joint: Any) -> Gear:
+    """Ratio and rotor of a joint, whose inertia the format calls its mass."""
+    ratio, rotor = (
+        number(path, joint, name) if joint.get(name) is not None else None for name in ("gear_ratio", "mass")
+    )
+    return Gear(ratio, rotor)
+
+
+def _joint(model: pin.Model, name: str) -> Any | None:
+    """A joint of one degree of freedom, None if there is no such one."""
+    joint = model.joints[model.getJointId(name)] if model.existJointName(name) else None
+    return joint if joint is not None and joint.nv == 1 else None

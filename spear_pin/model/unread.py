@@ -1,0 +1,172 @@
+"""Find what a robot's file says and this package does not take over, so that one line can name it.
+
+A `Grammar` lists what is read of a format. Everything else in the document counts as not taken over, unless it cannot
+change a motion: shapes, colours, sensors, names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from lxml import etree
+
+from spear_pin.errors import listed
+
+NAMES = ("name", "reference")  # attributes that tell which element it is
+JOINED = ("joint1", "body1", "geom1", "site1", "tendon1", "joint", "link", "body")  # of one that has no name
+ANNOTATIONS = ("http://www.w3.org", "http://www.ros.org/wiki/xacro", "http://ros.org/wiki/xacro", "xacro", "spear_pin")
+NOTHING: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class Grammar:
+    """What is read of a format, and what of it never changes a motion.
+
+    Attributes:
+        read: attributes that are read of an element, by its path from the root, such as "robot/joint/limit". An element
+            in one of the same tag, as a body in a body, has the same path.
+        single: paths of elements of which a parent has one; a second one is not read.
+        idle: tags of elements that change no motion, with all that is in them.
+        still: attributes that change no motion, of any element.
+        usual: texts of attributes and of elements that change nothing, by the last part of the path and the attribute.
+    """
+
+    read: Mapping[str, frozenset[str]]
+    single: frozenset[str] = NOTHING
+    idle: frozenset[str] = NOTHING
+    still: frozenset[str] = NOTHING
+    usual: Mapping[str, Collection[str]] = field(default_factory=dict)
+
+    def idles(self, title: str) -> bool:
+        """Tell whether an element of that tag changes no motion; `sensor:ray` counts as `sensor`."""
+        return title in self.idle or title.partition(":")[0] in self.idle
+
+    def unusual(self, name: str, text: str | None) -> bool:
+        """Tell whether a text differs from those that change nothing."""
+        return name not in self.usual or _plain(text or "") not in self.usual[name]
+
+
+class Unread:
+    """What is not taken over: names of joints, links or bodies by what they lose, in the order of the file."""
+
+    def __init__(self) -> None:
+        self._owners: dict[tuple[str, str, str], list[str]] = {}
+
+    def lose(self, what: str, owner: str = "", where: str = "", called: str = "") -> None:
+        """Add something.
+
+        Args:
+            what: that is lost, in words.
+            owner: name of the element that loses it; empty if it has none.
+            where: element that it stands in, such as "<dynamics>".
+            called: its own name, if it has one, which then goes before the owner's.
+        """
+        self._owners.setdefault((where, called or owner, "" if called else "of "), []).append(what)
+
+    @property
+    def line(self) -> str | None:
+        """One line that names all, None if there is nothing; what several owners lose alike is said once."""
+        alike: dict[tuple[str, str, str], list[str]] = {}
+        for (where, owner, of), lost in self._owners.items():
+            alike.setdefault((where, ", ".join(dict.fromkeys(lost)), of), []).append(owner)
+        parts = [_part(*key, [owner for owner in owners if owner]) for key, owners in alike.items()]
+        return f"not taken over: {'; '.join(parts)}" if parts else None
+
+
+def _plain(text: str) -> str:
+    """A text in small letters; numbers in one notation, those that are all alike as one."""
+    try:
+        numbers = {float(part) for part in text.split()}
+    except ValueError:
+        return text.strip().lower()
+    return f"{numbers.pop():g}" if len(numbers) == 1 else text.strip().lower()
+
+
+def _part(where: str, lost: str, of: str, owners: list[str]) -> str:
+    names = f" {of}{listed([repr(owner) for owner in owners])}" if owners else ""
+    inside = f" in {where}" if where else ""
+    return f"{lost}{inside}{names}" if of else f"{lost}{names}{inside}"
+
+
+def find_unread(
+    root: Any,
+    grammar: Grammar,
+    into: Unread,
+    said: Callable[[Any], Mapping[str, str]] = lambda element: element.attrib,
+    known: Collection[Any] = (),
+) -> None:
+    """Add what a document says and a grammar does not read.
+
+    Args:
+        root: element of the document.
+        grammar: of its format.
+        into: where it is added.
+        said: attributes of an element, with those of its class.
+        known: elements that are read, or told of, otherwise: they are passed over with all that is in them.
+    """
+    _visit(root, _title(root), "", grammar, into, said, set(known))
+
+
+def _visit(
+    element: Any,
+    path: str,
+    owner: str,
+    grammar: Grammar,
+    into: Unread,
+    said: Callable[[Any], Mapping[str, str]],
+    known: set[Any],
+) -> None:
+    tag = path.rpartition("/")[2]
+    if "/" in path:  # the robot's own name tells nothing
+        owner = _name(element) or owner or _name(element, JOINED)
+    for name, value in said(element).items():
+        ordinary = name in grammar.read[path] or name in grammar.still or _annotates(name)
+        if not ordinary and grammar.unusual(f"{tag}@{name}", value):
+            into.lose(_shown(name, element), owner, f"<{tag}>")
+    seen: set[str] = set()
+    for child in element.iterchildren(etree.Element):
+        title = _title(child)
+        below = path if title == tag else f"{path}/{title}"
+        if child in known or grammar.idles(title) or _annotates(child.tag):
+            continue
+        if below in grammar.read and not (below in grammar.single and below in seen):
+            seen.add(below)
+            _visit(child, below, owner, grammar, into, said, known)
+        elif _matters(child, grammar):
+            again = "a second " if below in seen else ""
+            inside = f"<{tag}>" if path.count("/") else ""
+            into.lose(f"{again}<{title}>", owner, inside, _name(child) or ("" if owner else _name(child, JOINED)))
+
+
+def _matters(element: Any, grammar: Grammar) -> bool:
+    """Whether an element that is not read may change a motion: itself, or something in it."""
+    title = _title(element)
+    if grammar.idles(title) or _annotates(element.tag) or not grammar.unusual(title, element.text):
+        return False
+    children = list(element.iterchildren(etree.Element))
+    return not children or any(_matters(child, grammar) for child in children)
+
+
+def _title(element: Any) -> str:
+    """Tag of an element as a file writes it, with its prefix."""
+    return _shown(element.tag, element)
+
+
+def _shown(tag: str, element: Any) -> str:
+    name = etree.QName(tag)
+    if name.namespace is None:
+        return str(name.localname)
+    prefixes = {uri: prefix for prefix, uri in element.nsmap.items() if prefix}
+    return f"{prefixes.get(name.namespace, name.namespace)}:{name.localname}"
+
+
+def _name(element: Any, names: Collection[str] = NAMES) -> str:
+    return next((element.get(name) for name in names if element.get(name)), "")
+
+
+def _annotates(tag: str) -> bool:
+    """Whether a name is of a space that only describes: XML's own, or what xacro leaves behind."""
+    namespace = etree.QName(tag).namespace
+    return namespace is not None and namespace.startswith(ANNOTATIONS)

@@ -1,0 +1,92 @@
+"""List what is read of a URDF, and of the SRDF beside it."""
+
+from __future__ import annotations
+
+from spear_pin.model.unread import Grammar
+
+NO = ("0", "false", "")
+ORIGIN, PLAIN = "xyz rpy", ""
+
+
+def _table(**attributes: str) -> dict[str, frozenset[str]]:
+    """Attributes by the paths of elements, which keywords write with two underscores for a stroke."""
+    return {path.replace("__", "/"): frozenset(names.split()) for path, names in attributes.items()}
+
+
+URDF = Grammar(
+    read=_table(
+        robot="version",
+        robot__link=PLAIN,
+        robot__link__inertial=PLAIN,
+        robot__link__inertial__origin=ORIGIN,
+        robot__link__inertial__mass="value",
+        robot__link__inertial__inertia="ixx ixy ixz iyy iyz izz",
+        robot__joint="type",
+        robot__joint__origin=ORIGIN,
+        robot__joint__parent="link",
+        robot__joint__child="link",
+        robot__joint__axis="xyz",
+        robot__joint__limit="lower upper effort velocity",
+        robot__joint__dynamics="damping",  # friction is Coulomb's, which does not act
+        robot__transmission="type",
+        robot__transmission__joint="role",
+        robot__transmission__actuator="role",
+        robot__ros2_control="type rw_rate is_async",
+        robot__ros2_control__joint=PLAIN,
+        robot__ros2_control__joint__command_interface=PLAIN,
+        robot__ros2_control__transmission=PLAIN,
+        robot__ros2_control__transmission__joint="role",
+        robot__ros2_control__transmission__actuator="role",
+        robot__gazebo="reference",
+    ),
+    single=frozenset(
+        f"robot/{path}"
+        for path in (
+            "link/inertial/origin link/inertial/mass link/inertial/inertia "
+            "joint/origin joint/parent joint/child joint/axis joint/limit joint/dynamics"
+        ).split()
+    ),
+    idle=frozenset(
+        (
+            # how it looks, and what it collides with: contact is at the toes, with the ground
+            "visual collision material self_collide selfCollide selfCollision collision_checking verbose origin_visual "
+            "drake:collision_filter_group drake:diffuse_map drake:proximity_properties drake:declare_convex "
+            # sensors, and what is measured
+            "sensor state_interface calibration laserRetro provideFeedback "
+            # how it is driven by hardware, or integrated by another program
+            "hardware hardwareInterface type implicitSpringDamper disableFixedJointLumping preserveFixedJoint frame "
+            "role"
+        ).split()
+    ),
+    still=frozenset(("name", "id", "dont_collapse")),
+    usual={
+        "dynamics@friction": NO,
+        "dynamics@stiffness": NO,
+        "dynamics@spring_stiffness": NO,
+        "dynamics@spring_reference": NO,
+        "springStiffness": ("0",),
+        "springReference": ("0",),
+        "turnGravityOff": ("0", "false"),
+        "static": ("0", "false"),
+        "gravity": ("1", "true"),
+        "offset": ("0",),
+    },
+)
+SRDF = Grammar(
+    read=_table(
+        robot="version",
+        robot__group_state="group",
+        robot__group_state__joint="value",
+        robot__virtual_joint="parent_frame child_link",
+        robot__rotor_params=PLAIN,
+        robot__rotor_params__joint="mass gear_ratio",
+    ),
+    idle=frozenset(
+        (
+            "group group_name end_effector chain disable_collisions disable_default_collisions enable_collisions "
+            "link_sphere_approximation specified_limbs"
+        ).split()
+    ),
+    still=frozenset(("name",)),
+    usual={"virtual_joint@type": ("floating", "fixed")},  # `base` says that, and a root that stays fixed is told
+)
