@@ -196,7 +196,7 @@ def _add_motors(robot: Robot, root: Any) -> None:
     motors = _add(root, "actuator")
     for joint in robot.actuated:
         ratio = robot.gear_ratio(joint)
-        motor = _add(motors, "motor", name=joint, joint=joint, gear=ratio)
+        motor = _add(motors, "motor", name=joint, joint=joint, **({} if ratio == 1.0 else {"gear": ratio}))
         effort = float(robot.model.upperEffortLimit[robot.index(joint)])
         if 0.0 < effort < np.inf:
             motor.set("ctrlrange", _numbers((-effort / abs(ratio), effort / abs(ratio))))

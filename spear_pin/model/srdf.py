@@ -64,8 +64,9 @@ def to_srdf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> st
     rotors = etree.SubElement(root, "rotor_params")
     for joint in robot.actuated:
         inertia = float(robot.model.rotorInertia[robot.index(joint)])
-        ratio = repr(robot.gear_ratio(joint))
-        etree.SubElement(rotors, "joint", name=joint, mass=repr(inertia), gear_ratio=ratio)
+        if inertia:  # a rotor that is not known is left out
+            ratio = repr(robot.gear_ratio(joint))
+            etree.SubElement(rotors, "joint", name=joint, mass=repr(inertia), gear_ratio=ratio)
     return str(etree.tostring(root, encoding="unicode", pretty_print=True))
 
 

@@ -146,7 +146,8 @@ def _matters(element: Any, grammar: Grammar) -> bool:
     if grammar.idles(title) or _annotates(element.tag) or not grammar.unusual(title, element.text):
         return False
     children = list(element.iterchildren(etree.Element))
-    return not children or any(_matters(child, grammar) for child in children)
+    says = any(name not in grammar.still and name not in NAMES for name in element.attrib)
+    return says or not children or any(_matters(child, grammar) for child in children)
 
 
 def _title(element: Any) -> str:
@@ -158,8 +159,8 @@ def _shown(tag: str, element: Any) -> str:
     name = etree.QName(tag)
     if name.namespace is None:
         return str(name.localname)
-    prefixes = {uri: prefix for prefix, uri in element.nsmap.items() if prefix}
-    return f"{prefixes.get(name.namespace, name.namespace)}:{name.localname}"
+    declared = {uri: prefix for prefix, uri in element.nsmap.items() if prefix} if "/" in name.namespace else {}
+    return f"{declared.get(name.namespace, name.namespace)}:{name.localname}"  # `parse` has others as they are written
 
 
 def _name(element: Any, names: Collection[str] = NAMES) -> str:

@@ -29,8 +29,10 @@ from spear_pin.model.urdf_grammar import URDF
 MAX_LINKS = 500
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 AXLESS = ("fixed", "floating")  # joints whose axis means nothing
+SEVERAL = ("floating", "planar")  # of several degrees of freedom, to which one limit or one damping does not apply
 NOT_NEGATIVE = ("effort", "velocity", "damping", "friction")  # numbers of joints
 LIMITS = ("lower", "upper", "effort", "velocity")
+OF_ONE = (*LIMITS, "damping")  # numbers of joints of one degree of freedom
 UNLIMITED = -1.0  # an effort or a velocity that is not limited
 NORMAL = (1.0, 0.0, 0.0)  # axis of a joint that names none
 UNIVERSE = "universe"
@@ -103,6 +105,11 @@ def _unread(root: Any, known: tuple[Any, ...] = ()) -> str | None:
     """One line about what is not taken over."""
     unread = Unread()
     find_unread(root, URDF, unread, known=known)
+    for joint in root.xpath("joint[@type='floating' or @type='planar']"):
+        for element in joint.xpath("limit | dynamics"):
+            for name in OF_ONE:
+                if name in element.attrib and URDF.unusual(name, element.get(name)):
+                    unread.lose(name, joint.get("name"), f"<{element.tag}>")
     return unread.line
 
 
@@ -161,9 +168,9 @@ def _copy_joint(path: Path, joint: Any, kind: str, copy: Any, place: int) -> Non
     if kind in ("revolute", "prismatic"):
         limit = child(path, joint, "limit")
         _copy(path, limit, copy, effort=None, velocity=None, lower="0", upper="0")
-    elif kind == "continuous" and limit is not None and {"effort", "velocity"} <= set(limit.keys()):
-        _copy(path, limit, copy, effort=None, velocity=None)
-    if dynamics is not None:
+    elif kind == "continuous" and limit is not None:
+        _copy(path, limit, copy, effort="inf", velocity="inf")
+    if dynamics is not None and kind not in SEVERAL:
         _copy(path, dynamics, copy, damping="0", friction="0")
 
 

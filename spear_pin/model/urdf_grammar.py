@@ -70,6 +70,7 @@ URDF = Grammar(
         "static": ("0", "false"),
         "gravity": ("1", "true"),
         "offset": ("0",),
+        **dict.fromkeys(("lower", "upper", "effort", "velocity", "damping"), NO),
     },
 )
 SRDF = Grammar(

@@ -20,7 +20,7 @@ JOINT = """<joint name="{0}" type="{0}"><parent link="base"/><child link="arm"/>
     <limit effort="7" velocity="1"/><dynamics damping="0.3" friction="0.2"/></joint>"""
 
 
-pytestmark = pytest.mark.filterwarnings("ignore:arm. not taken over. friction in .dynamics.:spear_pin.RobotWarning")
+pytestmark = pytest.mark.filterwarnings("ignore:arm. not taken over:spear_pin.RobotWarning")
 
 
 def urdf(tmp_path, kind, xx=0.03, visual=""):
