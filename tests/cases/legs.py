@@ -34,6 +34,9 @@ SHANK = LINK.format("shank", "0 0 -0.1", 0.3, MOMENTS.format(0.001, 0.001, 0.000
 SHANK_INERTIA = 0.001 + 0.3 * 0.1**2  # kg·m², of the shank about the knee
 
 
+DRIVE_OF_KNEE = '<transmission name="t"><joint name="knee"/><actuator name="m">{}</actuator></transmission>'
+
+
 def leg(
     extra: str = "", *, hip: str = HIP, knee: str = KNEE, foot: str = FOOT, shank: str = SHANK,
     at: str = 'xyz="0 0 -0.2"', axis: str = "0 1 0", kind: str = "revolute", head: str = "",

@@ -14,19 +14,53 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "model/draft",
-        ["model/test_dynamics", "hybrid/test_events", "hybrid/test_periodic"],
+        ["model/test_dynamics", "hybrid/test_events", "cases/test_cases"],
         {
             "gravity upward": (
-                "= armature, rotor_inertia, gear_ratio",
-                "= armature, rotor_inertia, gear_ratio; model.gravity.linear = -model.gravity.linear",
+                "(np.zeros(model.nv) for _ in range(3))",
+                "(np.zeros(model.nv) for _ in range(3)); model.gravity.linear = -model.gravity.linear",
             ),
-            "rotors left out": ("= transmission.reflected_inertia", "= 0.0"),
+            "a plane turned the other way": ("math.atan2(length, normal[2])", "-math.atan2(length, normal[2])"),
+            "what a plane carries turns with it": ("= back.act(model.inertias[joint])", "= model.inertias[joint]"),
         },
     ),
     *mistakes_in(
-        "model/transmissions",
-        ["model/test_dynamics", "hybrid/test_periodic"],
-        {"rotors times N, not N²": ("self.gear_ratio**2", "self.gear_ratio")},
+        "model/gears",
+        ["model/test_gears", "cases/test_cases"],
+        {
+            "rotors left out": ("armature[row] = reflected or 0.0", "armature[row] = 0.0"),
+            "rotors times N, not N²": ("ratio**2 * self.rotor", "ratio * self.rotor"),
+            "an SRDF goes over its URDF": (
+                "name: more if own is None",
+                "name: more if more is not None",
+            ),
+        },
+    ),
+    *mistakes_in(
+        "model/unread",
+        ["model/test_unread", "cases/test_cases"],
+        {
+            "what is in what is not read counts as read": (
+                "says or not children or any(",
+                "says or not children or all(",
+            ),
+            "a second element passes for the first": ("and below in seen)", "and False)"),
+        },
+    ),
+    *mistakes_in(
+        "model/limits",
+        ["cases/test_cases"],
+        {"limits are told and not exchanged": ("= upper[place], lower[place]", "= lower[place], upper[place]")},
+    ),
+    *mistakes_in(
+        "model/mjcf_motors",
+        ["cases/test_cases"],
+        {"an actuator's armature times its gear": ("None else gear * gear", "None else abs(gear)")},
+    ),
+    *mistakes_in(
+        "model/mjcf_keyframes",
+        ["cases/test_cases", "model/test_mjcf_keyframes"],
+        {"a keyframe's zero is the joint's own": ("number - place.zero", "number")},
     ),
     *mistakes_in(
         "model/directions",
@@ -93,9 +127,9 @@ MUTATIONS = [
         "model/equipping",
         ["model/test_sidecar"],
         {
-            "a file's motor forgets the square of its ratio": (
-                "reflected or gearbox.ratio**2 * rotor",
-                "reflected or gearbox.ratio * rotor",
+            "a rotor is held against the robot's by its ratio": (
+                "gearbox.ratio**2 * rotor",
+                "gearbox.ratio * rotor",
             ),
             "a role's motor goes over a joint's": ('(name != "all", name not in roles)', "name in roles"),
             "a file's side may be beyond the limits": ("- leg.knee_zero) <= 0.0", "- leg.knee_zero) <= -9.0"),
