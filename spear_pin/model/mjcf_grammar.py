@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from spear_pin.model.mjcf_sections import ACTUATORS
+from spear_pin.model.mjcf_motors import TORQUES
 from spear_pin.model.unread import Grammar
 
 TURNED = "pos quat axisangle xyaxes zaxis euler"
@@ -45,7 +45,7 @@ MJCF = Grammar(
             "mujoco/deformable": "",
             "mujoco/extension": "",
             "mujoco/actuator": "",
-            **{f"mujoco/actuator/{tag}": DRIVEN for tag in ACTUATORS},
+            **{f"mujoco/actuator/{tag}": DRIVEN for tag in TORQUES},
             "mujoco/keyframe": "",
             "mujoco/keyframe/key": "qpos qvel act ctrl time mpos mquat",
         }
@@ -87,9 +87,9 @@ MJCF = Grammar(
         "joint@actuatorgravcomp": ("false",),
         "geom@shellinertia": ("false",),
         **{f"geom@{name}": ("0",) for name in ("margin", "gap", "adhesion", "surfacevel")},
-        **{f"{tag}@gaintype": ("fixed",) for tag in ACTUATORS},
-        **{f"{tag}@{name}": ("none",) for tag in ACTUATORS for name in ("biastype", "dyntype")},
-        **{f"{tag}@{name}": ("0",) for tag in ACTUATORS for name in ("biasprm", "delay", "nsample", "dampratio")},
+        "general@gaintype": ("fixed",),
+        **{f"general@{name}": ("none",) for name in ("biastype", "dyntype")},
+        **{f"{tag}@{name}": ("0",) for tag in TORQUES for name in ("biasprm", "delay", "nsample")},
     },
 )
 

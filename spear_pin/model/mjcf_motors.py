@@ -13,6 +13,7 @@ from spear_pin.model.mjcf_sections import Defaults, section
 from spear_pin.model.mjcf_writing import Rubbing
 
 MOVABLE = ("hinge", "slide")
+TORQUES = ("motor", "general")  # actuators of which the control is a torque, or told otherwise
 
 
 @dataclass(frozen=True)
@@ -39,13 +40,15 @@ class Drives:
         rubbing: what all of them add to the joints that they act on, by joint.
         others: names of those that are no motors.
         damped: joints with damping of an actuator that is not viscous.
-        elements: of the others.
+        laws: tags of the motors that are more than a torque, such as "position", by joint.
+        elements: of the others, and of those with a law.
     """
 
     motors: tuple[DrivenJoint, ...]
     rubbing: Mapping[str, Rubbing]
     others: tuple[str, ...]
     damped: tuple[str, ...]
+    laws: Mapping[str, str]
     elements: tuple[Any, ...]
 
 
@@ -67,6 +70,7 @@ def read_drives(
     """
     found: dict[str, DrivenJoint] = {}
     rubbing: dict[str, Rubbing] = {}
+    laws: dict[str, str] = {}
     others, damped, elements = [], [], []
     for element in section(root, "actuator"):
         said = defaults.of(element)
@@ -89,7 +93,10 @@ def read_drives(
         else:
             effort = (1.0 if gear is None else abs(gear)) * _largest(path, element, said, autolimits)
             found[str(joint)] = DrivenJoint(str(joint), gear, effort)
-    return Drives(tuple(found.values()), rubbing, tuple(others), tuple(damped), tuple(elements))
+            if element.tag not in TORQUES:
+                laws[str(joint)] = element.tag
+                elements.append(element)
+    return Drives(tuple(found.values()), rubbing, tuple(others), tuple(damped), laws, tuple(elements))
 
 
 def _rubbing(path: Path, element: Any, said: Mapping[str, str]) -> Rubbing:

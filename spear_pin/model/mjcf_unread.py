@@ -39,6 +39,8 @@ def tell_unread(writing: Writing, root: Any, body: Any, others: list[Any], drive
 
     ground = [geom for geom in section(root, "worldbody") if geom.tag == "geom" and not _level(writing, said(geom))]
     find_unread(root, MJCF, unread, said, (*others, *drives.elements, *ground))
+    for joint, tag in drives.laws.items():
+        unread.lose(f"the control law of <{tag}>", joint)
     for what, names in (
         ("the bodies beside it", [other.get("name") or "nameless" for other in others]),
         ("the ground's shape", [geom.get("name") or f"a {said(geom).get('type', 'sphere')}" for geom in ground]),

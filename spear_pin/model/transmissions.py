@@ -55,14 +55,15 @@ def read_transmissions(path: Path, root: Any) -> Motors:
         joint = element.find("joint").get("name") if problem is None else None
         numbers = _numbers(element, joints[joint]) if joint is not None else []
         problem = problem or _no_number(numbers)
-        if joint in found and element in plain:
+        gear = _gear(path, element, numbers, joint) if joint is not None and problem is None else None
+        if joint in found and (element in plain or found[joint] != gear):
             problem = f"joint {joint!r} has two, and the first is taken"
         if problem is not None:
             notes.append(f"transmission {element.get('name')!r} is left out: {problem}")
             elements.append(element)
         else:
             elements += numbers
-            found.setdefault(str(joint), _gear(path, element, numbers, str(joint)))
+            found.setdefault(str(joint), gear or Gear())
     for joint in (joint for each in controls for joint in _commanded(each)):
         if kinds.get(joint, "fixed") == "fixed":
             notes.append(f"<ros2_control> commands {joint!r}, which is no joint that moves: it is left out")

@@ -29,10 +29,9 @@ from spear_pin.model.urdf_grammar import URDF
 MAX_LINKS = 500
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 AXLESS = ("fixed", "floating")  # joints whose axis means nothing
-SEVERAL = ("floating", "planar")  # of several degrees of freedom, to which one limit or one damping does not apply
+SEVERAL = ("floating", "planar")  # of several degrees of freedom, to which one damping does not apply
 NOT_NEGATIVE = ("effort", "velocity", "damping", "friction")  # numbers of joints
 LIMITS = ("lower", "upper", "effort", "velocity")
-OF_ONE = (*LIMITS, "damping")  # numbers of joints of one degree of freedom
 UNLIMITED = -1.0  # an effort or a velocity that is not limited
 NORMAL = (1.0, 0.0, 0.0)  # axis of a joint that names none
 UNIVERSE = "universe"
@@ -106,10 +105,9 @@ def _unread(root: Any, known: tuple[Any, ...] = ()) -> str | None:
     unread = Unread()
     find_unread(root, URDF, unread, known=known)
     for joint in root.xpath("joint[@type='floating' or @type='planar']"):
-        for element in joint.xpath("limit | dynamics"):
-            for name in OF_ONE:
-                if name in element.attrib and URDF.unusual(name, element.get(name)):
-                    unread.lose(name, joint.get("name"), f"<{element.tag}>")
+        for element in joint.xpath("dynamics[@damping]"):
+            if URDF.unusual("damping", element.get("damping")):
+                unread.lose("damping", joint.get("name"), "<dynamics>")
     return unread.line
 
 

@@ -21,6 +21,8 @@ URDF = Grammar(
         robot__link__inertial__origin=ORIGIN,
         robot__link__inertial__mass="value",
         robot__link__inertial__inertia="ixx ixy ixz iyy iyz izz",
+        robot__link__collision="group",
+        robot__link__collision__origin=f"{ORIGIN} quat_xyzw",
         robot__joint="type",
         robot__joint__origin=ORIGIN,
         robot__joint__parent="link",
@@ -49,8 +51,8 @@ URDF = Grammar(
     idle=frozenset(
         (
             # how it looks, and what it collides with: contact is at the toes, with the ground
-            "visual collision material self_collide selfCollide selfCollision collision_checking verbose origin_visual "
-            "drake:collision_filter_group drake:diffuse_map drake:proximity_properties drake:declare_convex "
+            "visual geometry material self_collide selfCollide selfCollision collision_checking verbose "
+            "drake:collision_filter_group drake:diffuse_map "
             # sensors, and what is measured
             "sensor state_interface calibration laserRetro provideFeedback "
             # how it is driven by hardware, or integrated by another program
@@ -70,7 +72,7 @@ URDF = Grammar(
         "static": ("0", "false"),
         "gravity": ("1", "true"),
         "offset": ("0",),
-        **dict.fromkeys(("lower", "upper", "effort", "velocity", "damping"), NO),
+        "damping": NO,
     },
 )
 SRDF = Grammar(

@@ -169,6 +169,11 @@ def bounds() -> list[Case]:
 LOOP = '<gazebo><joint name="rod" type="revolute"><parent>a</parent></joint></gazebo>'
 NESTED = '<gazebo reference="knee"><axis><dynamics><spring_stiffness>14</spring_stiffness></dynamics></axis></gazebo>'
 CAPITALS = '<Transmission name="t">{}</Transmission>'
+RUBBER = (
+    '<link name="pad"><collision><origin xyz="0 0 0"/><geometry><sphere radius="1"/></geometry>'
+    '<drake:proximity_properties><drake:mu_dynamic value="0.2"/></drake:proximity_properties></collision></link>'
+    '<joint name="glued" type="fixed"><parent link="shank"/><child link="pad"/></joint>'
+)
 OF_SHANK = '<gazebo reference="shank">{}</gazebo>'
 TOLD = {
     "springs of Gazebo": (
@@ -184,6 +189,7 @@ TOLD = {
     "a prefix not declared": ("<mine:spring value='3'/>", "<mine:spring>"),
     "gravity that is off": (OF_SHANK.format("<gravity>0</gravity>"), "<gravity> in <gazebo> of 'shank'"),
     "friction of a foot": (OF_SHANK.format("<mu1>0.3</mu1><kp>9</kp>"), "<mu1>, <kp> in <gazebo> of 'shank'"),
+    "friction of a foot in Drake": (RUBBER, "<drake:proximity_properties> in <collision> of 'pad'"),
     "an unknown element": ('<force_element name="push"/>', "<force_element> 'push'"),
     "a tag in capitals": (CAPITALS.format(RATIO), "<Transmission> 't'"),
     "many of a kind": (

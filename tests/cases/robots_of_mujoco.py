@@ -32,7 +32,15 @@ TOLD = {
     "a spring of a class": ({"before": '<default><joint stiffness="14"/></default>'}, "stiffness in <joint> of 'hip'"),
     "a spring of a tendon": ({"after": TENDON}, "<fixed> 't' in <tendon>"),
     "a loop": ({"after": LOOP}, "<connect> 'c' in <equality>"),
-    "a servo's gains": ({"actuators": '<position joint="knee" kp="30" kv="1"/>'}, "kp, kv in <position> of 'knee'"),
+    "a servo's gains": (
+        {"actuators": '<position joint="knee" kp="30" kv="1"/>'},
+        "the control law of <position> of 'knee'",
+    ),
+    "a muscle": ({"actuators": '<muscle joint="knee" lengthrange="0 1"/>'}, "the control law of <muscle> of 'knee'"),
+    "a servo in general": (
+        {"actuators": '<general joint="knee" gainprm="20" biastype="affine" biasprm="0 -20 -1"/>'},
+        "biastype, biasprm in <general> of 'knee'",
+    ),
     "dampers that are off": ({"before": '<option><flag damper="disable"/></option>'}, "damper in <flag>"),
     "wind": ({"before": '<option wind="1 0 0" density="1.2"/>'}, "wind, density in <option>"),
     "a step": (ground('<geom name="step" type="box" size="1 1 0.1"/>'), "the ground's shape of 'step'"),
