@@ -156,9 +156,9 @@ def _title(element: Any) -> str:
 
 
 def _shown(tag: str, element: Any) -> str:
+    if not tag.startswith("{"):
+        return tag
     name = etree.QName(tag)
-    if name.namespace is None:
-        return str(name.localname)
     declared = {uri: prefix for prefix, uri in element.nsmap.items() if prefix} if "/" in name.namespace else {}
     return f"{declared.get(name.namespace, name.namespace)}:{name.localname}"  # `parse` has others as they are written
 
@@ -169,5 +169,4 @@ def _name(element: Any, names: Collection[str] = NAMES) -> str:
 
 def _annotates(tag: str) -> bool:
     """Whether a name is of a space that only describes: XML's own, or what xacro leaves behind."""
-    namespace = etree.QName(tag).namespace
-    return namespace is not None and namespace.startswith(ANNOTATIONS)
+    return tag.startswith("{") and tag[1:].startswith(ANNOTATIONS)
