@@ -13,6 +13,8 @@ BODY = "mujoco/worldbody/body"
 DRIVEN = "joint jointinparent gear ctrlrange ctrllimited forcerange forcelimited armature damping gainprm"
 ENABLED = ("enable",)
 CONTACT = ("condim", "friction", "solref", "solimp", "margin", "gap", "adhesion", "surfacevel")
+# of what other actuators have by a class that they share with motors, which are none of this
+SERVO = tuple("kp kv ki dampratio timeconst gaintype gainprm biastype biasprm dyntype dynprm".split())
 SMALL = 1e-9  # kg, kg·m²: bounds of inertias that only keep them from being zero
 
 
@@ -104,6 +106,8 @@ def without_effect(tag: str, said: Mapping[str, str]) -> dict[str, str]:
     idle: Any = ()
     if tag == "geom" and said.get("contype") == said.get("conaffinity") == "0":
         idle = CONTACT
+    if tag == "motor":
+        idle = SERVO
     if tag == "compiler":
         idle = [name for name in ("boundmass", "boundinertia") if _small(said.get(name, "0"))]
     return {name: value for name, value in said.items() if name not in idle}

@@ -14,6 +14,7 @@ from lxml import etree
 
 from spear_pin.errors import listed
 
+NAMED, LONG = (4, 2, 1), 600  # how many owners are named, the fewer the longer the line would be, in characters
 NAMES = ("name", "reference")  # attributes that tell which element it is
 JOINED = ("joint1", "body1", "geom1", "site1", "tendon1", "joint", "link", "body")  # of one that has no name
 ANNOTATIONS = ("http://www.w3.org", "http://www.ros.org/wiki/xacro", "http://ros.org/wiki/xacro", "xacro", "spear_pin")
@@ -71,8 +72,13 @@ class Unread:
         alike: dict[tuple[str, str, str], list[str]] = {}
         for (where, owner, of), lost in self._owners.items():
             alike.setdefault((where, ", ".join(dict.fromkeys(lost)), of), []).append(owner)
-        parts = [_part(*key, [owner for owner in owners if owner]) for key, owners in alike.items()]
-        return f"not taken over: {'; '.join(parts)}" if parts else None
+        text = ""
+        for most in NAMED:
+            parts = [_part(*key, [owner for owner in owners if owner], most) for key, owners in alike.items()]
+            text = f"not taken over: {'; '.join(parts)}"
+            if len(text) <= LONG:
+                break
+        return text if alike else None
 
 
 def _plain(text: str) -> str:
@@ -84,8 +90,8 @@ def _plain(text: str) -> str:
     return f"{numbers.pop():g}" if len(numbers) == 1 else text.strip().lower()
 
 
-def _part(where: str, lost: str, of: str, owners: list[str]) -> str:
-    names = f" {of}{listed([repr(owner) for owner in owners])}" if owners else ""
+def _part(where: str, lost: str, of: str, owners: list[str], most: int) -> str:
+    names = f" {of}{listed([repr(owner) for owner in owners], most)}" if owners else ""
     inside = f" in {where}" if where else ""
     return f"{lost}{inside}{names}" if of else f"{lost}{names}{inside}"
 

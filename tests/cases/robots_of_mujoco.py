@@ -52,6 +52,7 @@ TOLD = {
     ),
 }
 QUIET = {
+    "gains of a class": {"before": '<default><position kp="30"/></default>'},
     "level ground": ground('<geom name="g" type="plane" size="1 1 1" quat="1 0 0 0.3" rgba="1 1 1 1"/>'),
     "a light and a camera": ground('<light pos="0 0 3"/><camera name="c" pos="0 -1 0"/>'),
     "the solver": {"before": '<option timestep="0.001" integrator="RK4" cone="elliptic"/>'},
