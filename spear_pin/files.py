@@ -28,19 +28,21 @@ def atomic(path: str | Path) -> Iterator[Path]:
         os.replace(temporary, target)
     except OSError as error:
         raise BadFile(target, f"cannot be written: {error.strerror or error}") from None
+    except UnicodeEncodeError as error:
+        raise BadFile(target, f"cannot be written: no text has {error.object[error.start : error.end]!a}") from None
     finally:
         with suppress(OSError):  # it may be gone, or its folder may be none
             temporary.unlink()
 
 
 def write_text(path: str | Path, text: str) -> Path:
-    """Write a text file, in UTF-8, whole or not at all.
+    """Write a text file, in UTF-8, whole or not at all; lone surrogates are written out.
 
     Raises:
         BadFile: the file cannot be written.
     """
     with atomic(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8", errors="backslashreplace")
     return Path(path)
 
 

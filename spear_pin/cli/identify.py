@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.output import progress
+from spear_pin.cli.output import joined, progress
 from spear_pin.cli.push_test import add_leg, leg
 from spear_pin.errors import BadValue
 
@@ -99,7 +99,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "remarks": remarks,
         "files": [str(picture)],
         "opened": picture,
-        "text": "\n".join([*_lines(estimates), *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]),
+        "text": joined([*_lines(estimates), *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]),
     }
 
 

@@ -34,6 +34,7 @@ from spear_pin.kinds import typed
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 from spear_pin.model.origin import check_origin, origin, robot_of, unsaid
 from spear_pin.model.spring import Spring
+from spear_pin.printable import printable
 from spear_pin.showing import Shown
 
 if TYPE_CHECKING:
@@ -80,7 +81,7 @@ class Gait(Shown):
     def __repr__(self) -> str:
         largest = np.abs(self.multipliers).max()
         parts = f"period {self.period:.4g} s", f"largest multiplier {largest:.4g}", "stable" * self.stable or "unstable"
-        return f"Gait({self.system.kind} of {self.system.robot.name!r}: {', '.join(parts)})"
+        return f"Gait({self.system.kind} of {printable(repr(self.system.robot.name))}: {', '.join(parts)})"
 
     @property
     def stable(self) -> bool:

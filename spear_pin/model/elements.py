@@ -10,8 +10,9 @@ from typing import Any
 
 from lxml import etree
 
-from spear_pin.errors import BadFile
+from spear_pin.errors import BadFile, brief
 from spear_pin.files import regular
+from spear_pin.printable import is_printable
 
 MAX_BYTES, MAX_NUMBER = 20_000_000, 1e30
 DECLARATION = re.compile(rb"<\?xml\s[^>]*?\?>")
@@ -27,7 +28,8 @@ def parse(path: str | Path) -> tuple[Path, Any]:
     prefixes that are not declared: URDFs have them, and their other readers do not look.
 
     Raises:
-        BadFile: the file is missing, too large, not XML, or declares a document type or entities.
+        BadFile: the file is missing, too large, not XML, declares a document type or entities, or has a name with a
+            character that cannot be seen or acts on a terminal.
     """
     try:
         path = regular(path)
@@ -44,6 +46,10 @@ def parse(path: str | Path) -> tuple[Path, Any]:
             raise BadFile(path, f"not well-formed XML: {error.msg}", error.lineno) from None
     if root.getroottree().docinfo.internalDTD is not None:
         raise BadFile(path, "declares a document type; a robot may not (entities are not expanded)")
+    for element in root.iter(etree.Element):
+        if not is_printable(name := element.get("name", "")):
+            problem = f"the name {brief(name)} of <{element.tag}> has a character that cannot be seen: rename it"
+            raise fault(path, element, problem)
     return path, root
 
 

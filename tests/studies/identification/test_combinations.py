@@ -1,4 +1,4 @@
-"""Logs with several odd ways of writing at once: titles, byte order mark, separator, decimal mark, clock, unit, wrap."""
+"""Logs with several odd ways of writing at once: titles, byte order marks, separators, decimal marks, clocks, units."""
 
 import numpy as np
 import pytest
