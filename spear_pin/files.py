@@ -95,19 +95,26 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return found
 
 
-def regular(path: str | Path) -> Path:
+def regular(path: str | Path, most: int | None = None) -> Path:
     """The path, if it leads to a regular file: a pipe would be waited for, and a device may never end.
 
+    Args:
+        path: of the file.
+        most: bytes that it may have.
+
     Raises:
-        BadFile: it leads nowhere, or to something else.
+        BadFile: it leads nowhere, or to something else, or has more bytes.
     """
     try:
         target = Path(path)
-        mode = target.stat().st_mode
+        found = target.stat()
     except (OSError, ValueError) as error:  # of a null in it, ValueError
         raise BadFile(repr(path) if isinstance(error, ValueError) else path, _unreadable(error)) from None
-    if not stat.S_ISREG(mode):
-        raise BadFile(path, "cannot be read: Is a directory" if stat.S_ISDIR(mode) else "is not a regular file")
+    if not stat.S_ISREG(found.st_mode):
+        what = "cannot be read: Is a directory" if stat.S_ISDIR(found.st_mode) else "is not a regular file"
+        raise BadFile(path, what)
+    if most is not None and found.st_size > most:
+        raise BadFile(path, f"has more than {most} bytes")
     return target
 
 

@@ -23,7 +23,8 @@ from spear_pin.files import regular
 from spear_pin.studies.identification.layout import HEAD, find_layout
 
 ROWS = 1 << 18  # that are read at a time
-LARGEST = 200_000_000  # values of a .mat variable
+LARGEST = 50_000_000  # values of a .mat variable
+MOST_BYTES = 500_000_000
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ def read_columns(path: str | Path, choose: Choice) -> Columns:
     Raises:
         BadFile: the file is missing, empty, not text, or not a table of numbers.
     """
-    path = regular(path)
+    path = regular(path, MOST_BYTES)
     try:
         with path.open("rb") as file:
             head = file.read(HEAD)
