@@ -9,6 +9,8 @@ from pathlib import Path
 from reprlib import Repr
 from typing import Any
 
+from spear_pin.printable import printable
+
 _BRIEF = Repr()
 _BRIEF.maxother, _BRIEF.maxstring, _BRIEF.maxlist, _BRIEF.maxtuple = 80, 120, 8, 8
 LONGEST = 2000  # characters of an error's text; what it names may be of any length
@@ -27,7 +29,7 @@ class SpearError(Exception):
     """
 
     def __init__(self, text: str) -> None:
-        super().__init__(shortened(" ".join(text.split())))
+        super().__init__(one_line(text))
 
     def __reduce__(self) -> tuple[object, ...]:
         return _remake, (type(self), self.args, self.__dict__)
@@ -48,7 +50,7 @@ class RobotWarning(UserWarning):
     """
 
     def __init__(self, text: str) -> None:
-        super().__init__(shortened(" ".join(text.split())))
+        super().__init__(one_line(text))
 
 
 class UnknownName(SpearError):
@@ -136,6 +138,11 @@ def listed(names: Sequence[str], most: int = 4) -> str:
     """Names as errors and warnings list them, the first few and how many there are beside."""
     rest = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(names[:most]) + rest
+
+
+def one_line(text: str) -> str:
+    """A text as errors and warnings have it: in one line, without its middle if it is long, fit for any terminal."""
+    return shortened(printable(" ".join(text.split())))
 
 
 def shortened(text: str) -> str:

@@ -28,19 +28,21 @@ def atomic(path: str | Path) -> Iterator[Path]:
         os.replace(temporary, target)
     except OSError as error:
         raise BadFile(target, f"cannot be written: {error.strerror or error}") from None
+    except UnicodeEncodeError as error:
+        raise BadFile(target, f"cannot be written: no text has {error.object[error.start : error.end]!a}") from None
     finally:
         with suppress(OSError):  # it may be gone, or its folder may be none
             temporary.unlink()
 
 
 def write_text(path: str | Path, text: str) -> Path:
-    """Write a text file, in UTF-8, whole or not at all.
+    """Write a text file, in UTF-8, whole or not at all; lone surrogates are written out.
 
     Raises:
         BadFile: the file cannot be written.
     """
     with atomic(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8", errors="backslashreplace")
     return Path(path)
 
 
@@ -93,19 +95,26 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return found
 
 
-def regular(path: str | Path) -> Path:
+def regular(path: str | Path, most: int | None = None) -> Path:
     """The path, if it leads to a regular file: a pipe would be waited for, and a device may never end.
 
+    Args:
+        path: of the file.
+        most: bytes that it may have.
+
     Raises:
-        BadFile: it leads nowhere, or to something else.
+        BadFile: it leads nowhere, or to something else, or has more bytes.
     """
     try:
         target = Path(path)
-        mode = target.stat().st_mode
+        found = target.stat()
     except (OSError, ValueError) as error:  # of a null in it, ValueError
         raise BadFile(repr(path) if isinstance(error, ValueError) else path, _unreadable(error)) from None
-    if not stat.S_ISREG(mode):
-        raise BadFile(path, "cannot be read: Is a directory" if stat.S_ISDIR(mode) else "is not a regular file")
+    if not stat.S_ISREG(found.st_mode):
+        what = "cannot be read: Is a directory" if stat.S_ISDIR(found.st_mode) else "is not a regular file"
+        raise BadFile(path, what)
+    if most is not None and found.st_size > most:
+        raise BadFile(path, f"has more than {most} bytes")
     return target
 
 

@@ -29,7 +29,7 @@ from spear_pin.viz import mcap_messages as m
 from spear_pin.viz.playback.looks import read_looks
 from spear_pin.viz.playback.stage import GROUND
 from spear_pin.viz.playback.surface import outline
-from spear_pin.viz.playback.trajectory import in_world
+from spear_pin.viz.playback.trajectory import in_world, read_times
 
 SCHEMA = "spear_pin.Sample"
 ARROW = 0.3  # m, of the largest force
@@ -76,7 +76,7 @@ def write_mcap(robot: Robot, trajectory: Trajectory, path: str | Path) -> Path:
     if robot.coordinates != trajectory.coordinates or robot.toes != trajectory.toes:
         expected = f"one of {', '.join(robot.coordinates)} with the toes {', '.join(robot.toes)}"
         raise BadValue("trajectory", f"one of {', '.join(trajectory.coordinates)}", expected)
-    begin = min(0.0, float(trajectory.t[0]))
+    begin = min(0.0, float(read_times(trajectory)[0]))
     times = [round(1e9 * (time - begin)) for time in trajectory.t.tolist()]
     names, table = trajectory.columns()
     forces = in_world(robot, trajectory.q, trajectory.force, trajectory.ground)

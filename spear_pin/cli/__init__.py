@@ -34,7 +34,7 @@ from spear_pin.cli import (
 from spear_pin.cli.arguments import Parser
 from spear_pin.cli.durations import expected
 from spear_pin.cli.output import complain, draw, foretold, open_page, print_result, tell
-from spear_pin.errors import RobotWarning, SpearError
+from spear_pin.errors import RobotWarning, SpearError, one_line
 
 # as the help lists them
 COMMANDS = (
@@ -50,7 +50,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return _run(argv)
     except (SpearError, OSError) as error:
-        complain(f"spear: {' '.join(str(error).split())}")
+        complain(f"spear: {one_line(str(error))}")
         return 2
 
 

@@ -13,7 +13,7 @@ from typing import Any, NoReturn, TypeAlias
 
 from spear_pin.cli.durations import LASTING
 from spear_pin.cli.output import complain, emit
-from spear_pin.errors import BadValue, shortened
+from spear_pin.errors import BadValue, one_line
 from spear_pin.words import number, whole
 
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
@@ -48,7 +48,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Exit with status 2."""
-        complain(f"{self.prog}: {shortened(message)} (see {self.prog} --help)")
+        complain(f"{self.prog}: {one_line(message)} (see {self.prog} --help)")
         raise SystemExit(2)
 
     def _print_message(self, message: str, file: Any = None) -> None:

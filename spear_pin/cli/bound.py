@@ -11,7 +11,7 @@ from spear_pin.cli.arguments import Commands, add_command, add_simulation, check
 from spear_pin.cli.durations import usual
 from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.cli.legs import add_plane, called, doubted, in_the_plane, rests_on, stability
-from spear_pin.cli.output import aligned, iterations, listed, progress, shows
+from spear_pin.cli.output import aligned, iterations, joined, listed, progress, shows
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def _shipped() -> dict[str, Any]:
     for row in rows:
         head = f"{row['name']:<{width}}{row['speed']:>6.2f} m/s  {row['lift_off']:<13}"
         lines.append(f"{head}{row['largest_multiplier']:<20.4f}{row['residual']:.1e}")
-    return {"gaits": rows, "text": "\n".join(lines)}
+    return {"gaits": rows, "text": joined(lines)}
 
 
 def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
 from spear_pin.cli.legs import add_leg, one_leg
-from spear_pin.cli.output import aligned, progress
+from spear_pin.cli.output import aligned, joined, progress
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ def text(found: Comparison) -> str:
         for row in found.measures
     ]
     differing = [[each.name, *(parameter(given, each.name) for given in each.values)] for each in found.differences]
-    parts = ["\n".join([*found.said, *(note for side in found.sides for note in side.notes)]), _table([head, *rows])]
+    parts = [joined([*found.said, *(note for side in found.sides for note in side.notes)]), _table([head, *rows])]
     if differing:
         parts.append(_table([["parameters that differ", *labels], *differing]))
     return "\n\n".join(part for part in parts if part)
@@ -146,4 +146,4 @@ def _table(rows: list[list[str]]) -> str:
         )
         for row in rows
     )
-    return "\n".join(line.rstrip() for line in lines)
+    return joined(line.rstrip() for line in lines)

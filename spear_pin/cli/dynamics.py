@@ -7,6 +7,7 @@ from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_loading, loading
 from spear_pin.cli.legs import add_cut, cut_out, rests_on
+from spear_pin.cli.output import joined
 from spear_pin.errors import SpearError
 
 
@@ -54,6 +55,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         for key, value in [item for item in list(result.items())[2:] if item[0] != "cut"]:
             by_toe = {f" {toe}": array for toe, array in value.items()} if isinstance(value, dict) else {"": value}
             for label, array in by_toe.items():
-                lines.append(f"{key}{label} =\n{array}" if array.ndim == 2 else f"{key}{label} = {array}")
+                lines += (
+                    [f"{key}{label} =", *str(array).split("\n")] if array.ndim == 2 else [f"{key}{label} = {array}"]
+                )
     lines += [f"{name}: {said}" if name else said for name, said in rests_on(robot)]
-    return result | {"text": "\n".join(lines)}
+    return result | {"text": joined(lines)}

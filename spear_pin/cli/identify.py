@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.output import progress
+from spear_pin.cli.output import joined, progress
 from spear_pin.cli.push_test import add_leg, leg
 from spear_pin.errors import BadValue
 
@@ -25,10 +25,14 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("files", nargs="+", metavar="FILE", help="CSV or .mat: time, and voltage or angle of the knee")
     data = parser.add_argument_group("the records")
-    data.add_argument("--volts-per-rad", type=float, metavar="V/RAD", help="slope of the potentiometer")
+    data.add_argument(
+        "--volts-per-rad", type=float, metavar="V/RAD", help="slope of the potentiometer, or counts per radian"
+    )
     data.add_argument("--offset", type=float, metavar="V", help="its voltage at the straight leg (default: 0)")
-    data.add_argument("--unit", metavar="UNIT", help="V, mV, rad or deg (default: as the column's name says)")
-    data.add_argument("--time-unit", metavar="UNIT", help="s, ms, us or min (default: s, or as its name says)")
+    data.add_argument(
+        "--unit", metavar="UNIT", help="V, mV, counts, rad, mrad, deg or turns (default: as the column's name says)"
+    )
+    data.add_argument("--time-unit", metavar="UNIT", help="s, ms, us, ns, min or h (default: as its name says, or s)")
     data.add_argument("--column", metavar="NAME", help="of the voltage or angle")
     data.add_argument("--time-column", metavar="NAME", help="of the time")
     data.add_argument("--before", type=float, default=0.5, metavar="S", help="of each hold to use (default: 0.5)")
@@ -95,7 +99,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "remarks": remarks,
         "files": [str(picture)],
         "opened": picture,
-        "text": "\n".join([*_lines(estimates), *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]),
+        "text": joined([*_lines(estimates), *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]),
     }
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from spear_pin.errors import RobotWarning, SpearError
 from spear_pin.files import plain
+from spear_pin.printable import printable
 
 if TYPE_CHECKING:
     from spear_pin.viz.playback.trajectory import TrajectoryLike
@@ -34,7 +35,7 @@ def print_result(result: dict[str, Any], as_json: bool) -> None:
     """
     if as_json:
         result.pop("text", None)
-        emit(json.dumps(plain(result), allow_nan=False) + "\n")
+        emit(json.dumps(plain(result), allow_nan=False).replace("\x7f", "\\u007f") + "\n")
     else:
         emit(result["text"] + "\n")
 
@@ -66,12 +67,15 @@ def tell(caught: Iterable[warnings.WarningMessage]) -> None:
         complain(f"spear: {text}")
     for each in caught:
         if not isinstance(each.message, RobotWarning):
-            warnings.showwarning(each.message, each.category, each.filename, each.lineno, each.file, each.line)
+            complain(
+                warnings.formatwarning(each.message, each.category, each.filename, each.lineno, each.line).rstrip()
+            )
 
 
 def _write(stream: TextIO, text: str) -> None:
+    """Write a text; what acts on a terminal in names from files is written out."""
     try:
-        stream.write(text)
+        stream.write(printable(text, kept="\n\t"))
         stream.flush()
     except OSError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())  # Python would try once more at the end
@@ -80,7 +84,12 @@ def _write(stream: TextIO, text: str) -> None:
 
 def aligned(rows: Iterable[tuple[str, str]]) -> str:
     """Lines of a name and what it says, in two columns."""
-    return "\n".join(f"{name:<21}{value}" for name, value in rows)
+    return joined(f"{name:<21}{value}" for name, value in rows)
+
+
+def joined(lines: Iterable[str]) -> str:
+    """Join lines to a text; what ends a line within one of them, as in a name from a file, is written out."""
+    return "\n".join(map(printable, lines))
 
 
 @contextmanager
@@ -90,7 +99,7 @@ def progress() -> Iterator[Callable[[str], None]]:
 
     def show(text: str) -> None:
         if seen:
-            print(f"\r{text}\033[K", end="", file=sys.stderr, flush=True)
+            print(f"\r{printable(text)}\033[K", end="", file=sys.stderr, flush=True)
 
     try:
         yield show

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.legs import add_leg as add_another
 from spear_pin.cli.legs import called, one_leg, rests_on
-from spear_pin.cli.output import aligned, shows
+from spear_pin.cli.output import aligned, joined, shows
 from spear_pin.errors import BadValue
 from spear_pin.words import number
 
@@ -283,7 +283,7 @@ def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
         "files": [str(picture)],
         "pictures": {picture: lambda path: save_figure(gear_comparison(rows), path)},
         "opened": picture,
-        "text": "\n".join([*lines, str(picture)]),
+        "text": joined([*lines, str(picture)]),
     }
 
 

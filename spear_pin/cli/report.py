@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.output import aligned
+from spear_pin.cli.output import aligned, joined
 from spear_pin.errors import BadFile, SpearError, UnknownName
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     selection = _selected(arguments.only)
     if arguments.list:
         ids = _ids(selection)
-        return {"ids": ids, "text": "\n".join(ids)}
+        return {"ids": ids, "text": joined(ids)}
     formats = tuple(dict.fromkeys((SVG, arguments.figures or SVG)))
     with tqdm(total=len(selection), unit="item", leave=False, disable=None) as bar:
 

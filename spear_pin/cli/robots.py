@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command
+from spear_pin.cli.output import joined
 
 
 def add(commands: Commands) -> None:
@@ -22,7 +23,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         head = f"{row['name']:<28}{row['degrees_of_freedom']:>4}{motors:>8}{row['mass']:>8.2f} kg"
         what = f"{row['summary']} ({row['source']})" if row["summary"] else row["source"]
         lines.append(f"{head}  {what}")
-    return {"robots": rows, "text": "\n".join(lines)}
+    return {"robots": rows, "text": joined(lines)}
 
 
 def _shipped() -> list[dict[str, Any]]:

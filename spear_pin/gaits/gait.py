@@ -34,12 +34,14 @@ from spear_pin.kinds import typed
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 from spear_pin.model.origin import check_origin, origin, robot_of, unsaid
 from spear_pin.model.spring import Spring
+from spear_pin.printable import printable
 from spear_pin.showing import Shown
 
 if TYPE_CHECKING:
     from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
 
 FORMAT = "spear_pin gait 1"
+MOST_BYTES, DEEPEST = 20_000_000, 10  # of a file, lists in lists of a number of a law
 KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
     "hopping": (hopping, HoppingLaw),
     "round_hopping": (round_hopping, RoundHoppingLaw),
@@ -80,7 +82,7 @@ class Gait(Shown):
     def __repr__(self) -> str:
         largest = np.abs(self.multipliers).max()
         parts = f"period {self.period:.4g} s", f"largest multiplier {largest:.4g}", "stable" * self.stable or "unstable"
-        return f"Gait({self.system.kind} of {self.system.robot.name!r}: {', '.join(parts)})"
+        return f"Gait({self.system.kind} of {printable(repr(self.system.robot.name))}: {', '.join(parts)})"
 
     @property
     def stable(self) -> bool:
@@ -172,7 +174,7 @@ class Gait(Shown):
         """
         if str(path) in (*library.names(), *library.IN_SPACE) or not ({"/", "\\", "."} & set(str(path))):
             path = library.path(str(path))
-        path = regular(path)
+        path = regular(path, MOST_BYTES)
         try:
             data = parse_json(path.read_text(encoding="utf-8"))
             _check(data)
@@ -265,10 +267,12 @@ def _field(kind: Any, value: Any) -> Any:
     return _tuples(value) if kind is None or not isinstance(value, dict) else _part(kind, value)
 
 
-def _tuples(value: Any) -> Any:
-    """JSON's lists as the tuples that they were, which hold no truth values."""
+def _tuples(value: Any, deep: int = 1) -> Any:
+    """JSON's lists as the tuples that they were, which hold no truth values, nor lists in lists in lists."""
     if not isinstance(value, list):
         return value
+    if deep > DEEPEST:
+        raise BadValue("a list", value, f"lists at most {DEEPEST} deep")
     if any(isinstance(item, bool) for item in value):
         raise BadValue("a list", value, "no truth value in it")
-    return tuple(_tuples(item) for item in value)
+    return tuple(_tuples(item, deep + 1) for item in value)

@@ -17,6 +17,7 @@ from spear_pin.hybrid.trajectory_parts import gaps
 from spear_pin.kinds import typed
 from spear_pin.model.mover import mover
 from spear_pin.model.robot import Robot
+from spear_pin.printable import printable
 from spear_pin.showing import Player, Shown, playing, plotted
 
 if TYPE_CHECKING:
@@ -164,7 +165,7 @@ class Trajectory(Shown):
     def __repr__(self) -> str:
         duration = self.t[-1] - self.t[0]
         parts = f"{self.cycles} cycles", f"{duration:.4g} s", f"{len(self)} samples", f"{len(self.events)} events"
-        return f"Trajectory({self.robot!r}: {', '.join(parts)}, {self.reason})"
+        return f"Trajectory({printable(repr(self.robot))}: {', '.join(parts)}, {self.reason})"
 
     def __len__(self) -> int:
         """Number of samples."""

@@ -23,6 +23,7 @@ from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.trajectory import SAMPLED, Event, Ledger, Trajectory
 from spear_pin.model.origin import check_origin
+from spear_pin.printable import is_printable, printable
 
 FORMAT = "spear_pin trajectory 1"
 UNITS = "SI, radians"
@@ -135,7 +136,8 @@ def _trajectory(archive: ZipFile) -> Trajectory:
         _check_values(name, array, may_fail=meta["reason"] == "not_finite" and name not in STATES)
     arrays |= {name: np.empty((sizes["samples"], 0)) for name in older}
     fields: dict[str, Any] = {name: tuple(meta[name]) for name in NAMES}
-    fields |= {name: meta[name] for name in PLAIN if name not in NAMES} | {name: arrays[name] for name in SAMPLED}
+    fields |= {name: meta[name] for name in PLAIN if name not in NAMES} | {"message": printable(meta["message"])}
+    fields |= {name: arrays[name] for name in SAMPLED}
     return Trajectory(
         **fields,
         events=_events(meta["events"], arrays),
@@ -227,6 +229,8 @@ def _check_values(name: str, array: NDArray[Any], may_fail: bool) -> None:
         raise ValueError(f"{name} is not finite everywhere")
     if array.dtype.kind == "U" and (array == "").any():
         raise ValueError(f"{name} has an empty name")
+    if array.dtype.kind == "U":
+        _check_seen(name, np.unique(array).tolist())
     if name in ORDERED and (np.diff(array) < 0).any():
         raise ValueError(f"{name} runs backward")
     if name == "cycle" and array[0] < 0:
@@ -264,6 +268,7 @@ def _check_meta(meta: Any) -> None:
     for event in meta["events"]:
         if not _is_event(event):
             raise BadValue("an event", event, "its name, domain and work")
+        _check_seen("an event", (event["name"], event["domain"], *event["work"]))
 
 
 def _check_names(name: str, value: Any) -> None:
@@ -271,6 +276,14 @@ def _check_names(name: str, value: Any) -> None:
         raise BadValue(name, value, "a list of names")
     if len(set(value)) < len(value):
         raise BadValue(name, value, "no name twice")
+    _check_seen(name, value)
+
+
+def _check_seen(kind: str, names: Iterable[str]) -> None:
+    """Refuse names that would act on a terminal, and such as look like others; a robot's may be its path."""
+    for name in names:
+        if not is_printable(name):
+            raise BadValue(kind, name, "names without characters that cannot be seen")
 
 
 def _is_event(event: Any) -> bool:

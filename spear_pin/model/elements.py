@@ -9,10 +9,12 @@ from typing import Any
 
 from lxml import etree
 
-from spear_pin.errors import BadFile
+from spear_pin.errors import BadFile, brief
 from spear_pin.files import regular
+from spear_pin.printable import is_printable
 
 MAX_BYTES, MAX_NUMBER = 20_000_000, 1e30
+MAX_TAGS, MAX_ATTRIBUTES = 200_000, 1000  # of a file, of an element
 DECLARATION = re.compile(rb"<\?xml\s[^>]*?\?>")
 SOURCE = "{spear_pin}source"  # attribute of an element that was included: path of its file
 BOM = b"\xef\xbb\xbf"
@@ -26,15 +28,16 @@ def parse(path: str | Path) -> tuple[Path, Any]:
     prefixes that are not declared: URDFs have them, and their other readers do not look.
 
     Raises:
-        BadFile: the file is missing, too large, not XML, or declares a document type or entities.
+        BadFile: the file is missing, too large, not XML, declares a document type or entities, or has a name with a
+            character that cannot be seen or acts on a terminal.
     """
     try:
-        path = regular(path)
-        if path.stat().st_size > MAX_BYTES:
-            raise BadFile(path, f"has more than {MAX_BYTES} bytes")
+        path = regular(path, MAX_BYTES)
         text = path.read_bytes()
     except OSError as error:
         raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
+    if text.count(b"<") > MAX_TAGS:
+        raise BadFile(path, f"has more than {MAX_TAGS} tags")
     try:
         root = _parsed(text)
     except etree.XMLSyntaxError as error:
@@ -43,6 +46,12 @@ def parse(path: str | Path) -> tuple[Path, Any]:
             raise BadFile(path, f"not well-formed XML: {error.msg}", error.lineno) from None
     if root.getroottree().docinfo.internalDTD is not None:
         raise BadFile(path, "declares a document type; a robot may not (entities are not expanded)")
+    for element in root.iter(etree.Element):
+        if len(element.attrib) > MAX_ATTRIBUTES:
+            raise fault(path, element, f"<{element.tag}> has more than {MAX_ATTRIBUTES} attributes")
+        if not is_printable(name := element.get("name", "")):
+            problem = f"the name {brief(name)} of <{element.tag}> has a character that cannot be seen: rename it"
+            raise fault(path, element, problem)
     return path, root
 
 

@@ -22,6 +22,7 @@ from spear_pin.model.document import document
 from spear_pin.model.inertial import fault_of
 from spear_pin.model.postures import checked, home
 from spear_pin.model.robot import Robot
+from spear_pin.printable import printable
 
 FRICTION = 0.8  # of toes and ground, the package's assumption
 LEAST = 1e-14  # kg and kg·m² that a link without inertia is given: MuJoCo wants more than 1e-15
@@ -60,7 +61,7 @@ def to_mjcf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> st
     """
     if robot.added is not None:
         raise BadValue("robot", robot, "one without inertia beside its model's: MJCF cannot express that of an arm")
-    root = etree.Element("mujoco", model=robot.name)
+    root = etree.Element("mujoco", model=printable(robot.name))
     root.append(etree.Comment(NOTE.format(friction=FRICTION)))
     bounds = {"boundmass": LEAST, "boundinertia": LEAST}
     _add(root, "compiler", angle="radian", autolimits="true", inertiafromgeom="false", **bounds)
@@ -157,7 +158,9 @@ def _add_joint(model: pin.Model, joint: int, body: Any) -> None:
 def _add_shapes(robot: Robot, elements: list[Any]) -> None:
     """Add the shapes that the URDF shows, read by Pinocchio; files of meshes are not read."""
     if robot.cut is not None:
-        elements[0].addprevious(etree.Comment(f" shapes are left out: it is cut out of {robot.cut.of} "))
+        elements[0].addprevious(
+            etree.Comment(f" shapes are left out: it is cut out of {robot.cut.of.replace('-', '_')} ")
+        )
         return
     urdf = document(robot)
     for visual in list(urdf.iter("visual")):

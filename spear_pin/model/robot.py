@@ -22,6 +22,7 @@ from spear_pin.model.legs import Leg, find_legs
 from spear_pin.model.limits import Limits, limits_of
 from spear_pin.model.named_legs import leg_of
 from spear_pin.model.settings import Settings
+from spear_pin.printable import printable
 from spear_pin.showing import Shown
 
 UNCHANGED: Mapping[str, Any] = MappingProxyType({})
@@ -105,7 +106,8 @@ class Robot(Shown):
     def __repr__(self) -> str:
         rest = f", locked={list(self.locked)}" if self.locked else ""
         rest += f", varied={dict(self.varied)}" if self.varied else ""
-        return f"Robot({self.name!r}, nq={self.nq}, nv={self.nv}, nu={self.nu}, toes={list(self.toes)}{rest})"
+        sizes = f"nq={self.nq}, nv={self.nv}, nu={self.nu}"
+        return f"Robot({printable(repr(self.name))}, {sizes}, toes={list(self.toes)}{rest})"
 
     def __reduce__(self) -> tuple[object, ...]:
         parts = (self.model, self.name, self.toes, self.actuated, self.locked, self.source)

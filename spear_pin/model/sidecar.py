@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -18,7 +19,9 @@ from spear_pin.model.motor import UNITS as MOTOR_UNITS
 from spear_pin.model.spring import UNITS as SPRING_UNITS
 
 SUFFIX = ".toml"
-MAX_BYTES = 1_000_000
+MAX_BYTES, MOST_PARTS = 1_000_000, 50
+_PART = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
+_DOTTED = re.compile(rf"(?<![A-Za-z0-9_-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{MOST_PARTS}}}")
 ROLES = ("abduction", "hip", "knee")
 JOINTS = ("hip", "knee", "toe")  # that a leg has, if it is given by its joints
 NAMING = ("urdf", "mjcf", "robot")  # keys that name the robot
@@ -127,9 +130,10 @@ def read(path: Path) -> Sidecar:
         BadFile: it cannot be read, or a key or a value in it is not valid.
     """
     try:
-        if regular(path).stat().st_size > MAX_BYTES:
-            raise BadFile(path, f"has more than {MAX_BYTES} bytes")
-        said = tomllib.loads(path.read_text(encoding="utf-8"))
+        text = regular(path, MAX_BYTES).read_text(encoding="utf-8")
+        if _DOTTED.search(text):  # tomllib would take time as the square of its parts
+            raise BadFile(path, f"has a key of more than {MOST_PARTS} parts")
+        said = tomllib.loads(text)
     except OSError as error:
         raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
     except (ValueError, RecursionError) as error:

@@ -14,6 +14,7 @@ from spear_pin.model.document import document
 from spear_pin.model.legs import leg_name
 from spear_pin.model.postures import checked, home
 from spear_pin.model.robot import Robot
+from spear_pin.printable import printable
 
 EVERYTHING = "all"  # the group of every joint
 NOTE = """
@@ -43,7 +44,7 @@ def to_srdf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> st
     if robot.locked or robot.varied:
         raise BadValue("robot", robot, "one as its URDF has it, with nothing locked or varied")
     urdf = document(robot)
-    root = etree.Element("robot", name=urdf.get("name", robot.name))
+    root = etree.Element("robot", name=urdf.get("name", printable(robot.name)))
     root.append(etree.Comment(NOTE))
     parents = {joint.find("child").get("link"): joint for joint in urdf.findall("joint")}
     everything = etree.SubElement(root, "group", name=EVERYTHING)

@@ -18,7 +18,8 @@ from spear_pin.cli import main
 from spear_pin.errors import SpearError
 
 ROOT = Path(__file__).parents[2]
-LONGEST = 20.0  # s that an answer may take
+LONGEST = 20.0  # s that an answer may take, without waiting for a processor
+ENDLESS = 10**9  # bytes of a file that is not read
 Prepare = Callable[[Path], object]
 
 
@@ -172,17 +173,22 @@ def judged(case: Case) -> tuple[str, float]:
     with tempfile.TemporaryDirectory() as name:
         here, folder = os.getcwd(), Path(name)
         os.chdir(folder)
-        begun = monotonic()
+        begun, waited = monotonic(), _waited()
         try:
             answer = case.answer(folder)
         finally:
             os.chdir(here)
-        took = monotonic() - begun
+        took = monotonic() - begun - (_waited() - waited)
     problem = answer.problem or case.verdict(answer)
     if not problem and took > LONGEST:
         problem = f"it took {took:.0f} s"
     said = " ".join((answer.err or answer.out).split())
     return (f"{problem}: {said[-160:]}" if problem else ""), took
+
+
+def _waited() -> float:
+    """Seconds that this process has waited for a processor, which others had."""
+    return int(Path("/proc/self/schedstat").read_text().split()[1]) / 1e9
 
 
 def heeds_interrupts() -> None:
@@ -199,10 +205,16 @@ def _one_line(answer: Answer) -> str:
 def content(folder: Path) -> dict[str, bytes | None]:
     """Files by their names, with what is in them; a cache does not count."""
     return {
-        path.relative_to(folder).as_posix(): path.read_bytes() if path.is_file() else None
+        path.relative_to(folder).as_posix(): _content(path) if path.is_file() else None
         for path in sorted(folder.rglob("*"))
         if ".cache" not in path.parts
     }
+
+
+def _content(path: Path) -> bytes:
+    """What is in a file, or of what has no end how much."""
+    size = path.stat().st_size
+    return path.read_bytes() if size < ENDLESS else str(size).encode()
 
 
 def changed(before: Mapping[str, bytes | None], after: Mapping[str, bytes | None]) -> tuple[str, ...]:

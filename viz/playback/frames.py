@@ -16,6 +16,9 @@ from spear_pin.model.robot import Robot
 from spear_pin.viz.playback.trajectory import EventLike, TrajectoryLike, in_world, read_times
 
 
+LARGEST = 1e15  # rad, m or N, that can be drawn
+
+
 @dataclass(frozen=True)
 class Span:
     """A domain and the times, in s from the start of the motion, it lasts from and to."""
@@ -116,8 +119,8 @@ def _table(name: str, value: ArrayLike, shapes: list[tuple[int, ...]]) -> Array:
         raise BadValue(name, value, "an array of numbers") from None
     if table.shape not in shapes:
         raise BadValue(name, table.shape, "the shape " + " or ".join(map(str, shapes)))
-    if not np.isfinite(table).all():
-        raise BadValue(name, float(table[~np.isfinite(table)][0]), "finite numbers")
+    if not (np.abs(table) < LARGEST).all():
+        raise BadValue(name, float(table[~(np.abs(table) < LARGEST)][0]), f"numbers below {LARGEST:g}")
     return table
 
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
+from time import process_time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,9 +20,9 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadFile
 from spear_pin.files import regular
 from spear_pin.viz.playback.appearance import Color, Undrawn
+from spear_pin.viz.playback.mesh_limits import MOST_BYTES, MOST_SECONDS, MOST_TOGETHER, PARSER, lean
 
 SUFFIXES = (".stl", ".obj", ".dae")
-MOST_BYTES = 100_000_000
 REMOTE = ("http:", "https:", "ftp:", "data:")
 LARGEST = 1e9
 WELD = 1e-5  # of a mesh's size: corners that are nearer are one
@@ -147,17 +148,23 @@ def light_meshes(uses: tuple[Use, ...], most: int) -> Mapping[Path, tuple[Mesh, 
         most: number of faces that all together have at most, or about: large ones more than small ones.
     """
     found: dict[Path, tuple[Mesh, ...] | str] = {}
+    begun, faces = process_time(), 0
     for use in uses:
         try:
-            found[use.path] = _read(use.path)
+            if process_time() > begun + MOST_SECONDS:
+                raise ValueError(f"reading the others took {MOST_SECONDS:g} s")
+            meshes = _read(use.path)
+            if (faces := faces + sum(len(mesh.faces) for mesh in meshes)) > MOST_TOGETHER:
+                raise ValueError(f"more than {MOST_TOGETHER} triangles with the others")
+            found[use.path] = meshes
         except OSError as error:
             found[use.path] = error.strerror or str(error)
         except ValueError as error:
             found[use.path] = str(error)
     read = [(use, mesh) for use in uses for mesh in found[use.path] if isinstance(mesh, Mesh)]
-    faces = np.array([len(mesh.faces) for _, mesh in read], dtype=float)
+    counts = np.array([len(mesh.faces) for _, mesh in read], dtype=float)
     sizes = np.array([use.scale * float(np.linalg.norm(mesh.high - mesh.low)) for use, mesh in read])
-    share = _shares(faces, sizes, np.array([use.times for use, _ in read]), most)
+    share = _shares(counts, sizes, np.array([use.times for use, _ in read]), most)
     light: dict[Path, list[Mesh]] = {use.path: [] for use in uses}
     for (use, mesh), each in zip(read, share, strict=True):
         light[use.path].append(lightened(mesh, each))
@@ -185,19 +192,29 @@ def _read(path: Path) -> tuple[Mesh, ...]:
     # of a zip pycollada reads what is in it
     if kind == "dae" and (data[:2] in (b"PK", b"\xff\xfe", b"\xfe\xff") or b"<!DOCTYPE" in data or b"<!ENTITY" in data):
         raise ValueError("no plain COLLADA file")
+    data = _lean(data, kind)
     parts = _parts(data, kind)
     if kind == "dae" and not parts:  # a geometry is left out where one of its materials is broken
         parts = _parts(_bare(data), kind)
-    meshes = [_welded(np.concatenate(corners), color) for color, corners in parts.items()]
+    meshes = [
+        _welded(corners[0] if len(corners) == 1 else np.concatenate(corners), color) for color, corners in parts.items()
+    ]
     meshes = [mesh for mesh in meshes if len(mesh.faces)]
     if not meshes:
         raise ValueError("it has no triangles")
     return tuple(meshes)
 
 
+def _lean(data: bytes, kind: str) -> bytes:
+    try:
+        return lean(data, kind)
+    except etree.XMLSyntaxError as error:
+        raise ValueError(f"cannot be read: {error.msg}"[:200]) from None
+
+
 def _bare(data: bytes) -> bytes:
     """A COLLADA file without its materials."""
-    root = etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False))
+    root = etree.fromstring(data, etree.XMLParser(**PARSER))
     for tag in ("bind_material", "library_images", "library_effects", "library_materials"):
         for element in list(root.iter(f"{{*}}{tag}")):
             element.getparent().remove(element)
@@ -249,10 +266,14 @@ def _color(visual: Any) -> Color | None:
 def _welded(corners: Array, color: Color | None) -> Mesh:
     """A mesh of triangles, (f, 3, 3), their common corners joined."""
     points = corners.reshape(-1, 3)
-    if not (np.abs(points) < LARGEST).all():
+    low, high = points.min(axis=0), points.max(axis=0)
+    if not (low.min() > -LARGEST and high.max() < LARGEST):
         raise ValueError(f"it has corners that are no numbers below {LARGEST:g}")
-    cell = WELD * float(np.ptp(points, axis=0).max()) or 1.0
-    first, index, _ = _distinct(np.round((points - points.min(axis=0)) / cell).astype(np.int64))
+    cell = WELD * float((high - low).max()) or 1.0
+    base, keys = round(1.0 / WELD) + 2, np.zeros(len(points), np.int64)
+    for column, least in zip(points.T, low, strict=True):  # one after the other: of a million faces all are large
+        keys = keys * base + np.round((column - least) / cell).astype(np.int64)
+    _, first, index = np.unique(keys, return_index=True, return_inverse=True)
     return _tidy(points[first], index.reshape(-1, 3), color)
 
 

@@ -14,6 +14,7 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.ground import Ground
 from spear_pin.model.robot import Robot
 
+LONGEST = 1e10  # s: of clocks that count from 1970, too
 Table = tuple[Sequence[str], Array]
 
 
@@ -160,11 +161,11 @@ def read_times(trajectory: TrajectoryLike, name: str = "trajectory") -> Array:
     Raises:
         BadValue: they are no times, run backward, or are all the same.
     """
-    expected = "two or more finite nondecreasing times, in s"
+    expected = f"two or more nondecreasing times below {LONGEST:g}, in s"
     try:
         t = np.asarray(trajectory.t, dtype=np.float64)
     except (TypeError, ValueError):
         raise BadValue(f"{name}.t", trajectory.t, expected) from None
-    if t.ndim != 1 or len(t) < 2 or not np.isfinite(t).all() or np.diff(t).min() < 0 or t[-1] == t[0]:
+    if t.ndim != 1 or len(t) < 2 or not (np.abs(t) < LONGEST).all() or np.diff(t).min() < 0 or t[-1] == t[0]:
         raise BadValue(f"{name}.t", trajectory.t, expected)
     return t

@@ -6,7 +6,6 @@ comments precede the table, and neither knows a decimal comma.
 
 from __future__ import annotations
 
-import csv
 import os
 import re
 import warnings
@@ -21,10 +20,11 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import BadFile
 from spear_pin.files import regular
+from spear_pin.studies.identification.layout import HEAD, find_layout
 
-HEAD = 1 << 16  # bytes of a file that are looked at to tell its format
 ROWS = 1 << 18  # that are read at a time
-LARGEST = 200_000_000  # values of a .mat variable
+LARGEST = 50_000_000  # values of a .mat variable
+MOST_BYTES = 500_000_000
 
 
 @dataclass(frozen=True)
@@ -34,14 +34,16 @@ class Columns:
     Attributes:
         names: as in the file; "column 1" and so on where it has none.
         values: one array per column that was asked for, in rows of the file, NaN where it holds no number.
-        comments: lines of the file that begin with #, without it.
+        comments: lines above the rows that begin with #, without it, and titles.
         remarks: what makes the file doubtful.
+        units: of the columns that were asked for, as a row below the names says, empty where it does not.
     """
 
     names: tuple[str, ...]
     values: tuple[Array, ...]
     comments: tuple[str, ...]
     remarks: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
 
 
 Choice = Callable[[tuple[str, ...]], Sequence[str]]
@@ -57,7 +59,7 @@ def read_columns(path: str | Path, choose: Choice) -> Columns:
     Raises:
         BadFile: the file is missing, empty, not text, or not a table of numbers.
     """
-    path = regular(path)
+    path = regular(path, MOST_BYTES)
     try:
         with path.open("rb") as file:
             head = file.read(HEAD)
@@ -68,35 +70,23 @@ def read_columns(path: str | Path, choose: Choice) -> Columns:
     return _mat(path, choose) if path.suffix.lower() == ".mat" else _text(path, head, choose)
 
 
-@dataclass(frozen=True)
-class _Dialect:
-    """Layout of a table: comment lines, then names or not, a separator, a decimal mark."""
-
-    comments: tuple[str, ...]
-    skipped: int
-    names: tuple[str, ...]
-    headed: bool
-    separator: str
-    decimal: str
-
-
 def _text(path: Path, head: bytes, choose: Choice) -> Columns:
     import pandas as pd
 
-    dialect = _dialect(path, head)
-    wanted = tuple(choose(dialect.names))
-    places = [dialect.names.index(name) for name in wanted]
+    layout = find_layout(path, head)
+    wanted = tuple(choose(layout.names))
+    places = [layout.names.index(name) for name in wanted]
     chunks: list[list[Array]] = [[] for _ in wanted]
     try:
         with path.open("rb") as file, warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
+            file.seek(layout.start)
             tables = pd.read_csv(
                 file,
-                sep=dialect.separator,
-                decimal=dialect.decimal,
+                sep=layout.separator,
+                decimal=layout.decimal,
                 header=None,
-                skiprows=dialect.skipped + dialect.headed,
-                names=list(range(len(dialect.names))),
+                names=list(range(len(layout.names))),
                 index_col=False,
                 comment="#",
                 skipinitialspace=True,
@@ -108,13 +98,13 @@ def _text(path: Path, head: bytes, choose: Choice) -> Columns:
             )
             for table in tables:
                 for place, chunk in zip(places, chunks, strict=True):
-                    chunk.append(_numbers(table[place], dialect.decimal))
+                    chunk.append(_numbers(table[place], layout.decimal))
     except pd.errors.EmptyDataError:
         raise BadFile(path, "there are no rows in it") from None
     except pd.errors.ParserWarning:
-        raise BadFile(path, f"rows have more fields than the {len(dialect.names)} columns") from None
+        raise BadFile(path, f"rows have more fields than the {len(layout.names)} columns") from None
     except pd.errors.ParserError as error:
-        raise BadFile(path, f"not a table: {_reason(error)}") from None
+        raise BadFile(path, f"not a table: {_reason(error, layout.line - 1)}") from None
     except (UnicodeDecodeError, ValueError) as error:
         raise BadFile(path, f"not a table of numbers: {_reason(error)}") from None
     except OSError as error:
@@ -123,7 +113,9 @@ def _text(path: Path, head: bytes, choose: Choice) -> Columns:
     with path.open("rb") as file:
         file.seek(-1, os.SEEK_END)
         ended = file.read(1) in b"\r\n"
-    return Columns(wanted, values, dialect.comments, () if ended else ("the last line has no end: it may be cut off",))
+    remarks = (*layout.remarks, *(() if ended else ("the last line has no end: it may be cut off",)))
+    units = tuple(layout.units[place] if layout.units else "" for place in places)
+    return Columns(wanted, values, layout.comments, remarks, units)
 
 
 def _numbers(column: Any, decimal: str) -> Array:
@@ -134,34 +126,6 @@ def _numbers(column: Any, decimal: str) -> Array:
         return np.asarray(column, dtype=np.float64)
     text = column.astype(str)  # a word among them: they have been left as they were
     return np.asarray(pd.to_numeric(text.str.replace(decimal, ".", regex=False), errors="coerce"), dtype=np.float64)
-
-
-def _dialect(path: Path, head: bytes) -> _Dialect:
-    try:
-        text = head.decode("utf-8-sig") if len(head) < HEAD else head[: head.rfind(b"\n") + 1].decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise BadFile(path, "not a text file in UTF-8, nor a .mat file: save it as UTF-8") from None
-    if "\0" in text or not text:
-        raise BadFile(path, "not a text file, nor a .mat file")
-    lines = re.split(r"\r\n|\r|\n", text)
-    skipped = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")), None)
-    if skipped is None:
-        raise BadFile(path, "there are no rows in it")
-    comments = tuple(line[1:].strip() for line in lines[:skipped] if line.startswith("#"))
-    rows = [line for line in lines[skipped : skipped + 20] if line.strip()]
-    separator = next((mark for mark in ("\t", ";", ",") if mark in rows[-1]), r"\s+")
-    split = (
-        re.compile(r"\s+").split if separator == r"\s+" else lambda line: next(csv.reader([line], delimiter=separator))
-    )
-    first = [field.strip() for field in split(rows[0].strip())]
-    headed = not all(_is_number(field.replace(",", ".")) or not field for field in first)
-    names = tuple(field if headed and field else f"column {i + 1}" for i, field in enumerate(first))
-    if len(set(names)) < len(names):
-        raise BadFile(path, f"two columns have the same name among {', '.join(names)}", skipped + 1)
-    decimal = (
-        "," if separator in (";", "\t", r"\s+") and any(re.search(r"\d,\d", row) for row in rows[headed:]) else "."
-    )
-    return _Dialect(comments, skipped, names, headed, separator, decimal)
 
 
 def _mat(path: Path, choose: Choice) -> Columns:
@@ -180,7 +144,7 @@ def _mat(path: Path, choose: Choice) -> Columns:
     if len({value.size for value in values}) > 1:
         described = ", ".join(f"{name} has {value.size}" for name, value in zip(wanted, values, strict=True))
         raise BadFile(path, f"columns of different length: {described}")
-    return Columns(wanted, values, ())
+    return Columns(wanted, values, (), (), ("",) * len(wanted))
 
 
 def _tried(path: Path, reader: Callable[[Path], Any]) -> Any:
@@ -199,13 +163,7 @@ def _is_vector(shape: tuple[int, ...]) -> bool:
     return max(shape, default=0) > 1 and int(np.prod(shape, dtype=np.float64)) == max(shape)
 
 
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
-def _reason(error: Exception) -> str:
-    return " ".join(str(error).split()).removeprefix("Error tokenizing data. C error: ") or type(error).__name__
+def _reason(error: Exception, above: int = 0) -> str:
+    """What a reader says, in one line, with numbers of lines counted from the file's first."""
+    text = " ".join(str(error).split()).removeprefix("Error tokenizing data. C error: ") or type(error).__name__
+    return re.sub(r"\b(line|row) (\d+)", lambda found: f"{found[1]} {int(found[2]) + above}", text)

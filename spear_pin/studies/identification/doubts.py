@@ -47,7 +47,8 @@ def doubts(problem: LeastSquares, solution: Any, estimate: Estimate) -> Iterator
         if not fit >= POOR:
             yield f"the model does not describe {trial.label}: fit {fit:.1f} %"
         setting = problem.setting(np.asarray(solution.x), j)
-        since = trial.t[trial.t > setting.let_go] - setting.let_go
+        since = setting.since(trial)
+        since = since[since > 0.0]
         motion = move(setting.leg, setting.knee, setting.initial_angle, since)
         if motion.reason != "complete":
             yield f"the model of {trial.label} ends early: {motion.reason}"

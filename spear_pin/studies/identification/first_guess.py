@@ -18,7 +18,8 @@ TAIL = 0.2  # of a trial: its end, at rest or nearly
 def guess(leg: PinnedLeg, trial: Trial, static_rest: bool) -> dict[str, float]:
     """Parameters from the swing's first turn, its depth and the angle in the end.
 
-    Damping and dry friction are each such that it brakes the first swing by itself.
+    Damping and dry friction are each such that it brakes the first swing by itself. The time of the release counts from
+    `Trial.let_go`.
     """
     hold = trial.angle[trial.t < trial.let_go]
     initial = float(np.median(hold)) if hold.size else float(trial.angle[0])
@@ -39,7 +40,7 @@ def guess(leg: PinnedLeg, trial: Trial, static_rest: bool) -> dict[str, float]:
         "rest_angle": rest if static_rest else rest + float(leg.gravity(rest)) / stiffness,
         "rotor_inertia": leg.rotor,
         "initial_angle": float(np.clip(initial, *leg.span)),
-        "release_time": trial.let_go,
+        "release_time": 0.0,
     }
 
 

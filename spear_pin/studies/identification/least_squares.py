@@ -29,14 +29,16 @@ class Entry:
     Attributes:
         name: of `QUANTITIES`.
         trial: number of the trial it belongs to; None if all share it.
-        start: of the search.
-        bounds: least and largest value.
+        start: of the search, from the origin.
+        bounds: least and largest value, from the origin.
+        origin: what the unknown is counted from: a time, whatever its clock, from about when the leg is let go.
     """
 
     name: str
     trial: int | None
     start: float
     bounds: tuple[float, float]
+    origin: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -47,15 +49,19 @@ class Setting:
         leg: with its rotor.
         knee: what acts on its knee.
         initial_angle: in rad.
-        let_go: in s on the trial's clock.
+        delay: of the release, after `Trial.let_go`, in s.
         rest_angle: as it is read, in rad.
     """
 
     leg: PinnedLeg
     knee: PassiveKnee
     initial_angle: float
-    let_go: float
+    delay: float
     rest_angle: float
+
+    def since(self, trial: Trial) -> Array:
+        """Times of a trial's samples since the release, (n,), in s."""
+        return (trial.t - trial.let_go) - self.delay
 
 
 @dataclass(frozen=True)
@@ -135,7 +141,7 @@ class LeastSquares:
 
     def _modelled(self, setting: Setting, trial: Trial, wrt: Sequence[str]) -> tuple[Array, Array, Array]:
         """Angle, rate and sensitivities: the hold, then the motion."""
-        since = trial.t - setting.let_go
+        since = setting.since(trial)
         moving = since > 0.0
         angle, rate = np.full(since.size, setting.initial_angle), np.zeros(since.size)
         sensitivity = np.tile([float(name == "initial_angle") for name in wrt], (since.size, 1))
@@ -178,14 +184,10 @@ def pose(
         entries += [Entry(name, owner, float(np.clip(shared[name], *limits)), limits) for owner in owners]
     for j, trial in enumerate(trials):
         for name in (name for name in NUISANCES if name in nuisances):
-            limits = _bounds(leg, name, bounds, static_rest)
+            limits, origin = _bounds(leg, name, bounds, static_rest), 0.0
             if name == "release_time":
-                low, high = max(trial.let_go - ONSET, trial.t[0]), min(trial.let_go + ONSET, trial.t[-2])
-                limits = max(limits[0], low), min(limits[1], high)
-                if not limits[0] < limits[1]:
-                    expected = f"such that some of {low:g} … {high:g} s remains, for {trial.label}"
-                    raise BadValue("bounds of release_time", bounds.get("release_time", limits), expected)
-            entries.append(Entry(name, j, float(np.clip(values[j][name], *limits)), limits))
+                limits, origin = _onset(trial, limits, bounds.get(name)), trial.let_go
+            entries.append(Entry(name, j, float(np.clip(values[j][name], *limits)), limits, origin))
     return LeastSquares(leg, tuple(trials), values, tuple(entries), static_rest, unilateral, smooth_model)
 
 
@@ -221,6 +223,16 @@ def _check(
             if not low <= extreme <= high:
                 expected = f"within the joint's limits, {low:g} … {high:g} rad; is the calibration right?"
                 raise BadValue(f"the knee's angle in {trial.label}", extreme, expected)
+
+
+def _onset(trial: Trial, bounds: tuple[float, float], given: object) -> tuple[float, float]:
+    """Bounds of a release's delay, from those of its time."""
+    low, high = max(trial.let_go - ONSET, trial.t[0]), min(trial.let_go + ONSET, trial.t[-2])
+    limits = max(bounds[0], low) - trial.let_go, min(bounds[1], high) - trial.let_go
+    if not limits[0] < limits[1]:
+        expected = f"such that some of {low:g} … {high:g} s remains, for {trial.label}"
+        raise BadValue("bounds of release_time", given, expected)
+    return limits
 
 
 def _bounds(

@@ -2,36 +2,45 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.errors import BadFile, BadValue, UnknownName, brief
 from spear_pin.kinds import typed
 from spear_pin.studies.identification.columns import read_columns
+from spear_pin.studies.identification.units import (
+    ANGLES,
+    READOUTS,
+    TIMES,
+    VALUES,
+    find_times,
+    guess_time_unit,
+    require_unit,
+    split_name,
+)
 
 SYNTHETIC = "SYNTHETIC"  # the word by which a file says that nobody measured it
-TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}  # in s
-ANGLES = {"rad": 1.0, "deg": np.pi / 180.0}  # in rad
-VOLTAGES = {"V": 1.0, "mV": 1e-3}  # in V
 COARSEST = 0.02  # s between samples: a swing lasts a tenth of a second and more
 FINEST = 1e-5  # s between samples: no potentiometer is read faster
 FEWEST = 50  # samples
 LONGEST = 1e300  # in any unit of time, that is taken for a number
 LARGEST = 2 * np.pi  # rad, that a knee may show
-_TIME = re.compile(r"t|time|zeit|stamp|timestamp", re.IGNORECASE)
-_UNIT = re.compile(r"(?:[_\s]+|[\[(/]\s*)(us|µs|ms|s|sec|min|rad|degrees|deg|°|mV|V|volts|volt)\s*[\])]?$")
-_SPELLINGS = {"µs": "us", "sec": "s", "degrees": "deg", "°": "deg", "volts": "V", "volt": "V"}
+TURN = 2.0 * np.pi  # rad
+NEARLY = 0.25  # of a turn, by which a jump may differ from one: the knee moves on while an encoder wraps
+JUMP = 1.0  # rad from sample to sample, that no knee moves by
+
+Whole = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """A linear potentiometer: angle = (voltage - offset) / volts_per_rad.
+    """A linear potentiometer: angle = (voltage - offset) / volts_per_rad; or an encoder, with counts for volts.
 
     Attributes:
         volts_per_rad: its slope, in V/rad; negative if the voltage falls as the knee flexes.
@@ -55,10 +64,10 @@ class Record:
 
     Attributes:
         source: name of the file.
-        t: (n,), in s, increasing.
+        t: (n,), in s, from the first sample on, increasing.
         angle: (n,), in rad.
         synthetic: whether the file says that it is.
-        remarks: what was dropped or taken for granted.
+        remarks: what was dropped, mended or taken for granted.
     """
 
     source: str
@@ -85,43 +94,51 @@ def read_record(
 ) -> Record:
     """Read a record from a CSV or .mat file.
 
-    Units are read off the columns' names (`knee_V`, `angle [deg]`, `time_ms`) unless given.
+    Units are read off the columns' names (`knee_V`, `angle [deg]`, `time_ms`) or a row below them unless given. Times
+    count from the first sample. An angle that jumps by a turn, as encoders wrap, is put together again.
 
     Args:
         path: of the file.
         column: of the voltage or angle (default: the only one beside the time).
-        time_column: default: the one named t, time or the like, else the first.
-        calibration: of the potentiometer, for a column in volts.
-        unit: V, mV, rad or deg.
-        time_unit: s, ms, us or min.
+        time_column: default: the one named t, time, stamp or the like, else the first.
+        calibration: of the potentiometer or encoder, for a column in volts or counts.
+        unit: V, mV, counts, rad, mrad, deg or turns; or such a word as degrees.
+        time_unit: s, ms, us, ns, min or h; or such a word as seconds.
 
     Raises:
         BadFile: the file is no such record; the text says why.
         BadValue: a calibration that fits no voltage, or is missing for one.
         UnknownName: an unknown unit or column; the text lists the valid ones.
     """
-    for name, choices in ((unit, VOLTAGES | ANGLES), (time_unit, TIMES)):
-        if name is not None and name not in choices:
-            raise UnknownName("unit", name, choices)
+    unit = None if unit is None else require_unit(unit, VALUES)
+    time_unit = None if time_unit is None else require_unit(time_unit, TIMES)
     columns = read_columns(path, lambda names: _chosen(path, names, column, time_column))
     (time_name, value_name), (t, value) = columns.names, columns.values
-    time_unit = time_unit or _unit(time_name, TIMES) or "s"
     remarks = list(columns.remarks)
-    unit = unit or _unit(value_name, VOLTAGES | ANGLES)
+    time_unit = time_unit or _unit(path, time_name, columns.units[0], TIMES, "--time-unit")
+    if time_unit is None:
+        time_unit = guess_time_unit(time_name, t)
+        if time_unit != "s":
+            remarks.append(f"{time_name!r} names no unit: taken as {time_unit}, by its name or as Unix time")
+    unit = unit or _unit(path, value_name, columns.units[1], VALUES, "--unit")
     if unit is None:
         unit = "V" if calibration else "rad"
         remarks.append(f"{value_name!r} names no unit: taken as {unit}")
-    if (unit in VOLTAGES) != (calibration is not None):
-        expected = "volts per radian (--volts-per-rad) and an offset" if unit in VOLTAGES else "none"
+    if (unit in READOUTS) != (calibration is not None):
+        words = "counts" if unit == "counts" else "volts"
+        expected = f"{words} per radian (--volts-per-rad) and an offset" if unit in READOUTS else "none"
         raise BadValue(f"{path}: calibration of {value_name!r}, in {unit},", calibration, expected)
-    t, value, dropped = _rows(path, t, value)
+    rows, dropped = _rows(path, t, value)
     remarks += dropped
+    t, value = t[rows], value[rows]
     with np.errstate(over="ignore"):
-        t = t * TIMES[time_unit]
+        t = (t - t[0]) * TIMES[time_unit]
         if calibration is None:
             angle = value * ANGLES[unit]
         else:
-            angle = (value * VOLTAGES[unit] - calibration.offset) / calibration.volts_per_rad
+            angle = (value * READOUTS[unit] - calibration.offset) / calibration.volts_per_rad
+    angle, jumps = _unwrapped(angle, rows)
+    remarks += jumps
     _check(path, t, angle, unit, time_unit)
     gaps = np.diff(t) > 5 * np.median(np.diff(t))
     if gaps.any():
@@ -139,7 +156,7 @@ def _chosen(path: str | Path, names: Sequence[str], column: str | None, time_col
             path, f"a column is missing: there is only {', '.join(names) or 'none'}; a time and a value are needed"
         )
     if time_column is None:
-        timed = [name for name in names if _TIME.fullmatch(_UNIT.sub("", name).strip()) and name != column]
+        timed = [name for name in find_times(names) if name != column]
         time_column = timed[0] if timed else names[0]
     if column is None:
         others = [name for name in names if name != time_column]
@@ -151,14 +168,49 @@ def _chosen(path: str | Path, names: Sequence[str], column: str | None, time_col
     return time_column, column
 
 
-def _unit(name: str, units: dict[str, float]) -> str | None:
-    found = _UNIT.search(name)
-    unit = _SPELLINGS.get(found[1], found[1]) if found else None
-    return unit if unit in units else None
+def _unit(path: str | Path, name: str, below: str, units: dict[str, float], option: str) -> str | None:
+    """The unit that a column's name says, or the row below it."""
+    said = split_name(name)
+    found = said.unit if said.unit in units else None
+    if said.bracketed and found is None:
+        raise BadFile(path, _unknown(f"column {brief(name)}", said.word, units, option))
+    if below.strip("- "):
+        unit = split_name(f"[{below.strip('[]()')}]").unit
+        if unit is None or unit not in units:
+            raise BadFile(path, _unknown(f"the row below {brief(name)}", below, units, option))
+        if found not in (None, unit):
+            raise BadFile(path, f"column {brief(name)} is in {found}, and in {unit} as the row below says: {option}?")
+        return unit
+    return found
 
 
-def _rows(path: str | Path, t: Array, value: Array) -> tuple[Array, Array, list[str]]:
-    """The rows that hold two numbers, each time once, and what was dropped."""
+def _unknown(place: str, word: str, units: dict[str, float], option: str) -> str:
+    return f"{place} has the unit {brief(word)}; valid: {', '.join(units)}; {option} says another"
+
+
+def _unwrapped(angle: Array, rows: Whole) -> tuple[Array, list[str]]:
+    """The angle without jumps by a turn, near zero, and what was done; jumps that are none are told."""
+    with np.errstate(invalid="ignore"):
+        steps = np.diff(angle)
+        turns = np.rint(steps / TURN)
+        wraps = (turns != 0.0) & (np.abs(steps - TURN * turns) <= NEARLY * TURN) & (np.abs(turns) <= 1.0)
+    remarks = []
+    strange = np.flatnonzero((np.abs(steps) > JUMP) & ~wraps)
+    if strange.size:
+        first = int(strange[0])
+        also = f", and {strange.size - 1} times more" if strange.size > 1 else ""
+        remarks.append(f"the angle jumps by {steps[first]:.3g} rad after row {rows[first] + 1}{also}")
+    if wraps.any():
+        angle = angle - TURN * np.concatenate([[0.0], np.cumsum(np.where(wraps, turns, 0.0))])
+        angle = angle - TURN * np.rint(np.median(angle) / TURN)
+        first = int(np.flatnonzero(wraps)[0])
+        also = f", and {wraps.sum() - 1} times more" if wraps.sum() > 1 else ""
+        remarks.append(f"the angle jumps by a turn after row {rows[first] + 1}{also}: such jumps are taken out")
+    return angle, remarks
+
+
+def _rows(path: str | Path, t: Array, value: Array) -> tuple[Whole, list[str]]:
+    """The rows, from 0, that hold two numbers, each time once, and what was dropped."""
     good = (np.abs(t) < LONGEST) & np.isfinite(value)
     lost = int(good.size - good.sum())
     if 2 * lost > good.size:
@@ -167,18 +219,18 @@ def _rows(path: str | Path, t: Array, value: Array) -> tuple[Array, Array, list[
     if lost:
         first = int(np.flatnonzero(~good)[0]) + 1
         remarks.append(f"dropped {lost} of {good.size} rows without two finite numbers, the first in row {first}")
-        t, value = t[good], value[good]
-    if t.size < FEWEST:
-        raise BadFile(path, f"{t.size} rows of numbers; a release needs at least {FEWEST}")
+    rows = np.flatnonzero(good)
+    if rows.size < FEWEST:
+        raise BadFile(path, f"{rows.size} rows of numbers; a release needs at least {FEWEST}")
+    t = t[rows]
     steps = np.diff(t)
     if (steps < 0).any():
         row = int(np.flatnonzero(steps < 0)[0])
         raise BadFile(path, f"time goes back from {t[row]:g} to {t[row + 1]:g} after {row + 1} rows of numbers")
     if (steps == 0).any():
         remarks.append(f"dropped {int((steps == 0).sum())} rows that repeat a time")
-        kept = np.concatenate([[True], steps > 0])
-        t, value = t[kept], value[kept]
-    return t, value, remarks
+        rows = rows[np.concatenate([[True], steps > 0])]
+    return rows, remarks
 
 
 def _check(path: str | Path, t: Array, angle: Array, unit: str, time_unit: str) -> None:
@@ -193,5 +245,5 @@ def _check(path: str | Path, t: Array, angle: Array, unit: str, time_unit: str) 
         raise BadFile(path, f"samples are {step:.3g} s apart: are the times in {time_unit}, --time-unit?")
     largest = float(np.abs(angle).max())
     if largest > LARGEST:
-        hint = "is the calibration right?" if unit in VOLTAGES else f"is it in {unit}, --unit?"
+        hint = "is the calibration right?" if unit in READOUTS else f"is it in {unit}, --unit?"
         raise BadFile(path, f"the knee's angle reaches {largest:.4g} rad at {t[np.abs(angle).argmax()]:g} s ({hint})")

@@ -153,7 +153,7 @@ def _estimate(problem: LeastSquares, solution: Any, loss: str, spread: float) ->
     unsmoothed = [angle - raw for angle, t in zip(angles, trials, strict=True) if (raw := t.unsmoothed) is not None]
     known = len(unsmoothed) == len(trials)
     roundings = [rounding(trial.unsmoothed, angle) for trial, angle in zip(trials, angles, strict=True)]
-    moving = [trial.t > setting.let_go for trial, setting in zip(trials, settings, strict=True)]
+    moving = [setting.since(trial) > 0.0 for trial, setting in zip(trials, settings, strict=True)]
     found = scatter(
         residuals,
         np.split(problem.linearized(x)[1], ends),
@@ -166,7 +166,7 @@ def _estimate(problem: LeastSquares, solution: Any, loss: str, spread: float) ->
     deviations = np.sqrt(np.diag(found.covariance))
     estimate = Estimate(
         parameters=tuple(
-            Parameter(entry.name, entry.trial, float(value), float(deviation), float(inflation))
+            Parameter(entry.name, entry.trial, entry.origin + float(value), float(deviation), float(inflation))
             for entry, value, deviation, inflation in zip(problem.entries, x, deviations, found.inflation, strict=True)
         ),
         covariance=found.covariance,

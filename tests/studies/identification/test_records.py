@@ -30,23 +30,76 @@ def agrees(record):
 
 class TestUnits:
     @pytest.mark.parametrize(
-        "time", ["t", "time", "Time", "time_s", "time [s]", "t(s)", "TIME (sec)", "Zeit/s", "timestamp"]
+        "time",
+        [
+            *("t", "time", "Time", "time_s", "time [s]", "t(s)", "TIME (sec)", "Zeit/s", "timestamp", "Time (Seconds)"),
+            *("time_secs", "timeSec", "Time stamp", "header.stamp [s]", "seconds", "elapsed time (s)", "t （s）"),
+        ],
     )
-    @pytest.mark.parametrize("knee", ["knee_rad", "angle [rad]", "knee (rad)", "knee rad", "θ/rad"])
+    @pytest.mark.parametrize("knee", ["knee_rad", "angle [radians]", "knee (rad)", "knee rad", "θ/rad", "kneeRad"])
     def test_si(self, tmp_path, time, knee):
         record = read_record(columns(tmp_path, f"{time},{knee}", T, ANGLE))
         assert agrees(record) and record.remarks == () and not record.synthetic
 
     @pytest.mark.parametrize(
         ("head", "factor"),
-        [("time_ms", 1e3), ("time [us]", 1e6), ("t (µs)", 1e6), ("t/min", 1 / 60)],
+        [
+            *(
+                ("time_ms", 1e3),
+                ("Time (milliseconds)", 1e3),
+                ("t_msec", 1e3),
+                ("t/min", 1 / 60),
+                ("time [Minutes]", 1 / 60),
+            ),
+            *(
+                ("time [us]", 1e6),
+                ("t (\u00b5s)", 1e6),
+                ("t (\u03bcs)", 1e6),
+                ("t usec", 1e6),
+                ("time_microseconds", 1e6),
+            ),
+            *(
+                ("time_ns", 1e9),
+                ("stamp.nanosec", 1e9),
+                ("time (Nanoseconds)", 1e9),
+                ("timeNs", 1e9),
+            ),
+        ],
     )
     def test_times(self, tmp_path, head, factor):
         assert agrees(read_record(columns(tmp_path, f"{head},knee_rad", T * factor, ANGLE)))
 
-    @pytest.mark.parametrize("head", ["knee_deg", "knee [°]", "knee (degrees)"])
-    def test_degrees(self, tmp_path, head):
-        assert agrees(read_record(columns(tmp_path, f"t,{head}", T, np.degrees(ANGLE))))
+    @pytest.mark.parametrize(
+        ("head", "factor"),
+        [
+            *((head, 180 / np.pi) for head in ("knee_deg", "knee [°]", "knee (degrees)", "knee (Deg)", "knee°")),
+            *((head, 0.5 / np.pi) for head in ("knee [turns]", "knee_rev", "knee (revolutions)")),
+            ("knee [mrad]", 1e3),
+        ],
+    )
+    def test_angles(self, tmp_path, head, factor):
+        assert agrees(read_record(columns(tmp_path, f"t,{head}", T, ANGLE * factor)))
+        told = read_record(columns(tmp_path, f"t,{head}", T, ANGLE * factor), unit=head[4:].strip(" _[]()"))
+        assert agrees(told)
+
+    @pytest.mark.parametrize(
+        ("head", "problem"),
+        [
+            (
+                "t,knee [furlongs]",
+                "column 'knee .furlongs.' has the unit 'furlongs'; valid: rad, mrad, deg, turns, V, mV,",
+            ),
+            ("t,knee (Nm)", "has the unit 'Nm'; valid: rad.*--unit says another"),
+            ("t,knee [s]", "has the unit 's'; valid: rad"),
+            ("t [fortnights],knee_rad", "has the unit 'fortnights'; valid: s, ms, us, ns, min, h; --time-unit"),
+            ("t [deg],knee_rad", "has the unit 'deg'; valid: s, ms"),
+        ],
+    )
+    def test_words_in_brackets_that_are_no_units(self, tmp_path, head, problem):
+        path = columns(tmp_path, head, T, ANGLE)
+        with pytest.raises(BadFile, match=f"record.csv: .*{problem}"):
+            read_record(path)
+        assert agrees(read_record(path, unit="rad", time_unit="s"))
 
     @pytest.mark.parametrize(("head", "factor"), [("knee_V", 1), ("pot [mV]", 1000), ("pot (volts)", 1), ("pot", 1)])
     def test_volts(self, tmp_path, head, factor):
@@ -105,6 +158,57 @@ class TestUnits:
             Calibration(1.0, float("nan"))
 
 
+class TestClocks:
+    @pytest.mark.parametrize(
+        ("name", "per_second"),
+        [("time", 1), ("Time [ms]", 1000), ("stamp", 1000), ("timestamp_us", 10**6), ("%time", 10**9), ("__time", 1)],
+    )
+    def test_unix(self, tmp_path, name, per_second):
+        if per_second >= 1000:
+            rows = [str((1_700_000_000_000 + i) * (per_second // 1000)) for i in range(400)]
+        else:
+            rows = [f"{1_700_000_000 + i // 1000}.{i % 1000:03}" for i in range(400)]
+        text = "\n".join([f"{name},knee_rad", *(f"{t},{a:.6f}" for t, a in zip(rows, ANGLE, strict=True)), ""])
+        record = read_record(written(tmp_path, text))
+        assert record.t[0] == 0.0
+        np.testing.assert_allclose(record.t, T, rtol=0, atol=3e-7)
+        told = [remark for remark in record.remarks if "names no unit: taken as" in remark]
+        assert len(told) == (name in ("stamp", "%time"))
+
+    def test_ros_from_zero(self, tmp_path):
+        assert agrees(read_record(columns(tmp_path, "%time,field.position0_rad", T * 1e9, ANGLE)))
+
+    def test_an_offset(self, tmp_path):
+        assert agrees(read_record(columns(tmp_path, "t,knee_rad", T - 12.5, ANGLE)))
+
+
+class TestWraps:
+    @pytest.mark.parametrize(
+        ("unit", "turn"), [("rad", 2 * np.pi), ("deg", 360.0), ("turns", 1.0), ("counts", 4096.0), ("V", 5.0)]
+    )
+    @pytest.mark.parametrize("cut", [1.1, 0.9])  # where the encoder wraps, of the angle
+    def test_by_a_turn(self, tmp_path, unit, turn, cut):
+        wrapped = np.mod(ANGLE - cut, 2 * np.pi) + cut - 2 * np.pi
+        calibration = Calibration(turn / (2 * np.pi)) if unit in ("counts", "V") else None
+        path = columns(tmp_path, f"t,knee [{unit}]", T, wrapped / (2 * np.pi) * turn)
+        record = read_record(path, calibration=calibration)
+        np.testing.assert_allclose(record.angle, ANGLE, rtol=0, atol=1e-5)
+        first = int(np.flatnonzero(np.abs(np.diff(wrapped)) > 3)[0]) + 1
+        assert f"the angle jumps by a turn after row {first}, and " in record.remarks[0] and len(record.remarks) == 1
+
+    def test_beside_a_gap(self, tmp_path):
+        wrapped = np.where(T > 0.2, ANGLE - 2 * np.pi, ANGLE)
+        wrapped[195:210] = np.nan
+        record = read_record(columns(tmp_path, "t,knee_rad", T, wrapped))
+        np.testing.assert_allclose(record.angle, np.delete(ANGLE, slice(195, 210)), rtol=0, atol=1e-7)
+        assert "after row 195: such jumps are taken out" in record.remarks[1]
+
+    def test_a_jump_that_is_no_turn(self, tmp_path):
+        record = read_record(columns(tmp_path, "t,knee_rad", T, np.where(T > 0.2, ANGLE + 3.0, ANGLE)))
+        assert "the angle jumps by 3.0" in record.remarks[0] and "rad after row 201" in record.remarks[0]
+        np.testing.assert_allclose(record.angle[300:], ANGLE[300:] + 3.0, rtol=0, atol=1e-7)
+
+
 class TestChoice:
     TABLE = table("n,hip_rad,knee_deg,time_ms,note", row="3{s}0.1{s}57.3{s}{t}{s}x")
 
@@ -146,7 +250,7 @@ class TestRemarks:
     def test_huge_times(self, tmp_path):
         text = changed(400, "1e308,1", changed(1, "-1.7e308,1"))
         record = read_record(written(tmp_path, text), time_unit="s")
-        np.testing.assert_array_equal(record.t, T[1:-1])
+        np.testing.assert_array_equal(record.t, T[1:-1] - T[1])
         assert "dropped 2 of 400 rows" in record.remarks[0]
 
 

@@ -25,12 +25,13 @@ COLLADA = """<?xml version="1.0"?>
   <triangles count="12" material="paint">
     <input semantic="VERTEX" source="#corners" offset="0"/><p>{faces}</p></triangles>
 </mesh></geometry></library_geometries>
+<library_nodes>{nodes}</library_nodes>
 <library_visual_scenes><visual_scene id="all"><node id="node">
   <matrix>1 0 0 {shift} 0 1 0 0 0 0 1 0 0 0 0 1</matrix>
   <instance_geometry url="#cube"><bind_material><technique_common>
     <instance_material symbol="paint" target="#paint"/>
   </technique_common></bind_material></instance_geometry>
-</node></visual_scene></library_visual_scenes>
+</node>{put}</visual_scene></library_visual_scenes>
 <scene><instance_visual_scene url="#all"/></scene>
 </COLLADA>"""
 EFFECT = """<effect id="coat"><profile_COMMON><technique sid="common"><lambert>
@@ -51,10 +52,11 @@ def obj(extra="") -> str:
     )
 
 
-def dae(meter=1.0, shift=0.0, effect=EFFECT) -> str:
-    """The cube as COLLADA, orange, moved along x."""
+def dae(meter=1.0, shift=0.0, effect=EFFECT, nodes="", put="") -> str:
+    """The cube as COLLADA, orange, moved along x; with nodes beside it, and one of them put into the scene."""
+    put = put and f'<node><instance_node url="#{put}"/></node>'
     corners, faces = (" ".join(map(str, array.ravel())) for array in (CORNERS, FACES))
-    return COLLADA.format(meter=meter, shift=shift, effect=effect, corners=corners, faces=faces)
+    return COLLADA.format(meter=meter, shift=shift, effect=effect, corners=corners, faces=faces, nodes=nodes, put=put)
 
 
 def ball(rings, center=(0.0, 0.0, 0.0), radius=1.0):

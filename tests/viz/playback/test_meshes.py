@@ -1,13 +1,14 @@
 """Meshes of other people's robots: where they may be, what is read of them, and how they are made light."""
 
 import io
+import re
 import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from spear_pin.viz.playback import meshes
+from spear_pin.viz.playback import mesh_limits, meshes
 from spear_pin.viz.playback.appearance import Undrawn
 from spear_pin.viz.playback.meshes import Use, find_mesh, light_meshes, lightened
 from tests.viz.playback import solids
@@ -160,6 +161,82 @@ class TestReading:
         path = tmp_path / "cube.stl"
         path.write_bytes(solids.stl())
         assert read(path) == "more than 100 bytes"
+
+
+DOUBLING = "".join(f'<node id="k{i}">{2 * f"""<instance_node url="#k{i - 1}"/>"""}</node>' for i in range(1, 60))
+GROUPS = "".join(f"usemtl m{i}\ng g{i}\no o{i}\nf 1 2 3\n" for i in range(100_000))
+TOO_MUCH = {  # what may take long, or much memory, though the file is small
+    "of nodes that put nodes.dae": (
+        lambda: solids.dae(nodes='<node id="k0"><instance_geometry url="#cube"/></node>' + DOUBLING, put="k59"),
+        "more than 5000 nodes",
+    ),
+    "of nodes that put themselves.dae": (
+        lambda: solids.dae(nodes='<node id="a"><instance_node url="#a"/></node>', put="a"),
+        "more than 100 nodes in one another",
+    ),
+    "deep.dae": (
+        lambda: solids.dae(nodes='<node id="a">' + "<node>" * 200 + "</node>" * 201, put="a"),
+        "more than 100 nodes in one another",
+    ),
+    "deeper.dae": (lambda: "<node>" * 100_000, "cannot be read: Excessive depth"),
+    "of materials.dae": (lambda: solids.dae(nodes="<material/>" * 6000), "more than 5000 material elements"),
+    "of geometries.dae": (lambda: solids.dae(nodes="<geometry/>" * 6000), "more than 5000 geometry elements"),
+    "of tags.dae": (lambda: solids.dae(nodes="<extra/>" * 300_000), "more than 300000 tags"),
+    "of triangles.dae": (
+        lambda: solids.dae(nodes=f"<geometry><triangles><input/><p>{'0 ' * 2_200_000}</p></triangles></geometry>"),
+        "more than 700000 triangles",
+    ),
+    "of triangles.obj": (lambda: "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "f 1 2 3\n" * 700_001, "more than 700000 triangles"),
+    "of one face.obj": (lambda: "v 0 0 0\nv 1 0 0\nv 0 1 0\nf" + " 1 2 3" * 240_000, "more than 700000 triangles"),
+    "of points.obj": (lambda: "v 0 0 0\n" * 2_000_002, "more than 2000000 points"),
+    "of triangles.stl": (
+        lambda: bytes(80) + (700_001).to_bytes(4, "little") + bytes(50 * 700_001),
+        "more than 700000 triangles",
+    ),
+    "that lies.stl": (
+        lambda: bytes(80) + b"\xff\xff\xff\xff" + bytes(5000),
+        "says that it has 4294967295 triangles, and has room for 100",
+    ),
+    "in words.stl": (lambda: "solid a\n" + "vertex " * 2_100_003, "more than 700000 triangles"),
+}
+
+
+class TestLimits:
+    @pytest.mark.parametrize("name", TOO_MUCH)
+    def test_not_drawn(self, tmp_path, name):
+        make, why = TOO_MUCH[name]
+        data = make()
+        path = tmp_path / name
+        path.write_bytes(data if isinstance(data, bytes) else data.encode())
+        said = read(path)
+        assert isinstance(said, str) and re.search(why, said) and "\n" not in said
+
+    def test_groups_and_materials_of_obj_do_not_count(self, tmp_path):
+        path = tmp_path / "a.obj"
+        path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + GROUPS)
+        (mesh,) = read(path)
+        assert len(mesh.faces) == 1
+
+    def test_a_node_put_often_counts_often(self, tmp_path, monkeypatch):
+        path = tmp_path / "a.dae"
+        path.write_text(solids.dae(nodes='<node id="a"><instance_geometry url="#cube"/></node>', put="a"))
+        monkeypatch.setattr(mesh_limits, "MOST_FACES", 24)
+        assert sum(len(each.faces) for each in read(path)) == 24
+        meshes.light_meshes.cache_clear()
+        monkeypatch.setattr(mesh_limits, "MOST_FACES", 23)
+        assert read(path) == "more than 23 triangles"
+
+    def test_together(self, tmp_path, monkeypatch):
+        uses = []
+        for name in ("a.stl", "b.stl", "c.stl"):
+            (tmp_path / name).write_bytes(solids.stl())
+            uses.append(meshes.Use(tmp_path / name, 1, 1.0, 1))
+        monkeypatch.setattr(meshes, "MOST_TOGETHER", 24)
+        *drawn, left = light_meshes(tuple(uses), 100).values()
+        assert [len(each) for each in drawn] == [1, 1] and left == "more than 24 triangles with the others"
+        light_meshes.cache_clear()
+        monkeypatch.setattr(meshes, "MOST_SECONDS", -1.0)
+        assert set(light_meshes(tuple(uses), 100).values()) == {"reading the others took -1 s"}
 
 
 def mesh(corners, faces):

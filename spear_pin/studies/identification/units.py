@@ -1,0 +1,105 @@
+"""Units of time, angles and read-outs by the words that logs have for them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spear_pin.arrays import Array
+from spear_pin.errors import UnknownName
+
+TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}  # in s
+ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": np.pi / 180.0, "turns": 2.0 * np.pi}  # in rad
+READOUTS = {"V": 1.0, "mV": 1e-3, "counts": 1.0}  # in V, or in counts: they need a calibration
+VALUES = ANGLES | READOUTS
+_WORDS = {
+    "s": "s sec secs second seconds",
+    "ms": "ms msec msecs millisec millisecond milliseconds",
+    "us": "us µs usec usecs µsec microsec microsecond microseconds",
+    "ns": "ns nsec nsecs nanosec nanosecond nanoseconds",
+    "min": "min mins minute minutes",
+    "h": "h hr hrs hour hours",
+    "rad": "rad rads radian radians",
+    "mrad": "mrad milliradian milliradians",
+    "deg": "deg degs degree degrees °",
+    "turns": "turn turns rev revs revolution revolutions rotation rotations",
+    "V": "v volt volts",
+    "mV": "mv millivolt millivolts",
+    "counts": "count counts tick ticks lsb",
+}
+_UNITS = {word: unit for unit, words in _WORDS.items() for word in words.split()}
+_ALIKE = str.maketrans({"μ": "µ", "º": "°", "˚": "°", "（": "(", "）": ")", "［": "[", "］": "]"})
+_BRACKETED = re.compile(r"(.*?)[\s_/]*[\[(]\s*([^\[\]()]*?)\s*[\])]", re.DOTALL)
+_TRAILING = re.compile(r"(.*?)(?:[\s_/.]+|(?<=[a-z])(?=[A-Z])|(?=°))([^\s_/.]+)", re.DOTALL)
+_LETTERS = {"s", "h", "v"}  # after a name they are units only as they are usually written
+_TIME = r"t|time|zeit|stamp|time[\s_]?stamp"
+_SURELY, _PERHAPS = re.compile(rf"[%_/]*({_TIME})", re.I), re.compile(r"(.*[^a-z])?(time|clock|epoch)|.*stamp", re.I)
+_ROS = re.compile(r"%time|field\.(.*\.)?stamp")  # as `rostopic echo -p` writes them: in ns
+_UNIX = (3e8, 5e9)  # s since 1970 that a clock may show
+
+
+@dataclass(frozen=True)
+class Named:
+    """What a column's name says, as `knee [deg]` or `time_ms`.
+
+    Attributes:
+        stem: without the unit.
+        word: that may be a unit.
+        unit: that it names, one of `TIMES`, `ANGLES` or `READOUTS`, or None.
+        bracketed: whether the word stands in brackets, and so is meant as a unit.
+    """
+
+    stem: str
+    word: str
+    unit: str | None
+    bracketed: bool = False
+
+
+def find_unit(word: str) -> str | None:
+    """Find the unit that a word names, one of `TIMES`, `ANGLES` or `READOUTS`, or None."""
+    return _UNITS.get(word.translate(_ALIKE).strip(" []()").lower())
+
+
+def split_name(name: str) -> Named:
+    """Split a column's name into what it names and the unit."""
+    name = name.translate(_ALIKE).strip()
+    found = _BRACKETED.fullmatch(name)
+    if found and found[2]:
+        return Named(found[1], found[2], find_unit(found[2]), True)
+    found = _TRAILING.fullmatch(name)
+    if found and (unit := find_unit(found[2])) and not (found[2].lower() in _LETTERS and found[2] != unit):
+        return Named(found[1], found[2], unit)
+    return Named(name, name, find_unit(name))
+
+
+def find_times(names: Sequence[str]) -> list[str]:
+    """Find the columns whose names say that they hold times, the surest first."""
+    split = {name: split_name(name) for name in names}
+    stems = {name: each.stem if each.unit in TIMES or each.bracketed else name.strip() for name, each in split.items()}
+    surely = [name for name in names if _SURELY.fullmatch(stems[name])]
+    perhaps = [name for name in names if _PERHAPS.fullmatch(stems[name]) or split[name].unit in TIMES]
+    return surely + [name for name in perhaps if name not in surely]
+
+
+def guess_time_unit(name: str, times: Array) -> str:
+    """Guess the unit of times that say none: ns for ROS's own names, that in which they are Unix time, or s."""
+    if _ROS.fullmatch(name):
+        return "ns"
+    largest = float(np.abs(times).max(initial=0.0, where=np.isfinite(times)))
+    unix = [unit for unit in ("s", "ms", "us", "ns") if _UNIX[0] <= largest * TIMES[unit] <= _UNIX[1]]
+    return unix[0] if unix else "s"
+
+
+def require_unit(word: str, units: Mapping[str, float]) -> str:
+    """Find the unit that somebody asks for by a word.
+
+    Raises:
+        UnknownName: it is none of the units.
+    """
+    unit = find_unit(word)
+    if unit is None or unit not in units:
+        raise UnknownName("unit", word, units)
+    return unit
