@@ -61,7 +61,12 @@ class Ground(Contact):
     @property
     def plain(self) -> bool:
         """Whether it is level, at height zero, and no other shape than a plane."""
-        return type(self).above is Ground.above and self.level and _is_zero(self.height)
+        return self.plane and self.level and _is_zero(self.height)
+
+    @property
+    def plane(self) -> bool:
+        """Whether it is of no other shape than a plane."""
+        return type(self).above is Ground.above
 
     def axes(self, x: Any, z: Any, ops: Operations = FLOATS) -> tuple[Any, Any]:
         """Tangential and normal component of a vector (x, z), or of a row of vectors if those are arrays."""

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -194,11 +196,11 @@ class Flow:
         index = self.system.robot.index(rub.joint)
         return Rubbing(float(self.v[index]), float(self.a[index]), 0.0 if rub.sign else self.holding(rub.joint))
 
-    def value(self, guard: Guard, t: float, y: Array) -> float:
+    def value(self, guard: Guard, t: float, y: Array, dyn: Any = None) -> float:
         """A guard's value, not a number where it has none; the flow has to have been called with the same (t, y)."""
         nv = self._nv
         try:
-            return float(guard.value(t, y[:nv], y[nv : 2 * nv], self.held, self._p, self, FLOATS))
+            return float(guard.value(t, y[:nv], y[nv : 2 * nv], self.held, self._p, dyn or self, FLOATS))
         except (ArithmeticError, ValueError, np.linalg.LinAlgError):
             return math.nan
 
@@ -247,10 +249,25 @@ class Flow:
 
     def height(self, frame: str) -> float:
         """Distance of a frame from the ground, along its normal, in m."""
+        place = pin.updateFramePlacement(self._model, self._data, self._frame(frame)).translation
+        return float(place[2] if self._plain else self._ground.above(place[0], place[2], FLOATS))
+
+    def places(self, frame: str, states: Array) -> Array:
+        """Positions of a frame in states, (n, 3), in m; the last call's values stay."""
+        index, found = self._frame(frame), np.empty((len(states), 3))
+        for place, y in zip(found, states, strict=True):
+            pin.forwardKinematics(self._model, self._aside, y[: self._nv])
+            place[:] = pin.updateFramePlacement(self._model, self._aside, index).translation
+        return found
+
+    @cached_property
+    def _aside(self) -> pin.Data:
+        return pin.Data(self._model)
+
+    def _frame(self, frame: str) -> int:
         if frame not in self._frame_ids:
             self._frame_ids[frame] = frame_id(self._model, frame)
-        place = pin.updateFramePlacement(self._model, self._data, self._frame_ids[frame]).translation
-        return float(place[2] if self._plain else self._ground.above(place[0], place[2], FLOATS))
+        return self._frame_ids[frame]
 
     def force(self, toe: str) -> tuple[float, ...]:
         """Ground force on a toe in the last call, along the ground and normal to it, in N."""

@@ -6,6 +6,7 @@ engine runs it again from the beginning of its cycle: what is rare is slow, neve
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -57,6 +58,7 @@ class Lanes:
     ) -> None:
         n, self.nv = len(q), system.robot.nv
         self.system, self.options, self.wanted = system, options, cycles
+        self._longest = options.max_step or math.inf
         self.numbers = Numbers(system, given, code)
         # what the reference engine can begin at: the last state on the section that says everything, the cycles before
         self.start, self.before = np.concatenate([q.T, v.T]), np.zeros(n, np.int64)
@@ -76,7 +78,8 @@ class Lanes:
         self.repeated = np.zeros(n, bool)
         seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and code.observing}
         self.observed = {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
-        self._lone = [LoneRunner(self.numbers, lane) for lane in range(n)] if n <= FEW else []
+        longest = self._longest
+        self._lone = [LoneRunner(self.numbers, lane, longest=longest) for lane in range(n)] if n <= FEW else []
         self.orders: list[Order] = [()] * n  # of the last whole cycle
         self._happened: list[list[Happening]] = [[] for _ in self._lone]  # in the one under way
         self._alone: list[tuple[str, Group, Came | None]] = []
@@ -221,7 +224,7 @@ class Lanes:
         late = until <= group.t
         self.give_up(group.take(late))
         group, until = group.take(~late), until[~late]
-        t, y, ends = ready.run(group.t, group.y, until, self.numbers.parameters(group))
+        t, y, ends = ready.run(group.t, group.y, until, self.numbers.parameters(group), self._longest)
         group = replace(group, t=t, y=y)
         for end in np.unique(ends).tolist():
             part = group.take(ends == end)
