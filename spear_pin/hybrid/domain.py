@@ -25,7 +25,6 @@ from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.model.spring import Spring
 
-PACKAGE = f"{__name__.partition('.')[0]}."
 Held = Mapping[str, Any]
 Law = Callable[[Any, Any, Any, Held, Any, Dynamics, Operations], Sequence[Any]]
 GuardValue = Callable[[Any, Any, Any, Held, Any, Dynamics, Operations], Any]
@@ -143,11 +142,6 @@ class Guard:
     def leaves(self) -> bool:
         """Whether the event ends the phase."""
         return self.ends is not None or (self.reset is not None and self.reset.phase is not None)
-
-
-def is_own(guard: Guard) -> bool:
-    """Whether a guard is not one of this package, whose guards are as smooth as the motion."""
-    return not getattr(guard.value, "__module__", "").startswith(PACKAGE)
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,9 @@ import numpy as np
 import scipy
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.domain import Guard, is_own
+from spear_pin.hybrid.domain import Guard
 from spear_pin.hybrid.engines.pinocchio import Flow
+from spear_pin.hybrid.own import is_own
 from spear_pin.hybrid.rules.entry import ahead, at_once, stays_on_zero
 from spear_pin.hybrid.span import NEGATIVE, POSITIVE, Step, glances, parted
 
@@ -191,8 +192,8 @@ class Watch:
 
 def may_be_quick(flow: Flow, guard: Guard, t: float, y: Array) -> bool:
     """Whether a guard may fall and rise again faster than the motion: one of one's own, or of a ground of one's own."""
-    if is_own(guard) or flow.system.ground.plane:
-        return is_own(guard)
+    if is_own(guard.value) or flow.system.ground.plane:
+        return is_own(guard.value)
     asked = _Asked(flow)
     flow.visit(t, y)
     flow.value(guard, t, y, asked)

@@ -7,7 +7,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import require
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.engines.pinocchio import electrical_flows, flow_names
+from spear_pin.hybrid.flow_names import electrical_flows, flow_names
 from spear_pin.hybrid.result import BOOKED, Moment, Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.sampling import Sampler

@@ -13,6 +13,7 @@ from math import comb
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.domain import Guard
@@ -138,13 +139,22 @@ class Step:
         name, arguments = what
         if name in (PLACE, HEIGHT):
             (frame,) = arguments
-            places = self.flow.places(frame, self._states)
+            places = self._places(frame)
             return places if name == PLACE else self.flow.system.ground.above(places[:, 0], places[:, 2])
         found = []
         for t, y in zip(self._times.tolist(), self._states, strict=True):
             self.flow.visit(t, y)
             value = getattr(self.flow, name)
             found.append(value(*arguments) if callable(value) else value)
+        return found
+
+    def _places(self, frame: str) -> Array:
+        """Positions of a frame at the nodes and where it is checked, (n, 3), in m."""
+        model, index = self.flow.system.robot.model, self.flow.frame(frame)
+        data, found = pin.Data(model), np.empty((len(self._states), 3))
+        for place, y in zip(found, self._states, strict=True):
+            pin.forwardKinematics(model, data, y[: model.nq])
+            place[:] = pin.updateFramePlacement(model, data, index).translation
         return found
 
 

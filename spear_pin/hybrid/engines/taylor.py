@@ -16,14 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.errors import MissingExtra
+from spear_pin.errors import MissingExtra, brief
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.domain import Domain, is_own
+from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.dynamics import Operations
 from spear_pin.hybrid.elimination import solve
 from spear_pin.hybrid.engines.alternating import Alternating
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
+from spear_pin.hybrid.own import is_own, mistake
 from spear_pin.hybrid.rules.footing import Footing, closed_toes, fitness, footing
 from spear_pin.model.planar import Planar
 
@@ -136,8 +137,12 @@ class Compiled:
                 if domain.between is None
                 else Alternating(system, domain, planar, q, v, kept, self.numbers, ops)
             )
-            slopes = [*v, *map(_expression, motion.a)]
-            return Field(slopes, [_expression(value) for value in motion.guards], kinks, motion)
+            slopes, guards = [*v, *map(_expression, motion.a)], list(map(_expression, motion.guards))
+            for guard, value in zip(domain.guards, guards, strict=True):
+                if not isinstance(value, hy.expression):
+                    what = f"guard {guard.name!r} of domain {domain.name!r}"
+                    raise mistake(what, guard.value, f"it gives {brief(value)}; expected a number")
+            return Field(slopes, guards, kinks, motion)
 
         self.field = field
         self.here = slopes, guards, kinks, _ = field(hy.time, self.state)
@@ -149,7 +154,7 @@ class Compiled:
         self._events = [*((guards[i], falling) for i in watched), *((kink, either) for kink in kinks)]
         self.meaning = np.array([*watched, *[KINK] * len(kinks)], dtype=np.int64)  # of its events
         # what steps resolve though it is no event: far from where exp and tanh are steep their series tell nothing
-        own = not system.ground.plane or any(is_own(guard) for guard in domain.guards)
+        own = not system.ground.plane or any(is_own(guard.value) for guard in domain.guards)
         self._resolved = [2.0 + hy.sin(2.0 * (1.0 + argument**2.0) ** 0.25) for argument in flat] if own else []
         self.level = code.level
         self._settings = {"tol": code.tol, "compact_mode": not code.unrolled, "opt_level": code.level}

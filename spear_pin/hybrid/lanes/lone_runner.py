@@ -232,7 +232,7 @@ class LoneRunner:
     def _latch(self, now: _Now, reset: Reset) -> None:
         y = now.y.tolist()
         try:
-            now.held = latched(now.held, [reset], y[: self._nv], y[self._nv :], self._law)
+            now.held = latched(now.held, [reset], y[: self._nv], y[self._nv :], self._law, self._system.place_of)
         except ArithmeticError:
             raise _Unclear(f"{reset.phase or now.phase} cannot be latched") from None
         now.singles, now.parameters = self._given(now.held)

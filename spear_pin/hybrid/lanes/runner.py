@@ -26,6 +26,7 @@ from spear_pin.hybrid.lanes.modes import away, choose, first_event
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.sliding import Came, slide
 from spear_pin.hybrid.orders import Happening, Order, happening, in_order, order_of
+from spear_pin.hybrid.own import FOR_SYMBOLS, not_symbolic
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.result import Options
@@ -108,7 +109,13 @@ class Lanes:
         """Sort the lanes into the phases where they begin."""
         system, n = self.system, self.start.shape[1]
         feet = self.numbers.planar.feet(list(self.start[: self.nv]), list(self.start[self.nv :]), np)
-        feet = self.numbers.ground(np.arange(n)).seen(feet, np)
+        ground = self.numbers.ground(np.arange(n))
+        for toe in system.robot.toes if n and not ground.plane else ():
+            system.ground.foot(system.robot, self.start[: self.nv, 0], toe)  # a mistake shows with numbers
+        try:
+            feet = ground.seen(feet, np)
+        except FOR_SYMBOLS as error:
+            raise not_symbolic("the ground", ground.above, error) from error
         heights = np.array([np.broadcast_to(feet.positions[toe][1], n) for toe in system.robot.toes])
         below = below_ground(heights).any(axis=0)
         for lane in np.flatnonzero(below):
