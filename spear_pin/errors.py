@@ -74,6 +74,15 @@ class NotSymbolic(SpearError, TypeError):
     """A law or a guard that symbols cannot be put into, so that it cannot be compiled for lanes."""
 
 
+class BadFunction(SpearError):
+    """A mistake in a law, a guard, a latch, a spring or a ground of one's own; what it raised is the cause."""
+
+    def __init__(self, what: str, function: str, file: str, line: int, problem: str) -> None:
+        self.what, self.function, self.file, self.line, self.problem = what, function, file, line, problem
+        where = f", {file}:{line}" if file else ""
+        super().__init__(f"{what} ({function}{where}): {problem}")
+
+
 class BadFile(SpearError):
     """A file that cannot be read as what it should be: a URDF, a gait, a trajectory."""
 

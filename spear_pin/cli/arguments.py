@@ -140,7 +140,7 @@ def check_folder(folder: Path, given: str, expected: str) -> None:
 
 
 def add_simulation(parser: argparse.ArgumentParser, cycles: int, called: str, page: str) -> None:
-    """Declare --cycles, --rtol, --out and --open; `check_simulation` goes with them.
+    """Declare --cycles, --rtol, --max-step, --out and --open; `check_simulation` goes with them.
 
     Args:
         parser: of the command.
@@ -152,6 +152,9 @@ def add_simulation(parser: argparse.ArgumentParser, cycles: int, called: str, pa
         "--cycles", type=int, default=cycles, metavar="N", help=f"{called} to simulate (default: {cycles})"
     )
     parser.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance (default: 1e-9)")
+    parser.add_argument(
+        "--max-step", type=float, metavar="SECONDS", help="longest step of the integrator (default: as it finds fit)"
+    )
     add_out(parser, "the files")
     add_open(parser, page)
 
@@ -161,7 +164,7 @@ def check_simulation(arguments: argparse.Namespace) -> None:
     from spear_pin.hybrid.result import Options
 
     check_out(arguments)
-    Options(rtol=arguments.rtol)
+    Options(rtol=arguments.rtol, max_step=arguments.max_step)
     if not 1 <= arguments.cycles <= MOST_CYCLES:
         raise BadValue("--cycles", arguments.cycles, f"a whole number from 1 to {MOST_CYCLES}")
 

@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         raise BadValue("--speed", arguments.speed, "a number > 0, in m/s")
     check_simulation(arguments)
     name, gait, notes = _gait(arguments)
-    trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol)
+    trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step)
     samples = trajectory.save(arguments.out / "bound.npz")  # before all that could fail or be interrupted
     saved = [gait.save(arguments.out / "bound.json")] if arguments.save else []
     robot = gait.system.robot

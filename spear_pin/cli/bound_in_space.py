@@ -84,7 +84,9 @@ def run(arguments: argparse.Namespace, name: str, plane: Gait, notes: list[tuple
         falls = eigenvalues(across(gait, ()).A)
         show("finding feedback")
         gait = balanced(gait, inputs, heading=HEADING if arguments.keep_heading else 0.0)
-    trajectory = simulate(gait.system, pushed(gait, arguments.push or 0.0), arguments.cycles, arguments.rtol)
+    trajectory = simulate(
+        gait.system, pushed(gait, arguments.push or 0.0), arguments.cycles, arguments.rtol, max_step=arguments.max_step
+    )
     samples = trajectory.save(arguments.out / "bound_in_space.npz")
     summary = {
         "gait": name,

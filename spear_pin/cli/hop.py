@@ -111,7 +111,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     else:
         wanted = FLIGHT_TIME if arguments.stance_torque is None else None
         gait = _solved(system, wanted if arguments.flight_time is None else arguments.flight_time, arguments.free_x)
-    trajectory = simulate(with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol)
+    trajectory = simulate(
+        with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step
+    )
     samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
     saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
     excess = excesses(robot, trajectory)

@@ -61,7 +61,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         system = round_hopping(robot, replace(system.law, unlimited_friction=False), contact=contact)
     with iterations() as tell:
         gait = find_gait(system, on_iteration=tell)
-    trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol)
+    trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step)
     samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
     saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
     excess = excesses(robot, trajectory)

@@ -63,7 +63,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             files = [gait.save(arguments.out / "trot_steady.json")]
         show(f"simulating {arguments.cycles} strides")
         start, cycles = pushed(gait, arguments.push), in_a_stride * arguments.cycles
-        trajectory = simulate(gait.system, start, cycles, arguments.rtol, progress=False)
+        trajectory = simulate(gait.system, start, cycles, arguments.rtol, max_step=arguments.max_step, progress=False)
     samples = trajectory.save(arguments.out / "trot.npz")
     found = summarize_in_space(gait, trajectory)
     strides = {"cycles": found["cycles"] // in_a_stride, "period": in_a_stride * found["period"]}

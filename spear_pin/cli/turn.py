@@ -62,7 +62,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         name, gait = (arguments.gait, saved) if saved is not None else _found(arguments, show)
         files = [] if saved is not None else [gait.save(arguments.out / "turn.json")]
         show(f"simulating {arguments.cycles} strides")
-        trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol, progress=False)
+        trajectory = simulate(
+            gait.system, gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step, progress=False
+        )
     samples = trajectory.save(arguments.out / "turn.npz")
     summary = {"gait": name, **summarize_turn(gait, trajectory)}
     robot = gait.system.robot

@@ -137,6 +137,15 @@ class HybridSystem:
                     return guard.reset
         raise UnknownName("phase", phase, self.phases)
 
+    def place_of(self, reset: Reset) -> str:
+        """The event that does a reset, and the domain, in words; of several the first."""
+        for domain in self.domains:
+            events: list[Guard | Switch] = [*domain.guards, *([] if domain.switch is None else [domain.switch])]
+            for event in events:
+                if event.reset is reset:
+                    return f"{event.name!r} in domain {domain.name!r}"
+        return f"an event into phase {reset.phase!r}"
+
     @property
     def landing(self) -> tuple[str, Reset]:
         """The flight phase that ends at the section, and the reset there; of mirrored halves the first."""

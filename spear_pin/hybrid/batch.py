@@ -77,6 +77,7 @@ def simulate_many(
     parameters: Mapping[str, ArrayLike] | None = None,
     observe: bool = False,
     unroll: bool | None = None,
+    max_step: float | None = None,
     on_lanes: Callable[[int], object] = lambda n: None,
 ) -> Batch:
     """Run whole cycles from many states, on the section or in the air before the first touchdown.
@@ -91,6 +92,7 @@ def simulate_many(
         observe: record the states at events that change nothing.
         unroll: whether to compile code that runs two to three times as fast, but takes ten times as long to compile:
             the bound's four domains take 40 s then, once for each tolerance. By default up to four coordinates are.
+        max_step: longest step of the integrator, in s; None leaves it to the integrator.
         on_lanes: called with the number of lanes done since the last call.
 
     Raises:
@@ -113,7 +115,7 @@ def simulate_many(
     system = _varying(system, given)
     taylor.require()
     code = taylor.Code(rtol / TIMES_FINER, observe, system.robot.nv <= taylor.UNROLLED if unroll is None else unroll)
-    options, parts = Options(rtol), []
+    options, parts = Options(rtol, max_step=max_step), []
     for first in range(0, max(len(q), 1), CHUNK):
         chunk = slice(first, first + CHUNK)
         own = {name: values[chunk] for name, values in given.items()}

@@ -1,22 +1,27 @@
 """Find events in a domain: which guard is first to fall through zero, and when.
 
-Between two integration steps a guard may fall and rise again; a value halfway, from the cubic
-Hermite interpolant, and the parabola through the three tell where to look more closely.
+Between two integration steps a guard may fall and rise again. Guards of this package are as smooth as the motion: a
+value halfway, from the cubic Hermite interpolant, and the parabola through the three tell where to look more closely.
+Guards and grounds of one's own may be quicker than the motion, see `spear_pin.hybrid.span`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import scipy
 
 from spear_pin.arrays import Array
+from spear_pin.hybrid.domain import Guard
 from spear_pin.hybrid.engines.pinocchio import Flow
+from spear_pin.hybrid.own import is_own
 from spear_pin.hybrid.rules.entry import ahead, at_once, stays_on_zero
+from spear_pin.hybrid.span import NEGATIVE, POSITIVE, Step, glances, parted
 
 Interpolant = Callable[[float], Array]
 BEND = -1  # in the place of a guard's index
@@ -46,6 +51,8 @@ class Watch:
         ]
         self.undefined = any(math.isnan(value) for value in self._values)
         self.at_once = int(at_once(self._guards, np.array([self._values]).T, lambda h: self._later(t, y, h))[0])
+        self._quick = {i for i, guard in enumerate(self._guards) if may_be_quick(flow, guard, t, y)}
+        self._opaque = set[int]()  # those of them that do not take intervals
 
     def step(
         self,
@@ -68,56 +75,104 @@ class Watch:
         after = self._at(t1, y1)  # first: the integrator has just been there
         at_middle = self._at(0.5 * (t0 + t1), 0.5 * (y0 + y1) + (t1 - t0) / 8.0 * (f0 - f1))
         crossings: list[tuple[float, int]] = []
-        solution: Interpolant | None = None
+        within: Step | None = None
+        interpolant = once(interpolate)
         for i, (before, middle, end) in enumerate(zip(self._values, at_middle, after, strict=True)):
-            if math.isnan(middle) or math.isnan(end):
-                self.undefined = True
-                continue
-            floor = 0.0
-            if self._armed[i]:
-                if min(middle, end) > 0.0 and not _dips(before, middle, end):
-                    continue
-            elif end > 0.0 or (self._guards[i].waits and middle <= 0.0):
-                self._armed[i] = end > 0.0
-                if not self._guards[i].patience or min(middle, end) >= self._floors[i]:
-                    continue
-                floor = self._floors[i]
-            elif self._stays(i, middle, end):
-                continue  # it stays on zero
-            solution = solution or interpolate()
-            nodes = [(t0, self._values[i]), (0.5 * (t0 + t1), middle), (t1, end)]
+            quick = i in self._quick
+            if not quick and self._armed[i] and middle > 0.0 and end > 0.0 and not _dips(before, middle, end):
+                continue  # as nearly always
             try:
-                time = self._locate(i, nodes, solution, floor)
+                if quick:
+                    within = within or Step(self._flow, t0, t1, interpolant())
+                    crossings += [(time, i) for time in self._parts(i, within, interpolant(), end)]
+                    continue
+                nodes = [(t0, before), (0.5 * (t0 + t1), middle), (t1, end)]
+                time = self._crossing(i, nodes, interpolant)
             except _Undefined:
                 self.undefined = True
                 continue
-            self._armed[i] = end > 0.0
             if time is not None:
                 crossings.append((time, i))
         self._values = after
         return sorted(crossings)
 
+    def _parts(self, i: int, step: Step, solution: Interpolant, end: float) -> list[float]:
+        """When a guard that may be quicker than a step falls through zero in it, by parts of it."""
+        guard, found = self._guards[i], list[float]()
+        time, before = step.span.begin, self._values[i]
+        for begin, until, side in self._split(i, step):
+            if side == POSITIVE or (side == NEGATIVE and self._armed[i]):
+                if side == NEGATIVE:
+                    found.append(begin)  # it jumps
+                self._armed[i] = side == POSITIVE
+            else:
+                if time != begin:
+                    before = self._value(i, solution, begin)
+                middle = 0.5 * (begin + until)
+                after = end if until == step.span.end else self._value(i, solution, until)
+                nodes = [(begin, before), (middle, self._value(i, solution, middle)), (until, after)]
+                crossing = self._crossing(i, nodes, lambda: solution)
+                found += [] if crossing is None else [crossing]
+                time, before = until, after
+            if found and not guard.observes:
+                break
+        return found
+
+    def _split(self, i: int, step: Step) -> Iterable[tuple[float, float, int]]:
+        """Parts of a step in which a guard is on one side of zero, or that are short."""
+        if i not in self._opaque:
+            try:
+                return list(parted(self._guards[i], step))
+            except Exception:  # whatever it raises for what is no number: it need not take intervals
+                self._opaque.add(i)
+        return glances(step)
+
+    def _crossing(
+        self, i: int, nodes: list[tuple[float, float]], interpolant: Callable[[], Interpolant]
+    ) -> float | None:
+        """When a guard falls through zero between two times, given (time, value) at both and halfway, if it does."""
+        (_, before), (_, middle), (_, end) = nodes
+        if math.isnan(middle) or math.isnan(end):
+            raise _Undefined
+        floor = 0.0
+        if self._armed[i]:
+            if min(middle, end) > 0.0 and not _dips(before, middle, end):
+                return None
+        elif end > 0.0 or (self._guards[i].waits and middle <= 0.0):
+            self._armed[i] = end > 0.0
+            if not self._guards[i].patience or min(middle, end) >= self._floors[i]:
+                return None
+            floor = self._floors[i]
+        elif self._stays(i, before, middle, end):
+            return None  # it stays on zero
+        time = self._locate(i, nodes, interpolant(), floor)
+        self._armed[i] = end > 0.0
+        return time
+
     def _at(self, t: float, y: Array) -> list[float]:
         self._flow.visit(t, y)
         return [self._flow.value(guard, t, y) for guard in self._guards]
 
-    def _stays(self, i: int, middle: float, end: float) -> bool:
-        before, guard = self._values[i], self._guards[i]
+    def _stays(self, i: int, before: float, middle: float, end: float) -> bool:
+        guard = self._guards[i]
         return bool(all(stays_on_zero(guard, before, value - before) for value in (middle, end)) and not guard.leaves)
 
     def _later(self, t: float, y: Array, h: float) -> Array:
         return np.array([self._at(t + h, ahead(self._flow, t, y, h))]).T
 
+    def _value(self, i: int, solution: Interpolant, t: float) -> float:
+        y = solution(t)
+        self._flow(t, y)
+        value = self._flow.value(self._guards[i], t, y)
+        if math.isnan(value):
+            raise _Undefined
+        return value
+
     def _locate(self, i: int, nodes: list[tuple[float, float]], solution: Interpolant, floor: float) -> float | None:
         """When guard i first falls through a floor, given (time, value) at both ends and halfway, there an estimate."""
 
         def value(t: float) -> float:
-            y = solution(t)
-            self._flow(t, y)
-            result = self._flow.value(self._guards[i], t, y)
-            if math.isnan(result):
-                raise _Undefined
-            return result - floor
+            return self._value(i, solution, t) - floor
 
         nodes = [(time, estimate - floor) for time, estimate in nodes]
         begin, end = nodes[0][0], nodes[-1][0]
@@ -133,6 +188,42 @@ class Watch:
                 return _root(value, left, right)
         dip = scipy.optimize.minimize_scalar(value, bounds=(begin, end), method="bounded")
         return _root(value, begin, float(dip.x)) if dip.fun <= 0.0 else None
+
+
+def may_be_quick(flow: Flow, guard: Guard, t: float, y: Array) -> bool:
+    """Whether a guard may fall and rise again faster than the motion: one of one's own, or of a ground of one's own."""
+    if is_own(guard.value) or flow.system.ground.plane:
+        return is_own(guard.value)
+    asked = _Asked(flow)
+    flow.visit(t, y)
+    flow.value(guard, t, y, asked)
+    return asked.height_was_asked
+
+
+def once(interpolate: Callable[[], Interpolant]) -> Callable[[], Interpolant]:
+    """What makes an interpolant, which is made once."""
+    made: list[Interpolant] = []
+
+    def interpolant() -> Interpolant:
+        if not made:
+            made.append(interpolate())
+        return made[0]
+
+    return interpolant
+
+
+class _Asked:
+    """A flow of which it is known whether its height was asked for."""
+
+    def __init__(self, flow: Flow) -> None:
+        self._flow, self.height_was_asked = flow, False
+
+    def height(self, frame: str) -> float:
+        self.height_was_asked = True
+        return self._flow.height(frame)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._flow, name)
 
 
 def bends(

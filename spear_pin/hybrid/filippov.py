@@ -183,4 +183,4 @@ def entered(system: HybridSystem, held: Held, y: Array, reset: Reset) -> tuple[t
 def held_after(system: HybridSystem, held: Held, y: Array, *resets: Reset) -> Held:
     """Values held after resets at a state."""
     nq, nv = system.robot.nq, system.robot.nv
-    return latched(held, resets, y[:nq].tolist(), y[nq : nq + nv].tolist(), system.law)
+    return latched(held, resets, y[:nq].tolist(), y[nq : nq + nv].tolist(), system.law, system.place_of)

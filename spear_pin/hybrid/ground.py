@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import wraps
 from numbers import Real
 from typing import Any
 
@@ -11,15 +13,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, require
+from spear_pin.errors import BadValue, brief, require
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dynamics import FLOATS, Operations
+from spear_pin.hybrid.own import asked, is_own, mistake, number
 from spear_pin.kinds import typed
 from spear_pin.model.planar import Feet, Terms
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import plus, times
 
 STEEPEST = 1.2  # rad: steeper slopes are walls
+SHAPE = frozenset({"above", "axes", "under"})  # methods that a ground of another shape has of its own
 HIGHEST = 10.0  # m: far from zero, rounding of coordinates hides how guards change
 
 
@@ -61,7 +65,19 @@ class Ground(Contact):
     @property
     def plain(self) -> bool:
         """Whether it is level, at height zero, and no other shape than a plane."""
-        return type(self).above is Ground.above and self.level and _is_zero(self.height)
+        return self.plane and self.level and _is_zero(self.height)
+
+    @property
+    def plane(self) -> bool:
+        """Whether it is of no other shape than a plane."""
+        return type(self).above is Ground.above
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        """Have mistakes in what another shape says of itself come out as such."""
+        super().__init_subclass__(**options)
+        if is_own(cls):
+            for name in SHAPE & vars(cls).keys():
+                setattr(cls, name, _reporting(vars(cls)[name]))
 
     def axes(self, x: Any, z: Any, ops: Operations = FLOATS) -> tuple[Any, Any]:
         """Tangential and normal component of a vector (x, z), or of a row of vectors if those are arrays."""
@@ -105,6 +121,24 @@ class Ground(Contact):
         """Distance of a toe from the ground, in m, and its Jacobian along and normal to it, (2, nv) or (3, nv)."""
         (x, *_, z), jacobian = robot.toe_position(q, toe), robot.toe_jacobian(q, toe)
         return float(self.above(x, z, FLOATS)), np.array(self.seen_in(jacobian))
+
+
+def _reporting(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A method of ground of one's own that says what a mistake in it is, where it is asked with numbers."""
+
+    @wraps(function)
+    def reporting(self: Ground, *arguments: Any, **named: Any) -> Any:
+        what, plain = f"ground {type(self).__name__}", all(isinstance(each, Real) for each in arguments[:2])
+        if not plain:
+            return function(self, *arguments, **named)
+        answer = asked(what, function, lambda: function(self, *arguments, **named))
+        if function.__name__ != "axes":
+            return number(what, function, answer)
+        if not isinstance(answer, (tuple, list, np.ndarray)) or len(answer) != 2:
+            raise mistake(what, function, f"it gives {brief(answer)}; expected two components, along and normal to it")
+        return tuple(number(what, function, each) for each in answer)
+
+    return reporting
 
 
 def as_ground(contact: Contact) -> Ground:

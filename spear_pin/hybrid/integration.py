@@ -39,6 +39,7 @@ class Accuracy(NamedTuple):
 def accuracy(options: Options, hardware: Any) -> Accuracy:
     """How motion of a system is integrated, which hardware makes finer."""
     share, longest = (1.0, MAX_STEP) if hardware is None else (HARDWARE_TOLERANCE, min(MAX_STEP, hardware.max_step))
+    longest = min(longest, options.max_step or MAX_STEP)
     return Accuracy(max(share * options.rtol, FINEST), share * (options.atol or 0.01 * options.rtol), longest)
 
 

@@ -13,7 +13,7 @@ from spear_pin.hybrid.hardware import Hardware
 from spear_pin.kinds import typed
 from spear_pin.model.numbers import body_numbers, with_body_numbers
 from spear_pin.model.spring import UNITS as OF_SPRINGS
-from spear_pin.model.variants import PARAMETERS, parameters_of, vary
+from spear_pin.model.variants import PARAMETERS, parameters_of, value_of, vary
 
 PARTS = ("law", "spring", "contact")
 Change = Callable[[HybridSystem], HybridSystem]
@@ -115,7 +115,7 @@ def number(system: HybridSystem, name: str) -> float:
     """
     robot = system.robot
     if name in parameters_of(robot):
-        return float(robot.varied.get(name, PARAMETERS[name].default))
+        return value_of(robot, name)
     bodies = body_numbers(robot)
     try:
         return parameter(system, name)

@@ -35,6 +35,7 @@ class Moment:
     t: float = 0.0
 
 
+SHORTEST_STEP = 1e-7  # s: shorter ones than this come to nothing
 FINEST = 1e-13  # relative tolerance that doubles allow
 BOOKED = ("impact", "released")  # flows of energy that happen at events; the others are integrated
 
@@ -132,12 +133,14 @@ class Options:
         atol: absolute tolerance; None means 0.01 rtol; of a system with hardware a tenth of it.
         max_evaluations: cap on right-hand sides.
         keep: whether to keep the motion, as dense output, for sampling.
+        max_step: longest step of the integrator, in s; None leaves it to the integrator, which takes 0.05 s at most.
     """
 
     rtol: float = 1e-9
     atol: float | None = None
     max_evaluations: int = 2_000_000
     keep: bool = False
+    max_step: float | None = None
 
     def __post_init__(self) -> None:
         """Check the fields."""
@@ -147,3 +150,5 @@ class Options:
             raise BadValue("max_evaluations", self.max_evaluations, "at least 1")
         if self.atol is not None and not 0 < self.atol <= 1e-2:
             raise BadValue("atol", self.atol, "a number above 0 and at most 1e-2")
+        if self.max_step is not None and not SHORTEST_STEP <= self.max_step <= 0.5:
+            raise BadValue("max_step", self.max_step, f"a number from {SHORTEST_STEP:g} to 0.5, in s")

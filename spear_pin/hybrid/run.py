@@ -16,15 +16,16 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
-from spear_pin.hybrid.engines.pinocchio import Flow, flow_names
+from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import going_on, sliding
+from spear_pin.hybrid.flow_names import flow_names
 from spear_pin.hybrid.integration import DUE, KNOT, accuracy, integrated
 from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn
 from spear_pin.hybrid.resting import resting
 from spear_pin.hybrid.result import BOOKED, Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.rules import cycles as rules
-from spear_pin.hybrid.rules.entry import NONE
+from spear_pin.hybrid.rules.entry import GLIMPSES, NONE, ahead
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.stored import in_inductances, in_mechanism, in_springs
 from spear_pin.hybrid.strikes import Overlap, struck
@@ -55,6 +56,7 @@ def run(
 
     Raises:
         BadValue: the state has the wrong shape, is not finite, or has a toe below the ground.
+        BadFunction: there is a mistake in a law, a guard, a latch, a spring or a ground of one's own.
     """
     runner = _Runner(system, state, cycles, options, on_cycle)
     kept = runner.run.segments.append if options.keep else lambda segment: None
@@ -220,7 +222,7 @@ class _Runner:
             held = {**held, **strike.rises}
         self.y = np.concatenate([q, v, self.y[nq + nv :]])
         try:
-            held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law)
+            held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law, self.system.place_of)
         except ArithmeticError:
             raise _Undefined from None
         domain = self.flow.domain.name
@@ -270,7 +272,16 @@ class _Runner:
         return found
 
     def _break_off(self, reason: str) -> None:
-        """End the run, unless what cannot go on is motion of two toes, whose shares may cease to exist."""
+        """End the run, unless what cannot go on is motion of two toes, whose shares may cease to exist.
+
+        Raises:
+            BadFunction: a function of one's own has no value.
+        """
+        for h in GLIMPSES:  # a function may have no value just ahead, where steps fell to nothing before it
+            if self.flow.own.fault is None and reason == "step_size":
+                ahead(self.flow, self.t, self.y, h)
+        if self.flow.own.fault is not None:
+            raise self.flow.own.fault
         if self.flow.domain.crossing is None:
             self._end(reason, self._where())
             return

@@ -7,7 +7,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import require
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.engines.pinocchio import electrical_flows, flow_names
+from spear_pin.hybrid.flow_names import electrical_flows, flow_names
 from spear_pin.hybrid.result import BOOKED, Moment, Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.sampling import Sampler
@@ -27,6 +27,7 @@ def simulate(
     *,
     atol: float | None = None,
     max_evaluations: int = 2_000_000,
+    max_step: float | None = None,
     samples: int = SAMPLES,
     progress: bool = True,
 ) -> Trajectory:
@@ -41,6 +42,8 @@ def simulate(
         rtol: relative tolerance of the integrator, see `Options`.
         atol: absolute tolerance; None means 0.01 rtol.
         max_evaluations: cap on right-hand side evaluations.
+        max_step: longest step of the integrator, in s, for laws that act for a shorter time than its steps; None leaves
+            it to the integrator, which takes 0.05 s at most.
         samples: of each phase, at least; they share its time evenly. They are what a long run's memory goes to.
         progress: show a progress bar on long runs, if stderr is a terminal.
 
@@ -57,7 +60,7 @@ def simulate(
     from tqdm import tqdm
 
     sampler = Sampler(system, int(samples))
-    options = Options(rtol, atol, max_evaluations, keep=True)
+    options = Options(rtol, atol, max_evaluations, keep=True, max_step=max_step)
     with tqdm(total=cycles, unit="cycle", delay=1.0, disable=None if progress else True, leave=False) as bar:
         result = run(system, state, cycles, options, lambda n: bar.update(1), sampler.add)
     return _trajectory(system, result, sampler)

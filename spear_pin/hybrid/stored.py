@@ -6,7 +6,8 @@ from collections.abc import Container
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.domain import Domain, Held
+from spear_pin.hybrid.domain import Domain, Held, Mount
+from spear_pin.hybrid.own import asked, is_own, number
 
 
 def in_springs(
@@ -24,8 +25,16 @@ def in_springs(
     energy = 0.0
     for mount in domain.mounts:
         if joints is None or mount.joint in joints:
-            energy += float(mount.energy(y[system.robot.index(mount.joint)], held))
+            energy += _energy(mount, float(y[system.robot.index(mount.joint)]), held)
     return energy
+
+
+def _energy(mount: Mount, angle: float, held: Held) -> float:
+    spring = mount.spring
+    if not is_own(type(spring)):
+        return float(mount.energy(angle, held))
+    what = f"spring of {mount.joint!r}"
+    return number(what, spring.energy, asked(what, spring.energy, lambda: mount.energy(angle, held)))
 
 
 def in_mechanism(system: HybridSystem, domain: Domain, held: Held, y: Array) -> float:

@@ -76,6 +76,30 @@ def parameters_of(robot: Robot) -> tuple[str, ...]:
     return tuple(name for name in names if _kind(name) is None or any(_is(joint, name) for joint in robot.actuated))
 
 
+def value_of(robot: Robot, name: str) -> float:
+    """Value of a parameter that a robot has, in its unit: of a cut what its own model says, if it is not varied.
+
+    Raises:
+        BadValue: joints of which it is the parameter differ in it.
+    """
+    kind = _kind(name)
+    if name in robot.varied or robot.cut is None:
+        return float(robot.varied.get(name, PARAMETERS[name].default))
+    model, found = robot.model, set[float]()
+    if kind is None:  # its slider's friction
+        return float(model.damping[robot.index("boom_z")])
+    for joint in robot.actuated:
+        if _is(joint, name):
+            row = robot.index(joint)
+            ratio = float(model.rotorGearRatio[row]) or 1.0
+            rotors = float(model.rotorInertia[row]) or float(model.armature[row]) / ratio**2
+            found.add(ratio if name.endswith("_ratio") else rotors / len(robot.cut.angles[joint]))
+    if len(found) > 1:
+        listed = " and ".join(f"{value:g}" for value in sorted(found))
+        raise BadValue(name, None, f"one number of all its joints, which have {listed}: set it by `vary` first")
+    return found.pop()
+
+
 @typed
 def vary(robot: Robot, **values: float) -> Robot:
     """Robot with other numbers; the given one is left alone.

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import scipy
 
-from spear_pin.hybrid.engines.pinocchio import flow_names
 from spear_pin.hybrid.events import Watch
+from spear_pin.hybrid.flow_names import flow_names
 from spear_pin.hybrid.hardware import HARDWARE_TOLERANCE
 from spear_pin.hybrid.integration import DUE, Accuracy, accuracy, integrated
 from spear_pin.hybrid.modes import choose, starting_phase

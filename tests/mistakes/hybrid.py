@@ -57,7 +57,7 @@ MUTATIONS = [
             "gaits/test_hopping",
         ],
         {
-            "damping drives": ("self.held, FLOATS) + drag", "self.held, FLOATS) - drag"),
+            "damping drives": ("= torque + drag", "= torque - drag"),
             "drift dropped in stance": ("drifts.append(", "drifts.append(0.0 * "),
             "spatial acceleration in stance": (
                 "pin.getFrameClassicalAcceleration(model, data",
@@ -185,7 +185,7 @@ MUTATIONS = [
         {
             "impact not applied": ("v, impulse, work", "_, impulse, work"),
             "nothing is latched anew": (
-                "held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law)",
+                "held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law, self.system.place_of)",
                 "held = {**latched(held, [reset], q.tolist(), v.tolist(), self.system.law), **held}",
             ),
             "release left out of the ledger": ("= -in_springs(", "= -0.0 * in_springs("),

@@ -14,6 +14,7 @@ POSITIVE = (*NOT_NEGATIVE, "0")
 COUNT = (*NUMBER, "1.5", "0", "-1", "1e3")
 SEED = (*NUMBER, "1.5", "-1")
 RTOL = (*POSITIVE, "1", "1e-20")
+STEP = (*POSITIVE, "2", "1e-20")
 FREE = (*NUMBER, "-1", "Free")
 FOLDER = ("", "none", "none/at/all", "a_file", "/proc", "/dev/null")
 NAME = ("", "nope", "../nope", "None", "\u2603", "x" * 300)
@@ -91,6 +92,7 @@ OPTIONS = {
         "--seed --hardware": SEED,
         "--cycles": (*COUNT, "9" * 20),
         "--rtol": RTOL,
+        "--max-step": STEP,
         "--out": FOLDER,
     },
     "bound": {
@@ -98,6 +100,7 @@ OPTIONS = {
         "--speed": (*POSITIVE, "99", "1e300"),
         "--cycles": (*COUNT, "9" * 20),
         "--rtol": RTOL,
+        "--max-step": STEP,
         "--out": FOLDER,
     },
     "search": {
@@ -216,12 +219,14 @@ OPTIONS = {
         **dict.fromkeys(("--rate", "--angle"), (*NUMBER, "0", "500")),
         "--cycles": (*COUNT, "9" * 20),
         "--rtol": RTOL,
+        "--max-step": STEP,
         "--out": FOLDER,
     },
     "trot": {
         "--push": NUMBER,
         "--cycles": (*COUNT, "9" * 20),
         "--rtol": RTOL,
+        "--max-step": STEP,
         "--out": FOLDER,
     },
     "push-test": {

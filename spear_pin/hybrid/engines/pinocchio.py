@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -17,24 +18,14 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, SLIPS, constrained, solve
 from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Row
+from spear_pin.hybrid.engines.own_functions import OwnFunctions
 from spear_pin.hybrid.engines.sliding import Grounded, Sliding, Ways
-from spear_pin.hybrid.hardware import ELECTRICAL, Driven, drive
+from spear_pin.hybrid.flow_names import flow_names
+from spear_pin.hybrid.hardware import Driven, drive
 from spear_pin.hybrid.rules.footing import Rubbing, along
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.frames import frame_id
-
-
-def flow_names(system: HybridSystem) -> tuple[str, ...]:
-    """Names of the flows that are integrated with the state: motors, damping, friction, slip, those of hardware."""
-    mechanical = (*(f"motor_{joint}" for joint in system.robot.actuated), "damping", "friction", "slip")
-    return mechanical + electrical_flows(system)
-
-
-def electrical_flows(system: HybridSystem) -> tuple[str, ...]:
-    """Those of the hardware: battery, joule and gearbox of each actuated joint."""
-    joints = system.robot.actuated if system.hardware is not None else ()
-    return tuple(f"{flow}_{joint}" for joint in joints for flow in ELECTRICAL)
 
 
 class Flow:
@@ -43,6 +34,7 @@ class Flow:
     It is also the `dyn` of laws and guards. After a call, `u`, `tau`, `friction`, `a` and
     `force(toe)` are those of the state it was called with; they are overwritten by the next call.
     It is less smooth where the coordinate of an index in `knots` passes the angle beside it.
+    `own` asks the functions that are not of this package.
     """
 
     def __init__(self, system: HybridSystem, domain: Domain, held: Held) -> None:
@@ -51,6 +43,7 @@ class Flow:
         self.evaluations = 0
         self._model, self._data, self._nv = robot.model, pin.Data(robot.model), robot.nv
         self._law, self._p = domain.law, system.law
+        self.own = OwnFunctions(domain)
         self._actuated = [robot.index(joint) for joint in robot.actuated]
         self.hold(held)
         self._added = robot.added
@@ -81,7 +74,7 @@ class Flow:
         bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
         self._at_rest = [toe for toe in robot.toes if toe in bearing]  # as a controller sees them
         self._forces: dict[str, tuple[float, ...]] = dict.fromkeys(robot.toes, self._k * (0.0,))
-        self._pivots: dict[str, float] = {}
+        self._pivots = dict.fromkeys(robot.toes, math.nan)
         self._accelerate: Callable[[Array], Array] = (
             self._slip if self._slips else self._stick if self._closed or self._stuck else self._open
         )
@@ -112,6 +105,7 @@ class Flow:
 
     def arrive(self, t: float, y: Array) -> None:
         """Motion has come to a state, which is more than to have been tried there."""
+        self.own.fault = None
         if not self._sliding.sets_out:
             return
         self.visit(t, y)
@@ -140,17 +134,21 @@ class Flow:
             rubbed = float(self.friction @ v)
         damped = 0.0
         for index, mount in self._springs:
-            drag = mount.spring.drag(rates[index])
-            self._passive[index] = mount.torque(mount.spring, angles[index], self.held, FLOATS) + drag
+            if mount.joint in self.own.springs:
+                torque, drag = self.own.spring(mount, angles[index], rates[index], self.held)
+            else:
+                drag = mount.spring.drag(rates[index])
+                torque = mount.torque(mount.spring, angles[index], self.held, FLOATS)
+            self._passive[index] = torque + drag
             damped += drag * rates[index]
         slopes: list[float] = []
         electrical: list[float] = []
         if self._hardware is None:
-            self.u = u = self._law(t, angles, rates, self.held, self._p, self, FLOATS)
+            self.u = u = self._commanded(t, angles, rates)
         else:
             x = y[2 * nv : 2 * nv + self._nx].tolist()
             read = self._hardware.read(x, self._actuated, angles, rates)
-            commands = self._law(t, *read, self.held, self._p, self, FLOATS)
+            commands = self._commanded(t, *read)
             self.driven = drive(self._hardware, x, commands, [rates[index] for index in self._actuated])
             self.u, slopes, electrical = self.driven.torques, self.driven.slopes, self.driven.powers
             u = self.u
@@ -173,6 +171,11 @@ class Flow:
         derivative[2 * nv :] = (*slopes, *powers, damped, rubbed, slipped, *electrical)
         return derivative
 
+    def _commanded(self, t: float, angles: Sequence[float], rates: Sequence[float]) -> Sequence[float]:
+        """What the law asks for."""
+        arguments = t, angles, rates, self.held, self._p, self, FLOATS
+        return self.own.torques(self.system.robot.actuated, arguments) if self.own.law else self._law(*arguments)
+
     @property
     def tau(self) -> list[float]:
         """Total torque at each actuated joint in the last call: motor, spring and damping."""
@@ -194,11 +197,12 @@ class Flow:
         index = self.system.robot.index(rub.joint)
         return Rubbing(float(self.v[index]), float(self.a[index]), 0.0 if rub.sign else self.holding(rub.joint))
 
-    def value(self, guard: Guard, t: float, y: Array) -> float:
+    def value(self, guard: Guard, t: float, y: Array, dyn: Any = None) -> float:
         """A guard's value, not a number where it has none; the flow has to have been called with the same (t, y)."""
         nv = self._nv
+        arguments = t, y[:nv], y[nv : 2 * nv], self.held, self._p, dyn or self, FLOATS
         try:
-            return float(guard.value(t, y[:nv], y[nv : 2 * nv], self.held, self._p, self, FLOATS))
+            return self.own.value(guard, arguments) if id(guard) in self.own.guards else float(guard.value(*arguments))
         except (ArithmeticError, ValueError, np.linalg.LinAlgError):
             return math.nan
 
@@ -243,14 +247,21 @@ class Flow:
 
     def direction(self, toe: str) -> tuple[float, ...]:
         """Unit vector along the ground in which a toe slides, in the last call."""
-        return self._ways[toe]
+        return self._ways.get(toe, (math.nan,) * (self._k - 1))
 
     def height(self, frame: str) -> float:
         """Distance of a frame from the ground, along its normal, in m."""
+        place = pin.updateFramePlacement(self._model, self._data, self.frame(frame)).translation
+        if self._plain:
+            return float(place[2])
+        x, _, z = place.tolist()
+        return float(self._ground.above(x, z, FLOATS)) if self._ground.plane else self.own.above(self._ground, x, z)
+
+    def frame(self, frame: str) -> int:
+        """Number of a frame in the model."""
         if frame not in self._frame_ids:
             self._frame_ids[frame] = frame_id(self._model, frame)
-        place = pin.updateFramePlacement(self._model, self._data, self._frame_ids[frame]).translation
-        return float(place[2] if self._plain else self._ground.above(place[0], place[2], FLOATS))
+        return self._frame_ids[frame]
 
     def force(self, toe: str) -> tuple[float, ...]:
         """Ground force on a toe in the last call, along the ground and normal to it, in N."""

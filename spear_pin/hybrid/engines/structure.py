@@ -53,9 +53,14 @@ def with_fields(instance: D, values: Mapping[str, Any]) -> D:
 
 def others(system: HybridSystem) -> dict[str, float]:
     """Scalars beside the law's that are run-time parameters, in their order."""
+    return {name: value for name, value in all_others(system).items() if value != 0.0 or name == "friction"}
+
+
+def all_others(system: HybridSystem) -> dict[str, float]:
+    """Scalars beside the law's, those that are zero among them, in their order."""
     parts = [(system.spring, OF_SPRINGS), (system.ground, OF_GROUND)]
-    nonzero = {name: value for part, names in parts for name in names if (value := getattr(part, name)) != 0.0}
-    return {"friction": system.ground.friction, **nonzero}
+    values = {name: getattr(part, name) for part, names in parts for name in names}
+    return {"friction": system.ground.friction, **values}
 
 
 def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tuple[Planar, Scalars, dict[str, Any]]:
@@ -76,9 +81,14 @@ def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tup
 
 def robot_numbers(system: HybridSystem, planar: Planar) -> list[float]:
     """Scalars of the robot that are run-time parameters, in their order."""
+    return [number for number in all_robot_numbers(system, planar) if number != 0.0]
+
+
+def all_robot_numbers(system: HybridSystem, planar: Planar) -> list[float]:
+    """Scalars of the robot, those that are zero among them, in their order."""
     bodies = [number for body in planar.bodies for number in _numbers(body)]
     toes = [number for _, offset in planar.toes.values() for number in offset]
-    return [number for number in (*bodies, *map(float, system.robot.model.damping), *toes) if number != 0.0]
+    return [*bodies, *map(float, system.robot.model.damping), *toes]
 
 
 def parameters(law: Any, others: Sequence[Any], robot: Sequence[float], held: Values, n: int) -> Array:

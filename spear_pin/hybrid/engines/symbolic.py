@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from spear_pin.errors import NotSymbolic
+from spear_pin.errors import BadFunction, NotSymbolic
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, SIGN, STICK
 from spear_pin.hybrid.domain import Domain, Mount
@@ -19,6 +19,8 @@ from spear_pin.hybrid.dynamics import Row
 from spear_pin.hybrid.elimination import Matrix, factorize, solve, solve_sparse, substitute
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.structure import Scalars, with_fields
+from spear_pin.hybrid.engines.trial import mistaken
+from spear_pin.hybrid.own import FOR_SYMBOLS, is_own, mistake, not_symbolic, scalar, torques
 from spear_pin.model.planar import Feet, Planar
 from spear_pin.model.scalars import dot, negated, plus, times
 from spear_pin.model.spring import Spring
@@ -73,7 +75,8 @@ class Motion:
         robot = system.robot
         self._index = {name: i for i, name in enumerate(robot.coordinates)}
         self._terms = planar.terms(q, v, ops)
-        self._feet: Feet = _asked("the ground", numbers.ground.seen, (self._terms, ops))
+        ground = numbers.ground
+        self._feet: Feet = self._asked("the ground", ground.above, ground.seen, (self._terms, ops))
         self._factors = factorize(self._terms.mass_matrix)
         self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
         self._taken = [toe for toe, _ in self._closed] if at_rest is None else list(at_rest)
@@ -91,7 +94,9 @@ class Motion:
     def _controlled(self) -> tuple[list[Any], Imposed | None]:
         """Torques of the motors, and the motion that they impose if it was found together with them."""
         arguments = self.t, self.q, self.v, self.held, self.numbers.law, self, self.ops
-        u = list(_asked(f"the law of domain {self.domain.name!r}", self.domain.law, arguments))
+        what, law = f"law of domain {self.domain.name!r}", self.domain.law
+        answer = self._asked(what, law, law, arguments)
+        u = torques(what, law, answer, self.system.robot.actuated) if is_own(law) else list(answer)
         imposed = self._imposed
         if imposed is None or {j for j, _ in imposed.torques} != set(range(len(u))):
             return u, None
@@ -101,8 +106,11 @@ class Motion:
     def guards(self) -> list[Any]:
         """Values of the domain's guards."""
         arguments = self.t, self.q, self.v, self.held, self.numbers.law, self, self.ops
-        of = f"of domain {self.domain.name!r}"
-        return [_asked(f"guard {guard.name!r} {of}", guard.value, arguments) for guard in self.domain.guards]
+        found = []
+        for guard in self.domain.guards:
+            what, value = f"guard {guard.name!r} of domain {self.domain.name!r}", guard.value
+            found.append(scalar(what, value, self._asked(what, value, value, arguments)))
+        return found
 
     @property
     def a(self) -> list[Any]:
@@ -237,12 +245,35 @@ class Motion:
 
     # parts
 
+    def _asked(self, what: str, function: Any, call: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+        """Answer of a law, a guard or the ground.
+
+        Raises:
+            NotSymbolic: it does not take such scalars.
+            BadFunction: there is a mistake in it, which is one with numbers, too.
+        """
+        try:
+            return call(*arguments)
+        except (BadFunction, NotSymbolic):
+            raise
+        except Exception as error:
+            if is_own(function) and not isinstance(error, FOR_SYMBOLS):
+                raise mistake(what, function, error) from error
+            if not isinstance(error, FOR_SYMBOLS):
+                raise
+            found = mistaken(self.system, self.domain, self.held)
+            if found is not None and type(found.__cause__) in (type(error), type(None)):
+                raise found from found.__cause__
+            raise not_symbolic(what, function, error) from error
+
     @cached_property
     def _springs(self) -> dict[str, Any]:
-        return {
-            mount.joint: mount.torque(self._spring(mount), self.q[self._index[mount.joint]], self.held, self.ops)
-            for mount in self.domain.mounts
-        }
+        found = {}
+        for mount in self.domain.mounts:
+            spring, what = self._spring(mount), f"spring of {mount.joint!r} in domain {self.domain.name!r}"
+            arguments = spring, self.q[self._index[mount.joint]], self.held, self.ops
+            found[mount.joint] = self._asked(what, spring.torque, mount.torque, arguments)
+        return found
 
     @cached_property
     def _passive(self) -> list[Any]:
@@ -250,7 +281,9 @@ class Motion:
         forces = [negated(times(b, rate)) for b, rate in zip(self.numbers.joints, self.v, strict=True)]
         for mount in self.domain.mounts:
             i = self._index[mount.joint]
-            forces[i] = forces[i] + self._springs[mount.joint] + self._spring(mount).drag(self.v[i])
+            spring, what = self._spring(mount), f"spring of {mount.joint!r} in domain {self.domain.name!r}"
+            drag = self._asked(what, spring.drag, spring.drag, (self.v[i],))
+            forces[i] = forces[i] + self._springs[mount.joint] + drag
         return forces
 
     def _spring(self, mount: Mount) -> Spring:
@@ -311,19 +344,6 @@ class Motion:
             for i, value in enumerate(free)
         ]
         return a, multipliers, schur
-
-
-def _asked(what: str, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """Answer of a law, a guard or the ground.
-
-    Raises:
-        NotSymbolic: it does not take such scalars.
-    """
-    try:
-        return function(*arguments)
-    except TypeError as error:
-        hint = "elementary functions come from ops, and nothing branches on a value"
-        raise NotSymbolic(f"{what} does not take symbols ({error}): {hint}") from error
 
 
 def _complement(schur: Matrix, row: int, others: Sequence[int]) -> Any:

@@ -6,6 +6,7 @@ held, is a run-time parameter, so that lanes may differ in them; the robot's num
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cache, cached_property, lru_cache
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.errors import MissingExtra
+from spear_pin.errors import MissingExtra, brief
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.dynamics import Operations
@@ -23,6 +24,7 @@ from spear_pin.hybrid.elimination import solve
 from spear_pin.hybrid.engines.alternating import Alternating
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
+from spear_pin.hybrid.own import is_own, mistake
 from spear_pin.hybrid.rules.footing import Footing, closed_toes, fitness, footing
 from spear_pin.model.planar import Planar
 
@@ -125,16 +127,22 @@ class Compiled:
         self.state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates])
         planar, self.numbers, kept = symbols(system, Planar(system.robot), held, hy.par)
 
+        flat: list[Any] = []
+
         def field(t: Any, y: list[Any]) -> Field:
             kinks: list[Any] = []
-            q, v, ops = y[: self.nv], y[self.nv :], operations(kinks)
+            q, v, ops = y[: self.nv], y[self.nv :], operations(kinks, flat)
             motion = (
                 Motion(system, domain, planar, t, q, v, kept, self.numbers, ops)
                 if domain.between is None
                 else Alternating(system, domain, planar, q, v, kept, self.numbers, ops)
             )
-            slopes = [*v, *map(_expression, motion.a)]
-            return Field(slopes, [_expression(value) for value in motion.guards], kinks, motion)
+            slopes, guards = [*v, *map(_expression, motion.a)], list(map(_expression, motion.guards))
+            for guard, value in zip(domain.guards, guards, strict=True):
+                if not isinstance(value, hy.expression):
+                    what = f"guard {guard.name!r} of domain {domain.name!r}"
+                    raise mistake(what, guard.value, f"it gives {brief(value)}; expected a number")
+            return Field(slopes, guards, kinks, motion)
 
         self.field = field
         self.here = slopes, guards, kinks, _ = field(hy.time, self.state)
@@ -145,6 +153,9 @@ class Compiled:
         # a polynomial does not bend
         self._events = [*((guards[i], falling) for i in watched), *((kink, either) for kink in kinks)]
         self.meaning = np.array([*watched, *[KINK] * len(kinks)], dtype=np.int64)  # of its events
+        # what steps resolve though it is no event: far from where exp and tanh are steep their series tell nothing
+        own = not system.ground.plane or any(is_own(guard.value) for guard in domain.guards)
+        self._resolved = [2.0 + hy.sin(2.0 * (1.0 + argument**2.0) ** 0.25) for argument in flat] if own else []
         self.level = code.level
         self._settings = {"tol": code.tol, "compact_mode": not code.unrolled, "opt_level": code.level}
         self.width = width()
@@ -162,13 +173,16 @@ class Compiled:
     def _integrator(self) -> Any:
         events = [require().t_event_batch(value, direction=direction) for value, direction in self._events]
         start = np.repeat(self._somewhere, self.width, axis=1)
-        return require().taylor_adaptive_batch(self._motion, start, t_events=events, **self._settings)
+        beside = [require().nt_event_batch(value, _nothing) for value in self._resolved]
+        return require().taylor_adaptive_batch(self._motion, start, t_events=events, nt_events=beside, **self._settings)
 
     @cached_property
     def alone(self) -> Any:
         """The integrator of one lane."""
         events = [require().t_event(value, direction=direction) for value, direction in self._events]
-        return require().taylor_adaptive(self._motion, self._somewhere[:, 0], t_events=events, **self._settings)
+        beside = [require().nt_event(value, _nothing) for value in self._resolved]
+        start = self._somewhere[:, 0]
+        return require().taylor_adaptive(self._motion, start, t_events=events, nt_events=beside, **self._settings)
 
     def at(self, t: Array, y: Array, parameters: Array) -> Point:
         """Evaluate at states y, (2 nv, n), and times t, (n,), with parameters (p, n)."""
@@ -183,7 +197,9 @@ class Compiled:
         slopes, guards, kinks, feet = np.split(values, np.cumsum(counts))
         return Point(slopes, guards, kinks, feet.reshape(len(self.closed), len(Footing._fields), n))
 
-    def run(self, t: Array, y: Array, until: Array, parameters: Array) -> tuple[Array, Array, NDArray[np.int64]]:
+    def run(
+        self, t: Array, y: Array, until: Array, parameters: Array, longest: float = math.inf
+    ) -> tuple[Array, Array, NDArray[np.int64]]:
         """Integrate up to the first guard that falls through zero, or a time.
 
         Args:
@@ -191,6 +207,7 @@ class Compiled:
             y: states there, (2 nv, n), at which every guard that is watched is positive.
             until: times at which to stop, (n,).
             parameters: (p, n).
+            longest: step, in s.
 
         Returns:
             times, states and the guards' indices, or `TIME_LIMIT`, `KINK` or `FAILED`.
@@ -206,15 +223,18 @@ class Compiled:
         states, numbers = blocks(y), blocks(parameters[: len(self._integrator.pars)])
         codes = np.empty(times.shape, np.int64)
         for block in zip(times, states, stops, numbers, codes, strict=True):
-            self._run(*block)
+            self._run(*block, longest)
         codes = codes.ravel()[:n]
         ends = np.where(codes == int(require().taylor_outcome.time_limit), TIME_LIMIT, FAILED)
         events = (codes < 0) & (codes >= -len(self.meaning))  # the first is -1
         ends[events] = self.meaning[-codes[events] - 1]
         return times.ravel()[:n], states.transpose(1, 0, 2).reshape(len(y), -1)[:, :n].copy(), ends
 
-    def _run(self, t: Array, y: Array, until: Array, parameters: Array, codes: NDArray[np.int64]) -> None:
+    def _run(
+        self, t: Array, y: Array, until: Array, parameters: Array, codes: NDArray[np.int64], longest: float
+    ) -> None:
         """Integrate as many lanes as go at a time; times, states and heyoka's outcomes are set."""
+        bounds = steps(float(np.max(until - t)), longest)
         integrator, success = self._integrator, int(require().taylor_outcome.success)
         integrator.set_time(t)
         integrator.state[:] = y
@@ -222,7 +242,7 @@ class Compiled:
         integrator.reset_cooldowns()
         codes[:] = success
         while True:
-            integrator.propagate_until(until, max_steps=STEPS)
+            integrator.propagate_until(until, **bounds)
             outcomes = np.array([int(result[0]) for result in integrator.propagate_res])
             done = (codes == success) & (outcomes != success)
             t[done], y[:, done], codes[done] = integrator.time[done], integrator.state[:, done], outcomes[done]
@@ -255,9 +275,11 @@ class Ready:
         """As `Compiled.at`."""
         return self.compiled.at(t, y, parameters)
 
-    def run(self, t: Array, y: Array, until: Array, parameters: Array) -> tuple[Array, Array, NDArray[np.int64]]:
+    def run(
+        self, t: Array, y: Array, until: Array, parameters: Array, longest: float = math.inf
+    ) -> tuple[Array, Array, NDArray[np.int64]]:
         """As `Compiled.run`."""
-        return self.compiled.run(t, y, until, parameters)
+        return self.compiled.run(t, y, until, parameters, longest)
 
 
 @lru_cache(MOST)
@@ -266,16 +288,40 @@ def compiled(structure: Structure, code: Code) -> Compiled:
     return Compiled(structure.system, structure.domain, structure.held, code)
 
 
-def operations(kinks: list[Any]) -> Operations:
-    """Elementary functions of expressions; where they are not smooth is added to `kinks`."""
-    hy = require()
+def steps(duration: float, longest: float) -> dict[str, Any]:
+    """Bounds of steps for heyoka: how many, for some time, and how long, in s."""
+    if longest == math.inf:
+        return {"max_steps": STEPS}
+    return {"max_steps": STEPS + math.ceil(duration / longest), "max_delta_t": longest}
+
+
+def operations(kinks: list[Any], flat: list[Any] | None = None) -> Operations:
+    """Elementary functions of expressions.
+
+    Args:
+        kinks: takes what changes sign where they are not smooth.
+        flat: takes the arguments of those that are all but constant far from zero.
+    """
+    hy, arguments = require(), [] if flat is None else flat
 
     def maximum(a: Any, b: Any) -> Any:
         kinks.append(a - b)
         return b + hy.relu(a - b)
 
-    functions = {name: getattr(hy, name) for name in ("sin", "cos", "tan", "tanh", "sqrt", "exp", "atan2")}
-    return Operations(**functions, maximum=maximum, solve=solve)
+    def tanh(a: Any) -> Any:
+        arguments.append(_expression(a))
+        return hy.tanh(a)
+
+    def exp(a: Any) -> Any:
+        arguments.append(_expression(a))
+        return hy.exp(a)
+
+    functions = {name: getattr(hy, name) for name in ("sin", "cos", "tan", "sqrt", "atan2")}
+    return Operations(**functions, tanh=tanh, exp=exp, maximum=maximum, solve=solve)
+
+
+def _nothing(*_: Any) -> None:
+    """What happens where a guard is only resolved."""
 
 
 def _expression(value: Any) -> Any:

@@ -12,7 +12,17 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.elimination import factorize, substitute
 from spear_pin.hybrid.engines.polynomials import Polynomials
 from spear_pin.hybrid.engines.structure import Structure, symbols
-from spear_pin.hybrid.engines.taylor import FAILED, MOST, STEPS, TIME_LIMIT, Compiled, Ready, operations, require
+from spear_pin.hybrid.engines.taylor import (
+    FAILED,
+    MOST,
+    STEPS,
+    TIME_LIMIT,
+    Compiled,
+    Ready,
+    operations,
+    require,
+    steps,
+)
 from spear_pin.hybrid.rules.entry import AWAY, NONE, bent, clear, falls, stays_on_zero, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness, footing
 from spear_pin.hybrid.rules.impact import rises, routh
@@ -102,10 +112,12 @@ class Single:
             return Entry(fits, t, y, NONE if waiting and rises and not bends else UNCLEAR)
         return Entry(fits, t + AHEAD, answer[self._state_later :], NONE)
 
-    def run(self, t: float, y: Array, until: float, parameters: Array) -> tuple[float, Array, int]:
+    def run(
+        self, t: float, y: Array, until: float, parameters: Array, longest: float = math.inf
+    ) -> tuple[float, Array, int]:
         """Integrate up to the first event, or a time, as `Compiled.run`."""
         self._begin(t, y, parameters)
-        outcome = int(self._integrator.propagate_until(until, max_steps=STEPS)[0])
+        outcome = int(self._integrator.propagate_until(until, **steps(until - t, longest))[0])
         return self._integrator.time, self._state.copy(), self._end(outcome)
 
     def follow(self, t: float, y: Array, until: float, parameters: Array) -> tuple[float, Array, int, Polynomials]:

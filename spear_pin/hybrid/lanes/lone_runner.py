@@ -107,13 +107,14 @@ class LoneRunner:
         numbers: the lanes'.
         lane: which of them.
         keep: whether arcs say what their motion was.
+        longest: step, in s; of arcs that say it there is no such bound.
 
     Attributes:
         why: what called for a second look in the last cycle that got one.
     """
 
-    def __init__(self, numbers: Numbers, lane: int, *, keep: bool = False) -> None:
-        self._numbers, self._lane, self._keep = numbers, lane, keep
+    def __init__(self, numbers: Numbers, lane: int, *, keep: bool = False, longest: float = math.inf) -> None:
+        self._numbers, self._lane, self._keep, self._longest = numbers, lane, keep, longest
         self._compiled, self._system, self._nv = numbers.compilation, numbers.system, numbers.nv
         self._law, self._constants = numbers.law_of(lane), numbers.constants(lane)
         self._parameters = np.array(self._constants)
@@ -166,7 +167,7 @@ class LoneRunner:
             now.t, now.y, end, motion = ready.follow(now.t, now.y, until, now.parameters)
             steps = len(motion.begins)
         elif end == NONE:
-            now.t, now.y, end = ready.run(now.t, now.y, until, now.parameters)
+            now.t, now.y, end = ready.run(now.t, now.y, until, now.parameters, self._longest)
         event = self._event(now, domain, end, until == at)
         now.arcs.append(Arc(domain, now.held, begun, start, now.t, now.y, event, now.switches, motion, steps))
         if isinstance(event, Guard) and event.observes:
@@ -231,7 +232,7 @@ class LoneRunner:
     def _latch(self, now: _Now, reset: Reset) -> None:
         y = now.y.tolist()
         try:
-            now.held = latched(now.held, [reset], y[: self._nv], y[self._nv :], self._law)
+            now.held = latched(now.held, [reset], y[: self._nv], y[self._nv :], self._law, self._system.place_of)
         except ArithmeticError:
             raise _Unclear(f"{reset.phase or now.phase} cannot be latched") from None
         now.singles, now.parameters = self._given(now.held)

@@ -8,6 +8,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from spear_pin.arrays import Array
+from spear_pin.hybrid import own
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.engines import structure
@@ -87,14 +88,20 @@ class Numbers:
         return replace(group, t=group.t + h, y=ahead(slope, group.t, group.y, h))
 
     def latch(self, group: Group, reset: Reset) -> Group:
-        """Group after an event's latch, which is for all lanes at once if it is plain arithmetic, else lane by lane."""
+        """Group after an event's latch, which is for all lanes at once if it is plain arithmetic, else lane by lane.
+
+        Raises:
+            BadFunction: there is a mistake in the latch.
+        """
         if reset.latch is None or not len(group):
             return group
         n, q, v = len(group), group.y[: self.nv], group.y[self.nv :]
         try:
             held = latched(group.held, [reset], list(q), list(v), self.law(group.lanes))
             return replace(group, held={name: spread(value, n) for name, value in held.items()})
-        except (TypeError, ValueError, ArithmeticError):
+        except Exception as error:
+            if not (own.is_own(reset.latch) or isinstance(error, (TypeError, ValueError, ArithmeticError))):
+                raise
             found = [self._latch_alone(group, reset, i) for i in range(n)]
             pattern = next((one for one in found if one is not None), {"undefined": 0.0})
             each = [_undefined(pattern) if one is None else one for one in found]
@@ -102,12 +109,12 @@ class Numbers:
             return replace(group, held={**group.held, **new})
 
     def _latch_alone(self, group: Group, reset: Reset, i: int) -> Mapping[str, Any] | None:
-        """Values that an event latches in the i-th lane of a group, None where one is undefined."""
+        """Values held after an event in the i-th lane of a group, None where one is undefined."""
         assert reset.latch is not None
-        own = {name: take(value, i) for name, value in group.held.items()}
+        held = {name: take(value, i) for name, value in group.held.items()}
         q, v = group.y[: self.nv, i].tolist(), group.y[self.nv :, i].tolist()
         try:
-            return reset.latch(q, v, own, self.law_of(int(group.lanes[i])))
+            return latched(held, [reset], q, v, self.law_of(int(group.lanes[i])), self.system.place_of)
         except ArithmeticError:
             return None
 

@@ -6,6 +6,7 @@ engine runs it again from the beginning of its cycle: what is rare is slow, neve
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -25,6 +26,7 @@ from spear_pin.hybrid.lanes.modes import away, choose, first_event
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.sliding import Came, slide
 from spear_pin.hybrid.orders import Happening, Order, happening, in_order, order_of
+from spear_pin.hybrid.own import FOR_SYMBOLS, not_symbolic
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.result import Options
@@ -57,6 +59,7 @@ class Lanes:
     ) -> None:
         n, self.nv = len(q), system.robot.nv
         self.system, self.options, self.wanted = system, options, cycles
+        self._longest = options.max_step or math.inf
         self.numbers = Numbers(system, given, code)
         # what the reference engine can begin at: the last state on the section that says everything, the cycles before
         self.start, self.before = np.concatenate([q.T, v.T]), np.zeros(n, np.int64)
@@ -76,7 +79,8 @@ class Lanes:
         self.repeated = np.zeros(n, bool)
         seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and code.observing}
         self.observed = {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
-        self._lone = [LoneRunner(self.numbers, lane) for lane in range(n)] if n <= FEW else []
+        longest = self._longest
+        self._lone = [LoneRunner(self.numbers, lane, longest=longest) for lane in range(n)] if n <= FEW else []
         self.orders: list[Order] = [()] * n  # of the last whole cycle
         self._happened: list[list[Happening]] = [[] for _ in self._lone]  # in the one under way
         self._alone: list[tuple[str, Group, Came | None]] = []
@@ -105,7 +109,13 @@ class Lanes:
         """Sort the lanes into the phases where they begin."""
         system, n = self.system, self.start.shape[1]
         feet = self.numbers.planar.feet(list(self.start[: self.nv]), list(self.start[self.nv :]), np)
-        feet = self.numbers.ground(np.arange(n)).seen(feet, np)
+        ground = self.numbers.ground(np.arange(n))
+        for toe in system.robot.toes if n and not ground.plane else ():
+            system.ground.foot(system.robot, self.start[: self.nv, 0], toe)  # a mistake shows with numbers
+        try:
+            feet = ground.seen(feet, np)
+        except FOR_SYMBOLS as error:
+            raise not_symbolic("the ground", ground.above, error) from error
         heights = np.array([np.broadcast_to(feet.positions[toe][1], n) for toe in system.robot.toes])
         below = below_ground(heights).any(axis=0)
         for lane in np.flatnonzero(below):
@@ -221,7 +231,7 @@ class Lanes:
         late = until <= group.t
         self.give_up(group.take(late))
         group, until = group.take(~late), until[~late]
-        t, y, ends = ready.run(group.t, group.y, until, self.numbers.parameters(group))
+        t, y, ends = ready.run(group.t, group.y, until, self.numbers.parameters(group), self._longest)
         group = replace(group, t=t, y=y)
         for end in np.unique(ends).tolist():
             part = group.take(ends == end)

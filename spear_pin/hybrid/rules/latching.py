@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
+from spear_pin.hybrid import own
 from spear_pin.hybrid.domain import Held, Reset
 
 
-def latched(held: Held, resets: Iterable[Reset], q: Any, v: Any, law: Any) -> Held:
+def latched(
+    held: Held, resets: Iterable[Reset], q: Any, v: Any, law: Any, place_of: Callable[[Reset], str] = str
+) -> Held:
     """Values held after resets, one after the other; unchanged those that they do not latch.
 
     Args:
@@ -17,11 +21,19 @@ def latched(held: Held, resets: Iterable[Reset], q: Any, v: Any, law: Any) -> He
         q: configuration, a sequence of scalars.
         v: velocity after the impact, a sequence of scalars.
         law: parameters of the control law.
+        place_of: says of which event one is.
 
     Raises:
         ArithmeticError: a latch has no value there.
+        BadFunction: there is a mistake in a latch of one's own, which was asked with numbers.
     """
+    numbers = isinstance(q[0], float)
     for reset in resets:
-        if reset.latch is not None:
-            held = {**held, **reset.latch(q, v, held, law)}
+        latch = reset.latch
+        if latch is not None and numbers and own.is_own(latch):
+            what = f"latch of {place_of(reset)}"
+            new = own.asked(what, latch, partial(latch, q, v, held, law))
+            held = {**held, **own.held(what, latch, new)}
+        elif latch is not None:
+            held = {**held, **latch(q, v, held, law)}
     return held

@@ -8,6 +8,7 @@ from dataclasses import fields
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
@@ -18,9 +19,9 @@ from spear_pin.model.numbers import body_numbers
 from spear_pin.model.planar import Planar
 from spear_pin.model.variants import parameters_of
 
-STEP = (
-    2.0**-8
-)  # of a parameter: numbers are polynomials in it of the second degree at most, so that no step is too long
+# of a parameter: numbers are polynomials in it of the second degree at most, so that no step is too long
+STEP = 2.0**-8
+ROUNDING = 1e-9  # of a derivative: what turning a body's frame back and forth leaves
 
 
 def numbers(system: HybridSystem, held: Mapping[str, Any] | None = None) -> Array:
@@ -38,11 +39,33 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
         UnknownName: there is no parameter of a name.
         BadValue: a parameter is zero, and with it part of the equations, or is none of the numbers.
     """
-    found, of_robot = changes(system, names, numbers), {*parameters_of(system.robot), *body_numbers(system.robot)}
+    whole, of_robot = changes(system, names, _everything), {*parameters_of(system.robot), *body_numbers(system.robot)}
+    kept = _kept(system)
+    for name, column in zip(names, whole[~kept].T, strict=True):
+        if (np.abs(column) > ROUNDING).any():
+            raise BadValue(name, number(system, name), "a number that changes none of those that are zero")
+    found = whole[kept]
     for name, column in zip(names, found.T, strict=True):
         if not column.any() and name not in of_robot:  # a gear ratio without a rotor is a number of motors alone
             raise BadValue(name, number(system, name), "a number of the equations: this one is built into the events")
     return found
+
+
+def _everything(system: HybridSystem) -> Array:
+    """Numbers of a system, those that are zero among them, in the order of `numbers`."""
+    others = list(structure.all_others(system).values())
+    robot = structure.all_robot_numbers(system, Planar(system.robot))
+    found: Array = structure.parameters(system.law, others, robot, {}, 1)[:, 0]
+    return found
+
+
+def _kept(system: HybridSystem) -> NDArray[np.bool_]:
+    """Which of all numbers of a system are those of `numbers`."""
+    others = structure.all_others(system)
+    robot = structure.all_robot_numbers(system, Planar(system.robot))
+    of_law = len(structure.parameters(system.law, [], [], {}, 1))
+    beside = [value != 0.0 or name == "friction" for name, value in others.items()]
+    return np.array([*of_law * [True], *beside, *(value != 0.0 for value in robot)])
 
 
 def weight_seeds(system: HybridSystem, names: Sequence[str]) -> Array:
@@ -84,7 +107,5 @@ def _change(system: HybridSystem, name: str, of: Callable[[HybridSystem], Array]
     if len(ends) < 2:  # the value is at the end of its range, where numbers are linear in it
         ends.append((0.0, of(system)))
     (one, more), (other, less) = ends
-    if len(more) != len(less):
-        raise BadValue(name, value, "a number that is not at the end of its range")
     change: Array = (more - less) / (one - other)
     return change

@@ -1,17 +1,20 @@
 """Designs of the hop: a minimum known from elsewhere, prices and assumptions against designs found anew, mistakes."""
 
 import json
+import re
 
 import numpy as np
 import pytest
 
-from spear_pin import Gait, optimize_design, simulate
+from spear_pin import Gait, find_gait, load, monopod, optimize_design, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.model.catalogue import motor
+from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
 from spear_pin.viz.notebook import card
 from spear_pin.viz.plots import save_figure
 from spear_pin.viz.plots.design_by_gradient import optimised
+from tests.model.legged import quadruped
 
 pytestmark = pytest.mark.extra("heyoka")
 OVER = {"stiffness": (42.0, 60.0), "knee_ratio": (8.0, 30.0), "knee_touchdown": (0.80, 1.02)}
@@ -27,6 +30,26 @@ def best(gait, over=OVER, **options):
 @pytest.fixture(scope="module")
 def found(hop):
     return best(hop)
+
+
+@pytest.mark.slow
+def test_of_a_leg_without_rotors_that_is_free_along_x(tmp_path):
+    """As somebody else's file has it, with what assumptions do to it: none of them is a rotor."""
+    path = tmp_path / "dog.urdf"
+    path.write_text(re.sub(r"<(drake:\w+) value=\"[^\"]*\"/>", "", quadruped()), encoding="utf-8")
+    gait = hop_of(scaled_hopping(monopod(load(path, base="free", motors="all"), "HR")), 0.18)
+    stiffness = gait.system.spring.stiffness
+    design = optimize_design(gait, "effort", over={"stiffness": (0.95 * stiffness, 1.05 * stiffness)})
+    assert design.converged and not [name for name in design.assumptions if name.endswith("rotor")]
+    step = 1e-3 * stiffness
+    ends = [find_again(gait, stiffness + s) for s in (step, -step)]
+    more, less = (each.sensitivity(["stiffness"]).outputs["effort"] for each in ends)
+    slope = gait.sensitivity(["stiffness"]).derivatives["effort"][0]
+    assert (more - less) / (2.0 * step) == pytest.approx(slope, rel=1e-4)
+
+
+def find_again(gait, stiffness):
+    return find_gait(with_numbers(gait.system, {"stiffness": stiffness}), guess=gait.state)
 
 
 def test_the_minimum_that_others_found(found):

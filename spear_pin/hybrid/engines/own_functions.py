@@ -1,0 +1,114 @@
+"""Functions of one's own as the reference engine asks them: their answers checked, their mistakes named."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from spear_pin.arrays import Array
+from spear_pin.errors import BadFunction
+from spear_pin.hybrid.domain import Domain, Guard, Held, Mount
+from spear_pin.hybrid.dynamics import FLOATS
+from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.own import FAR, asked, has_no_value, is_own, mistake, number, torques
+
+
+class OwnFunctions:
+    """Those of a domain.
+
+    A function without a value somewhere is no mistake, for motion need not come to that: it is a `fault`, of which the
+    run says once it cannot go on.
+
+    Args:
+        domain: the domain.
+
+    Attributes:
+        law: whether the law is one's own.
+        guards: identities of the guards that are.
+        springs: joints whose springs are.
+        fault: why a function had no value since motion last arrived somewhere; None if all had one.
+    """
+
+    def __init__(self, domain: Domain) -> None:
+        self._domain = domain
+        self.law = is_own(domain.law)
+        self.guards = {id(guard) for guard in domain.guards if is_own(guard.value)}
+        self.springs = {mount.joint for mount in domain.mounts if is_own(type(mount.spring))}
+        self.fault: BadFunction | None = None
+
+    def torques(self, joints: Sequence[str], arguments: Sequence[Any]) -> list[float]:
+        """What the law asks for, of each of some joints.
+
+        Args:
+            joints: that have a motor.
+            arguments: of the law; its time, angles and rates come first.
+        """
+        what, law = f"law of domain {self._domain.name!r}", self._domain.law
+        t, q, v, *_ = arguments
+        answer = self._asked(what, law, partial(law, *arguments), (q, v))
+        found = [number(what, law, each) for each in torques(what, law, answer, joints)]
+        if any(map(math.isnan, found)):
+            self._lost(what, law, f"it gives {found} at t = {t:.6g} s", (q, v))
+        return found
+
+    def value(self, guard: Guard, arguments: Sequence[Any]) -> float:
+        """A guard's value.
+
+        Args:
+            guard: the guard.
+            arguments: of its value; time, configuration and velocity come first.
+        """
+        what, (t, q, v, *_) = f"guard {guard.name!r} of domain {self._domain.name!r}", arguments
+        found = number(what, guard.value, self._asked(what, guard.value, partial(guard.value, *arguments), (q, v)))
+        if math.isnan(found):
+            self._lost(what, guard.value, f"it gives {found} at t = {t:.6g} s", (q, v))
+        return found
+
+    def spring(self, mount: Mount, angle: float, rate: float, held: Held) -> tuple[float, float]:
+        """Torque of a spring, and of its damper."""
+        spring, at = mount.spring, ([angle], [rate])
+        what = f"spring of {mount.joint!r} in domain {self._domain.name!r}"
+        torque = self._asked(what, spring.torque, partial(mount.torque, spring, angle, held, FLOATS), at)
+        drag = self._asked(what, spring.drag, partial(spring.drag, rate), at)
+        found = number(what, spring.torque, torque), number(what, spring.drag, drag)
+        if any(map(math.isnan, found)):
+            self._lost(what, spring.torque, f"it gives {sum(found)} at an angle of {angle:.6g} rad", at)
+        return found
+
+    def above(self, ground: Ground, x: float, z: float) -> float:
+        """Distance of a point from the ground."""
+        what = f"ground {type(ground).__name__}"
+        found: float = self._asked(what, ground.above, partial(ground.above, x, z, FLOATS), ([x], [z]))
+        if math.isnan(found):
+            self._lost(what, ground.above, f"it gives {found} at x = {x:.6g} m, z = {z:.6g} m", ([x], [z]))
+        return found
+
+    def _asked(self, what: str, function: Any, call: Callable[[], Any], at: tuple[Any, Any]) -> Any:
+        """Answer of a function.
+
+        Raises:
+            BadFunction: there is a mistake in it.
+            ArithmeticError: it has no value there.
+        """
+        try:
+            return asked(what, function, call)
+        except BadFunction as error:
+            if not has_no_value(error.__cause__):
+                raise
+            self.fault = error if _near(at) else self.fault
+            raise ArithmeticError from None
+
+    def _lost(self, what: str, function: Any, problem: str, at: tuple[Any, Any]) -> None:
+        """A function gives what is not a number."""
+        if _near(at):
+            self.fault = mistake(what, function, f"{problem}; expected finite numbers")
+
+
+def _near(at: tuple[Any, Any]) -> bool:
+    """Whether a state is one that motion may come to."""
+    values: Array = np.abs(np.concatenate(at))
+    return bool((values < FAR).all())

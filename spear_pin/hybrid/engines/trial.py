@@ -1,0 +1,41 @@
+"""One call of a domain's functions with numbers, to tell a mistake from what symbols alone cannot do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from spear_pin.errors import BadFunction
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Domain
+from spear_pin.hybrid.engines.pinocchio import Flow
+from spear_pin.hybrid.flow_names import flow_names
+
+
+def mistaken(system: HybridSystem, domain: Domain, held: Mapping[str, Any]) -> BadFunction | None:
+    """The first mistake in a domain's functions at the state that its system guesses, if there is one.
+
+    Args:
+        system: the system.
+        domain: one of its domains.
+        held: what is held there, by name; the numbers do not count.
+    """
+    try:
+        flow = Flow(system, domain, {name: _ones(value) for name, value in held.items()})
+        y = np.concatenate([*system.guess(), np.zeros(len(flow_names(system)))])
+        flow(0.0, y)
+        for guard in domain.guards:
+            flow.value(guard, 0.0, y)
+        for toe in system.robot.toes:
+            flow.height(toe)
+    except BadFunction as found:
+        return found
+    except Exception:  # whatever else: it is no mistake that is known
+        return None
+    return None
+
+
+def _ones(value: Any) -> Any:
+    return tuple(map(_ones, value)) if isinstance(value, tuple) else 1.0

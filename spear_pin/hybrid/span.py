@@ -1,0 +1,218 @@
+"""One integration step as polynomials of time, and where within it a guard cannot be told to be on one side of zero.
+
+State and dynamics along a step are polynomials, whose coefficients in Bernstein's basis hold their values between the
+least and the greatest of them. So a guard is asked with intervals for all times of a step at once, and for halves of
+those in which the answer may be both positive and not, down to `SHORTEST` and, while there are few of them, `LEAST`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from math import comb
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from spear_pin.arrays import Array
+from spear_pin.hybrid.domain import Guard
+from spear_pin.hybrid.engines.pinocchio import Flow
+from spear_pin.hybrid.intervals import INTERVALS, Interval, Unsure, bounds, enclosing
+
+SHORTEST = 1e-5  # s: a guard that is on the other side of zero for less may pass unseen
+LEAST, MANY = 1e-9, 500  # s, and parts of a step: as long as it takes no more of them, it does not
+GLANCE = 2e-4  # s: the same for one that does not take intervals, seen at both ends and halfway
+DEGREE = 7  # of the integrator's interpolant
+POSITIVE, NEGATIVE, UNKNOWN = 1, -1, 0
+STATE, PLACE, HEIGHT = "state", "place", "height"  # what is known of a step without asking for its dynamics
+
+NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)
+CHECKS = np.array([0.31, 0.79])  # where what is no polynomial is compared with the one through the nodes
+
+
+def _basis(x: Array) -> Array:
+    """Bernstein's polynomials at some points, (n, DEGREE + 1)."""
+    k = np.arange(DEGREE + 1)
+    return np.array([comb(DEGREE, i) for i in k]) * x[:, None] ** k * (1.0 - x[:, None]) ** (DEGREE - k)
+
+
+_FITTED = np.linalg.inv(_basis(NODES))
+_CHECKED = _basis(CHECKS) @ _FITTED
+_HALVES = tuple(_FITTED @ _basis(half) for half in (0.5 * NODES, 0.5 + 0.5 * NODES))
+
+
+class Span:
+    """A step, or a part of it.
+
+    Args:
+        whole: the step.
+        begin: of the part, in s.
+        end: of the part, in s.
+        half: of which part it is which half; None for the step.
+    """
+
+    def __init__(self, whole: Step, begin: float, end: float, half: tuple[Span, int] | None = None) -> None:
+        self.whole, self.begin, self.end, self._half = whole, begin, end, half
+        self._coefficients: dict[Any, Array] = {}
+
+    def halves(self) -> tuple[Span, Span]:
+        """Its first and its second half."""
+        middle = 0.5 * (self.begin + self.end)
+        return Span(self.whole, self.begin, middle, (self, 0)), Span(self.whole, middle, self.end, (self, 1))
+
+    def coefficients(self, what: Any) -> Array:
+        """Coefficients in Bernstein's basis of something that the step knows, (8, m)."""
+        if what not in self._coefficients:
+            if self._half is None:
+                found = self.whole.fitted(what)
+            else:
+                whole, which = self._half
+                found = _HALVES[which] @ whole.coefficients(what)
+            self._coefficients[what] = found
+        return self._coefficients[what]
+
+    def enclosure(self, what: Any) -> Any:
+        """All values of something between begin and end: an interval, or an array of them."""
+        coefficients, (error, shape) = self.coefficients(what), self.whole.about(what)
+        low, high = coefficients.min(axis=0) - error, coefficients.max(axis=0) + error
+        return enclosing(low.reshape(shape), high.reshape(shape))
+
+    def value(self, guard: Guard) -> tuple[float, float]:
+        """The least and the greatest that a guard may be.
+
+        Raises:
+            Unsure: there is no telling.
+        """
+        flow = self.whole.flow
+        nv = flow.system.robot.nv
+        y = self.enclosure(STATE)
+        time = Interval(self.begin, self.end)
+        try:
+            found = guard.value(time, y[:nv], y[nv : 2 * nv], flow.held, flow.system.law, _Dynamics(self), INTERVALS)
+        except ArithmeticError:
+            raise Unsure from None
+        return bounds(found)
+
+
+class Step:
+    """What is known of a step, found when it is first asked for.
+
+    Args:
+        flow: the motion.
+        begin: of the step, in s.
+        end: of the step, in s.
+        solution: the integrator's interpolant.
+    """
+
+    def __init__(self, flow: Flow, begin: float, end: float, solution: Callable[[Any], Array]) -> None:
+        self.flow, self._solution = flow, solution
+        self._times = begin + (end - begin) * np.concatenate([NODES, CHECKS])
+        self._states = np.ascontiguousarray(solution(self._times).T)
+        self._fitted: dict[Any, tuple[Array, Array, tuple[int, ...]]] = {}
+        self.span = Span(self, begin, end)
+
+    def fitted(self, what: Any) -> Array:
+        """Coefficients of something on the whole step, (8, m)."""
+        return self._known(what)[0]
+
+    def about(self, what: Any) -> tuple[Array, tuple[int, ...]]:
+        """By how much it may differ from its polynomial, (m,), and its shape."""
+        _, error, shape = self._known(what)
+        return error, shape
+
+    def _known(self, what: Any) -> tuple[Array, Array, tuple[int, ...]]:
+        if what not in self._fitted:
+            values = np.array(self._values(what), dtype=float)
+            if not np.isfinite(values).all():
+                raise ValueError("no value somewhere in the step")
+            flat = values.reshape(len(values), -1)
+            nodes, checks = flat[: len(NODES)], flat[len(NODES) :]
+            error = np.zeros(flat.shape[1]) if what == STATE else 2.0 * np.abs(_CHECKED @ nodes - checks).max(axis=0)
+            self._fitted[what] = _FITTED @ nodes, error, values.shape[1:]
+        return self._fitted[what]
+
+    def _values(self, what: Any) -> Any:
+        """Something at the nodes and where it is checked."""
+        if what == STATE:
+            return self._states
+        name, arguments = what
+        if name in (PLACE, HEIGHT):
+            (frame,) = arguments
+            places = self._places(frame)
+            return places if name == PLACE else self.flow.system.ground.above(places[:, 0], places[:, 2])
+        found = []
+        for t, y in zip(self._times.tolist(), self._states, strict=True):
+            self.flow.visit(t, y)
+            value = getattr(self.flow, name)
+            found.append(value(*arguments) if callable(value) else value)
+        return found
+
+    def _places(self, frame: str) -> Array:
+        """Positions of a frame at the nodes and where it is checked, (n, 3), in m."""
+        model, index = self.flow.system.robot.model, self.flow.frame(frame)
+        data, found = pin.Data(model), np.empty((len(self._states), 3))
+        for place, y in zip(found, self._states, strict=True):
+            pin.forwardKinematics(model, data, y[: model.nq])
+            place[:] = pin.updateFramePlacement(model, data, index).translation
+        return found
+
+
+class _Dynamics:
+    """The dynamics along a span, `dyn` of guards that take intervals."""
+
+    def __init__(self, span: Span) -> None:
+        self._span, self._flow = span, span.whole.flow
+
+    def height(self, frame: str) -> Any:
+        """Distance of a frame from the ground."""
+        ground = self._flow.system.ground
+        if ground.plane:
+            return self._span.enclosure((HEIGHT, (frame,)))
+        x, _, z = self._span.enclosure((PLACE, (frame,)))
+        return ground.above(x, z, INTERVALS)
+
+    @property
+    def friction_coefficient(self) -> float:
+        """μ of the ground."""
+        return self._flow.friction_coefficient
+
+    def __getattr__(self, name: str) -> Any:
+        if callable(getattr(self._flow, name)):
+            return lambda *arguments: self._span.enclosure((name, arguments))
+        return self._span.enclosure((name, ()))
+
+
+def parted(guard: Guard, step: Step) -> Iterator[tuple[float, float, int]]:
+    """Parts of a step, in their order, and on which side of zero a guard is in them, or `UNKNOWN` in short ones.
+
+    Values within the guard's tolerance of zero are not looked at more closely.
+
+    Raises:
+        Exception: whatever the guard raises for intervals, which it need not take.
+    """
+    waiting, short = [step.span], 0
+    while waiting:
+        span = waiting.pop()
+        length = span.end - span.begin
+        short += length <= SHORTEST
+        try:
+            low, high = span.value(guard)
+        except Unsure:
+            low, high = -np.inf, np.inf
+        if low > 0.0:
+            yield span.begin, span.end, POSITIVE
+        elif high <= 0.0 and not guard.patience:
+            yield span.begin, span.end, NEGATIVE
+        elif low >= -guard.tolerance or length <= (LEAST if short <= MANY else SHORTEST):
+            yield span.begin, span.end, UNKNOWN
+        else:
+            waiting += reversed(span.halves())
+
+
+def glances(step: Step) -> Iterator[tuple[float, float, int]]:
+    """Parts of a step for a guard that does not take intervals."""
+    begin, end = step.span.begin, step.span.end
+    times = np.linspace(begin, end, int(np.ceil((end - begin) / GLANCE)) + 1).tolist()
+    for before, after in pairwise(times):
+        yield before, after, UNKNOWN
