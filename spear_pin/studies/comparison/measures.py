@@ -79,7 +79,9 @@ def _motion(robot: Robot, run: Trajectory) -> dict[str, Values]:
         energy["cost of transport", ""] = found["cost_of_transport"]
     if run.cycles:
         for flow in run.ledger.flows:
-            energy[_words(flow).replace("motor ", "net work, "), "J"] = float(run.ledger[flow].mean())
+            joint = flow.removeprefix("motor_")
+            name = f"energy, {_words(flow)}" if joint == flow else f"net work, {_words(joint)}"
+            energy[name, "J"] = float(run.ledger[flow].mean())
         energy["unaccounted for, at most", "J"] = float(np.abs(run.ledger.residual).max())
     return {MOTION: motion, FORCES: forces, TORQUES: torques, ENERGY: energy}
 
