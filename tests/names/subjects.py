@@ -13,6 +13,8 @@ from spear_pin.gaits.many import find_many
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.sensitivity.many_measures import measured
 from spear_pin.hybrid.parameters import number
+from spear_pin.model.catalogue import motor
+from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.energetics import costs
 from spear_pin.studies.payoff import Motors
 from spear_pin.studies.payoff.bounding import figures_of, request
@@ -21,8 +23,9 @@ from spear_pin.studies.payoff.grid import SWITCHED
 from spear_pin.studies.payoff.searches import Search
 from tests.names.comparison import Table
 from tests.names.said import called, command, first_number, numbers, text
-from tests.studies.payoff.stub import DRIVES, SOLUTION, Stubbed, of_leg
+from tests.studies.payoff.stub import SOLUTION, Stubbed, of_leg
 
+MOTOR, RATIOS, EFFICIENCY, BUS = "assumed_600w", {"knee": 15.0, "hip": 60.0}, 0.83, 48.0
 NOT_HERE = ("files", "shown", "cycles", "retouches", "slips")  # of a run, its length and its files
 
 
@@ -62,37 +65,26 @@ def fill_trot(table: Table, folder: Path) -> None:
     gait = Gait.load(folder / "trot_steady.json")
     _of_motion(table, folder / "trot.npz", gait)
     _compare(table, folder, folder / "trot_steady.json")
-    _printed(table, "trot", *asked)
+    _printed(table, "trot", "trot", folder / "trot_steady.json", "--cycles", 2, "--out", folder)
 
 
 def fill_payoff(table: Table, folder: Path) -> None:
     """A study of bounds whose searches end at the shipped gait: its figures are those of this gait with motors."""
     gait, speed, stiffness = Gait.load("long_stride"), 2.5, 56.0
+    options: list[object] = ["--speeds", "2,2.5", "--stiffnesses", f"40,{stiffness}", "--workers", 1]
+    for part, ratio in RATIOS.items():
+        options += [f"--{part}-motor", MOTOR, f"--{part}-ratio", ratio]
     with mock.patch("spear_pin.studies.payoff.bounding.BOUNDS", Stubbed(_shipped_for)):
-        said = command(
-            *(
-                "payoff",
-                "q_spear",
-                "--speeds",
-                "2,2.5",
-                "--stiffnesses",
-                f"40,{stiffness}",
-                "--bus",
-                48,
-                "--workers",
-                1,
-            ),
-            *("--knee-motor", "assumed_600w", "--knee-ratio", 15, "--hip-motor", "assumed_600w", "--hip-ratio", 15),
-            *("--out", folder),
-        )
+        said = command("payoff", "q_spear", *options, "--bus", BUS, "--efficiency", EFFICIENCY, "--out", folder)
     points = [each for each in said["points"] if "figures" in each and each["speed"] == speed]
     (found,) = (each for each in points if each["kind"] == SWITCHED and each["stiffness_per_leg"] == stiffness)
-    table.add(
-        "payoff --json, a point", _of({name: found[name] for name in ("speed", "stiffness_per_leg", "electricity")})
-    )
+    table.add("payoff --json, a point", {name: found[name] for name in ("speed", "stiffness_per_leg", "electricity")})
     table.add("payoff --json, its figures", _of(found["figures"]))
     table.add("bound --json", _of(command("bound", "--gait", "long_stride", "--cycles", 1, "--out", folder)))
-    motors = {joint: DRIVES[joint.split("_")[1]] for joint in gait.system.robot.actuated}
+    motors = {
+        joint: Drive(motor(MOTOR), Gearbox(RATIOS[joint.split("_")[1]], EFFICIENCY), BUS)
+        for joint in gait.system.robot.actuated
+    }
     table.add("sensitivity, with drives", gait.sensitivity(["stiffness"], motors=motors).outputs)
 
 
@@ -153,8 +145,9 @@ def _of_motion(table: Table, path: Path, gait: Gait) -> None:
     run, robot = Trajectory.load(path), gait.system.robot
     sampled = Sampled(robot, run)
     table.add("measures of samples", sampled.values())
-    finer = simulate(gait.system, gait.state, 1, samples=1000, progress=False)
-    table.add("measures of ten times the samples", Sampled(robot, finer).values())
+    if robot.dimension == 2:
+        finer = simulate(gait.system, gait.state, 1, samples=1000, progress=False)
+        table.add("measures of ten times the samples", Sampled(robot, finer).values())
     if gait.system.cyclic:
         found = costs(gait.system, run)
         absolute, positive = (found.energy[f"mechanical_{kind}"] for kind in ("absolute", "positive"))
@@ -186,14 +179,9 @@ def _lanes(table: Table, gait: Gait, vary: list[str], target: dict[str, float]) 
 def _compare(table: Table, folder: Path, what: object) -> None:
     """The table of a comparison of a gait with itself."""
     said = command("compare", what, what, "--out", folder)
-    table.add(
-        "compare --json", {called(row["measure"]): row["values"][0] * _scale(row["unit"]) for row in said["measures"]}
-    )
+    for row in said["measures"]:
+        table.add("compare --json", {called(row["measure"]): row["values"][0] * (0.01 if row["unit"] == "%" else 1.0)})
     table.add("compare --json", {row["parameter"]: row["values"][0] for row in said["parameters"]})
-
-
-def _scale(unit: str) -> float:
-    return 0.01 if unit == "%" else 1.0
 
 
 def _sweep(table: Table, folder: Path, gait: Gait, *words: object) -> None:
@@ -204,14 +192,8 @@ def _sweep(table: Table, folder: Path, gait: Gait, *words: object) -> None:
     path = folder / "sweep.zarr"
     command("sweep", *words, "--over", f"stiffness={value!r},{1.01 * value!r}", "--out", path)
     found = xarray.open_zarr(path, consolidated=False).isel(point=0)
-    table.add(
-        "sweep",
-        {
-            str(name): float(found[name])
-            for name in found.variables
-            if found[name].ndim == 0 and found[name].dtype.kind == "f"
-        },
-    )
+    single = [name for name in found.variables if found[name].ndim == 0 and found[name].dtype.kind == "f"]
+    table.add("sweep", {str(name): float(found[name]) for name in single})
 
 
 def _explored_hop(table: Table) -> None:
