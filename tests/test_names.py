@@ -56,7 +56,7 @@ def test_derivatives_and_lanes(name):
 
 @pytest.mark.slow
 @pytest.mark.extra("heyoka")
-@pytest.mark.extra("sweep")
+@pytest.mark.extra("joblib", "xarray", "zarr")
 @pytest.mark.parametrize("name", SUBJECTS)
 def test_what_all_say(name, tmp_path):
     table = Table()

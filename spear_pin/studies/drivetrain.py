@@ -198,7 +198,7 @@ def judged(motor: str, drive: Drive, gait: Gait) -> KneeDrive:
     assert run.electrical is not None
     knee, resistance = joints.index("knee"), drive.motor.known("resistance")
     torque, current, speed = run.u[:, knee], run.current[:, knee], run.v[:, run.coordinates.index("knee")]
-    period, curves = float(run.t[-1] - run.t[0]), Curves(run.t, np.ones(len(run), dtype=bool))
+    period, curves = float(run.t[-1] - run.t[0]), Curves.of(run.t)
     heat = -float(run.electrical["joule_knee"][0])
     power = (resistance * current + drive.constant * speed) * current
     rms = math.sqrt(heat / (resistance * period))  # where the toe chatters the mean current would be too little

@@ -18,6 +18,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.measures.curves import INSTANT, Curves
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.hybrid.trajectory import Trajectory
@@ -218,10 +219,9 @@ def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] 
         parts = given, regained
     if parts is not None:
         energy |= {name: parts[0] - share * parts[1] for name, share in REGENERATION.items()}
-    forward = [trajectory.coordinates.index(name) for name in system.cyclic]
-    covered = trajectory.q[chosen][:, forward].sum(axis=1)
-    robot, distance = system.robot, float(covered[-1] - covered[0]) / n
-    return Costs(energy, robot.mass, robot.weight, distance, _rise(trajectory, skip))
+    robot = system.robot
+    distance = Sampled(robot, trajectory, range(skip + 1, trajectory.cycles + 1)).stride if system.cyclic else 0.0
+    return Costs(energy, robot.mass, robot.weight, distance or 0.0, _rise(trajectory, skip))
 
 
 def computed_points(name: str, of: Costs) -> tuple[CostPoint, ...]:

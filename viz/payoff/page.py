@@ -40,6 +40,8 @@ class Row(NamedTuple):
     starts: int
     spread: float | None
     failures: list[str]
+
+
 NAMES: Mapping[str, str] = {  # in JSON, of fields of points and figures that are called by less among themselves
     "stiffness": "stiffness_per_leg",
     "peak": "peak_torque",
@@ -140,7 +142,7 @@ def summary(study: Study, finding: SearchEnd) -> dict[str, Any]:
 
 def _named(study: Study, values: Mapping[str, Any]) -> dict[str, Any]:
     """Values by the names that other commands have for them."""
-    names = NAMES | {"speed": study.gaits.words.measure}
+    names = {**NAMES, "speed": study.gaits.words.measure}
     return {names.get(name, name): value for name, value in values.items()}
 
 

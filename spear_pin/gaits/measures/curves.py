@@ -32,6 +32,11 @@ class Curves:
     t: Array
     chosen: Mask
 
+    @classmethod
+    def of(cls, t: Array) -> Curves:
+        """Curves of all samples, at times in s, (n,)."""
+        return cls(t, np.ones(len(t), dtype=bool))
+
     @cached_property
     def runs(self) -> tuple[NDArray[np.int64], ...]:
         """Samples that count between one event and the next, at least two each."""

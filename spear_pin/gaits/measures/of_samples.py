@@ -24,7 +24,8 @@ class Sampled:
     Attributes:
         robot: that moves.
         trajectory: its motion.
-        cycles: numbers of whole cycles that follow each other; none: all samples, as if they were one.
+        cycles: numbers of whole cycles that follow each other; none: all samples, as if they were one. Of a gait that
+            closes in the mirror two make a stride, in which each leg does what the other does.
     """
 
     robot: Robot

@@ -60,7 +60,7 @@ class Points:
     @property
     def curves(self) -> Curves:
         """The samples, joined between events."""
-        return Curves(self.t, np.ones(len(self.t), dtype=bool))
+        return Curves.of(self.t)
 
 
 @typed
