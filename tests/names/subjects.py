@@ -1,6 +1,8 @@
 """What is asked of each subject: everything that tells numbers of one and the same gait."""
 
+import base64
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from unittest import mock
@@ -21,6 +23,7 @@ from spear_pin.studies.payoff.bounding import figures_of, request
 from spear_pin.studies.payoff.figures import Figures
 from spear_pin.studies.payoff.grid import SWITCHED
 from spear_pin.studies.payoff.searches import Search
+from spear_pin.viz.notebook.cards import described
 from tests.names.comparison import Table
 from tests.names.said import called, command, first_number, numbers, text
 from tests.studies.payoff.stub import SOLUTION, Stubbed, of_leg
@@ -42,6 +45,7 @@ def fill_hop(table: Table, folder: Path) -> None:
     _sweep(table, folder, gait, "hop", "--flight-time", 0.2)
     _explored_hop(table)
     _printed(table, "hop", *asked)
+    _shown(table, gait, folder / "hop.html")
 
 
 def fill_bound(table: Table, folder: Path) -> None:
@@ -56,6 +60,7 @@ def fill_bound(table: Table, folder: Path) -> None:
     _compare(table, folder, "long_stride")
     _explored_bound(table)
     _printed(table, "bound", *asked)
+    _shown(table, gait, folder / "bound.html")
 
 
 def fill_trot(table: Table, folder: Path) -> None:
@@ -162,6 +167,33 @@ def _of_motion(table: Table, path: Path, gait: Gait) -> None:
         if frame[name].dtype.kind == "f":
             table.add("a row of to_pandas", {f"column {name}": float(frame[name].iloc[middle])})
             table.add("a row of the CSV file", {f"column {name}": float(rows[middle][heads.index(name)])})
+
+
+def _shown(table: Table, gait: Gait, page: Path) -> None:
+    """The card of a gait, as rounded as it is, and a row of the samples that a page holds."""
+    for row in described(gait).rows:
+        told = first_number(row.value)
+        if told is not None:
+            table.rounded("card of the gait", called(row.name), *told)
+    data = page.read_text(encoding="utf-8")
+    found = re.search(r'"samples":(\{.*?"plotted":\[[^\]]*\]\})', data)
+    assert found is not None
+    held = json.loads(found[1])
+    t, moving = _floats(held["times"], "<f8"), [each for each in held["columns"] if "still" not in each]
+    values = _floats(held["values"], "<f4").reshape(len(moving), len(t))
+    run = Trajectory.load(page.with_suffix(".npz"))
+    alone = [i for i in range(len(t)) if (run.t - run.t[0] == t[i]).sum() == 1]  # of an event there are two
+    for i in (alone[0], alone[len(alone) // 2]):
+        row = int(np.flatnonzero(run.t - run.t[0] == t[i])[0])
+        frame = run.to_pandas().iloc[row]
+        for column, shown in zip(moving, values[:, i].tolist(), strict=True):
+            if column["name"] in frame:
+                table.add("a row of the page", {f"{column['name']} at {t[i]:.6f} s": shown})
+                table.add("the same of to_pandas", {f"{column['name']} at {t[i]:.6f} s": float(frame[column["name"]])})
+
+
+def _floats(packed: str, kind: str) -> np.ndarray:
+    return np.frombuffer(base64.b64decode(packed), kind).astype(float)
 
 
 def _lanes(table: Table, gait: Gait, vary: list[str], target: dict[str, float]) -> None:
