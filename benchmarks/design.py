@@ -50,9 +50,9 @@ def drive(name: str) -> Drive:
 
 
 def measured(gait: Gait, solution: Solution) -> Row:
-    """Row of the table of families for a gait; the effort, in N²m²s/m, is of the pairs."""
+    """Row of the table of families for a gait; the effort, in N²·m·s, is a metre's, of all motors."""
     return {
-        "effort": 100.0 * solution.objective,
+        "effort_per_distance": 100.0 * solution.objective / PAIR,
         "knee_peak": points(gait).peak.tolist(),
         "hip_peak": np.abs(points(gait, "hip").torque).max(axis=0).tolist(),
         "largest_multiplier": float(np.abs(gait.multipliers[0])),
@@ -103,7 +103,10 @@ def excess() -> Iterator[Row]:
 
 
 TABLES: dict[str, tuple[Callable[[], Iterator[Row]], tuple[str, ...]]] = {
-    "families": (families, ("varied", "value", "effort", "knee_peak", "hip_peak", "largest_multiplier", "residual")),
+    "families": (
+        families,
+        ("varied", "value", "effort_per_distance", "knee_peak", "hip_peak", "largest_multiplier", "residual"),
+    ),
     "designs": (designs, ("motor", "ratio", "stiffness", "knee_touchdown", "cost", "heating", "margin")),
     "excess": (excess, ("request", "starts", "found", "same", "excess", "cost", "heating", "period")),
 }

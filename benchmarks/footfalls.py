@@ -20,7 +20,7 @@ from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 
 PAGE = Path(__file__).parents[1] / "docs" / "space.md"
 HEADS = (
-    "footfalls | closes | unknowns | iterations | build, s | solve, s | stride, s | effort, N²m²s/m |"
+    "footfalls | closes | unknowns | iterations | build, s | solve, s | stride, s | effort, N²·m·s |"
     " cost of transport | lacking force | slip, mm"
 )
 TROT = FOOTFALLS["trot"]
@@ -66,7 +66,8 @@ def row(name: str, gait: CollocatedGait) -> str:
     closes = "mirrored half" if request.footfalls.mirrored else "turned" if request.turn else "whole"
     unknowns = sum(len(value) for value in solution.values.values())
     built, solved = gait.seconds
-    numbers = f"{unknowns:,} | {gait.iterations} | {built:.1f} | {solved:.1f} | {gait.period:.3f} | {gait.effort:.0f}"
+    numbers = f"{unknowns:,} | {gait.iterations} | {built:.1f} | {solved:.1f} | {gait.period:.3f}"
+    numbers += f" | {gait.effort_per_distance:.0f}"
     return f"{name} | {closes} | {numbers} | {gait.cost_of_transport:.3f} | {found.motion:.3f} | {1e3 * found.slip:.1f}"
 
 

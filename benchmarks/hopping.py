@@ -68,7 +68,7 @@ def nominal(gait: Gait, hop: Trajectory) -> None:
         ("normal force just after touchdown", f"{hop.force[0, 0, 1]:.2f} N"),
         ("peak normal force", f"{summary['peak_force']:.1f} N"),
         ("sliding before lift-off", f"{1e3 * (hop.named('lift_off')[0].time - hop.named('slip')[-1].time):.2f} ms"),
-        ("peak knee rate", f"{summary['peak_knee_rate']:.2f} rad/s"),
+        ("peak knee speed", f"{summary['peak_speed']['knee']:.2f} rad/s"),
         ("spring's share of the push at the knee", f"{100 * summary['spring_share']:.1f} %"),
         ("force ratio of the impact", f"{abs(touchdown.impulse[0, 0] / touchdown.impulse[0, 1]):.3f}"),
         ("multipliers", ", ".join(f"{value:.4f}" for value in gait.multipliers)),

@@ -41,7 +41,7 @@ def main(folder: Path) -> None:
         print(f"{leg}: peak force {summary['peak_force'][leg] / weight:.2f} of the weight, ", end="")
         print(f"{summary['lift_off_force'][leg]:.0f} N left at lift-off, toe clears {summary['clearance'][leg]:.3f} m")
     print(f"friction used    {summary['friction_used']:.2f}, the ground has {summary['friction']:.2f}")
-    print(f"motors put in    {summary['net_joint_work']:.2f} J a stride, impacts take {summary['impact_loss']:.2f} J")
+    print(f"motors put in    {summary['work']:.2f} J a stride, impacts take {summary['impact_loss']:.2f} J")
     print(f"multipliers      largest {np.abs(summary['multipliers']).max():.4f}")
 
     print("the same motion with other springs: largest torque of a knee motor in stance, N·m")

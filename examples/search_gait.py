@@ -30,7 +30,8 @@ from spear_pin.viz.plots.bound import bound_summary
 def report(title: str, gait: Gait) -> None:
     figures = summarize(gait, simulate(gait.system, gait.state))
     print(f"{title}: {figures['speed']:.3f} m/s, {figures['stride']:.3f} m a stride")
-    print(f"  cost of transport {figures['cost_of_transport']:.3f}, effort {figures['effort']:.0f} N²·m·s")
+    effort = figures["effort_per_distance"]
+    print(f"  cost of transport {figures['cost_of_transport']:.3f}, effort a metre {effort:.0f} N²·m·s")
     for kind in ("knee", "hip"):
         torques = [figures["peak_torque_stance"][f"{leg}_{kind}"] for leg in ("posterior", "anterior")]
         print(f"  {kind} motors, peak in stance: {torques[0]:.1f} posterior, {torques[1]:.1f} anterior, N·m")

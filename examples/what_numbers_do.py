@@ -21,7 +21,7 @@ from spear_pin.viz.plots import save_figure
 from spear_pin.viz.plots.sensitivity import elasticities
 
 OVER = ("stiffness", "damping", "friction", "knee_ratio", "knee_touchdown", "knee_mass", "hip_to_knee")
-OF = ("energy", "heat_knee", "peak_torque_knee", "clearance_toe", "knee_rate_at_touchdown", "multiplier_1")
+OF = ("energy", "heat_knee", "peak_torque_knee", "greatest_height_toe", "knee_rate_at_touchdown", "multiplier_1")
 FLIGHT, MOTORS, MORE = {"flight_time": 0.2}, {"knee": motor("spear_ii_knee")}, 1.05
 
 

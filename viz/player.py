@@ -182,7 +182,9 @@ def _first_rate(trajectory: TrajectoryLike) -> float:
 def as_data(frames: Frames, scene: Scene, animation: str, title: str) -> dict[str, Any]:
     """A scene and its frames as the scripts of pages read them; the animation as of `encoded`."""
     force = (
-        "ground force" + " on each foot" * scene.paired + f", peak {scene.peak_force:.0f} N" * (scene.peak_force > 0)
+        "ground force"
+        + " on each foot" * scene.paired
+        + f", arrows up to {scene.peak_force:.0f} N" * (scene.peak_force > 0)
     )
     legend = [[force, css(ARROW_COLOR)]]
     if frames.springs:

@@ -115,19 +115,18 @@ def _gait(arguments: argparse.Namespace) -> tuple[str, Gait, list[tuple[str, str
 
 def _searched(gait: Gait, friction: float) -> dict[str, Any]:
     """What a search for a bound was given, and what of it holds the gait."""
-    from spear_pin.gaits.bounding_law import PAIR
     from spear_pin.gaits.request import Request
     from spear_pin.studies.bound import held_by, springs_of
 
     robot = gait.system.robot
     asked = Request.scaled(robot, **springs_of(robot))
-    return {"spring_of_a_leg": gait.system.spring.stiffness / PAIR, "held_by": held_by(gait, asked, friction)}
+    return {"held_by": held_by(gait, asked, friction)}
 
 
 def _of_the_search(summary: dict[str, Any]) -> list[tuple[str, str]]:
     if "held_by" not in summary:
         return []
-    spring = ("springs", f"{summary['spring_of_a_leg']:.3g} N·m/rad in each knee")
+    spring = ("springs", f"{summary['stiffness_per_leg']:.3g} N·m/rad in each knee")
     return [spring, ("held by", "; ".join(summary["held_by"]) or "no bound of the search")]
 
 
@@ -166,8 +165,6 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         "knee": f"when the knee is back at {math.degrees(summary['knee_rest']):.0f}°",
         "force": "when the normal force is zero",
     }[summary["lift_off"]]
-    share = summary["friction_used"], summary["friction_used_last_ms"]
-    late = f", {share[1]:.2f} in the last ms" if summary["lift_off"] == "force" else ""
     rows = [
         ("gait", summary["gait"]),
         ("speed", f"{summary['speed']:.4f} m/s"),
@@ -175,14 +172,14 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         *((phase.replace("_", " "), f"{time:.4f} s") for phase, time in summary["durations"].items()),
         ("lift-off", f"{rule}; force there {legs('lift_off_force', '.1f', ' N')} (posterior, anterior)"),
         ("peak normal force", legs("peak_force", ".0f", " N")),
-        ("friction used", f"{share[0]:.2f}{late}; at impact {legs('friction_at_impact', '.2f', '')}"),
+        ("friction used", f"{summary['friction_used']:.2f}; at impact {legs('friction_at_impact', '.2f', '')}"),
         ("clearance", f"{legs('clearance', '.3f', ' m')}{'' if summary['scuff_free'] else '; a toe scuffs'}"),
         ("knee motor, peak", f"{torques('peak_torque_stance', 'knee')} N·m in stance"),
         ("", f"{torques('peak_torque_swing', 'knee')} N·m in swing"),
         ("hip motor, peak", f"{torques('peak_torque_stance', 'hip')} N·m in stance"),
         ("", f"{torques('peak_torque_swing', 'hip')} N·m in swing"),
-        ("motors", f"net {summary['net_joint_work']:.2f} J a stride; impacts lose {summary['impact_loss']:.2f} J"),
-        ("cost of transport", f"{summary['cost_of_transport']:.3f} (mechanical, |power|)"),
+        ("motors", f"net {summary['work']:.2f} J a stride; impacts lose {summary['impact_loss']:.2f} J"),
+        ("cost of transport", f"{summary['cost_of_transport']:.3f} (absolute work of the motors)"),
         ("multipliers", stability(summary["multipliers"], summary["implausible"])),
         ("fixed point", f"residual {summary['residual']:.1e}"),
         ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a stride"),

@@ -93,7 +93,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         ("flight, stance", f"{summary['flight_time']:.4f} s, {summary['stance_time']:.4f} s"),
         *([("apex of the hip", f"{summary['apex_height']:.4f} m")] if summary["apex_height"] is not None else []),
         ("peak ground force", f"{summary['peak_force']:.1f} N"),
-        ("friction used", f"{summary['friction_used']:.2f}, of impacts {summary['friction_of_impact']:.2f}; {limit}"),
+        ("friction used", f"{summary['friction_used']:.2f}, of impacts {summary['friction_at_impact']:.2f}; {limit}"),
         ("toe along the boom", f"{1e3 * summary['sway']:.1f} mm in stance, freely"),
         ("peak torques", ", ".join(f"{joint} {torque:.2f} N·m" for joint, torque in peaks.items())),
         ("multipliers", ", ".join(f"{value:.4f}" for value in summary["multipliers"])),

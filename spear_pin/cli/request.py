@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 GAIT = "least_effort"  # of which the request is, unless another is named
 MOTORS = 2  # of a joint of the quadruped in the plane, whose legs are pairs
+OF_SPRINGS, PER_LEG = ("stiffness", "hardening", "preload"), "_per_leg"
 RATIO, BUS = 15.0, 48.0  # of the knee's gearbox; in V
 
 
@@ -28,9 +29,12 @@ def add_request(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         help=f"a shipped gait: what was asked of it is asked again (default: {GAIT})",
     )
+    parser.allow_abbrev = False  # --stiffness would be taken for --stiffness-per-leg
     parser.add_argument("--speed", type=float, metavar="M/S", help="mean forward speed")
     parser.add_argument(
-        "--objective", metavar="NAME", help="what is minimised: effort, hip, cot, peak, electrical or violation"
+        "--objective",
+        metavar="NAME",
+        help="what is minimised: effort_per_distance, hip, cost_of_transport, peak, electrical or violation",
     )
     parser.add_argument("--lift-off", metavar="RULE", help="knee (back at 40°) or force (zero)")
     parser.add_argument(
@@ -40,9 +44,10 @@ def add_request(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--minimum-stride", type=float, metavar="S", help="least duration of a stride")
     parser.add_argument("--minimum-knee-torque", type=float, metavar="N·m", help="least |ū| of a motor")
     parser.add_argument("--hip-torque", type=float, metavar="N·m", help="largest torque of a hip motor")
-    parser.add_argument("--stiffness", type=number_or_free, metavar="N·m/RAD", help="of a leg's knee spring, or: free")
-    parser.add_argument("--hardening", type=float, metavar="N·m/RAD³", help="of a leg's knee spring")
-    parser.add_argument("--preload", type=float, metavar="N·m", help="of a leg's knee spring")
+    of_a_leg = "of a leg's knee spring, half of the pair's"
+    parser.add_argument("--stiffness-per-leg", type=number_or_free, metavar="N·m/RAD", help=f"{of_a_leg}, or: free")
+    parser.add_argument("--hardening-per-leg", type=float, metavar="N·m/RAD³", help=of_a_leg)
+    parser.add_argument("--preload-per-leg", type=float, metavar="N·m", help=of_a_leg)
     parser.add_argument("--knee-touchdown", type=number_or_free, metavar="DEG", help="of a landing knee, or: free")
     parser.add_argument(
         "--knee-motor", metavar="NAME", help="stay within this motor's envelope, its rotor in the knees"
@@ -85,10 +90,10 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
         raise UnknownName("objective", arguments.objective, OBJECTIVES)
     names = ("speed", "objective", "lift_off", "friction", "clearance", "minimum_stride")
     changes: dict[str, Any] = {name: getattr(arguments, name) for name in names}
-    for name in ("minimum_knee_torque", "hip_torque", "stiffness", "hardening", "preload"):
-        value = getattr(arguments, name)
+    for option in ("minimum_knee_torque", "hip_torque", *(f"{name}{PER_LEG}" for name in OF_SPRINGS)):
+        value, name = getattr(arguments, option), option.removesuffix(PER_LEG)
         if value is not None and not (0 <= value < math.inf or (value == FREE and name == "stiffness")):
-            raise BadValue(f"--{name.replace('_', '-')}", value, "a finite number >= 0")
+            raise BadValue(f"--{option.replace('_', '-')}", value, "a finite number >= 0")
         changes[name] = None if value is None else MOTORS * value
     if arguments.knee_touchdown is not None:
         if arguments.knee_touchdown != FREE and not 0 < arguments.knee_touchdown <= math.degrees(FLEXED):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
 from spear_pin.cli.legs import doubted, rests_on, stability
 from spear_pin.cli.output import aligned, progress
-from spear_pin.cli.request import GAIT, MOTORS, add_request, requested
+from spear_pin.cli.request import GAIT, add_request, requested
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -80,7 +80,6 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "iterations": solution.iterations,
         "violation": max(solution.violations.values()),
         **figures,
-        "stiffness_of_a_leg": figures["stiffness"] / MOTORS,
         "feedback": arguments.feedback,
         "shipped": shipped,
         "distance_from_shipped": None if shipped is None else _distance(gait, shipped),
@@ -113,10 +112,7 @@ def _distance(gait: Gait, shipped: str) -> float:
 
 def _text(summary: dict[str, Any], told: list[tuple[str, str]]) -> str:
     def peak(joint: str) -> str:
-        torques = [
-            max(summary[key][f"{leg}_{joint}"] for key in ("peak_torque_stance", "peak_torque_swing"))
-            for leg in ("posterior", "anterior")
-        ]
+        torques = [summary["peak_torque"][f"{leg}_{joint}"] for leg in ("posterior", "anterior")]
         return ", ".join(f"{torque:.1f}" for torque in torques) + " N·m (posterior, anterior)"
 
     rows = [
@@ -126,12 +122,12 @@ def _text(summary: dict[str, Any], told: list[tuple[str, str]]) -> str:
         ("speed", f"{summary['speed']:.4f} m/s"),
         ("stride", f"{summary['stride']:.4f} m in {summary['period']:.4f} s"),
         *((phase.replace("_", " "), f"{time:.4f} s") for phase, time in summary["durations"].items()),
-        ("spring of a leg", f"{summary['stiffness_of_a_leg']:.2f} N·m/rad"),
+        ("spring of a leg", f"{summary['stiffness_per_leg']:.2f} N·m/rad"),
         ("knee at touchdown", f"{math.degrees(summary['knee_touchdown']):.2f}°"),
         ("knee motor, peak", peak("knee")),
         ("hip motor, peak", peak("hip")),
         ("friction used", f"{summary['friction_used']:.2f}"),
-        ("cost of transport", f"{summary['cost_of_transport']:.3f} (mechanical, |power|)"),
+        ("cost of transport", f"{summary['cost_of_transport']:.3f} (absolute work of the motors)"),
         ("feedback", summary["feedback"]),
         ("multipliers", ", ".join(f"{abs(value):.4f}" for value in summary["multipliers"][:4]) + ", ... (magnitudes)"),
         ("", stability(summary["multipliers"], summary["implausible"])),

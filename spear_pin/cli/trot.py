@@ -66,7 +66,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         trajectory = simulate(gait.system, start, cycles, arguments.rtol, max_step=arguments.max_step, progress=False)
     samples = trajectory.save(arguments.out / "trot.npz")
     found = summarize_in_space(gait, trajectory)
-    strides = {"cycles": found["cycles"] // in_a_stride, "period": in_a_stride * found["period"]}
+    strides = {"cycles": found["cycles"] // in_a_stride, "stride_time": in_a_stride * found["period"]}
     summary = {
         "gait": arguments.gait,
         "goes": GOES[gait.system.kind],
@@ -114,7 +114,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
     alone = summary["multipliers_without_feedback"]
     rows = [
         ("gait", f"{summary['gait']}, a {summary['goes']} in space"),
-        ("speed", f"{summary['speed']:.4f} m/s, a stride in {summary['period']:.4f} s"),
+        ("speed", f"{summary['speed']:.4f} m/s, a stride in {summary['stride_time']:.4f} s"),
         ("fixed point", f"residual {summary['residual']:.1e}, by {by}"),
         *([("without feedback", f"{stability(alone, [])}, by {by}")] if alone else []),
         ("with feedback", f"{stability(summary['multipliers'], [])}, by {by}"),

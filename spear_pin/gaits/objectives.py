@@ -94,7 +94,7 @@ def objective(
         return 0.1 * top / scale.torque + 1e-5 * _effort(phases, even, scale) / distance
     if request.objective == "violation":
         return top / scale.torque + 1e-4 * _effort(phases, even, scale) / distance
-    if request.objective == "cot":
+    if request.objective == "cost_of_transport":
         return OF_COST * _power(phases, lambda power: _size(power, scale)) / (weight * distance)
     if request.objective == "electrical":
         drives = {"hip": request.hip_drive, "knee": request.knee_drive}
@@ -104,14 +104,14 @@ def objective(
 
 
 def in_its_unit(request: Request, scale: Scale, solution: Solution) -> float:
-    """The objective at a solution in the unit of `OBJECTIVES`; torques are those of a motor."""
+    """The objective at a solution in the unit of `OBJECTIVES`; torques are those of one motor, two a pair."""
     if request.objective == "violation":
         return float(solution.values["violation"][0])
     if request.objective == "peak":
         return float(solution.values["peak torque"][0]) / PAIR
-    if request.objective in ("cot", "electrical"):
+    if request.objective in ("cost_of_transport", "electrical"):
         return solution.objective / OF_COST
-    return solution.objective / OF_EFFORT * _unit_of_effort(scale)
+    return solution.objective / OF_EFFORT * _unit_of_effort(scale) / PAIR
 
 
 def _unit_of_effort(scale: Scale) -> float:

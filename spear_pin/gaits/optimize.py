@@ -122,7 +122,7 @@ def ways(request: Request) -> list[list[Request]]:
 
     Effort, the easiest objective, leads to others, and what joints could do without limits to what they can.
     """
-    easiest = request if request.objective == "violation" else replace(request, objective="effort")
+    easiest = request if request.objective == "violation" else replace(request, objective="effort_per_distance")
     slack = replace(easiest, within_limits=False)
     found = (easiest, request), (slack, easiest, request)
     return [list(dict.fromkeys(way)) for way in dict.fromkeys(found[: 1 if slack == easiest else 2])]

@@ -15,10 +15,10 @@ from spear_pin.model.scale import Scale, scale_of
 from spear_pin.model.spring import PAIR_STIFFNESS, Spring
 
 OBJECTIVES: dict[str, tuple[str, str]] = {
-    "effort": ("N²m²s/m", "integral of the squared torques of the pairs, per metre"),
-    "hip": ("N²m²s/m", "the same, the hips' counted ten times"),
-    "cot": ("1", "mechanical cost of transport: integral of |motor power| over weight and distance"),
-    "peak": ("N·m", "largest torque of a pair"),
+    "effort_per_distance": ("N²·m·s", "integral of the squared torques of all motors, per metre"),
+    "hip": ("N²·m·s", "the same, the hips' counted ten times"),
+    "cost_of_transport": ("1", "integral of |motor power| over weight and distance"),
+    "peak": ("N·m", "largest torque of a motor"),
     "electrical": (
         "1",
         "cost of transport of the power that the motors draw, of hips without a drive their positive power",
@@ -70,7 +70,7 @@ class Request:
     """
 
     speed: float = 2.5
-    objective: str = "effort"
+    objective: str = "effort_per_distance"
     lift_off: str = "knee"
     friction: float = 0.6
     minimum_force: float = 20.0

@@ -46,6 +46,11 @@ def of_a_pair(name: str) -> bool:
     return label in PAIRED and symbol in TOGETHER
 
 
+def motors_at(joint: str) -> int:
+    """How many motors share a joint's torque: two in a pair of legs."""
+    return 2 if of_a_pair(f"u_{joint}") else 1
+
+
 def quantity(name: str) -> str:
     """What is in a column, in words: "motor torque", or "motor torque, a pair"; its name where that says it."""
     symbol, label = parted(name)

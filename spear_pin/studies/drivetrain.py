@@ -17,6 +17,7 @@ from spear_pin.errors import BadValue, NoGait, require
 from spear_pin.gaits.attempts import Measure
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
+from spear_pin.gaits.measures.curves import Curves
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.hybrid.simulate import simulate
@@ -197,7 +198,7 @@ def judged(motor: str, drive: Drive, gait: Gait) -> KneeDrive:
     assert run.electrical is not None
     knee, resistance = joints.index("knee"), drive.motor.known("resistance")
     torque, current, speed = run.u[:, knee], run.current[:, knee], run.v[:, run.coordinates.index("knee")]
-    period = float(run.t[-1] - run.t[0])
+    period, curves = float(run.t[-1] - run.t[0]), Curves.of(run.t)
     heat = -float(run.electrical["joule_knee"][0])
     power = (resistance * current + drive.constant * speed) * current
     rms = math.sqrt(heat / (resistance * period))  # where the toe chatters the mean current would be too little
@@ -224,12 +225,12 @@ def judged(motor: str, drive: Drive, gait: Gait) -> KneeDrive:
         energy=float(run.electrical["battery_knee"][0]),
         drawn=float(np.trapezoid(drawn_power(power, 0.0), run.t)),
         heat=heat,
-        rms_torque=math.sqrt(float(np.trapezoid(torque**2, run.t)) / period),
+        rms_torque=math.sqrt(curves.integral(torque**2) / period),
         rms_current=rms,
         thermal_load=drive.motor.known("torque_constant") * rms / drive.motor.continuous_torque,
-        peak_torque=float(np.abs(torque).max()),
+        peak_torque=curves.amount(torque),
         peak_current=float(np.abs(current).max()),
-        peak_speed=float(np.abs(speed).max()),
+        peak_speed=curves.amount(speed),
         margin=worst.margin,
         gait=gait,
         reason=reason,

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.bounding_law import PAIR
+from spear_pin.gaits.measures.curves import INSTANT, Curves
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.hybrid.trajectory import Trajectory
@@ -24,8 +26,6 @@ from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive
 from spear_pin.studies.published_costs import CostPoint, Kind
 
-FINE = 16  # points of quadrature between two samples
-INSTANT = 1e-12  # s: an event's two samples may differ by rounding
 ADVANCE = 1e-6  # m a cycle: less is hopping in place
 REGENERATION = {"electrical_0": 0.0, "electrical_24": 0.24, "electrical_100": 1.0}  # 24 %: Chapter 1, of its [42]
 
@@ -211,15 +211,17 @@ def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] 
         if len(drives) != len(trajectory.actuated):
             raise BadValue("drives", len(drives), f"{len(trajectory.actuated)}, one for each of {trajectory.actuated}")
         motors = PAIR if system.kind == "bounding" else 1
-        power = [motors * drive.bus_power(trajectory.u[:, i] / motors, rates[:, i]) for i, drive in enumerate(drives)]
-        given, regained = _halves(trajectory, chosen, np.stack(power, axis=1))
-        parts = float(given.sum()), float(regained.sum())
+        curves = Curves(trajectory.t, chosen)
+        both = [
+            curves.halves(each.bus_power, trajectory.u[:, i] / motors, rates[:, i]) for i, each in enumerate(drives)
+        ]
+        given, regained = (motors * sum(each) / n for each in zip(*both, strict=True))
+        parts = given, regained
     if parts is not None:
         energy |= {name: parts[0] - share * parts[1] for name, share in REGENERATION.items()}
-    forward = [trajectory.coordinates.index(name) for name in system.cyclic]
-    covered = trajectory.q[chosen][:, forward].sum(axis=1)
-    robot, distance = system.robot, float(covered[-1] - covered[0]) / n
-    return Costs(energy, robot.mass, robot.weight, distance, _rise(trajectory, skip))
+    robot = system.robot
+    distance = Sampled(robot, trajectory, range(skip + 1, trajectory.cycles + 1)).stride if system.cyclic else 0.0
+    return Costs(energy, robot.mass, robot.weight, distance or 0.0, _rise(trajectory, skip))
 
 
 def computed_points(name: str, of: Costs) -> tuple[CostPoint, ...]:
@@ -272,17 +274,9 @@ def _battery_power(system: HybridSystem, trajectory: Trajectory) -> Array:
 
 def _halves(trajectory: Trajectory, chosen: NDArray[np.bool_], power: Array) -> tuple[Array, Array]:
     """Integrals of the positive and the negative part of powers, (n, k), both positive, in J a cycle, (k,)."""
-    parts = np.zeros((2, power.shape[1]))
-    for run in _runs(trajectory):
-        kept = run[chosen[run]]
-        if len(kept) < 2:
-            continue
-        t = trajectory.t[kept]
-        fine = np.interp(np.linspace(0, len(t) - 1, FINE * (len(t) - 1) + 1), np.arange(len(t)), t)
-        watts = scipy.interpolate.PchipInterpolator(t, power[kept])(fine)
-        parts += np.trapezoid(np.stack([np.maximum(watts, 0.0), np.maximum(-watts, 0.0)]), fine, axis=1)
-    n = len(np.unique(trajectory.cycle[chosen]))
-    return parts[0] / n, parts[1] / n
+    curves, n = Curves(trajectory.t, chosen), len(np.unique(trajectory.cycle[chosen]))
+    positive, negative = (np.array([curves.positive(side * each) for each in power.T]) / n for side in (1.0, -1.0))
+    return positive, negative
 
 
 def _rise(trajectory: Trajectory, skip: int) -> float:

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.measures.curves import Curves
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.hybrid.rules.surface import CHATTER
 from spear_pin.hybrid.trajectory import Trajectory
@@ -19,17 +21,21 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     """Figures of a hopping gait, from the gait and a trajectory of it, SI units and radians.
 
     Returns:
-        stance_torque, flight_time, stance_time, period, residual, multipliers, stable; from the
-        first cycle apex_height (of the hip, above zero), peak_force (normal), peak_compression of the
-        spring, spring_share (see there), energy by flow; of all of them energy_residual, the largest, and
-        retouches, how often the toe left the ground too briefly for a flight. Without an apex, or a whole
-        cycle, what needs one is None, and energy is empty.
+        stance_torque, flight_time, stance_time, period, residual, multipliers, stable, as of the gait; from the
+        first cycle apex_height (of the hip, above zero), peak_force (normal), peak_torque and peak_speed by
+        joint, friction_used, work, positive_work, effort (see `spear_pin.gaits.measures.catalogue`),
+        peak_compression of the spring, spring_share (see there), energy by flow; of all of them
+        energy_residual, the largest, and retouches, how often the toe left the ground too briefly for a flight.
+        Without an apex, or a whole cycle, what needs one is None, and energy is empty.
     """
     law, ledger, whole = gait.system.law, trajectory.ledger, trajectory.cycles > 0
     first = trajectory.cycle == 1
     apexes = [event.q for event in trajectory.named("apex") if event.time >= trajectory.t[first][0]]
     knee, height = trajectory.coordinates.index("knee"), trajectory.coordinates.index("boom_z")
     touchdown = trajectory.q[first, knee][0]
+    sampled = Sampled(gait.system.robot, trajectory)
+    torques, works = sampled.torques(), sampled.works()
+    stance = sampled.curves.among(trajectory.phase == "stance")
     return {
         "stance_torque": law.stance_torque,
         "hip_touchdown": 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown,
@@ -45,9 +51,16 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "multipliers": gait.multipliers,
         "stable": gait.stable,
         "apex_height": float(apexes[0][height]) if apexes else None,
-        "peak_force": float(trajectory.force[first, 0, 1].max()),
-        "peak_knee_rate": float(np.abs(trajectory.v[first, knee]).max()),
-        "peak_compression": float(trajectory.q[first & (trajectory.phase == "stance"), knee].max() - touchdown),
+        "peak_force": sampled.curves.peak(trajectory.force[:, 0, 1]),
+        "friction_used": sampled.friction_used(0),
+        **{
+            name: {joint: torques[f"{name}_{joint}"] for joint in trajectory.actuated}
+            for name in ("peak_torque", "peak_speed")
+        },
+        "work": works["work"],
+        "positive_work": works["positive_work"],
+        "effort": torques["effort"],
+        "peak_compression": stance.peak(trajectory.q[:, knee]) - touchdown,
         "spring_share": spring_share(trajectory),
         "energy": {name: float(ledger[name][0]) for name in ledger.flows} if whole else {},
         "energy_residual": float(np.abs(ledger.residual).max()) if whole else None,
@@ -63,14 +76,12 @@ def spring_share(trajectory: Trajectory) -> float:
 
     It is 0 where neither does any: the knee never extends, or it extends without torque.
     """
-    knee = trajectory.coordinates.index("knee")
+    rate = trajectory.v[:, trajectory.coordinates.index("knee")]
     motor = trajectory.u[:, trajectory.actuated.index("knee")]
-    rate = trajectory.v[:, knee]
-    stance = (trajectory.cycle == 1) & (trajectory.phase == "stance")
+    stance = Curves(trajectory.t, (trajectory.cycle == 1) & (trajectory.phase == "stance"))
 
     def work(torque: NDArray[np.float64]) -> float:
-        power = np.where(rate < 0.0, torque * rate, 0.0)
-        return float(np.trapezoid(power[stance], trajectory.t[stance]))
+        return stance.integral(torque * rate, where=-rate)
 
     spring = work(trajectory.spring[:, trajectory.spring_joints.index("knee")])
     total = spring + work(motor)

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.measures.curves import Curves
+from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.limits import UNKNOWN
@@ -23,7 +25,7 @@ class Excess:
     Attributes:
         joint: the joint.
         what: "torque", "rate" or "angle".
-        value: what is reached, the farthest beyond the limit.
+        value: what is reached, the farthest beyond the limit; of torques that of one motor.
         limit: what is allowed.
         unit: of both.
     """
@@ -46,20 +48,21 @@ def excesses(robot: Robot, trajectory: Trajectory) -> tuple[Excess, ...]:
         robot: whose trajectory it is.
         trajectory: its samples count, and so do those just before and after events.
     """
-    found = []
+    found, curves = [], Curves.of(trajectory.t)
     for i, joint in enumerate(robot.actuated):
         limits, row = robot.limits[joint], robot.coordinates.index(joint)
-        torque = "torque", trajectory.u[:, i], limits.effort, "N·m"
+        motors = motors_at(joint)
+        torque = "torque", trajectory.u[:, i] / motors, limits.effort / motors, "N·m"
         rate = "rate", trajectory.v[:, row], limits.velocity, "rad/s"
         for what, values, limit, unit in (torque, rate):
-            reached = float(np.abs(values).max())
+            reached = curves.amount(values)
             if 0.0 < limit < min(reached, UNKNOWN):
                 found.append(Excess(joint, what, reached, limit, unit))
-        angles, (least, most) = trajectory.q[:, row], limits.position
-        if angles.max() > most:
-            found.append(Excess(joint, "angle", float(angles.max()), most, "rad"))
-        if angles.min() < least:
-            found.append(Excess(joint, "angle", float(angles.min()), least, "rad"))
+        (lowest, highest), (least, most) = curves.range(trajectory.q[:, row]), limits.position
+        if highest > most:
+            found.append(Excess(joint, "angle", highest, most, "rad"))
+        if lowest < least:
+            found.append(Excess(joint, "angle", lowest, least, "rad"))
     return tuple(found)
 
 

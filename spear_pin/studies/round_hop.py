@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.round_hopping import HIP, KNEE, YAW, limb_of
+from spear_pin.gaits.measures.of_samples import Sampled
+from spear_pin.gaits.round_hopping import HIP, YAW, limb_of
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
-
-BEARING = 0.2  # of the largest normal force: where less is borne, the ratio of two forces means little
 
 
 @typed
@@ -25,16 +24,15 @@ def summarize_round(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         - sway: by which the toe moves towards the post and from it in the first stance.
         - peak_force: normal.
         - peak_torque: of hip and knee, by joint.
-        - friction_used: largest ratio of tangential to normal force, where that is over a fifth of its peak.
-        - friction_of_impact: the largest such ratio of a touchdown's impulses.
+        - friction_used: largest ratio of tangential to normal force, where the toe bears 2 % of the weight.
+        - friction_at_impact: the largest such ratio of a touchdown's impulses.
         - slips: how often the toe begins to slide along its circle.
         - energy, energy_residual: of the first hop by flow, in J, and the largest imbalance of a hop.
         - cycles, reason: whole hops, and why it ended.
     """
-    robot, ledger, force = gait.system.robot, trajectory.ledger, trajectory.force[:, 0]
+    robot, ledger = gait.system.robot, trajectory.ledger
+    sampled = Sampled(robot, trajectory)
     touches, apexes = trajectory.named("touchdown"), trajectory.named("apex")
-    along, normal = np.abs(force[:, 0]), force[:, 1]
-    bears = normal > BEARING * normal.max()
     stance = trajectory.q[(trajectory.phase == "stance") & (trajectory.cycle == 1)]
     post = np.array(robot.post or (0.0, 0.0))
     distances = [np.hypot(*(robot.toe_position(q, robot.toes[0])[:2] - post)) for q in stance]
@@ -49,10 +47,10 @@ def summarize_round(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "speed": limb_of(robot).reach * turn / gait.period,
         "apex_height": float(robot.frame_position(apexes[0].q, HIP)[2]) if apexes else None,
         "sway": float(np.ptp(distances)) if distances else 0.0,
-        "peak_force": float(normal.max()),
-        "peak_torque": {joint: float(np.abs(trajectory.u[:, i]).max()) for i, joint in enumerate((HIP, KNEE))},
-        "friction_used": float((along[bears] / normal[bears]).max(initial=0.0)),
-        "friction_of_impact": float((np.abs(impulses[:, 0]) / impulses[:, 1]).max(initial=0.0)),
+        "peak_force": sampled.curves.peak(trajectory.force[:, 0, -1]),
+        "peak_torque": sampled.of("peak_torque"),
+        "friction_used": sampled.friction_used(0),
+        "friction_at_impact": float((np.abs(impulses[:, 0]) / impulses[:, 1]).max(initial=0.0)),
         "slips": len(trajectory.named("slip")),
         "multipliers": gait.multipliers,
         "stable": gait.stable,

@@ -37,7 +37,7 @@ def test_of_the_system(capsys):
 
 @pytest.mark.parametrize("number", ["5_0", "٥٠", "0x20", "1e", "5O", "- 5", "²"])
 @pytest.mark.parametrize(
-    "option", [("hop", "--stiffness"), ("hop", "--cycles"), ("search", "--stiffness"), ("push-test", "--ratio")]
+    "option", [("hop", "--stiffness"), ("hop", "--cycles"), ("search", "--stiffness-per-leg"), ("push-test", "--ratio")]
 )
 def test_numbers_are_written_in_plain_digits(capsys, option, number):
     assert repr(number) in refused(capsys, *option[:1], f"{option[1]}={number}")

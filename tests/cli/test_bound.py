@@ -85,7 +85,7 @@ class TestBound:
             "clearance",
             "peak_torque_stance",
             "peak_torque_swing",
-            "net_joint_work",
+            "work",
             "energy_balance",
             "cost_of_transport",
             "effort",

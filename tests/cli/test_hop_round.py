@@ -13,7 +13,7 @@ def test_hops_round_its_post(capsys, tmp_path):
     assert (result["reason"], result["cycles"], result["stable"]) == ("complete", 2, True)
     assert math.degrees(result["turn"]) == pytest.approx(-40.486, abs=1e-2)
     assert result["speed"] == pytest.approx(0.556 * result["turn"] / result["period"])
-    assert 0.02 < result["sway"] < 0.03 and result["friction_of_impact"] < result["friction_used"]
+    assert 0.02 < result["sway"] < 0.03 and result["friction_at_impact"] < result["friction_used"]
     assert result["residual"] < 1e-9 and result["energy_residual"] < 1e-8
     assert {each["joint"] for each in result["beyond_limits"]} == {"hip", "knee"}
     motion, gait = Trajectory.load(tmp_path / "hop.npz"), Gait.load(tmp_path / "hop.json")

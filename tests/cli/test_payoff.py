@@ -29,7 +29,10 @@ class TestPayoff:
     def test_page_pictures_and_figures(self, capsys, tmp_path, stub):
         found = printed(capsys, *CALL, "--out", tmp_path)
         assert found["answer"]["verdict"] == "switchable" and found["speed"] == 2.0
-        assert found["best"]["switched"]["figures"]["stiffness"] == 50.0 and found["motors"]["knee"]["from"] == "given"
+        assert (
+            found["best"]["switched"]["figures"]["stiffness_per_leg"] == 50.0
+            and found["motors"]["knee"]["from"] == "given"
+        )
         assert len(found["points"]) == 2 * 5 + 2 and sum("figures" not in each for each in found["points"]) == 2
         names = {path.name for path in tmp_path.iterdir()}
         assert names >= {"payoff.html", "payoff_cost.svg", "payoff_saving.svg", "payoff_torque.svg", "payoff.jsonl"}

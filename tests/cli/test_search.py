@@ -37,7 +37,7 @@ class TestSearch:
         assert robot.name == "q_spear" and not robot.varied
         assert request == library.REQUESTS["least_effort"] and options["seed"] == 3
         assert result["shipped"] == "least_effort" and result["distance_from_shipped"] == 0.0
-        assert result["objective_value"] == pytest.approx(2960.0) and result["objective_unit"] == "N²m²s/m"
+        assert result["objective_value"] == pytest.approx(1480.0) and result["objective_unit"] == "N²·m·s"
         assert result["iterations"] == 42 and result["speed"] == pytest.approx(2.5, abs=1e-6)
         assert result["files"] == [str(tmp_path / "gait.json")]
         assert Gait.load(tmp_path / "gait.json").residual <= 1e-8
@@ -49,8 +49,9 @@ class TestSearch:
 
     def test_options(self, capsys, tmp_path, searched):
         options = ["--speed", 2.6, "--lift-off", "force", "--friction", 0.9, "--clearance", 0.04]
-        options += ["--minimum-stride", 0.3, "--minimum-knee-torque", 12, "--hip-torque", 50, "--stiffness", 80]
-        options += ["--knee-touchdown", 45, "--hip-distance", 0.75, "--hardening", 50, "--preload", 1.5]
+        options += ["--minimum-stride", 0.3, "--minimum-knee-torque", 12, "--hip-torque", 50, "--stiffness-per-leg", 80]
+        options += ["--knee-touchdown", 45, "--hip-distance", 0.75, "--hardening-per-leg", 50]
+        options += ["--preload-per-leg", 1.5]
         result = printed(capsys, "search", "long_stride", *options, "--out", tmp_path)
         robot, request, given = searched[0]
         wanted = {
@@ -73,7 +74,7 @@ class TestSearch:
 
     def test_a_knee_motor_and_free_springs(self, capsys, tmp_path, searched):
         options = ["--knee-motor", "ec_90_flat_260w", "--ratio", 12, "--bus", 60, "--objective", "violation"]
-        options += ["--stiffness", "free", "--knee-touchdown", "free"]
+        options += ["--stiffness-per-leg", "free", "--knee-touchdown", "free"]
         result = printed(capsys, "search", *options, "--out", tmp_path)
         robot, request, _ = searched[0]
         assert request.stiffness is None and request.knee_touchdown is None
@@ -92,7 +93,7 @@ class TestMistakes:
         ("arguments", "parts"),
         [
             (["gallop"], ["unknown gait 'gallop'", "least_effort", "long_stride"]),
-            (["--objective", "speed"], ["unknown objective 'speed'", "effort", "cot"]),
+            (["--objective", "speed"], ["unknown objective 'speed'", "effort_per_distance", "peak"]),
             (["--objective", "electrical"], ["--knee-motor", "electrical"]),
             (["--objective", "violation"], ["--knee-motor", "violation"]),
             (["--knee-motor", "steam"], ["unknown motor 'steam'", "ec_90_flat_260w"]),
@@ -111,11 +112,11 @@ class TestMistakes:
             (["--minimum-stride", "1.2"], ["minimum_stride", "at most 1, in s"]),
             (["--minimum-knee-torque", "-1"], ["--minimum-knee-torque"]),
             (["--hip-torque", "-1"], ["--hip-torque"]),
-            (["--stiffness", "-5"], ["--stiffness", "-5"]),
-            (["--stiffness", "inf"], ["--stiffness", "inf"]),
-            (["--stiffness", "soft"], ["soft", "free"]),
-            (["--hardening", "-1"], ["--hardening", "-1"]),
-            (["--preload", "inf"], ["--preload", "inf"]),
+            (["--stiffness-per-leg", "-5"], ["--stiffness-per-leg", "-5"]),
+            (["--stiffness-per-leg", "inf"], ["--stiffness-per-leg", "inf"]),
+            (["--stiffness-per-leg", "soft"], ["soft", "free"]),
+            (["--hardening-per-leg", "-1"], ["--hardening-per-leg", "-1"]),
+            (["--preload-per-leg", "inf"], ["--preload-per-leg", "inf"]),
             (["--knee-touchdown", "0"], ["--knee-touchdown", "degrees"]),
             (["--knee-touchdown", "200"], ["--knee-touchdown", "200"]),
             (["--hip-distance", "0"], ["hip_distance", "in m"]),

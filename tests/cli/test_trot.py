@@ -28,7 +28,7 @@ def steady(tmp_path_factory):
 def test_a_gait_with_feedback_is_played(capsys, tmp_path, steady):
     result = printed(capsys, "trot", steady, "--cycles", 2, "--out", tmp_path)
     assert result["goes"] == "trot" and result["in_a_stride"] == 2 and result["cycles"] == 2
-    assert result["period"] == pytest.approx(0.459, abs=1e-3) and result["speed"] == pytest.approx(2.0, abs=0.01)
+    assert result["stride_time"] == pytest.approx(0.459, abs=1e-3) and result["speed"] == pytest.approx(2.0, abs=0.01)
     assert result["residual"] <= 1e-9 and result["slips"] == 0 and result["energy_residual"] < 1e-8
     assert result["multipliers_without_feedback"] is None
     assert Trajectory.load(tmp_path / "trot.npz").cycles == 4
@@ -56,7 +56,7 @@ def test_a_pronk_is_held_by_all_inputs(capsys, tmp_path, monkeypatch):
     monkeypatch.setattr(balance, "balanced", held)
     result = printed(capsys, "trot", "pronk", "--cycles", 1, "--out", tmp_path)
     assert result["goes"] == "pronk" and result["in_a_stride"] == 1 and result["cycles"] == 1
-    assert result["period"] == pytest.approx(0.289, abs=1e-3) and result["speed"] == pytest.approx(2.0, abs=1e-6)
+    assert result["stride_time"] == pytest.approx(0.289, abs=1e-3) and result["speed"] == pytest.approx(2.0, abs=1e-6)
     assert Gait.load(tmp_path / "trot_steady.json").system.kind == "pronking"
 
 

@@ -13,6 +13,7 @@ import pytest
 from spear_pin import Gait, load, simulate
 from spear_pin.errors import BadValue, Infeasible, MissingExtra, UnknownName
 from spear_pin.gaits import library
+from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.bounding_programme import transcribe
 from spear_pin.gaits.collocation import Programme, Solution, hermite_simpson, node_name, quadrature, resampled
 from spear_pin.gaits.library import REQUESTS
@@ -61,7 +62,7 @@ def warm(robot, request, intervals, solution):
 
 def effort(gait):
     """∫ Σ u² dt a metre, by the trapezoidal rule over the samples of a simulation."""
-    return summarize(gait, simulate(gait.system, gait.state, progress=False))["effort"]
+    return summarize(gait, simulate(gait.system, gait.state, progress=False))["effort_per_distance"] * PAIR
 
 
 @pytest.mark.slow

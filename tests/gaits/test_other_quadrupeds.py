@@ -7,7 +7,7 @@ import pytest
 
 from spear_pin import Spring, load, sagittal, simulate, simulate_many
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.bounding_law import legs_of
+from spear_pin.gaits.bounding_law import PAIR, legs_of
 from spear_pin.gaits.optimize import search
 from spear_pin.gaits.request import SPARE, Request
 from spear_pin.hybrid.result import Options
@@ -56,7 +56,7 @@ class TestSearch:
         """Also where joints have friction, and legs lean as their knees bend."""
         robot, gait, solution = found
         scale = scale_of(robot)
-        effort = summarize(gait, simulate(gait.system, gait.state, progress=False))["effort"]
+        effort = summarize(gait, simulate(gait.system, gait.state, progress=False))["effort_per_distance"] * PAIR
         unit = scale.torque**2 * scale.time / scale.length
         assert solution.objective == pytest.approx(0.01 * effort / unit, rel=2e-3)
 

@@ -88,9 +88,18 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "gaits/sensitivity/measures",
+        "gaits/sensitivity/measure",
         ["hybrid/tangent/test_bound"],
-        {"derivatives: a cost by a weight that stays": ("weight.derivative * stride.value + ", "")},
+        {"derivatives: a cost by a weight that stays": ("one.derivative * other.value + ", "")},
+    ),
+    *mistakes_in(
+        "gaits/measures/of_samples",
+        ["test_names", "studies/bound/test_bound"],
+        {
+            "names: the effort of pairs": ("effort += motors * square", "effort += motors**2 * square"),
+            "names: a pair's torque for a motor's": ("[:, i]) / motors", "[:, i])"),
+            "names: friction used under any load": ("PRESSED * robot.weight", "1e-6 * robot.weight"),
+        },
     ),
     *mistakes_in(
         "gaits/sensitivity/electricity",

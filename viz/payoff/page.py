@@ -42,6 +42,19 @@ class Row(NamedTuple):
     failures: list[str]
 
 
+NAMES: Mapping[str, str] = {  # in JSON, of fields of points and figures that are called by less among themselves
+    "stiffness": "stiffness_per_leg",
+    "peak": "peak_torque",
+    "rms": "rms_torque",
+    "rate": "peak_speed",
+    "heat": "heating",
+    "friction": "friction_used",
+    "mechanical": "mechanical_cost",
+    "multiplier": "largest_multiplier",
+    "ledger": "ledger_gap",
+}
+
+
 def render(
     study: Study, answer: Answer, name: str, assumptions: list[tuple[str, str]], figures: Mapping[str, Figure]
 ) -> str:
@@ -116,27 +129,34 @@ def _element(figure: Figure, key: str, study: Study) -> tuple[Markup, str]:
 
 
 def summary(study: Study, finding: SearchEnd) -> dict[str, Any]:
-    """A finding as JSON tells it, without the optimiser's unknowns; its energy is that of a cycle, in J."""
+    """A finding as JSON tells it, without the optimiser's unknowns; its electricity is that of a cycle, in J."""
     figures = finding.figures
-    energy = None if figures is None else study.gaits.energy(study.robot, figures)
+    drawn = None if figures is None else study.gaits.energy(study.robot, figures)
     return {
-        **asdict(finding.point),
+        **_named(study, asdict(finding.point)),
         "reason": finding.reason,
-        "energy": energy,
-        "figures": None if figures is None else asdict(figures),
+        "electricity": drawn,
+        "figures": None if figures is None else _named(study, asdict(figures)),
     }
+
+
+def _named(study: Study, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Values by the names that other commands have for them."""
+    names = {**NAMES, "speed": study.gaits.words.measure}
+    return {names.get(name, name): value for name, value in values.items()}
 
 
 def as_json(study: Study, answer: Answer) -> dict[str, Any]:
     """The study and its answer in JSON's terms; None for what is not known."""
     said = {part: {**asdict(getattr(study.motors, part)), "from": study.motors.said[part]} for part in PARTS}
+    pace = study.gaits.words.measure
     result: dict[str, Any] = _known(
         {
             "answer": asdict(answer),
-            "speed": study.speed,
-            "speeds": study.grid.speeds,
-            "stiffnesses": study.grid.stiffnesses,
-            "chosen_stiffness": study.chosen,
+            pace: study.speed,
+            f"{pace}s": study.grid.speeds,
+            "stiffnesses_per_leg": study.grid.stiffnesses,
+            "chosen_stiffness_per_leg": study.chosen,
             "motors": said,
             "best": {kind: summary(study, each) for kind, each in study.best.items()},
             "finer": {kind: summary(study, each) for kind, each in study.finer.items()},

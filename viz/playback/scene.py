@@ -43,7 +43,7 @@ class Scene:
         commands: objects, places and properties.
         clips: tracks by path, times in s from the start.
         view: where the camera looks from.
-        peak_force: largest ground force on a foot, in N; of a pair of legs, each foot has half.
+        peak_force: of the longest arrow that is drawn, a ground force on a foot, in N; of a pair, each foot has half.
         paired: whether some legs are pairs.
         notes: one line for each thing that is not drawn.
         follows: whether the picture goes with the robot.

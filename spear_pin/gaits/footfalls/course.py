@@ -74,7 +74,7 @@ class CollocatedGait:
         request: what was asked.
         stretches: its phases; of mirrored footfalls those of half a stride.
         constants: of the stance law if one was asked for, of each leg: hip, knee and adduction, in N·m.
-        effort: integral of the squared motor torques over the distance, in N²m²s/m.
+        effort_per_distance: integral of the squared torques of all motors over the distance, in N²·m·s.
         solution: the optimiser's, to start another search from.
         iterations: of all the programmes solved on the way.
         seconds: that building and solving the programmes took, of CPU.
@@ -84,7 +84,7 @@ class CollocatedGait:
     request: FootfallRequest
     stretches: tuple[Stretch, ...]
     constants: Mapping[str, tuple[float, float, float]]
-    effort: float
+    effort_per_distance: float
     solution: Solution
     iterations: int
     seconds: tuple[float, float]

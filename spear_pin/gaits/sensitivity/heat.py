@@ -8,10 +8,9 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName
-from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.sensitivity.measure import Group, Measure, total
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.column_names import of_a_pair
+from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.model.motor import Gearbox, Motor, geared_constant
 
@@ -19,7 +18,7 @@ WORK, ENERGY, HEAT = "work", "energy", "heat_"
 
 
 def heat(system: HybridSystem, motors: Mapping[str, Motor], names: Sequence[str], d: int) -> Group:
-    """`heat_JOINT` of each motor, R / (N kt)² ∫ u² dt, and `energy`, the work and all heat, in J.
+    """`heat_JOINT` of all motors of a joint, R / (N kt)² ∫ u² dt of each, and `energy`, the work and all heat, in J.
 
     Of joints without a motor here only the work counts. Gears have the robot's ratio and lose nothing: what they lose
     is in the electricity of drives.
@@ -54,14 +53,14 @@ def _heat(
 
 
 def heating(system: HybridSystem, joint: str, motor: Motor) -> float:
-    """Heat of a joint's windings for its torque's square, R / (N kt)², in W/(N·m)²; two motors halve a pair's.
+    """Heat of a joint's windings for the square of one motor's torque, R / (N kt)² of each motor, in W/(N·m)².
 
     Raises:
         UnknownName: the joint has no motor torque.
         BadValue: the motor's resistance or torque constant is not known.
     """
     count, gears = motors_of_joint(system, joint), Gearbox(system.robot.gear_ratio(joint))
-    return motor.known("resistance") / geared_constant(motor, gears) ** 2 / count
+    return motor.known("resistance") / geared_constant(motor, gears) ** 2 * count
 
 
 def motors_of_joint(system: HybridSystem, joint: str) -> int:
@@ -72,7 +71,7 @@ def motors_of_joint(system: HybridSystem, joint: str) -> int:
     """
     if joint not in system.robot.actuated:
         raise UnknownName("joint with a motor", joint, system.robot.actuated)
-    return PAIR if of_a_pair(f"u_{joint}") else 1
+    return motors_at(joint)
 
 
 def ratio_of(system: HybridSystem, joint: str, names: Sequence[str], d: int) -> tuple[float, Array]:

@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
+from spear_pin.gaits.measures.catalogue import LEAST_STRIDE, PRESSED
 from spear_pin.gaits.sensitivity.heat import ENERGY, HEAT, WORK, heating
-from spear_pin.gaits.sensitivity.measures import CLEARANCE, DEFLECTION, LEAST_STRIDE, PRESSED
+from spear_pin.gaits.sensitivity.measures import DEFLECTION, HEIGHT
 from spear_pin.gaits.sensitivity.panels import Panels
 from spear_pin.hybrid.arc import Arc, Record
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.engines.structure import flattened
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.orders import Order
@@ -153,7 +155,7 @@ class _Chunk:
         squares = np.zeros((robot.nu, self.count))
         tops, rates, lowest, highest = np.full((4, robot.nu, self.count), -np.inf)
         force, friction, aloft = ({toe: np.full(self.count, -np.inf) for toe in robot.toes} for _ in range(3))
-        weight = self.system.robot.weight
+        weight, motors = self.system.robot.weight, [motors_at(joint) for joint in robot.actuated]
         for parts in self.groups.values():
             panels, values, y, domain = self._evaluated(parts)
             for g, guard in enumerate(domain.guards):
@@ -165,6 +167,7 @@ class _Chunk:
             for j, joint in enumerate(robot.actuated):
                 torque = values.u[j].reshape(-1, POINTS)
                 power = torque * y[robot.nv + robot.index(joint)].reshape(-1, POINTS)
+                torque = torque / motors[j]
                 sums["work"] += panels.integral(power)
                 sums["positive_work"] += panels.positive(power)
                 squares[j] += panels.integral(torque**2)
@@ -178,28 +181,29 @@ class _Chunk:
             for k, toe in enumerate(closed):
                 along, up = (values.forces[2 * k + i].reshape(-1, POINTS) for i in (0, 1))
                 force[toe] = np.maximum(force[toe], panels.peak(up))
-                friction[toe] = np.maximum(friction[toe], panels.ratio(along, up, PRESSED * weight))
+                friction[toe] = np.maximum(friction[toe], panels.ratio(along, up, PRESSED * weight / len(robot.toes)))
             ground = self.numbers.ground(self.chosen.start + np.repeat(panels.lanes, POINTS))
             for toe in set(robot.toes).difference(closed):
                 height = Heights(self.numbers.planar, ground).at(toe, list(y[: robot.nv]))
                 aloft[toe] = np.maximum(aloft[toe], panels.peak(height.reshape(-1, POINTS)))
-        found |= sums
+        found |= {**sums, "absolute_work": 2.0 * sums["positive_work"] - sums["work"]}
         for j, joint in enumerate(robot.actuated):
             found[f"rms_torque_{joint}"] = np.sqrt(squares[j] / found["period"])
             found[f"peak_torque_{joint}"], found[f"peak_speed_{joint}"] = tops[j], rates[j]
             found[f"least_{joint}"], found[f"greatest_{joint}"] = -lowest[j], highest[j]
-        found["effort"] = squares.sum(axis=0)
+        found["effort"] = np.array(motors) @ squares
         for toe in robot.toes:
             found[f"peak_force_{toe}"], found[f"friction_used_{toe}"] = force[toe], friction[toe]
-            found[CLEARANCE + toe] = aloft[toe]
+            found[HEIGHT + toe] = aloft[toe]
         for joint, motor in self.motors.items():
             found[HEAT + joint] = heating(self.system, joint, motor) * squares[robot.actuated.index(joint)]
         if self.motors:
             found[ENERGY] = np.sum([sums[WORK], *(found[HEAT + joint] for joint in self.motors)], axis=0)
         if self.system.cyclic:
-            moves = np.abs(found["stride"]) > LEAST_STRIDE
-            with np.errstate(divide="ignore"):
-                found["cost_of_transport"] = np.where(moves, sums["positive_work"] / (weight * found["stride"]), np.nan)
+            way = np.where(np.abs(found["stride"]) > LEAST_STRIDE, found["stride"], np.nan)
+            found["cost_of_transport"] = found["absolute_work"] / (weight * way)
+            found["cost_of_transport_positive"] = found["positive_work"] / (weight * way)
+            found["effort_per_distance"] = found["effort"] / way
         there = np.isin(np.arange(self.count), list(self.laps))
         return {name: np.where(there & np.isfinite(values), values, np.nan) for name, values in found.items()}
 

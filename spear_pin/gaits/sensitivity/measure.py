@@ -79,3 +79,15 @@ def total(parts: Sequence[Measure]) -> Measure:
     """The sum of measures of one unit."""
     value = float(sum(each.value for each in parts))
     return Measure(value, np.sum([each.derivative for each in parts], axis=0), parts[0].unit)
+
+
+def product(one: Measure, other: Measure, unit: str) -> Measure:
+    """The product of two measures, in a unit."""
+    change = one.derivative * other.value + one.value * other.derivative
+    return Measure(one.value * other.value, change, unit)
+
+
+def ratio(above: Measure, below: Measure, unit: str) -> Measure:
+    """The ratio of two measures, in a unit."""
+    value = above.value / below.value
+    return Measure(value, (above.derivative - value * below.derivative) / below.value, unit)

@@ -9,30 +9,24 @@ from functools import partial
 import numpy as np
 
 from spear_pin.arrays import Array
+from spear_pin.gaits.measures.catalogue import LEAST_STRIDE, PRESSED
 from spear_pin.gaits.sensitivity.along_arcs import along, closed_in, coordinate, forces, guarded, long, powered
-from spear_pin.gaits.sensitivity.measure import Group, Measure, Measures, total
+from spear_pin.gaits.sensitivity.measure import Group, Measure, Measures, product, ratio, total
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
+from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch
 from spear_pin.hybrid.tangent.dual import derivative_of, value_of
 from spear_pin.hybrid.tangent.heights import Heights, dual_heights
 
 All = Mapping[str, Measure]
-CLEARANCE, DEFLECTION = "clearance_", "deflection_"
+HEIGHT, DEFLECTION = "greatest_height_", "deflection_"
 TIMES, ADVANCE = ".*_time|period", "stride|mean_speed"
-PRESSED = 0.02  # of a robot's weight: friction counts under forces above this
-LEAST_STRIDE = 1e-3  # m: over a shorter one nothing is transported
 
 
 def measures(cycle: Derivative, start: Array, weight: Measure, more: Sequence[Group] = ()) -> Measures:
     """All named measures of a cycle, each found when it is asked for.
 
-    Durations of phases and the period; state at events that are observed, such as the height at the apex; where the
-    robot moves on, its stride and its speed; work that the motors do on the joints on balance and where they drive, and
-    of what moves on the cost of transport by it; ∫ Σ u² dt, the effort; of each joint the root mean square and the peak
-    of its motor's torque, the peak of its speed, the least and the greatest angle, and if it has a spring that is let
-    go, how far that is deflected then; of each toe the peak of the normal force, the friction it uses, |F_x| / F_z, and
-    its clearance: the greatest height above the ground, along its normal, between its lift-off and its touchdown, of
-    several such ways in a cycle that of the highest.
+    Their names, units and meanings are in `spear_pin.gaits.measures.catalogue`.
 
     Args:
         cycle: the cycle.
@@ -83,36 +77,45 @@ def _advance(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[
 
 def _works(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
     powers = [_products(*powered(cycle.stretches, cycle.system.robot, joint)) for joint in cycle.system.robot.actuated]
-    found = {
-        "work": total([Measure(*integral(each), "J") for each in powers]),
-        "positive_work": total([Measure(*positive(each), "J") for each in powers]),
-    }
-    stride, worked = of.get("stride"), found["positive_work"]
-    if stride is not None and abs(stride.value) > LEAST_STRIDE:
-        lifted = weight.value * stride.value
-        of_lifted = weight.derivative * stride.value + weight.value * stride.derivative
-        cost = worked.value / lifted
-        found["cost_of_transport"] = Measure(cost, (worked.derivative - cost * of_lifted) / lifted, "1")
+    net, drive = (total([Measure(*of(each), "J") for each in powers]) for of in (integral, positive))
+    # where the motors brake as well: twice what they drive by, less what is left on balance
+    amount = Measure(2.0 * drive.value - net.value, 2.0 * drive.derivative - net.derivative, "J")
+    found = {"work": net, "positive_work": drive, "absolute_work": amount}
+    if _moves(of):
+        lifted = product(weight, of["stride"], "J")
+        found["cost_of_transport"] = ratio(amount, lifted, "1")
+        found["cost_of_transport_positive"] = ratio(drive, lifted, "1")
     return found
+
+
+def _moves(of: All) -> bool:
+    """Whether the robot goes far enough in a cycle for something to be counted by the way."""
+    stride = of.get("stride")
+    return stride is not None and abs(stride.value) > LEAST_STRIDE
 
 
 def _torques(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
     robot, period, found = cycle.system.robot, of["period"], dict[str, Measure]()
     squares = []
     for joint in robot.actuated:
-        torque, _ = powered(cycle.stretches, robot, joint)
+        motors = motors_at(joint)
+        torque = [each.times(1.0 / motors) for each in powered(cycle.stretches, robot, joint)[0]]
         square, change = integral(_products(torque, torque))
-        squares.append(Measure(square, change, "N²·m²·s"))
+        squares.append(Measure(motors * square, motors * change, "N²·m²·s"))
         rms = float(np.sqrt(square / period.value))
         of_rms = 0.5 / max(rms, 1e-300) * (change / period.value - square / period.value**2 * period.derivative)
         found[f"rms_torque_{joint}"] = Measure(rms, of_rms, "N·m")
         found[f"peak_torque_{joint}"] = Measure(*_largest(torque), "N·m")
-    return {**found, "effort": total(squares)}
+    found["effort"] = total(squares)
+    if _moves(of):
+        found["effort_per_distance"] = ratio(found["effort"], of["stride"], "N²·m·s")
+    return found
 
 
 def _forces(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
     robot, found = cycle.system.robot, dict[str, Measure]()
-    pressed = PRESSED * weight.value, PRESSED * weight.derivative
+    share = PRESSED / len(robot.toes)
+    pressed = share * weight.value, share * weight.derivative
     for toe in robot.toes:
         pairs = list(forces(cycle.stretches, toe, robot.toes))
         if pairs:
@@ -121,13 +124,13 @@ def _forces(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[s
     return found
 
 
-def _clearances(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
+def _toe_heights(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
     toes, found = cycle.system.robot.toes, dict[str, Measure]()
     heights = dual_heights(cycle.system, cycle.numbers, np.pad(cycle.dnumbers, ((0, 0), (0, 1))))
     for toe in toes:
         aloft = [each for each in long(cycle.stretches) if toe not in closed_in(each, toes)]
         if aloft:
-            found[CLEARANCE + toe] = Measure(*peak([_height(heights, toe, each) for each in aloft]), "m")
+            found[HEIGHT + toe] = Measure(*peak([_height(heights, toe, each) for each in aloft]), "m")
     return found
 
 
@@ -180,10 +183,10 @@ GROUPS: tuple[tuple[str, Finder], ...] = (
     (TIMES, _times),
     (".*_height|.*_at_.*", _at_events),
     (ADVANCE, _advance),
-    ("work|positive_work|cost_of_transport", _works),
-    ("rms_torque_.*|peak_torque_.*|effort", _torques),
+    ("work|.*_work|cost_of_transport.*", _works),
+    ("rms_torque_.*|peak_torque_.*|effort.*", _torques),
     ("peak_force_.*|friction_used_.*", _forces),
-    (f"{CLEARANCE}.*", _clearances),
+    (f"{HEIGHT}.*", _toe_heights),
     ("peak_speed_.*|least_.*|greatest_.*", _ranges),
     (f"{DEFLECTION}.*", _springs),
 )

@@ -5,21 +5,19 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import PAIR, Leg, legs_of
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.measures.curves import Curves, Mask
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.virtual_constraints import value
 from spear_pin.hybrid.trajectory import Event, Trajectory
 from spear_pin.kinds import typed
 
-Mask = NDArray[np.bool_]
-
 LAST = 1e-3  # s: the end of a stance in which, with lift-off by force, force and its friction fade together
 NEAR = 1e-3  # s: around its own events a toe is near the ground in flight
-UNLOADED = 1e-3  # N: below, the ratio of two forces means nothing
 INSTANT = 1e-12  # s: an event's time and its samples' may differ by rounding
 
 
@@ -27,15 +25,16 @@ INSTANT = 1e-12  # s: an event's time and its samples' may differ by rounding
 def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     """Figures of a bounding gait, from the gait and a trajectory of it, SI units and radians.
 
-    Forces are those of a pair of legs; torques are those of one motor, half of the pair's. All that
-    is taken from the motion is of the first whole stride. Where it says "by leg", the keys are
-    "posterior" and "anterior"; "by joint", they are the joints with motors.
+    Measures are those of `spear_pin.gaits.measures.catalogue`: forces are those on a pair of legs, torques those of one
+    motor, work is that of all motors. All that is taken from the motion is of the first whole stride. Where it says "by
+    leg", the keys are "posterior" and "anterior"; "by joint", they are the joints with motors.
 
     Returns:
         Of the gait:
 
         - lift_off: the rule, "knee" or "force", see `BoundingLaw`.
-        - stiffness, friction: of a pair's knee spring, in N·m/rad; of the ground.
+        - stiffness, stiffness_per_leg: of a pair's knee spring, and of one leg's, half of it, in N·m/rad.
+        - friction: of the ground.
         - knee_rest, knee_touchdown: θ̄ and the commanded knee angle of a landing leg, by magnitude.
         - durations: seconds by phase. residual, multipliers, stable: as of `Gait`.
 
@@ -50,9 +49,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         - peak_force: largest normal force, in N.
         - lift_off_force: normal force just before lift-off, in N.
         - minimum_force*: least normal force in stance, in N.
-        - friction_used*: largest |F_x| / F_z in stance.
-        - friction_used_last_ms*: the same in the last millisecond of each stance, which the two
-          before leave out where lift-off is by force.
+        - friction_used*: largest |F_x| / F_z where a toe bears at least 2 % of its even share of the weight.
         - friction_at_impact: |Λ_x| / Λ_z of the impulse at touchdown.
         - clearance: lowest height of the toe while the other leg alone bears, 1 ms around its own events
           left out, in m; None if it never does.
@@ -62,19 +59,18 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
 
         Of the motors, by joint:
 
+        - peak_torque, rms_torque: in N·m.
         - peak_torque_stance, peak_torque_swing: while the joint's leg bears, and while it does not, in N·m.
         - peak_speed: of the joint, in rad/s.
 
         Of the energy, all motors together, in J a stride:
 
-        - energy: by flow, from the ledger. net_joint_work: what the motors put in, negative work
-          counting as negative. impact_loss: what the impacts take, >= 0. released: what is lost with
+        - energy: by flow, from the ledger. impact_loss: what the impacts take, >= 0. released: what is lost with
           springs that let go, <= 0.
         - energy_balance: sum of all flows, zero for a periodic stride. energy_residual: largest of
           what does not close in any stride.
-        - cost_of_transport, cost_of_transport_positive: ∫ Σ|u ω| dt, and ∫ Σ max(0, u ω) dt, over
-          weight and distance; by the trapezoidal rule over the samples, to about 1e-4 of it.
-        - effort: ∫ Σ u² dt over distance with the torques of the pairs, in N²·m·s; by the same rule.
+        - work, positive_work, absolute_work, cost_of_transport, cost_of_transport_positive, effort and
+          effort_per_distance: as of the catalogue.
 
         cycles and reason are those of the trajectory.
 
@@ -91,6 +87,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     return {
         "lift_off": law.lift_off,
         "stiffness": gait.system.spring.stiffness,
+        "stiffness_per_leg": gait.system.spring.stiffness / PAIR,
         "friction": gait.system.contact.friction,
         "knee_rest": law.knee_rest,
         "knee_touchdown": law.knee_touchdown,
@@ -101,8 +98,8 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         **stride.motion(),
         **stride.ground(),
         **stride.motors(),
+        **stride.sampled.works(),
         "energy": flows,
-        "net_joint_work": sum(energy for name, energy in flows.items() if name.startswith("motor_")),
         "impact_loss": -flows["impact"],
         "released": flows["released"],
         "energy_balance": sum(flows.values()),
@@ -130,6 +127,7 @@ class _Stride:
         happened = {event.name for event in self.events}
         if not {f"{leg.name}_{event}" for leg in self.legs for event in ("touchdown", "lift_off")} <= happened:
             raise BadValue("trajectory.events", sorted(happened), "a first stride in which both legs land and lift off")
+        self.sampled, self.chosen = Sampled(self.robot, trajectory), chosen
         self.stride = float(self.q[-1, 0] - self.q[0, 0])
         self.bears = {leg.name: self._bearing(leg) for leg in self.legs}
 
@@ -142,33 +140,31 @@ class _Stride:
             "stride": self.stride,
             "knee_at_touchdown": {leg.name: leg.side * float(landed[leg.name][leg.knee]) for leg in self.legs},
             "leg_at_touchdown": {leg.name: float(value(leg.angle, landed[leg.name].tolist())) for leg in self.legs},
-            "pitch": (float(self.q[:, 2].min()), float(self.q[:, 2].max())),
-            "height": (float(self.q[:, 1].min()), float(self.q[:, 1].max())),
+            "pitch": self.sampled.curves.range(self.sampled.trajectory.q[:, 2]),
+            "height": self.sampled.curves.range(self.sampled.trajectory.q[:, 1]),
         }
 
     def ground(self) -> dict[str, Any]:
         """Of what the ground does, and how near to it the toes come."""
         names = [leg.name for leg in self.legs]
         normal = {name: self.force[:, i, 1] for i, name in enumerate(names)}
-        used, late, least = [], [], []
+        used, least = [], []
         for i, name in enumerate(names):
-            loaded = self.bears[name] & (normal[name] > UNLOADED)
-            ratio = np.abs(self.force[:, i, 0]) / np.where(loaded, normal[name], 1.0)
-            last = self._until(f"{name}_lift_off") <= LAST
+            last = self.bears[name] & (self._until(f"{name}_lift_off") <= LAST)
             counted = self.bears[name] & ~(last if self.law.lift_off == "force" else np.zeros_like(last))
-            used.append(ratio[loaded & counted].max(initial=0.0))
-            late.append(ratio[loaded & last].max(initial=0.0))
-            least.append(normal[name][counted].min(initial=np.inf))
+            used.append(self.sampled.friction_used(i))
+            least.append(-self._curves(counted).peak(-self.sampled.trajectory.force[:, i, 1]))
         heights = {leg.name: self._heights(leg) for leg in self.legs}
         other = dict(zip(names, names[::-1], strict=True))
         clearance = {name: _lowest(heights[name][self._aloft(name, f"{other[name]}_stance")]) for name in names}
         flight = {name: _lowest(heights[name][self._aloft(name, "flight")]) for name in names}
         return {
-            "peak_force": {name: float(normal[name].max()) for name in names},
+            "peak_force": {
+                name: self.sampled.curves.peak(self.sampled.trajectory.force[:, i, 1]) for i, name in enumerate(names)
+            },
             "lift_off_force": {name: self._lift_off_force(name, normal[name]) for name in names},
             "minimum_force": float(min(least)),
             "friction_used": float(max(used)),
-            "friction_used_last_ms": float(max(late)),
             "friction_at_impact": {
                 name: max(
                     [
@@ -187,24 +183,31 @@ class _Stride:
 
     def motors(self) -> dict[str, Any]:
         """Of the motors, and what they cost."""
-        joints = self.robot.actuated
+        joints, found = self.robot.actuated, self.sampled.torques()
         leg_of = {column: leg.name for leg in self.legs for column in leg.motors}
-        torque = np.abs(self.u) / PAIR
-        rate = self.v[:, [self.robot.index(joint) for joint in joints]]
-        power = self.u * rate
-        work = self.robot.weight * self.stride
+
+        def peaks(bears: bool) -> dict[str, float]:
+            return {
+                joint: self._curves(self.bears[leg_of[i]] == bears).amount(self.sampled.trajectory.u[:, i]) / PAIR
+                for i, joint in enumerate(joints)
+            }
+
         return {
-            "peak_torque_stance": {
-                joint: float(torque[self.bears[leg_of[i]], i].max()) for i, joint in enumerate(joints)
+            **{
+                name: {joint: found[f"{name}_{joint}"] for joint in joints}
+                for name in ("peak_torque", "rms_torque", "peak_speed")
             },
-            "peak_torque_swing": {
-                joint: float(torque[~self.bears[leg_of[i]], i].max()) for i, joint in enumerate(joints)
-            },
-            "peak_speed": {joint: float(np.abs(rate[:, i]).max()) for i, joint in enumerate(joints)},
-            "cost_of_transport": float(np.trapezoid(np.abs(power).sum(axis=1), self.t)) / work,
-            "cost_of_transport_positive": float(np.trapezoid(np.maximum(power, 0.0).sum(axis=1), self.t)) / work,
-            "effort": float(np.trapezoid((self.u**2).sum(axis=1), self.t)) / self.stride,
+            "peak_torque_stance": peaks(True),
+            "peak_torque_swing": peaks(False),
+            "effort": found["effort"],
+            "effort_per_distance": found["effort_per_distance"],
         }
+
+    def _curves(self, chosen: Mask) -> Curves:
+        """Samples of the stride that are chosen."""
+        among = np.zeros_like(self.chosen)
+        among[self.chosen] = chosen
+        return self.sampled.curves.among(among)
 
     def _bearing(self, leg: Leg) -> Mask:
         double = np.char.startswith(self.phase, "double")

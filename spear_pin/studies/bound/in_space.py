@@ -8,14 +8,13 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.measures.of_samples import Sampled, pressed
 from spear_pin.gaits.spatial.legs import pairs_of
 from spear_pin.hybrid.symmetry import ROLL, YAW, X, Y
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
-from spear_pin.model.scale import scale_in_space
 
 PARTS = ("adduction", "hip", "knee")
-LOADED = 20.0  # N of Q-SPEAR: below, the ratio of two forces means little
 
 
 @typed
@@ -29,7 +28,7 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         - aside, heading: where it is at the end across its first heading, in m, and its heading then.
         - largest_roll: on the way.
         - slips: how often a foot begins to slide.
-        - friction_used: largest ratio of tangential to normal force, where that is over 20 N of Q-SPEAR.
+        - friction_used: largest ratio of tangential to normal force, where a foot bears 2 % of its even share.
         - friction_used_across: the same of what is across the heading.
         - joints: of the largest of all legs' "adduction", "hip" and "knee" range, speed, torque and power.
     """
@@ -38,19 +37,20 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     q, v, t = trajectory.q, trajectory.v, trajectory.t
     whole = t[(trajectory.cycle > 0) & (trajectory.cycle <= trajectory.cycles)]
     ahead, aside = _turned(q[-1, [X, Y]] - q[0, [X, Y]], q[0, YAW])
-    joints = {}
+    sampled = Sampled(robot, trajectory, ())
+    curves, joints = sampled.curves, {}
     for i, part in enumerate(PARTS):
         rows, columns = [(leg.adduction, leg.hip, leg.knee)[i] for leg in legs], [leg.motors[i] for leg in legs]
         joints[part] = {
-            "range": float(np.ptp(q[:, rows], axis=0).max()),
-            "speed": float(np.abs(v[:, rows]).max()),
-            "torque": float(np.abs(trajectory.u[:, columns]).max()),
-            "power": float(np.abs(trajectory.u[:, columns] * v[:, rows]).max()),
+            "range": max(float(np.diff(curves.range(q[:, row]))[0]) for row in rows),
+            "speed": max(curves.amount(v[:, row]) for row in rows),
+            "torque": max(curves.amount(trajectory.u[:, column]) for column in columns),
+            "power": max(
+                curves.amount(trajectory.u[:, column] * v[:, row]) for column, row in zip(columns, rows, strict=True)
+            ),
         }
     across = np.stack([_turned(force[:, :2].T, yaw)[1] for force, yaw in zip(trajectory.force, q[:, YAW], strict=True)])
-    along = np.linalg.norm(trajectory.force[:, :, :2], axis=2)
-    normal = trajectory.force[:, :, 2]
-    loaded = normal > LOADED * scale_in_space(robot).force
+    normal, toes = trajectory.force[:, :, 2], range(len(trajectory.toes))
     return {
         "residual": gait.residual,
         "multipliers": gait.multipliers.tolist(),
@@ -61,10 +61,10 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "period": float(np.ptp(whole)) / trajectory.cycles if trajectory.cycles else 0.0,
         "aside": float(aside),
         "heading": float(q[-1, YAW] - q[0, YAW]),
-        "largest_roll": float(np.abs(q[:, ROLL]).max()),
+        "largest_roll": curves.amount(q[:, ROLL]),
         "slips": sum(event.name == "slip" for event in trajectory.events),
-        "friction_used": float((along[loaded] / normal[loaded]).max(initial=0.0)),
-        "friction_used_across": float((np.abs(across)[loaded] / normal[loaded]).max(initial=0.0)),
+        "friction_used": max(sampled.friction_used(i) for i in toes),
+        "friction_used_across": max(curves.ratio(across[:, i], normal[:, i], pressed(robot)) for i in toes),
         "joints": joints,
     }
 

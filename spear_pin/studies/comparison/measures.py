@@ -6,13 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.column_names import PAIR, of_a_pair, parted
+from spear_pin.gaits.measures.of_samples import Sampled
+from spear_pin.hybrid.column_names import PAIR, motors_at, of_a_pair, parted
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.model.robot import Robot
 from spear_pin.studies.comparison.sides import Side
 
 Values = dict[tuple[str, str], float]  # by name and unit
 
+ONE = ", one motor"  # of the two that a pair's joint stands for
 GAIT, MOTION, FORCES, TORQUES, ENERGY, BODY = "gait", "motion", "ground", "motors", "energy a cycle", "robot"
 GROUPS = (GAIT, MOTION, FORCES, TORQUES, ENERGY, BODY)
 
@@ -40,53 +42,46 @@ def _gait(side: Side) -> Values:
 def _motion(robot: Robot, run: Trajectory) -> dict[str, Values]:
     """Of whole cycles, where there are some; else of all samples, and nothing that is of a cycle."""
     cycles = [number for number in np.unique(run.cycle).tolist() if number >= 1][: run.cycles]
-    rows = np.isin(run.cycle, cycles) if cycles else np.ones(len(run), dtype=bool)
-    t, q, v, u, force = (getattr(run, name)[rows] for name in ("t", "q", "v", "u", "force"))
-    normal = force[:, :, -1]
-    count, seconds = max(1, len(cycles)), float(t[-1] - t[0])
-    forward, aside, upward = (
-        next((i for i, name in enumerate(run.coordinates) if name.endswith(axis)), None) for axis in ("_x", "_y", "_z")
-    )
-    distance = None if forward is None else float(q[-1, forward] - q[0, forward])
-    if forward is not None and aside is not None:
-        ends = [*(int(np.argmax(run.cycle[rows] == number)) for number in cycles or [0]), -1]
-        distance = float(np.linalg.norm(np.diff(q[ends][:, [forward, aside]], axis=0), axis=1).sum())
-    motion: Values = {("period", "s"): seconds / count} if cycles else {}
-    if distance is not None:
-        motion["mean speed", "m/s"] = distance / seconds
-        motion |= {("distance a cycle", "m"): distance / count} if cycles else {}
+    sampled = Sampled(robot, run, cycles)
+    curves, rows, found = sampled.curves, sampled.curves.chosen, sampled.values()
+    t, normal = run.t[rows], run.force[rows][:, :, -1]
+    upward = next((i for i, name in enumerate(run.coordinates) if name.endswith("_z")), None)
+    motion: Values = {("period", "s"): found["period"]} if cycles else {}
+    if "stride" in found:
+        motion["mean speed", "m/s"] = found["mean_speed"]
+        motion |= {("distance a cycle", "m"): found["stride"]} if cycles else {}
     if upward is not None:
-        motion |= {
-            ("greatest height", "m"): float(q[:, upward].max()),
-            ("least height", "m"): float(q[:, upward].min()),
-        }
+        least, greatest = curves.range(run.q[:, upward])
+        motion |= {("greatest height", "m"): greatest, ("least height", "m"): least}
     for toe, name in enumerate(run.toes):
         motion[f"time on the ground, {_words(name)}", "%"] = 100 * _share(t, normal[:, toe] > 0.0)
-    rate = v[:, [run.coordinates.index(joint) for joint in run.actuated]]
     forces = {
-        (f"peak normal force, {_effort(f'force_z_{name}')}", "N"): float(normal[:, i].max())
-        for i, name in enumerate(run.toes)
+        (f"peak normal force, {_effort(f'force_z_{name}')}", "N"): found[f"peak_force_{name}"] for name in run.toes
     }
-    total = normal.sum(axis=1)
-    forces["peak normal force, in weights", ""] = float(total.max()) / robot.weight
+    forces |= {(f"friction used, {_words(name)}", ""): found[f"friction_used_{name}"] for name in run.toes}
+    forces["peak normal force, in weights", ""] = curves.peak(run.force[:, :, -1].sum(axis=1)) / robot.weight
     torques: Values = {}
-    for i, joint in enumerate(run.actuated):
-        torques[f"peak torque, {_effort(f'u_{joint}')}", "N·m"] = float(np.abs(u[:, i]).max())
-        torques[f"rms torque, {_effort(f'u_{joint}')}", "N·m"] = float(np.sqrt(np.trapezoid(u[:, i] ** 2, t) / seconds))
-        torques[f"peak rate, {_words(joint)}", "rad/s"] = float(np.abs(rate[:, i]).max())
+    for joint in run.actuated:
+        one = _words(joint) + ONE * (motors_at(joint) > 1)
+        torques[f"peak torque, {one}", "N·m"] = found[f"peak_torque_{joint}"]
+        torques[f"rms torque, {one}", "N·m"] = found[f"rms_torque_{joint}"]
+        torques[f"peak speed, {_words(joint)}", "rad/s"] = found[f"peak_speed_{joint}"]
     for i, joint in enumerate(run.spring_joints):
-        torques[f"peak spring torque, {_effort(f'spring_{joint}')}", "N·m"] = float(np.abs(run.spring[rows, i]).max())
-    power = u * rate
-    work = float(np.trapezoid(np.abs(power).sum(axis=1), t))
+        torques[f"peak spring torque, {_effort(f'spring_{joint}')}", "N·m"] = curves.amount(run.spring[:, i])
     energy: Values = {}
     if cycles:
-        positive = float(np.trapezoid(np.maximum(power, 0.0).sum(axis=1), t))
-        energy = {("motors' work, positive", "J"): positive / count, ("motors' work, |power|", "J"): work / count}
-    if distance is not None and abs(distance) > 1e-3 * abs(seconds):
-        energy["cost of transport (mechanical, |power|)", ""] = work / (robot.weight * abs(distance))
+        energy = {
+            ("motors' work, positive", "J"): found["positive_work"],
+            ("motors' work, |power|", "J"): found["absolute_work"],
+            ("effort", "N²·m²·s"): found["effort"],
+        }
+    if "cost_of_transport" in found:
+        energy["cost of transport", ""] = found["cost_of_transport"]
     if run.cycles:
         for flow in run.ledger.flows:
-            energy[_words(flow).replace("motor ", "net work, "), "J"] = float(run.ledger[flow].mean())
+            joint = flow.removeprefix("motor_")
+            name = f"energy, {_words(flow)}" if joint == flow else f"net work, {_words(joint)}"
+            energy[name, "J"] = float(run.ledger[flow].mean())
         energy["unaccounted for, at most", "J"] = float(np.abs(run.ledger.residual).max())
     return {MOTION: motion, FORCES: forces, TORQUES: torques, ENERGY: energy}
 

@@ -10,7 +10,7 @@ from spear_pin.arrays import Array
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.gait import Gait
 from spear_pin.kinds import typed
-from spear_pin.model.motor import Drive, drawn_power
+from spear_pin.model.motor import Drive
 from spear_pin.studies.bound import mean_speed
 from spear_pin.studies.design.operating_points import Points, points
 
@@ -68,8 +68,9 @@ def energy_drawn(given: Points, drive: Drive, regeneration: float = 0.0) -> floa
         drive: of each of the joints.
         regeneration: share of the electrical power given back that is stored.
     """
-    power = drawn_power(drive.bus_power(given.torque, given.speed), regeneration).sum(axis=1)
-    return float(given.motors * np.trapezoid(power, given.t))
+    columns = zip(given.torque.T, given.speed.T, strict=True)
+    halves = [given.curves.halves(drive.bus_power, torque, speed) for torque, speed in columns]
+    return given.motors * sum(drawn - regeneration * back for drawn, back in halves)
 
 
 @typed
@@ -82,6 +83,6 @@ def electrical_cost(gait: Gait, knee: Drive, regeneration: float = 0.0) -> float
         regeneration: share of the electrical power given back that is stored.
     """
     knees, hips = points(gait, "knee"), points(gait, "hip")
-    positive = np.maximum(hips.torque * hips.speed, 0.0).sum(axis=1)
-    energy = energy_drawn(knees, knee, regeneration) + float(PAIR * np.trapezoid(positive, hips.t))
+    positive = sum(hips.curves.positive(power) for power in (hips.torque * hips.speed).T)
+    energy = energy_drawn(knees, knee, regeneration) + PAIR * positive
     return energy / (gait.system.robot.weight * gait.period * mean_speed(gait))

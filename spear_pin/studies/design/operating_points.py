@@ -12,6 +12,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName
 from spear_pin.gaits.bounding_law import PAIR, legs_of
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.measures.curves import Curves
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import rebuilt
 from spear_pin.hybrid.simulate import simulate
@@ -47,13 +48,19 @@ class Points:
     @property
     def peak(self) -> Array:
         """Largest torque in stance by leg, in N·m, (2,)."""
-        return np.asarray(np.where(self.bears, np.abs(self.torque), 0.0).max(axis=0))
+        curves = self.curves
+        bears = zip(self.torque.T, self.bears.T, strict=True)
+        return np.array([max(0.0, curves.among(on).amount(torque)) for torque, on in bears])
 
     @property
     def rms(self) -> Array:
         """Root mean square of the torque over the stride by leg, in N·m, (2,)."""
-        mean = np.trapezoid(self.torque**2, self.t, axis=0) / (self.t[-1] - self.t[0])
-        return np.asarray(np.sqrt(mean))
+        return np.sqrt([self.curves.integral(each**2) / self.curves.duration for each in self.torque.T])
+
+    @property
+    def curves(self) -> Curves:
+        """The samples, joined between events."""
+        return Curves.of(self.t)
 
 
 @typed

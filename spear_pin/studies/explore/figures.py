@@ -6,9 +6,8 @@ import textwrap
 from collections.abc import Mapping
 from dataclasses import asdict
 
-import numpy as np
-
 from spear_pin.gaits.bounding_law import LEGS
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.model.loading import ROBOTS
 from spear_pin.model.robot import Robot
 from spear_pin.studies.bound import summarize
@@ -27,9 +26,9 @@ def bound_figures(motion: Motion) -> dict[str, float | None]:
     """Figures of a stride.
 
     Returns:
-        speed, stride and period; peak_force, vertical, of a pair; friction_used; of one motor each knee_torque and
-        hip_torque, the peak in stance by its amount; knee_rate, the peak; motor_work, net, and impact_loss, a stride;
-        cost_of_transport, mechanical, of power by its amount; hip_torque_solved, β_sp; see `spear_pin.studies.bound`.
+        speed, stride and period; peak_force, normal, of a pair; friction_used; of one motor each
+        peak_torque_stance_knee and peak_torque_stance_hip; peak_speed_knee; impact_loss, a stride; cost_of_transport;
+        posterior_hip_torque, β_sp; of legs the largest; see `spear_pin.studies.bound`.
     """
     assert motion.gait is not None
     told = summarize(motion.gait, motion.trajectory)
@@ -43,9 +42,9 @@ def bound_figures(motion: Motion) -> dict[str, float | None]:
         "period": told["period"],
         "peak_force": max(told["peak_force"].values()),
         "friction_used": told["friction_used"],
-        "knee_torque": most("peak_torque_stance", "knee"),
-        "hip_torque": most("peak_torque_stance", "hip"),
-        "knee_rate": most("peak_speed", "knee"),
+        "peak_torque_stance_knee": most("peak_torque_stance", "knee"),
+        "peak_torque_stance_hip": most("peak_torque_stance", "hip"),
+        "peak_speed_knee": most("peak_speed", "knee"),
         "impact_loss": told["impact_loss"],
         "cost_of_transport": told["cost_of_transport"],
         "posterior_hip_torque": motion.gait.system.law.posterior_hip_torque,
@@ -57,26 +56,27 @@ def hop_figures(hops: Motion) -> dict[str, float | None]:
 
     Returns:
         apex_height, of the hip above the ground, the highest; flight_time and stance_time, the longest of a whole hop;
-        peak_force, vertical; peak_torque and peak_power of the knee's motor at the joint, by their amount;
-        rotor_torque, the peak torque before an ideal gear; motor_work, positive, of both motors, a hop; spring_share,
+        peak_force, normal; peak_torque_knee and peak_power_knee of the knee's motor at the joint, by their amount;
+        rotor_torque_knee, the peak torque before an ideal gear; positive_work, of both motors, a hop; spring_share,
         see `spring_share`.
     """
     trajectory = hops.trajectory
     knee = trajectory.coordinates.index("knee")
     torque = trajectory.u[:, trajectory.actuated.index("knee")]
     whole = trajectory.cycles > 0
+    curves = Sampled(hops.knobs.system.robot, trajectory, ()).curves
     apexes = [float(event.q[trajectory.coordinates.index("boom_z")]) for event in trajectory.named("apex")]
     stance, flight = durations(trajectory).max(axis=0).tolist() if whole else (None, None)
-    peak_torque = float(np.abs(torque).max())
+    peak_torque = curves.amount(torque)
     return {
         "apex_height": max(apexes, default=None),
         "flight_time": flight,
         "stance_time": stance,
-        "peak_force": float(trajectory.force[:, 0, 1].max()),
-        "peak_torque": peak_torque,
-        "rotor_torque": peak_torque / hops.knobs.values[RATIO] if RATIO in hops.knobs.values else None,
-        "peak_power": float(np.abs(torque * trajectory.v[:, knee]).max()),
-        "motor_work": costs(hops.knobs.system, trajectory).energy["mechanical_positive"] if whole else None,
+        "peak_force": curves.peak(trajectory.force[:, 0, 1]),
+        "peak_torque_knee": peak_torque,
+        "rotor_torque_knee": peak_torque / hops.knobs.values[RATIO] if RATIO in hops.knobs.values else None,
+        "peak_power_knee": curves.amount(torque * trajectory.v[:, knee]),
+        "positive_work": costs(hops.knobs.system, trajectory).energy["mechanical_positive"] if whole else None,
         "spring_share": spring_share(trajectory) if whole else None,
     }
 
@@ -184,6 +184,7 @@ PROGRAM = '''"""{title} in place, with numbers set in `spear explore`.
 {standard}import numpy as np
 
 from spear_pin import Contact, HoppingLaw, Spring, {imported}hopping, load, simulate, vary
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.viz.player import record
 
 {loading}
@@ -196,7 +197,9 @@ v = np.array({v})
 {compute}
 
 {report}
-print(f"peak ground force {{hops.force[:, 0, 1].max():.2f}} N, peak knee torque {{abs(hops.u[:, 1]).max():.3f}} N·m")
+found = Sampled(robot, hops, ()).values()
+print(f"peak ground force {{found['peak_force_' + robot.toes[0]]:.2f}} N")
+print(f"peak knee torque {{found['peak_torque_knee']:.3f}} N·m")
 record(robot, hops, "hop.html", title={shown})
 '''
 SOLVE = "gait = find_gait(system, guess=(q, v))\nhops = simulate(gait.system, gait.state, cycles={cycles})"

@@ -12,7 +12,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, SpearError
 from spear_pin.gaits.bounding import SPEED_BY
 from spear_pin.gaits.bounding_law import LEGS
-from spear_pin.gaits.sensitivity.measure import Measure
+from spear_pin.gaits.sensitivity.measure import Measure, ratio
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
 from spear_pin.gaits.sensitivity.orbit import Orbit, orbit_of_gait, solved
 from spear_pin.hybrid.parameters import number
@@ -20,7 +20,7 @@ from spear_pin.studies.explore.figures import figures
 from spear_pin.studies.explore.legs import RATIO
 from spear_pin.studies.explore.motion import Motion
 
-ALIKE = 1e-3  # of a figure, which is of samples, that it may differ by from the measure that is differentiated
+ALIKE = 1e-6  # of a figure, by which it may differ from the measure that is differentiated
 MULTIPLIER = "multiplier"
 LONE = "only what repeats each cycle has derivatives here"
 SOLVED = "it is solved for"
@@ -143,29 +143,27 @@ def _of_hop(branch: _Branch) -> Iterator[tuple[str, Measure]]:
         if name in branch.orbit.measures:
             yield name, branch.of(name)
     yield "peak_force", branch.of(f"peak_force_{toe}")
-    yield "peak_torque", torque
+    yield "peak_torque_knee", torque
     if RATIO in branch.orbit.names:
-        yield "rotor_torque", _ratio(torque, branch.number(RATIO))
-    yield "motor_work", branch.of("positive_work")
+        yield "rotor_torque_knee", ratio(torque, branch.number(RATIO), "N·m")
+    yield "positive_work", branch.of("positive_work")
 
 
 def _of_bound(branch: _Branch) -> Iterator[tuple[str, Measure]]:
-    found, stride = branch.orbit.measures, branch.of("stride")
+    found = branch.orbit.measures
 
     def largest(*names: str) -> Measure:
         return branch.of(max(names, key=lambda name: found[name].value))
 
     yield "speed", branch.of("mean_speed")
-    yield "stride", stride
+    yield "stride", branch.of("stride")
     yield "period", branch.of("period")
     for name in ("peak_force", "friction_used"):
         yield name, largest(*(f"{name}_{toe}" for toe in branch.orbit.system.robot.toes if f"{name}_{toe}" in found))
     for joint in ("knee", "hip"):
-        yield f"{joint}_torque", _times(0.5, largest(*(f"peak_torque_{leg}_{joint}" for leg in LEGS)))  # of a pair
-    # where the motors brake as well: twice what they drive by, less what is left on balance
-    drive, net = branch.of("positive_work"), branch.of("work")
-    by_amount = Measure(2.0 * drive.value - net.value, 2.0 * drive.derivative - net.derivative, "J")
-    yield "cost_of_transport", _ratio(by_amount, _times(branch.orbit.weight.value, stride))
+        yield f"peak_torque_stance_{joint}", largest(*(f"peak_torque_{leg}_{joint}" for leg in LEGS))
+    yield "peak_speed_knee", largest(*(f"peak_speed_{leg}_knee" for leg in LEGS))
+    yield "cost_of_transport", branch.of("cost_of_transport")
     yield "posterior_hip_torque", branch.number(SPEED_BY)
 
 
@@ -179,12 +177,3 @@ def _of_multiplier(branch: _Branch) -> Array:
         values, slopes = along_branch(orbit, (lead,), (orbit.start @ way)[:, None] / changes[lead], rest)
         row.append(float(moduli(values, slopes)[1][0, 0]) * changes[lead])
     return np.array(row)
-
-
-def _ratio(above: Measure, below: Measure) -> Measure:
-    value = above.value / below.value
-    return Measure(value, (above.derivative - value * below.derivative) / below.value, "")
-
-
-def _times(factor: float, measure: Measure) -> Measure:
-    return Measure(factor * measure.value, factor * measure.derivative, measure.unit)

@@ -32,6 +32,7 @@ WORDS = Words(
     pace="at {:.3g} m/s",
     paces="at {:.3g} to {:.3g} m/s",
     axis="Speed (m/s)",
+    measure="speed",
     slowest="the slowest speed",
     fastest="the fastest speed",
     cost="Electrical cost of transport",

@@ -93,13 +93,13 @@ def figures(
         shares[part] = energy_drawn(given, drive) / work
         use = against(given, drive)
         outside = max(outside, float(use.outside.max()))
-        powers = np.abs(given.torque * given.speed).sum(axis=1)
-        mechanical += given.motors * float(np.trapezoid(powers, given.t)) / work
+        curves = given.curves
+        mechanical += given.motors * sum(map(curves.absolute, (given.torque * given.speed).T)) / work
         columns = {
-            "peak": np.abs(given.torque).max(axis=0),
+            "peak": map(curves.amount, given.torque.T),
             "rms": given.rms,
             "heat": use.heating,
-            "rate": np.abs(given.speed).max(axis=0),
+            "rate": map(curves.amount, given.speed.T),
         }
         for name, values in columns.items():
             by_joint[name] |= dict(zip(joints_of(robot, part), map(float, values), strict=True))

@@ -28,6 +28,7 @@ class Words:
         pace: how the speed of a `Point` is said, a format with one number.
         paces: how a range of them is said, a format with two.
         axis: name of such speeds, with their unit.
+        measure: name of the measure that they are.
         slowest: the least of them.
         fastest: the largest of them.
         cost: what the cost is.
@@ -41,6 +42,7 @@ class Words:
     pace: str
     paces: str
     axis: str
+    measure: str
     slowest: str
     fastest: str
     cost: str

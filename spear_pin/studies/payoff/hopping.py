@@ -58,6 +58,7 @@ WORDS = Words(
     pace="{:.3g} s in the air",
     paces="{:.3g} to {:.3g} s in the air",
     axis="Flight time (s)",
+    measure="flight_time",
     slowest="the shortest flight",
     fastest="the longest flight",
     cost="Electricity of a hop over m g h",

@@ -144,7 +144,7 @@ def test_names_that_are_none(hop):
     with pytest.raises(UnknownName, match="nope"):
         best(hop, {"stiffness": (42.0, 60.0)}, assuming=["nope"])
     # all but the first are measures, but none that a search keeps
-    for name in ("nope", "energy", "clearance_toe", "margin_spring_switch"):
+    for name in ("nope", "energy", "greatest_height_toe", "margin_spring_switch"):
         with pytest.raises(UnknownName, match=name):
             optimize_design(hop, "work", {"stiffness": (42.0, 60.0)}, {name: 1.0}, motors=MOTORS)
     with pytest.raises(BadValue, match="measure is 'energy'; expected one of joints whose motors are given.* are none"):
@@ -178,9 +178,9 @@ def test_bounds_that_cannot_be_met_have_no_price(hop):
 @pytest.mark.slow
 def test_a_toe_that_is_to_be_lifted_higher(hop):
     """Its height is Pinocchio's along the reference engine's motion."""
-    bounds, over = {"clearance_toe": 0.072}, {"knee_ratio": (12.0, 18.0)}
+    bounds, over = {"greatest_height_toe": 0.072}, {"knee_ratio": (12.0, 18.0)}
     found = optimize_design(hop, "peak_torque_knee", over, {"flight_time": 0.2}, at_least=bounds, assuming=[])
-    assert found.converged and list(found.active) == ["clearance_toe at least"]
+    assert found.converged and list(found.active) == ["greatest_height_toe at least"]
     run = simulate(found.gait.system, found.gait.state, 1, samples=4000, progress=False)
     assert max(found.gait.system.robot.toe_position(q, "toe")[-1] for q in run.q) == pytest.approx(0.072, abs=1e-7)
 

@@ -107,7 +107,7 @@ class TestTrot:
 
     def test_from_another_one(self, robot, trot):
         again = collocated(robot, trot.request, start=trot.solution)
-        assert again.effort == pytest.approx(trot.effort, rel=1e-6)
+        assert again.effort_per_distance == pytest.approx(trot.effort_per_distance, rel=1e-6)
         assert again.solution.iterations < trot.solution.iterations
 
 
@@ -178,7 +178,7 @@ class TestOthers:
 
     def test_the_whole_stride_is_the_mirrored_one(self, robot, trot):
         whole = collocated(robot, replace(trot.request, footfalls=COARSE.unfolded), start=None)
-        assert whole.effort == pytest.approx(trot.effort, rel=1e-3)
+        assert whole.effort_per_distance == pytest.approx(trot.effort_per_distance, rel=1e-3)
         assert whole.period == pytest.approx(trot.period, rel=1e-2)
 
     def test_turning(self, robot):

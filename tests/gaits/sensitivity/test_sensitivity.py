@@ -72,7 +72,7 @@ def test_more_friction_is_used_by_as_much_where_a_toe_slips(table):
 
 
 @pytest.mark.parametrize("name", ["hop", pytest.param("long_stride", marks=pytest.mark.slow)])
-def test_clearance_is_how_high_a_toe_gets(hop, name):
+def test_height_is_how_high_a_toe_gets(hop, name):
     """Against the heights that Pinocchio has along samples of the reference engine, through the three highest."""
     gait = hop if name == "hop" else Gait.load(name)
     outputs = gait.sensitivity(["knee_ratio"]).outputs
@@ -81,7 +81,7 @@ def test_clearance_is_how_high_a_toe_gets(hop, name):
         heights = np.array([gait.system.ground.foot(gait.system.robot, q, toe)[0] for q in run.q])
         i = int(heights.argmax())
         bend, slope, top = np.polyfit(run.t[i - 1 : i + 2] - run.t[i], heights[i - 1 : i + 2], 2)
-        assert outputs[f"clearance_{toe}"] == pytest.approx(top - slope**2 / (4.0 * bend), abs=1e-8)
+        assert outputs[f"greatest_height_{toe}"] == pytest.approx(top - slope**2 / (4.0 * bend), abs=1e-8)
 
 
 def test_it_is_told_drawn_and_written(table, tmp_path):

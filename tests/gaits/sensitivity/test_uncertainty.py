@@ -170,7 +170,7 @@ class TestMonteCarlo:
             worked = float(np.trapezoid(powers, run.t))
             assert worked == pytest.approx(found.outputs["positive_work"][i], rel=1e-4)
             heights = [system.robot.toe_position(q, "toe")[-1] for q in run.q]
-            assert max(heights) == pytest.approx(found.outputs["clearance_toe"][i], rel=1e-5)
+            assert max(heights) == pytest.approx(found.outputs["greatest_height_toe"][i], rel=1e-5)
             knee = run.u[:, system.robot.actuated.index("knee")]
             heat = float(np.trapezoid(Drive(motor("spear_ii_knee"), Gearbox(15.0), 24.0).joule_power(knee, 1.0), run.t))
             assert heat == pytest.approx(found.outputs["heat_knee"][i], rel=1e-3)

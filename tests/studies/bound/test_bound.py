@@ -58,31 +58,32 @@ class TestMotion:
             assert summary["leg_at_touchdown"][leg] == pytest.approx(commanded, abs=1e-3)
 
     def test_range_of_the_torso(self, summary, strides):
-        assert summary["pitch"] == (strides.q[first(strides), 2].min(), strides.q[first(strides), 2].max())
-        assert summary["height"] == (strides.q[first(strides), 1].min(), strides.q[first(strides), 1].max())
+        for name, i in (("pitch", 2), ("height", 1)):
+            seen = strides.q[first(strides), i]
+            assert summary[name] == pytest.approx((seen.min(), seen.max()), abs=1e-5)
+            assert summary[name][0] <= seen.min() and summary[name][1] >= seen.max()
 
 
 class TestGround:
     def test_forces(self, summary, strides):
         for i, leg in enumerate(LEGS):
-            assert summary["peak_force"][leg] == strides.force[bears(strides, leg), i, 1].max()
+            assert summary["peak_force"][leg] == pytest.approx(strides.force[bears(strides, leg), i, 1].max(), rel=1e-3)
             left = strides.force[bears(strides, leg), i, 1][-1]
             assert summary["lift_off_force"][leg] == pytest.approx(left, abs=1e-3)
             if summary["lift_off"] == "force":
                 assert abs(left) < 1e-3
         assert summary["minimum_force"] > 0
 
-    def test_friction(self, summary, strides):
+    def test_friction(self, summary, strides, gait):
         assert summary["friction_used"] <= summary["friction"]
         assert max(summary["friction_at_impact"].values()) <= summary["friction"] + 1e-9
         ratios = []
         for i, leg in enumerate(LEGS):
-            t, force = strides.t[bears(strides, leg)], strides.force[bears(strides, leg), i]
-            early = t < t[-1] - 1e-3 if summary["lift_off"] == "force" else t <= t[-1]
-            ratios.append(np.abs(force[early, 0]) / force[early, 1])
-        assert summary["friction_used"] == pytest.approx(np.concatenate(ratios).max(), rel=1e-6)
-        if summary["lift_off"] == "force":  # both components fade together
-            assert summary["friction_used_last_ms"] == pytest.approx(summary["friction"], rel=1e-6)
+            force = strides.force[bears(strides, leg), i]
+            loaded = force[:, 1] >= 0.02 * 0.5 * gait.system.robot.weight
+            ratios.append(np.abs(force[loaded, 0]) / force[loaded, 1])
+        assert summary["friction_used"] == pytest.approx(np.concatenate(ratios).max(), rel=1e-2)
+        assert summary["friction_used"] >= np.concatenate(ratios).max()
 
     def test_impact(self, summary, strides):
         event = strides.named("anterior_touchdown")[0]
@@ -106,12 +107,13 @@ class TestMotors:
         for column, joint in enumerate(strides.actuated):
             leg = joint.split("_")[0]
             torque = 0.5 * np.abs(strides.u[:, column])
-            assert summary["peak_torque_stance"][joint] == torque[bears(strides, leg)].max()
-            assert (
-                summary["peak_torque_swing"][joint] == torque[first(strides) & (strides.phase != f"{leg}_stance")].max()
-            )
+            stance, swing = torque[bears(strides, leg)].max(), first(strides) & (strides.phase != f"{leg}_stance")
+            assert summary["peak_torque_stance"][joint] == pytest.approx(stance, rel=1e-3)
+            assert summary["peak_torque_swing"][joint] == pytest.approx(torque[swing].max(), rel=1e-3)
+            both = summary["peak_torque_stance"][joint], summary["peak_torque_swing"][joint]
+            assert summary["peak_torque"][joint] == pytest.approx(max(both), rel=1e-12)
             rate = strides.v[:, strides.coordinates.index(joint)]
-            assert summary["peak_speed"][joint] == np.abs(rate[first(strides)]).max()
+            assert summary["peak_speed"][joint] == pytest.approx(np.abs(rate[first(strides)]).max(), rel=1e-3)
 
     def test_in_stance_the_hip_torque_is_the_law_s(self, summary, gait):
         for leg in LEGS:
@@ -124,9 +126,7 @@ class TestEnergy:
         assert abs(summary["energy_balance"]) < 1e-6
         flows = summary["energy"]
         assert flows == {name: strides.ledger[name][0] for name in strides.ledger.flows}
-        assert summary["net_joint_work"] == pytest.approx(
-            summary["impact_loss"] - summary["released"] - flows["slip"], abs=1e-6
-        )
+        assert summary["work"] == pytest.approx(summary["impact_loss"] - summary["released"] - flows["slip"], abs=1e-6)
         assert summary["impact_loss"] > 0 >= summary["released"]
         assert summary["energy_residual"] < 1e-6
 
@@ -134,14 +134,17 @@ class TestEnergy:
         """Driving less braking is the net work, which the ledger has integrated exactly."""
         weight = gait.system.robot.mass * 9.81 * summary["stride"]
         driving, whole = summary["cost_of_transport_positive"], summary["cost_of_transport"]
-        assert weight * (2 * driving - whole) == pytest.approx(summary["net_joint_work"], rel=2e-3)
+        assert weight * (2 * driving - whole) == pytest.approx(
+            sum(energy for flow, energy in summary["energy"].items() if flow.startswith("motor_")), rel=1e-6
+        )
         assert 0 < driving < whole
 
     def test_effort(self, summary, strides):
         chosen = first(strides)
-        t, squares = strides.t[chosen], (strides.u[chosen] ** 2).sum(axis=1)
+        t, squares = strides.t[chosen], 2.0 * ((0.5 * strides.u[chosen]) ** 2).sum(axis=1)
         whole = (np.diff(t) * 0.5 * (squares[1:] + squares[:-1])).sum()
-        assert summary["effort"] == pytest.approx(whole / summary["stride"], rel=1e-12)
+        assert summary["effort"] == pytest.approx(whole, rel=1e-3)
+        assert summary["effort_per_distance"] == pytest.approx(summary["effort"] / summary["stride"], rel=1e-12)
 
 
 class TestMistakes:

@@ -45,7 +45,7 @@ def test_it_begins_at_a_hop_whose_torque_was_solved_for(subject):
     assert hops.gait.durations["flight"] == pytest.approx(subject.wanted, abs=2e-5)
     assert subject.knobs["stance_torque"].origin == "solved" and "s of flight" in subject.keeps
     known = figures(hops)
-    assert known["rotor_torque"] is None and known["apex_height"] > 0
+    assert known["rotor_torque_knee"] is None and known["apex_height"] > 0
 
 
 def test_the_toe_stays_below_the_hip(subject, leg):

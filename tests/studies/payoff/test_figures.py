@@ -47,11 +47,11 @@ class TestFigures:
         stride = trajectory(NAME)
         for i, joint in enumerate(("posterior_hip", "posterior_knee", "anterior_hip", "anterior_knee")):
             torque = stride.u[:, i] / 2
-            assert found.peak[joint] == pytest.approx(np.abs(torque).max(), rel=1e-6)
+            assert found.peak[joint] == pytest.approx(np.abs(torque).max(), rel=1e-3)
             rms = np.sqrt(np.trapezoid(torque**2, stride.t) / np.ptp(stride.t))
             assert found.rms[joint] == pytest.approx(rms, rel=1e-3)
             assert found.heat[joint] == pytest.approx(rms / DRIVES["knee"].continuous_torque, rel=1e-3)
-            assert found.torque_used[joint] == pytest.approx(np.abs(stride.u[:, i]).max() / 240.0, rel=1e-6)
+            assert found.torque_used[joint] == pytest.approx(np.abs(stride.u[:, i]).max() / 240.0, rel=1e-3)
         assert found.stiffness == 56.0 and found.speed == pytest.approx(2.5, abs=1e-6) and found.ledger < 1e-6
 
     def test_bounds_that_hold_it_are_named(self, found):

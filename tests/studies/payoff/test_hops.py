@@ -34,7 +34,7 @@ class TestFigures:
 
     def test_one_motor_a_joint(self, hop, motors):
         cycle = simulate(hop.system, hop.state, samples=MESH)
-        assert figures_of(hop, motors).peak["knee"] == pytest.approx(np.abs(cycle.u[:, 1]).max())
+        assert figures_of(hop, motors).peak["knee"] == pytest.approx(np.abs(cycle.u[:, 1]).max(), rel=1e-3)
         left = within(None, hop.system, cycle)
         assert left.min() > 0.0 and 1.0 - np.abs(cycle.u[:, 1]).max() / 60.0 in left
 

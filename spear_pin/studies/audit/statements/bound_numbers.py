@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.gaits.bounding_law import LEGS, PAIR
+from spear_pin.gaits.measures.curves import Curves
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.catalogue import motor
 from spear_pin.studies.audit import zero_dynamics
@@ -96,7 +97,7 @@ def knee_peaks(stiffness: float) -> tuple[float, float]:
 def peak_over_hop() -> tuple[float, float]:
     """Largest torque of a knee motor in the bound over that in the hop in place."""
     run = one_hop()
-    hopping = float(np.abs(run.u[:, run.actuated.index("knee")]).max())
+    hopping = Curves.of(run.t).amount(run.u[:, run.actuated.index("knee")])
     posterior, anterior = knee_peaks(OWN_SPRING)
     return posterior / hopping, anterior / hopping
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from spear_pin.gaits.hopping import HoppingLaw
+from spear_pin.gaits.measures.curves import Curves
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.boom import RotaryBoom
 from spear_pin.studies.audit.printed_equations import GRAVITY
@@ -62,7 +63,7 @@ def push_share_of_spring(knee: float = KNEE, friction: float = FRICTION) -> floa
 def peak_knee_rate() -> float:
     """Largest rate of the knee, in rad/s."""
     run = one_hop()
-    return float(np.abs(run.v[:, run.coordinates.index("knee")]).max())
+    return Curves.of(run.t).amount(run.v[:, run.coordinates.index("knee")])
 
 
 def knee_rate_at_touchdown(knee: float = KNEE, friction: float = FRICTION) -> float:
@@ -83,7 +84,7 @@ def work_against(knee: float = KNEE, friction: float = FRICTION) -> tuple[float,
         run = simulate(system, gait.state, progress=False)
         stance = (run.cycle == 1) & (run.phase == "stance")
         power = run.u[:, run.actuated.index("knee")] * run.v[:, run.coordinates.index("knee")]
-        found.append(-float(np.trapezoid(np.minimum(power, 0.0)[stance], run.t[stance])))
+        found.append(Curves(run.t, stance).positive(-power))
     return tuple(found)
 
 
@@ -93,14 +94,15 @@ def work_and_heat_by_ratio(ratios: Sequence[float] = (7.5, 15.0, 30.0)) -> tuple
     for ratio in ratios:
         run = one_hop(ratio=ratio)
         torque, rate = run.u[:, run.actuated.index("knee")], run.v[:, run.coordinates.index("knee")]
-        work.append(float(np.trapezoid(np.maximum(torque * rate, 0.0), run.t)))
-        heat.append(float(np.trapezoid((torque / ratio) ** 2, run.t)))
+        work.append(Curves.of(run.t).positive(torque * rate))
+        heat.append(Curves.of(run.t).integral((torque / ratio) ** 2))
     return (*work, *heat)
 
 
 def offset_moment(offset: float = OFFSET) -> float:
     """Largest moment of the hop's ground force about a slider that the toe is this far ahead of, in N·m."""
-    return float(one_hop().force[:, 0, 1].max()) * offset
+    run = one_hop()
+    return Curves.of(run.t).peak(run.force[:, 0, 1]) * offset
 
 
 def boom_error(angle: float = np.pi / 180.0) -> float:

@@ -1,0 +1,165 @@
+"""Integrals and peaks of samples: quintic splines between events, so that they do not depend on where samples are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from spear_pin.arrays import Array
+
+Mask = NDArray[np.bool_]
+
+DEGREE = 5
+INSTANT = 1e-12  # s: an event's two samples may differ by rounding
+GAUSS = np.polynomial.legendre.leggauss(6)
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Times of samples, between whose events signals are smooth.
+
+    Attributes:
+        t: times, in s, (n,); where an event is there are two equal ones.
+        chosen: which samples count, (n,).
+    """
+
+    t: Array
+    chosen: Mask
+
+    @classmethod
+    def of(cls, t: Array) -> Curves:
+        """Curves of all samples, at times in s, (n,)."""
+        return cls(t, np.ones(len(t), dtype=bool))
+
+    @cached_property
+    def runs(self) -> tuple[NDArray[np.int64], ...]:
+        """Samples that count between one event and the next, at least two each."""
+        rows = np.flatnonzero(self.chosen)
+        apart = (np.diff(self.t[rows]) <= INSTANT) | (np.diff(rows) > 1)
+        return tuple(run for run in np.split(rows, np.flatnonzero(apart) + 1) if len(run) > 1)
+
+    def among(self, chosen: Mask) -> Curves:
+        """Those of the samples that are chosen, (n,)."""
+        return Curves(self.t, self.chosen & chosen)
+
+    @property
+    def duration(self) -> float:
+        """Time that the samples cover, in s."""
+        return float(sum(self.t[run[-1]] - self.t[run[0]] for run in self.runs))
+
+    def integral(self, values: Array, where: Array | None = None) -> float:
+        """∫ of a signal over time.
+
+        Args:
+            values: at the samples, (n,).
+            where: a signal, (n,), that is positive where time counts; always.
+        """
+        total = 0.0
+        for run in self.runs:
+            whole = self._spline(run, values).antiderivative()
+            begin, end = self.t[run[0]], self.t[run[-1]]
+            if where is None:
+                total += float(whole(end) - whole(begin))
+                continue
+            gate = self._spline(run, where)
+            marks = np.array([begin, *_roots(gate), end])
+            counts = gate(0.5 * (marks[1:] + marks[:-1])) > 0.0
+            total += float(np.diff(whole(marks))[counts].sum())
+        return total
+
+    def positive(self, values: Array) -> float:
+        """∫ of the positive part of a signal, (n,)."""
+        return self.integral(values, where=values)
+
+    def absolute(self, values: Array) -> float:
+        """∫ of a signal's amount, (n,)."""
+        return self.positive(values) + self.positive(-values)
+
+    def halves(self, power: Callable[[Array, Array], Array], torque: Array, speed: Array) -> tuple[float, float]:
+        """∫ of the positive and of the negative part of a power, both >= 0, that torque and speed give.
+
+        Args:
+            power: of torques and speeds, (k,) each; where either changes its sign it may jump.
+            torque: at the samples, (n,).
+            speed: like it.
+        """
+        nodes, weights = GAUSS
+        positive = negative = 0.0
+        for run in self.runs:
+            u, w = self._spline(run, torque), self._spline(run, speed)
+            marks = np.unique(np.concatenate([self.t[run], _roots(u), _roots(w)]))
+
+            def at(t: Array, u: Any = u, w: Any = w) -> Array:
+                return np.asarray(power(u(t), w(t)), np.float64)
+
+            marks = np.unique(np.concatenate([marks, _changes(at, marks)]))
+            half, middle = 0.5 * np.diff(marks), 0.5 * (marks[1:] + marks[:-1])
+            parts = half * (at((middle[:, None] + half[:, None] * nodes).ravel()).reshape(len(half), -1) @ weights)
+            positive, negative = positive + float(parts[parts > 0.0].sum()), negative - float(parts[parts < 0.0].sum())
+        return positive, negative
+
+    def peak(self, values: Array) -> float:
+        """The largest value of a signal, (n,); -∞ where no sample counts."""
+        best = float(values[self.chosen].max(initial=-np.inf))
+        for run in self.runs:
+            if values[run].max() > values[run].min():
+                curve = self._spline(run, values)
+                best = max(best, float(curve(_roots(curve.derivative())).max(initial=-np.inf)))
+        return best
+
+    def amount(self, values: Array) -> float:
+        """The largest amount of a signal, (n,)."""
+        return max(self.peak(values), self.peak(-values))
+
+    def range(self, values: Array) -> tuple[float, float]:
+        """The least and the largest value of a signal, (n,)."""
+        return -self.peak(-values), self.peak(values)
+
+    def ratio(self, above: Array, below: Array, least: float) -> float:
+        """The largest |above / below| where the signal below, (n,), is at least a number > 0; 0 where it never is."""
+        best = 0.0
+        for run in self.runs:
+            top, bottom = self._spline(run, above), self._spline(run, below)
+
+            def at(t: Any, top: Any = top, bottom: Any = bottom) -> Any:
+                return np.abs(top(t) / bottom(t))
+
+            ends = self.t[run]
+            marks = np.sort(np.concatenate([ends, _roots(bottom, least)]))
+            borne = bottom(marks) >= least * (1.0 - 1e-9)
+            values = np.where(borne, at(marks, bottom=lambda t, b=bottom: np.maximum(b(t), 1e-3 * least)), -np.inf)
+            best = max(best, float(values.max(initial=0.0)))
+            inner = values[1:-1]
+            for i in 1 + np.flatnonzero((inner >= values[:-2]) & (inner >= values[2:]) & np.isfinite(inner)):
+                low, high = (marks[j] if borne[j] else marks[i] for j in (i - 1, i + 1))
+                if high > low:
+                    found = scipy.optimize.minimize_scalar(
+                        lambda t, at=at: -at(t), bounds=(low, high), method="bounded", options={"xatol": 1e-12}
+                    )
+                    best = max(best, float(-found.fun))
+        return best
+
+    def _spline(self, run: NDArray[np.int64], values: Array) -> Any:
+        t = self.t[run]
+        return scipy.interpolate.make_interp_spline(t, values[run], k=min(DEGREE, len(run) - 1))
+
+
+def _roots(spline: Any, level: float = 0.0) -> Array:
+    """Where a spline crosses a level, rising."""
+    found = scipy.interpolate.PPoly.from_spline(spline).solve(level, discontinuity=False, extrapolate=False)
+    return np.asarray(np.sort(found[np.isfinite(found)]), np.float64)
+
+
+def _changes(at: Callable[[Array], Array], marks: Array) -> Array:
+    """Where a function changes its sign between marks, a little inside of which it is continuous."""
+    inside = 1e-9 * np.diff(marks)
+    begins, ends = marks[:-1] + inside, marks[1:] - inside
+    changes = np.flatnonzero(at(begins) * at(ends) < 0.0)
+    found = [scipy.optimize.brentq(lambda t: float(at(np.array([t]))[0]), begins[i], ends[i]) for i in changes]
+    return np.array(found, np.float64)

@@ -1,0 +1,1 @@
+"""Measures of a cycle, by their names."""
