@@ -39,7 +39,7 @@ class Study:
         robot: in the plane, the motors' rotors in it.
         motors: its motors.
         grid: what was asked.
-        tries: every search, by point, in order.
+        tries: every search on the usual mesh, by point, in order.
         best: of each kind the cheapest finding at `speed`, its stiffness of the grid or chosen by the optimiser, on the
             usual mesh or the finer one.
         finer: the same on a finer mesh; where that failed with a reason.
@@ -62,9 +62,13 @@ class Study:
     chosen: float | None = None
     seconds: float = 0.0
 
+    def ends(self, point: Point) -> list[SearchEnd]:
+        """Every search of a point, that on the finer mesh too."""
+        return [*self.tries.get(point, ()), *(end for end in self.finer.values() if end.point == point)]
+
     def at(self, point: Point) -> SearchEnd | None:
-        """The cheapest gait of a point; None where there is none."""
-        return cheapest(self.tries.get(point, ()))
+        """The cheapest gait of a point, on whatever mesh; None where there is none."""
+        return cheapest(self.ends(point))
 
     def gait(self, finding: SearchEnd) -> Gait:
         """The gait of a finding that has one."""
@@ -233,17 +237,25 @@ class _Work:
         return [each for start in starts if (each := self.of(point, start)).key not in done]
 
     def best(self, grid: Grid) -> tuple[dict[str, SearchEnd], float]:
-        """Of each kind the best at the speed at which a switchable spring costs least, its stiffness free."""
-        found = [each for point in grid if point.kind == SWITCHED and (each := self.at(point)) is not None]
+        """Find of each kind the best at one speed, its stiffness free where several stiffnesses were asked for.
+
+        The speed is the one at which a switchable spring costs least, of those at which most kinds have a gait.
+        """
         everything = [each for point in grid if (each := self.at(point)) is not None]
-        speed = min(found or everything, key=lambda each: each.cost).point.speed
+        kinds = {
+            end.point.speed: {each.point.kind for each in everything if each.point.speed == end.point.speed}
+            for end in everything
+        }
+        speed = min(
+            everything, key=lambda end: (-len(kinds[end.point.speed]), end.point.kind != SWITCHED, end.cost)
+        ).point.speed
         best, freely = {}, []
         for kind in KINDS:
             own = [each for point in grid if (point.kind, point.speed) == (kind, speed) and (each := self.at(point))]
             own.sort(key=lambda each: each.cost)
             if own:
                 best[kind] = own[0]
-            if kind != NONE:
+            if kind != NONE and len(grid.stiffnesses) > 1:
                 freely += [self.of(Point(kind, speed, None), each) for each in own[:STARTS]]
         for finding in self.search(freely):
             if finding.cost < best[finding.point.kind].cost:
