@@ -146,7 +146,7 @@ def judge(outcomes: Iterable[Outcome], stiffnesses: Sequence[float]) -> Judgemen
 
 
 def spread(outcomes: Iterable[Outcome]) -> float:
-    """Tell how far starts for one knee with one stiffness differ, relatively and at most; NaN where no two are alike."""
+    """Tell how far starts for one knee with one stiffness differ at most, relatively; NaN where no two are alike."""
     found = [outcome for outcome in outcomes if outcome.found and not outcome.again]
     groups = [[other.cost for other in found if _alike(other, one)] for one in found]
     return max((max(costs) / min(costs) - 1.0 for costs in groups if len(costs) > 1), default=math.nan)

@@ -5,9 +5,10 @@ import pytest
 
 from spear_pin import load, simulate
 from spear_pin.gaits.search import find_gait
-from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.periodic import chart
 from spear_pin.studies.payoff import Motors, Point, Search
-from spear_pin.studies.payoff.cycles import with_values
+from spear_pin.studies.payoff.cycles import Cycles, Task, with_values
 from spear_pin.studies.payoff.gaits import attempt
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.studies.payoff.hopping import HOPS, MESH, electricity, figures_of, ranges, within, work
@@ -67,6 +68,23 @@ class TestStart:
         found = ranges(hop.system.robot, free=True)
         assert found["knee_touchdown"] == (0.3, 2.2) and "stiffness" in found
         assert "stiffness" not in ranges(hop.system.robot, free=False)
+
+
+@pytest.mark.extra("heyoka")
+@pytest.mark.parametrize(("kind", "stiffness"), [(SWITCHED, 48.84), (FIXED, 30.0)])
+def test_the_fast_engine_sees_the_same_gap(hop, motors, kind, stiffness):
+    """Away from the state, where charts bend, and with each number that is chosen; derivatives by differences."""
+    place = begun(Place.of(SWITCHED, hop), Point(kind, 0.2, stiffness))
+    chosen = ranges(hop.system.robot, free=False)
+    task = Task(0.2, lambda *_: 1.0, lambda *_: np.ones(1), chosen, 4, 0.05, 1e-10)
+    cycles = Cycles(task, place.system, place.state, chart(place.system, place.state))
+    given = [parameter(place.system, name) for name in chosen]
+    base = np.concatenate([np.zeros(cycles.chart.dimension), given]) / cycles.units
+    x = base + 0.03 * np.cos(np.arange(len(base)))
+    gap, slopes = cycles.glance(x)
+    np.testing.assert_allclose(gap, cycles.at(x).gap, atol=1e-7)
+    ends = [cycles.glance(x + 1e-5 * sign * unit)[0] for unit in np.eye(len(x)) for sign in (1.0, -1.0)]
+    np.testing.assert_allclose(slopes.T, (np.array(ends[::2]) - np.array(ends[1::2])) / 2e-5, atol=1e-5)
 
 
 @pytest.mark.slow
