@@ -193,6 +193,9 @@ def test_the_first_hop_goes_along_bounds(monkeypatch):
         def __init__(self):
             pass
 
+        def glance(self, x):
+            return None
+
         def at(self, x):
             return Cycle(0.0, np.array([0.01 * x[0] + 3.0 * x[1] + x[2] - 6.0]), np.array([1.0]))
 
