@@ -73,7 +73,7 @@ class TestStart:
 
 
 @pytest.mark.extra("heyoka")
-@pytest.mark.parametrize(("kind", "stiffness"), [(SWITCHED, 48.84), (FIXED, 30.0)])
+@pytest.mark.parametrize(("kind", "stiffness"), [(SWITCHED, 48.84), pytest.param(FIXED, 30.0, marks=pytest.mark.slow)])
 def test_the_fast_engine_sees_the_same_gap(hop, motors, kind, stiffness):
     """Away from the state, where charts bend, and with each number that is chosen; derivatives by differences."""
     place = begun(Place.of(SWITCHED, hop), Point(kind, 0.2, stiffness))
