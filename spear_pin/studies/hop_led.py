@@ -28,8 +28,9 @@ TORQUE = "stance_torque"  # what is solved for the flight time
 FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
 SECONDS = 15.0  # of a processor, on the way
 STEP = 0.3  # of the way, the longest
+RTOL = 1e-7  # of the integrator on the way
 STAGES = 3  # in which the angles of touchdown change by turns
-BACK = 0.02  # of the way: a number that turns back by more is beyond a fold
+BACK = 0.005  # of the way: a number that turns back by more is beyond a fold
 BESIDE = 1e-3  # of the way, before its beginning: so much more is its range
 INSIDE = 0.02  # of the way, that the hop which is told keeps from the end
 ANGLES = "knee_touchdown", "hip_touchdown"
@@ -141,7 +142,7 @@ def _follow(gait: Gait, number: str, own: float, value: float, deadline: float) 
     begin = own - BESIDE * span
     within = (min(begin, value), max(begin, value))
     try:
-        branch = continue_gait(gait, number, within, solved, kept, step=STEP, on_point=tell)
+        branch = continue_gait(gait, number, within, solved, kept, step=STEP, rtol=RTOL, on_point=tell)
     except _Ended as ended:
         return Way(None, number, own, farthest, flight, str(ended))
     except REFUSALS as failure:

@@ -39,7 +39,7 @@ def follow(monkeypatch, hop):
             raise NoGait("none so long", 1.0)
         return replace(hop, system=system, durations={"flight": flight_time})
 
-    def branch(gait, over, within, vary, target, *, step, on_point):
+    def branch(gait, over, within, vary, target, *, step, rtol, on_point):
         own = gait.durations["flight"] if over == "flight_time" else parameter(gait.system, over)
         far = max(within, key=lambda value: abs(value - own))
         asked.append((over, round(own, 4), round(far, 4), tuple(vary), dict(target)))
