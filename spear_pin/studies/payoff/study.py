@@ -24,7 +24,7 @@ from spear_pin.studies.sweep.store import fingerprint
 
 STEPS = (0.25, 0.5, 1.0, 1.5, 2.0)  # of the stiffness that the optimiser chooses
 TRIES = 4  # searches of a point that fails, each from another neighbour
-PASSES = 2  # over all points, from neighbours that are new or have become better
+GAITS = 2  # gaits of a point, each from another neighbour
 FOLLOWED = 1  # rounds in which neighbours of what became better are searched again
 STARTS = 2  # of the search for the stiffness at the end
 BETTER = 0.005  # of a cost: what counts as better
@@ -142,8 +142,7 @@ def studied(
         chosen, stiffnesses = work.stiffnesses(bare)
     grid = Grid(speeds, tuple(stiffnesses))
     work.fill(grid)
-    for _ in range(PASSES - 1):
-        work.again(grid)
+    work.again(grid)
     best, speed = work.best(grid)
     again = searcher.find([Search(each.point, each, gaits.finer) for each in best.values()])
     finer = dict(zip(best, again, strict=True))
@@ -205,21 +204,26 @@ class _Work:
         chosen = found.figures.stiffness
         return chosen, [float(f"{step * chosen:.3g}") for step in STEPS]
 
-    def fill(self, grid: Grid) -> None:
-        """Search every point from its nearest neighbour that has a gait, until all have, or enough were tried."""
+    def fill(self, grid: Grid, gaits: int = 1) -> None:
+        """Search every point from neighbours that have a gait, until it has so many itself, or enough were tried.
+
+        A first gait is searched for from the nearest neighbour, others from the last.
+        """
         while True:
             searches = []
             for point in grid:
-                if self.at(point) is not None or len(self.tries.get(point, ())) >= TRIES:
+                tries = self.tries.get(point, ())
+                if sum(each.figures is not None for each in tries) >= gaits or len(tries) >= TRIES + gaits - 1:
                     continue
-                searches += self._from_neighbours(grid, point)[:1]
+                near = self._from_neighbours(grid, point)
+                searches += near[:1] if gaits == 1 else near[-1:]
             if not searches:
                 return
             self.search(searches)
 
     def again(self, grid: Grid) -> None:
-        """Search every point once more, from the last of its neighbours that it was not searched from."""
-        self.search([each for point in grid for each in self._from_neighbours(grid, point)[-1:]])
+        """Search every point once more, until it has a gait from another neighbour."""
+        self.fill(grid, GAITS)
         for _ in range(FOLLOWED):  # what became better may make its neighbours so
             searches = []
             for point in grid:

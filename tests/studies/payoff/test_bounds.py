@@ -70,6 +70,13 @@ class TestBounds:
         assert [bool(each.reason) for each in found.tries[hard]][:4] == [True, True, True, False]
         assert found.at(hard).cost == cost(hard) and "it is so" in found.tries[hard][0].reason
 
+    def test_a_second_start_that_fails_gives_way_to_another(self, study):
+        """For the doubt compares two gaits of a point."""
+        hard, last = Point(NONE, 2.0), Point(FIXED, 2.0, 20.0)
+        found = study(Stub(lambda point, start: point == hard and start in (last, Point(SWITCHED, 2.0, 20.0))))
+        assert sum(not each.reason for each in found.tries[hard]) == 2 and len(found.tries[hard]) > 2
+        assert answer(found).verdict == "switchable"
+
     def test_what_never_has_a_gait_is_given_up_and_said(self, study):
         hard = Point(SWITCHED, 2.0, 40.0)
         found = study(Stub(lambda point, start: point == hard))
