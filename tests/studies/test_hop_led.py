@@ -11,6 +11,7 @@ from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.studies import hop_led
 from spear_pin.studies.hop_led import LATE, TURNS, lead_hop, usual_hop
 from tests.model.legged import quadruped
+from tests.model.small_leg import small_leg
 
 
 @pytest.fixture(scope="module")
@@ -122,11 +123,12 @@ def test_it_begins_with_spear_ii_s_numbers_on_the_same_kind_of_spring(leg):
 
 @pytest.mark.slow
 @pytest.mark.extra("heyoka")
-def test_a_leg_with_a_spring_that_is_soft(leg):
-    """One is led to where the searches of `hop_of` find none, or as far as the way goes; there one is led to again."""
-    soft = 0.7 * Spring.scaled(leg).stiffness
-    way = lead_hop(made(leg, {"stiffness": soft}), {})
-    if way.gait is None:
-        assert way.number == "stiffness" and soft < way.reached < way.begun and way.why
-        way = lead_hop(made(leg, {"stiffness": way.inside}), {"flight_time": way.flight_time})
-    assert way.gait is not None and way.gait.residual < 1e-9
+def test_of_a_small_leg_with_a_spring_of_6(tmp_path):
+    """Hops end before; from the last one on there are some."""
+    small = small_leg(tmp_path)
+    way = lead_hop(made(small, {"stiffness": 6.0}), {}, seconds=60.0)
+    assert way.gait is None and (way.number, way.why) == ("stiffness", TURNS)
+    assert way.reached == pytest.approx(6.468, abs=0.01) and way.flight_time == pytest.approx(0.173, abs=1e-3)
+    again = lead_hop(made(small, {"stiffness": way.inside}), {"flight_time": way.flight_time}, seconds=60.0)
+    assert again.gait is not None and again.gait.residual < 1e-9
+    assert again.gait.system.spring.stiffness == pytest.approx(way.inside)

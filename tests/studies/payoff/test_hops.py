@@ -9,7 +9,7 @@ from spear_pin import load, simulate
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart
-from spear_pin.studies.payoff import Motors, Point, Search
+from spear_pin.studies.payoff import Motors, Point, Search, answer, hops
 from spear_pin.studies.payoff.cycles import Cycles, Task, with_values
 from spear_pin.studies.payoff.gaits import attempt
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
@@ -17,6 +17,7 @@ from spear_pin.studies.payoff.hopping import HOPS, MESH, electricity, figures_of
 from spear_pin.studies.payoff.leading import Place, begun
 from spear_pin.studies.payoff.motors import known
 from spear_pin.studies.payoff.searches import rebuilt, written
+from tests.model.small_leg import small_leg
 
 
 @pytest.fixture(scope="module")
@@ -102,3 +103,15 @@ def test_a_search_ends_in_a_fixed_point_that_costs_less(motors):
     nudged = with_parameters(gait.system, {"frequency": 1.02 * gait.system.law.frequency})
     beside = find_gait(nudged, ["stance_torque"], {"flight_time": 0.2}, guess=gait.state)
     assert figures_of(beside, motors).cost > (1.0 - 1e-3) * found.cost
+
+
+@pytest.mark.slow
+@pytest.mark.extra("heyoka")
+def test_a_small_leg_saves_half_by_a_spring_of_6(tmp_path):
+    """Of one stiffness: every search is about that one, and every start shows the saving."""
+    found = hops(small_leg(tmp_path), tmp_path / "payoff.jsonl", speeds=(0.15, 0.173), stiffnesses=(6.0,))
+    said = answer(found)
+    assert {point.stiffness for point in found.tries} == {0.0, 6.0} and found.speed == 0.173
+    assert said.verdict in ("fixed", "spring") and said.by_speed[0.173].pays[FIXED] is True
+    assert 0.45 < said.saving[FIXED] < 0.55
+    assert "a fixed spring of 6 N·m/rad per leg saves" in said.sentence
