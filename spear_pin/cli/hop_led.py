@@ -59,8 +59,8 @@ def told(way: Way) -> str:
     """How far a way goes, and what ends it."""
     option, unit = UNITS[way.number]
     name, value = option.replace("_", " "), f"{way.reached:.4g} {unit}".rstrip()
-    begun = "" if way.number == "flight_time" else f" and {way.flight_time:.3g} s of flight"
-    return f"hops go from {name} {way.begun:.4g}{begun} as far as {value}, {way.why}"
+    flight = "" if way.number == "flight_time" else f" with {way.flight_time:.3g} s of flight"
+    return f"from {name} {way.begun:.4g} hops go on to {value}{flight}: {way.why}"
 
 
 def command(arguments: argparse.Namespace, way: Way) -> str:

@@ -44,7 +44,7 @@ def call(capsys, monkeypatch, tmp_path):
 def test_how_far_it_goes_what_ends_it_and_what_to_type(call):
     way = Way(None, "stiffness", 8.54, 6.47, 0.17304, ENDS)
     said, typed, spring, target, robot = call(way, "--stiffness", "6", "--damping", "0.1", "--knee", "1.1")
-    assert f"hops go from stiffness 8.54 and 0.173 s of flight as far as 6.47 N·m/rad, {ENDS}" in said
+    assert f"from stiffness 8.54 hops go on to 6.47 N·m/rad with 0.173 s of flight: {ENDS}" in said
     assert (spring.stiffness, spring.damping) == (6.0, 0.1) and target == {}
     words = ["--leg", "HR", "--stiffness", "6.511", "--damping", "0.1", "--knee", "1.1", "--flight-time", "0.173"]
     assert shlex.split(typed) == ["spear", "hop", "--robot", str(robot), *words]
