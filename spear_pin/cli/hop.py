@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from spear_pin.studies.hardware import Rig
 
 FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
-SPRING = ("stiffness", "hardening", "preload")  # options of the spring
+SPRING = ("stiffness", "damping", "hardening", "preload")  # options of the spring
 RIG = ("current_limit", "bandwidth", "noise", "losses", "seed")  # options of --hardware
 
 
@@ -32,6 +32,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("--knee", type=float, default=1.0, metavar="RAD", help="commanded knee angle (default: 1.0)")
     parser.add_argument("--frequency", type=float, metavar="HZ", help="of the square wave (default: 2.56)")
     parser.add_argument("--stiffness", type=float, metavar="N·m/RAD", help="of the knee spring (default: 48.84)")
+    parser.add_argument("--damping", type=float, metavar="N·m·S/RAD", help="of the knee, in stance (default: 1.3)")
     parser.add_argument("--hardening", type=float, metavar="N·m/RAD³", help="of the knee spring (default: 0)")
     parser.add_argument("--preload", type=float, metavar="N·m", help="of the knee spring (default: 0)")
     parser.add_argument("--friction", type=float, metavar="MU", help="of the ground (default: 0.8, an assumption)")
@@ -62,6 +63,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     from spear_pin import Ground, HoppingLaw, Spring, hopping, load, simulate
     from spear_pin.cli import hop_round
+    from spear_pin.cli.hop_led import led
     from spear_pin.hybrid.parameters import with_hardware
     from spear_pin.model.loading import sidecar_of
     from spear_pin.model.scale import scale_of
@@ -99,18 +101,26 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if rig is not None:  # solved with what has no memory, and without noise
         system = with_hardware(system, replace(rig, bandwidth=None, sensing=None).on(robot))
     notes: list[tuple[str, str]] = []
-    if other is not None and arguments.flight_time is None and arguments.stance_torque is None:
+    try:
+        if other is not None and arguments.flight_time is None and arguments.stance_torque is None:
+            with progress() as show:
+                show(f"looking for a hop of {called(robot)}")
+                gait = hop_of(
+                    system,
+                    scale * FLIGHT_TIME,
+                    within_limits=True,
+                    on_attempt=lambda time, why: notes.append((f"in the air {time:.3g} s", why)),
+                )
+        else:
+            wanted = FLIGHT_TIME if arguments.stance_torque is None else None
+            gait = _solved(system, wanted if arguments.flight_time is None else arguments.flight_time, arguments.free_x)
+    except NoGait as failure:
+        if other is None or rig is not None or arguments.free_x:
+            raise _helped(failure) from None
         with progress() as show:
-            show(f"looking for a hop of {called(robot)}")
-            gait = hop_of(
-                system,
-                scale * FLIGHT_TIME,
-                within_limits=True,
-                on_attempt=lambda time, why: notes.append((f"in the air {time:.3g} s", why)),
-            )
-    else:
-        wanted = FLIGHT_TIME if arguments.stance_torque is None else None
-        gait = _solved(system, wanted if arguments.flight_time is None else arguments.flight_time, arguments.free_x)
+            show("leading from a hop that there is")
+            gait = led(arguments, system, failure)
+        notes.append(("found", "by leading from a hop with SPEAR-II's numbers, scaled: a search alone finds none"))
     trajectory = simulate(
         with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step
     )
@@ -149,13 +159,15 @@ def _solved(system: HybridSystem, flight_time: float | None, free: bool) -> Gait
     drift = {"hip_touchdown": ("mean_speed", 0.0)} if free else {}
     solved = drift if flight_time is None else {"stance_torque": ("flight_time", flight_time), **drift}
     target: Any = dict(solved.values())
-    try:
-        with iterations() as tell:
-            return find_gait(system, list(solved), target, on_iteration=tell)
-    except NoGait as error:
-        if error.remedy:
-            raise
-        raise SpearError(f"{error}; nearer to the defaults there is one: change less, or --knee as well") from None
+    with iterations() as tell:
+        return find_gait(system, list(solved), target, on_iteration=tell)
+
+
+def _helped(failure: NoGait) -> SpearError:
+    """The failure of a search, with what to try."""
+    if failure.remedy:
+        return failure
+    return SpearError(f"{failure}; nearer to the defaults there is one: change less, or --knee as well")
 
 
 def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:

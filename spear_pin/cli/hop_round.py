@@ -17,6 +17,7 @@ OTHERS = {
     "knee": 1.0,
     "frequency": None,
     "stiffness": None,
+    "damping": None,
     "hardening": None,
     "preload": None,
     "slope": 0.0,

@@ -7,7 +7,6 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from functools import cache, partial
-from itertools import starmap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from spear_pin.model.motor import Drive
     from spear_pin.model.robot import Robot
     from spear_pin.studies.payoff import Answer, SearchEnd, Study
+    from spear_pin.studies.payoff.verdict import Judgement
 
 QUADRUPED, LEG = "q_spear", "spear_ii"  # robots that are in the plane as they ship
 
@@ -251,18 +251,21 @@ def _text(study: Study, found: Answer, rests: list[tuple[str, str]], files: list
             f" heat {max(figures.heat.values()):.2f} of continuous, multiplier {figures.multiplier:.3f}"
         )
 
-    def share(kind: str, value: float) -> str:
-        return f"{kind} unknown" if math.isnan(value) else f"{kind} {100 * value:.1f} %"
+    def share(saved: Judgement, kind: str) -> str:
+        value = saved.saving[kind]
+        if math.isnan(value):
+            return f"{kind} unknown"
+        return f"{kind} {100 * value:.1f} %" + (", not sure" if saved.pays[kind] is None else "")
 
     rows = [("answer", found.sentence)]
     rows += [(f"best, {kind}", said(each)) for kind, each in study.best.items()]
     rows += [
-        ("" if i else "saved", f"{words.pace.format(speed)}: {', '.join(starmap(share, saved.items()))}")
+        ("" if i else "saved", f"{words.pace.format(speed)}: {', '.join(share(saved, kind) for kind in saved.saving)}")
         for i, (speed, saved) in enumerate(found.by_speed.items())
     ]
     spread = "the best points had one start each"
     if not math.isnan(found.spread):
-        spread = f"starts of the best points differ by {100 * found.spread:.2g} %"
+        spread = f"starts of the best points, each with one stiffness, differ by {100 * found.spread:.2g} %"
     mesh = "none of them was found" if math.isnan(found.mesh) else f"they change by {100 * found.mesh:.2g} %"
     rows.append(("doubt", f"{spread}, {mesh} on a finer mesh"))
     rows += [("" if i else "beware", caution) for i, caution in enumerate(found.cautions)]

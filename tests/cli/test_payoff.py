@@ -34,10 +34,14 @@ class TestPayoff:
             and found["motors"]["knee"]["from"] == "given"
         )
         assert len(found["points"]) == 2 * 5 + 2 and sum("figures" not in each for each in found["points"]) == 2
+        said, costs = found["answer"], {kind: each["figures"]["cost"] for kind, each in found["best"].items()}
+        assert said["saving"] == said["by_speed"]["2.0"]["saving"]
+        assert said["saving"] == {kind: 1 - costs[kind] / costs["none"] for kind in ("fixed", "switched")}
         names = {path.name for path in tmp_path.iterdir()}
         assert names >= {"payoff.html", "payoff_cost.svg", "payoff_saving.svg", "payoff_torque.svg", "payoff.jsonl"}
         page = (tmp_path / "payoff.html").read_text(encoding="utf-8")
-        assert "Yes: at 2 m/s a switchable spring of 50 N·m/rad per leg saves" in page and "it is so" in page
+        assert "Yes: at 2 m/s a switchable spring of 50 N·m/rad per leg saves 30.0 % of" in page and "it is so" in page
+        assert "<td>30.0 %</td>" in page and "<td>10.0 %</td>" in page  # in the table of speeds
         assert page.count("data-play=") == 2 and len(page) < 3_000_000
         assert all(unit in page for unit in ("Stiffness of a leg (N·m/rad)", "N·m for ever"))
 

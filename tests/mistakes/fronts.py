@@ -44,6 +44,32 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "studies/payoff/verdict",
+        ["studies/payoff/test_verdict"],
+        {
+            "a saving that one start shows": ("if any(max(group.costs) <= share", "if any(min(group.costs) <= share"),
+            "no saving where one start shows none": ("share * max(group.costs) for", "share * min(group.costs) for"),
+            "one start is as good as two": ("STARTS = 2 ", "STARTS = 1 "),
+            "any two stiffnesses are one": ("<= SAME * max(one, other)", "<= 9.0 * max(one, other)"),
+            "a finer mesh is a start": ("sum(not outcome.again for outcome in here)", "len(here)"),
+        },
+    ),
+    *mistakes_in(
+        "studies/payoff/cycles",
+        ["studies/payoff/test_hops"],
+        {
+            "a chart is taken to be flat": (
+                "- self.chart.coordinates(state)",
+                "- self.units[:d] * x[:d]",
+            ),
+        },
+    ),
+    *mistakes_in(
+        "studies/hop_led",
+        ["studies/test_hop_led"],
+        {"a way goes on beyond a fold": ("/ span < -BACK", "/ span < -9.0")},
+    ),
+    *mistakes_in(
         "cli/dynamics",
         ["cli/test_dynamics"],
         {"degrees on the command line": ("else np.array(arguments.q)", "else np.radians(arguments.q)")},

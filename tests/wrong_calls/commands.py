@@ -75,7 +75,7 @@ OPTIONS = {
         "--stance-torque": NOT_NEGATIVE,
         "--knee": (*NUMBER, "4", "-4"),
         "--frequency": POSITIVE,
-        **dict.fromkeys(("--stiffness", "--hardening", "--preload"), (*NOT_NEGATIVE, "1e300")),
+        **dict.fromkeys(("--stiffness", "--damping", "--hardening", "--preload"), (*NOT_NEGATIVE, "1e300")),
         "--friction": POSITIVE,
         "--slope": (*NUMBER, "1.3", "-1.3"),
         "--foot-placement --free-x": NUMBER,

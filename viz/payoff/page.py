@@ -15,8 +15,10 @@ from spear_pin import __version__
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.studies.design import joints_of
 from spear_pin.studies.payoff import Answer, SearchEnd, Study
+from spear_pin.studies.payoff.answer import spread_of
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.studies.payoff.motors import PARTS
+from spear_pin.studies.payoff.verdict import LEAST, SWITCHABLE
 from spear_pin.viz.embedding import drawing, shared
 from spear_pin.viz.player import page, shortened
 from spear_pin.viz.plots.paper import style
@@ -68,7 +70,11 @@ def render(
         figures: those of `spear_pin.viz.plots.payoff`.
     """
     best = {kind: finding for kind, finding in study.best.items() if finding.figures is not None}
-    played = [kind for kind in (NONE, FIXED if answer.verdict == "fixed" else SWITCHED) if kind in best]
+    cheaper = min(
+        (kind for kind in (FIXED, SWITCHED) if kind in best), key=lambda kind: best[kind].cost, default=SWITCHED
+    )
+    spring = {SWITCHABLE: SWITCHED, FIXED: FIXED}.get(answer.verdict, cheaper)
+    played = [kind for kind in (NONE, spring) if kind in best]
     viewer, sides = shared(_playback(study, best[kind], f"{name}, {TITLES[kind].lower()}") for kind in played)
     return (
         environment()
@@ -82,6 +88,7 @@ def render(
             titles=TITLES,
             words=study.gaits.words,
             most=most,
+            least=LEAST,
             energy=lambda figures: study.gaits.energy(study.robot, figures),
             joints=[joint for part in PARTS for joint in joints_of(study.robot, part)],
             played=played,
@@ -101,8 +108,8 @@ def rows(study: Study) -> list[Row]:
     found = []
     for point in points:
         tries = study.tries.get(point, ())
-        costs = [each.cost for each in tries if each.figures is not None]
-        spread = max(costs) / min(costs) - 1.0 if len(costs) > 1 else None
+        share = spread_of(tries)
+        spread = None if math.isnan(share) else share
         failures = [f"from {each.origin}: {each.reason}" for each in tries if each.reason]
         found.append(Row(study.gaits.words.of(point), study.at(point), len(tries), spread, failures))
     return found

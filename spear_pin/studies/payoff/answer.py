@@ -1,4 +1,4 @@
-"""Answer of a payoff study: what springs save, whether that is more than the doubt, and in one sentence."""
+"""Answer of a payoff study: what springs save, how sure that is, and in one sentence."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point
+from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.studies.payoff.searches import SearchEnd
 from spear_pin.studies.payoff.study import Study
+from spear_pin.studies.payoff.verdict import LEAST, SPRING, SWITCHABLE, UNKNOWN, Judgement, Outcome, judge, spread
 
 PEAKS = {NONE: "without a spring", FIXED: "with a fixed one", SWITCHED: "with a switchable one"}
 BEYOND = ": beyond it there may be better"
-LEAST = 0.02  # of a cost: a smaller saving pays for no spring, whatever the doubt
 
 
 @dataclass(frozen=True)
@@ -21,14 +21,15 @@ class Answer:
     """What follows from a study.
 
     Attributes:
-        verdict: "switchable", "fixed", "none" or "unknown": the knee that pays.
+        verdict: the knee that pays, one of ``VERDICTS`` of `verdict`: "switchable"; "fixed", which does as well as a
+            switchable one; "spring", where it is open which; "none"; "unknown", where it cannot be told.
         sentence: that, with its numbers.
         saving: of each kind of spring the share of the electrical cost that it saves at the speed; negative: it costs.
-        by_speed: the same at each speed of the grid, of the best stiffness there; NaN where one is missing.
-        doubt: share of a cost that a saving has to exceed: the largest of the next two.
-        spread: largest relative difference between starts, of the best points that had several; NaN of none.
+        by_speed: what follows at each speed of the grid, the speed of the study among them.
+        spread: largest relative difference between starts with one stiffness, of the best points; NaN of none.
         mesh: largest relative change on a finer mesh, of the best points that were found on it; NaN of none.
-        spread_of_all: median and largest relative difference between starts, of all points with several gaits.
+        spread_of_all: median and largest relative difference between starts with one stiffness, of all points with
+            several gaits.
         cautions: what speaks against the best points, in words: that they are at the edge of what was tried, were not
             found on a finer mesh, or ask too much of a motor.
     """
@@ -36,8 +37,7 @@ class Answer:
     verdict: str
     sentence: str
     saving: Mapping[str, float]
-    by_speed: Mapping[float, Mapping[str, float]]
-    doubt: float
+    by_speed: Mapping[float, Judgement]
     spread: float
     mesh: float
     spread_of_all: tuple[float, float]
@@ -45,28 +45,38 @@ class Answer:
 
 
 def answer(study: Study) -> Answer:
-    """What follows from a study."""
-    saving = {kind: _saving(study.best.get(NONE), study.best.get(kind)) for kind in (FIXED, SWITCHED)}
-    by_speed = {
-        speed: {kind: _saving(study.at(Point(NONE, speed)), _least(study, kind, speed)) for kind in (FIXED, SWITCHED)}
-        for speed in study.grid.speeds
-    }
-    spread = _largest(_spread(study, each.point) for each in study.best.values())
-    mesh = _largest(study.changes.values())
-    doubt = float(np.nan_to_num([spread, mesh], nan=0.0).max())
-    everywhere = [each for point in study.tries if (each := _spread(study, point)) > 0.0] or [0.0]
-    verdict = _verdict(saving, doubt)
+    """Tell what follows from a study."""
+    by_speed = {speed: judge(_table(study, speed), study.grid.stiffnesses) for speed in study.grid.speeds}
+    found = by_speed[study.speed]
+    everywhere = [share for point in study.tries if (share := spread_of(study.tries[point])) > 0.0] or [0.0]
     return Answer(
-        verdict=verdict,
-        sentence=_sentence(study, verdict, saving, doubt),
-        saving=saving,
+        verdict=found.verdict,
+        sentence=_sentence(study, found),
+        saving=found.saving,
         by_speed=by_speed,
-        doubt=doubt,
-        spread=spread,
-        mesh=mesh,
+        spread=_largest(found.spread.values()),
+        mesh=_largest(study.changes.values()),
         spread_of_all=(float(np.median(everywhere)), float(max(everywhere))),
         cautions=(*_edges(study), *_missed(study), *_overheated(study)),
     )
+
+
+def spread_of(ends: Iterable[SearchEnd]) -> float:
+    """Tell the largest relative difference between starts with one stiffness; NaN where no two have one."""
+    return spread(map(_outcome, ends))
+
+
+def _table(study: Study, speed: float) -> list[Outcome]:
+    """Every search at a speed."""
+    return [_outcome(end, study) for point in study.tries if point.speed == speed for end in study.ends(point)]
+
+
+def _outcome(end: SearchEnd, study: Study | None = None) -> Outcome:
+    """What a search came to; on the finer mesh of a study it began with the gait of the same knee."""
+    point, figures = end.point, end.figures
+    stiffness = point.stiffness if point.stiffness is not None else figures.stiffness if figures else float(np.nan)
+    again = study is not None and end.key in {each.key for each in study.finer.values()}
+    return Outcome(point.kind, stiffness, end.cost, point.stiffness is None, again)
 
 
 def _largest(values: Iterable[float]) -> float:
@@ -74,62 +84,43 @@ def _largest(values: Iterable[float]) -> float:
     return max((value for value in values if not np.isnan(value)), default=float(np.nan))
 
 
-def _saving(without: SearchEnd | None, with_spring: SearchEnd | None) -> float:
-    return float(np.nan) if without is None or with_spring is None else 1.0 - with_spring.cost / without.cost
-
-
-def _least(study: Study, kind: str, speed: float) -> SearchEnd | None:
-    """The cheapest of a kind at a speed, whatever the stiffness."""
-    own = [found for point in study.tries if (point.kind, point.speed) == (kind, speed) and (found := study.at(point))]
-    return min(own, key=lambda each: each.cost, default=None)
-
-
-def _spread(study: Study, point: Point) -> float:
-    """Relative difference between what the starts of a point led to; NaN of a single one."""
-    costs = [each.cost for each in study.tries.get(point, ()) if each.figures is not None]
-    return max(costs) / min(costs) - 1.0 if len(costs) > 1 else float(np.nan)
-
-
-def _verdict(saving: Mapping[str, float], doubt: float) -> str:
-    """The simplest knee that pays: a switch has to save what can be told more than no switch."""
-    least, missing = max(LEAST, doubt), np.isnan(list(saving.values())).any()
-    fixed, switched = (float(np.nan_to_num(saving[kind], nan=-np.inf)) for kind in (FIXED, SWITCHED))
-    if max(fixed, switched) < least:
-        return "unknown" if missing else "none"
-    return "switchable" if fixed < least or switched - fixed >= least else "fixed"
-
-
-def _sentence(study: Study, verdict: str, saving: Mapping[str, float], doubt: float) -> str:
-    if NONE not in study.best or len(study.best) == 1:
-        return "unknown: no gait with a spring, or none without one, was found"
-    told = f"the {100.0 * max(LEAST, doubt):.2g} % that the search can tell apart"
+def _sentence(study: Study, found: Judgement) -> str:
+    """The verdict in words, with what it rests on."""
+    least = f"{100.0 * LEAST:g} %"
     opening = {
-        "switchable": "yes",
-        "fixed": "a spring pays, and switching it adds nothing that the search can tell",
-        "none": f"no, no spring saves more than {told}",
-        "unknown": f"unknown, for what was found saves less than {told}",
-    }[verdict]
-    if verdict in ("switchable", "fixed") and np.isnan(list(saving.values())).any():
-        opening = "a spring pays, and whether it has to be switched is not known"
-    first, second = (FIXED, SWITCHED) if verdict == "fixed" else (SWITCHED, FIXED)
+        SWITCHABLE: "yes",
+        FIXED: "a spring pays, and switching it adds nothing that the search can tell",
+        SPRING: f"a spring pays, but whether it has to be switched cannot be told, for {found.why}",
+        NONE: f"no, no spring that was tried saves {least} or more",
+        UNKNOWN: f"cannot tell, for {found.why}",
+    }[found.verdict]
+    if NONE not in study.best or len(study.best) == 1:
+        return opening
+    first, second = sorted((FIXED, SWITCHED), key=lambda kind: _rank(study, kind))
     bare = study.best[NONE].cost
     costs = f" ({study.best[first].cost:.3g} against {bare:.3g} without)" if first in study.best else ""
     peaks = ", ".join(f"{_peak(study.best[kind]):.3g} {word}" for kind, word in PEAKS.items() if kind in study.best)
     pace = study.gaits.words.pace.format(study.speed)
     return (
-        f"{opening}: {pace} {_does(study, first, saving)}{costs}, {_does(study, second, saving)};"
+        f"{opening}: {pace} {_does(study, first, found)}{costs}, {_does(study, second, found)};"
         f" peak knee torque, in N·m: {peaks}"
     )
 
 
-def _does(study: Study, kind: str, saving: Mapping[str, float]) -> str:
+def _rank(study: Study, kind: str) -> float:
+    """What the best of a kind costs; infinite where there is none."""
+    return study.best[kind].cost if kind in study.best else float(np.inf)
+
+
+def _does(study: Study, kind: str, found: Judgement) -> str:
     """What a spring of a kind saves, in words."""
-    found, name = study.best.get(kind), {FIXED: "fixed", SWITCHED: "switchable"}[kind]
-    if found is None or found.figures is None:
+    best, name = study.best.get(kind), {FIXED: "fixed", SWITCHED: "switchable"}[kind]
+    if best is None or best.figures is None:
         return f"with a {name} spring no gait was found"
-    share = 100.0 * saving[kind]
+    share, tried = 100.0 * found.saving[kind], study.grid.stiffnesses
     does = f"saves {share:.1f} % of" if share >= 0.0 else f"adds {-share:.1f} % to"
-    return f"a {name} spring of {found.figures.stiffness:.3g} N·m/rad per leg {does} the electricity"
+    outside = f", outside the {tried[0]:.3g} to {tried[-1]:.3g} of the grid," if kind in found.outside else ""
+    return f"a {name} spring of {best.figures.stiffness:.3g} N·m/rad per leg{outside} {does} the electricity"
 
 
 def _peak(finding: SearchEnd) -> float:
@@ -139,13 +130,13 @@ def _peak(finding: SearchEnd) -> float:
 
 
 def _edges(study: Study) -> tuple[str, ...]:
-    """Where the best point is at the edge of what was tried."""
+    """Where the best point is at the edge of what was tried, or beyond."""
     words, speeds, stiffnesses = study.gaits.words, study.grid.speeds, study.grid.stiffnesses
     found = []
     if len(speeds) > 1 and study.speed in (speeds[0], speeds[-1]):
         extreme = words.slowest if study.speed == speeds[0] else words.fastest
         found.append(f"{extreme} that was asked for is the best{BEYOND}")
-    for kind in (FIXED, SWITCHED):
+    for kind in (FIXED, SWITCHED) if len(stiffnesses) > 1 else ():
         best = study.best.get(kind)
         if best is not None and best.point.stiffness == stiffnesses[-1]:
             found.append(f"of {kind} springs the stiffest is the best{BEYOND}")

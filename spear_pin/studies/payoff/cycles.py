@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import NoGait, SpearError
+from spear_pin.gaits.tangent_cycles import tangent_cycles
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.parameters import parameter, rebuilt, with_parameters
+from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
+from spear_pin.hybrid.newton import Lanes
+from spear_pin.hybrid.parameters import changed, parameter, rebuilt, with_parameters
 from spear_pin.hybrid.periodic import EVALUATIONS
 from spear_pin.hybrid.result import Options, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import Chart
+from spear_pin.hybrid.shooting import Cycles as Closing
+from spear_pin.hybrid.shooting import Shooting
 from spear_pin.hybrid.simulate import sample
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.model.scale import scale_of
 
+FLIGHT = "flight_time"
 LIFT_OFF = "lift_off"  # of which a hop has one: a toe that leaves again as it lands makes the cycle jump
 STEP = 1e-4  # of differences, of the unknowns in their units
 ANGLE, RATE, SHARE = 0.1, 1.0, 0.1  # units of the state, in rad and 1/√(l/g), and of a range
@@ -112,12 +119,49 @@ class Cycles:
         if not ended.cycles or sum(event.name == LIFT_OFF for event in ended.events) != 1:
             return None
         trajectory = sample(system, ended, task.samples)
-        xi = self.chart.coordinates(ended.state) / self.units[:d] - x[:d]
-        gap = np.append(xi, ended.durations["flight"] / task.flight_time - 1.0)
+        moved = self.chart.coordinates(ended.state) - self.chart.coordinates(state)
+        gap = np.append(moved / self.units[:d], ended.durations["flight"] / task.flight_time - 1.0)
         return Cycle(task.cost(system, trajectory), gap, task.spare(system, trajectory))
 
+    def glance(self, x: Array) -> tuple[Array, Array] | None:
+        """The gap of unknowns, and its derivatives, by the fast engine; None where the cycle has none."""
+        if self._shooting is None:
+            return None
+        lane, unknowns, d = np.zeros(1, dtype=np.int64), (self.units * x)[None], self.chart.dimension
+        (gap,), (reason,) = self._shooting.residuals(lane, unknowns)
+        if reason:
+            return None
+        rows = np.append(self.units[:d], self.task.flight_time)
+        slopes = self._shooting.jacobians(lane, unknowns)[0] * self.units / rows[:, None]
+        return (gap / rows, slopes) if np.isfinite(slopes).all() else None
+
+    @cached_property
+    def _shooting(self) -> Shooting | None:
+        """The equations of a hop with its flight, with exact derivatives; None where nothing compiles them."""
+        names = tuple(self.task.ranges)
+        tied = self.system if self.system.spring.rest is None else changed(self.system, AtTouchdown())
+        exact = tangent_cycles(tied, names, (FLIGHT,))
+        if exact is None:
+            return None
+
+        def cycle(lanes: Lanes, q: Array, v: Array, values: Array) -> Closing:
+            return exact.one(q[0], v[0], values[0]) or Closing(
+                np.full_like(q, np.nan),
+                np.full_like(v, np.nan),
+                np.full((1, 1), np.nan),
+                {},
+                np.array(["no derivative"], dtype=object),
+                np.zeros(1, dtype=bool),
+            )
+
+        wanted = np.array([[self.task.flight_time]])
+        return Shooting(self.chart.lane, cycle, names, wanted, exact.slopes)
+
     def jacobian(self, x: Array, own: Cycle) -> Array:
-        """Derivatives of the gap, by differences to either side; 0 where there is neither."""
+        """Derivatives of the gap, exact or by differences to either side; 0 where there is neither."""
+        seen = self.glance(x)
+        if seen is not None:
+            return seen[1]
         columns = []
         for i, (_, most) in enumerate(self.bounds):
             first = STEP if x[i] + STEP <= most else -STEP
@@ -166,6 +210,31 @@ class Cycles:
             if not crossing.any() or free.sum() - crossing.sum() < len(own.gap):
                 return step
             free &= ~crossing
+
+
+@dataclass(frozen=True)
+class AtTouchdown:
+    """The change by which a fixed spring rests where the law has the knee land, whatever angle that is."""
+
+    def __call__(self, system: HybridSystem) -> HybridSystem:
+        """The system with such a spring."""
+        return replace(system, domains=tuple(map(self._domain, system.domains)))
+
+    def _domain(self, domain: Domain) -> Domain:
+        return replace(domain, guards=tuple(map(self._guard, domain.guards)))
+
+    def _guard(self, guard: Guard) -> Guard:
+        return guard if guard.reset is None else replace(guard, reset=self._reset(guard.reset))
+
+    def _reset(self, reset: Reset) -> Reset:
+        latch = reset.latch
+        if latch is None or reset.phase != "stance":
+            return reset
+
+        def landed(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
+            return {**latch(q, v, held, p), "knee_touchdown": p.knee_touchdown}
+
+        return replace(reset, latch=landed)
 
 
 def with_values(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:

@@ -6,9 +6,8 @@ lead down valleys to their ends, and not over cliffs.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,43 +16,16 @@ from spear_pin.gaits.codesign.optimize_design import optimize_design
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.tangent_cycles import REFUSALS
-from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
 from spear_pin.hybrid.parameters import changed, number
 from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.motor import NO_MOTORS
 from spear_pin.model.robot import Robot
 from spear_pin.studies.payoff.best_hop import TORQUE
-from spear_pin.studies.payoff.cycles import with_values
+from spear_pin.studies.payoff.cycles import AtTouchdown, with_values
 from spear_pin.studies.payoff.motors import PARTS, Motors
 
 TOLERANCE = 1e-5  # of the gain that is still predicted, relative
 LEAST = 1e-3  # of a range of stiffness: without any a spring has no derivative
-
-
-@dataclass(frozen=True)
-class AtTouchdown:
-    """The change by which a fixed spring rests where the law has the knee land, whatever angle that is."""
-
-    def __call__(self, system: HybridSystem) -> HybridSystem:
-        """The system with such a spring."""
-        return replace(system, domains=tuple(map(self._domain, system.domains)))
-
-    def _domain(self, domain: Domain) -> Domain:
-        return replace(domain, guards=tuple(map(self._guard, domain.guards)))
-
-    def _guard(self, guard: Guard) -> Guard:
-        return guard if guard.reset is None else replace(guard, reset=self._reset(guard.reset))
-
-    def _reset(self, reset: Reset) -> Reset:
-        latch = reset.latch
-        if latch is None or reset.phase != "stance":
-            return reset
-
-        def landed(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
-            return {**latch(q, v, held, p), "knee_touchdown": p.knee_touchdown}
-
-        return replace(reset, latch=landed)
 
 
 def descended(

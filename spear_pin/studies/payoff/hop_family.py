@@ -18,7 +18,7 @@ DEARER, OTHERS = 1e-2, 12  # of the cost: hops that are tried where there is no 
 
 @dataclass(frozen=True)
 class Hop:
-    """A hop: its unknowns, its cycle, and the Jacobian of the gap by all unknowns, exact by differences."""
+    """A hop: its unknowns, its cycle, and the Jacobian of the gap by all unknowns, exact or by Broyden's rule."""
 
     x: Array
     cycle: Cycle
@@ -77,10 +77,38 @@ class HopFamily:
         return exact
 
     def _beside(self, near: Hop, y: Array) -> Hop | None:
-        """By Newton's method with the Jacobian of another one and Broyden's rule; None where that leads nowhere."""
-        n, before, jacobian, last = self.cycles.solved, near.x, near.jacobian, near.cycle.gap
+        """By Newton's method from another one; None where that leads nowhere."""
+        n, jacobian, last = self.cycles.solved, near.jacobian, near.cycle.gap
         moved = np.concatenate([near.x[:n], y])
         moved[:n] -= np.linalg.lstsq(jacobian[:, :n], last + jacobian[:, n:] @ (y - near.x[n:]), rcond=None)[0]
+        if np.abs(moved - near.x).max() > 2.0 * REACH:
+            return None
+        seen = self.cycles.glance(moved)
+        return self._by_broyden(near, moved) if seen is None else self._by_derivatives(near, moved, *seen)
+
+    def _by_derivatives(self, near: Hop, moved: Array, gap: Array, jacobian: Array) -> Hop | None:
+        """By exact derivatives, from a place where they are known."""
+        n, size = self.cycles.solved, np.inf
+        for _ in range(CORRECTIONS):
+            before, size = size, float(np.abs(gap).max())
+            if size < CLOSED:
+                cycle = self.cycles.at(moved)
+                if cycle is None or np.abs(cycle.gap).max() > 2.0 * CLOSED:
+                    return None
+                return Hop(moved, cycle, jacobian, exact=True)
+            moved = moved.copy()
+            moved[:n] -= np.linalg.lstsq(jacobian[:, :n], gap, rcond=None)[0]
+            if not size < before or np.abs(moved - near.x).max() > 2.0 * REACH:
+                return None
+            seen = self.cycles.glance(moved)
+            if seen is None:
+                return None
+            gap, jacobian = seen
+        return None
+
+    def _by_broyden(self, near: Hop, moved: Array) -> Hop | None:
+        """By cycles without derivatives, with the Jacobian of another hop and Broyden's rule."""
+        n, before, jacobian, last = self.cycles.solved, near.x, near.jacobian, near.cycle.gap
         size = np.inf
         for _ in range(CORRECTIONS):
             if np.abs(moved - near.x).max() > 2.0 * REACH:

@@ -24,7 +24,7 @@ from spear_pin.studies.sweep.store import fingerprint
 
 STEPS = (0.25, 0.5, 1.0, 1.5, 2.0)  # of the stiffness that the optimiser chooses
 TRIES = 4  # searches of a point that fails, each from another neighbour
-PASSES = 2  # over all points, from neighbours that are new or have become better
+GAITS = 2  # gaits of a point, each from another neighbour
 FOLLOWED = 1  # rounds in which neighbours of what became better are searched again
 STARTS = 2  # of the search for the stiffness at the end
 BETTER = 0.005  # of a cost: what counts as better
@@ -39,7 +39,7 @@ class Study:
         robot: in the plane, the motors' rotors in it.
         motors: its motors.
         grid: what was asked.
-        tries: every search, by point, in order.
+        tries: every search on the usual mesh, by point, in order.
         best: of each kind the cheapest finding at `speed`, its stiffness of the grid or chosen by the optimiser, on the
             usual mesh or the finer one.
         finer: the same on a finer mesh; where that failed with a reason.
@@ -62,9 +62,13 @@ class Study:
     chosen: float | None = None
     seconds: float = 0.0
 
+    def ends(self, point: Point) -> list[SearchEnd]:
+        """Every search of a point, that on the finer mesh too."""
+        return [*self.tries.get(point, ()), *(end for end in self.finer.values() if end.point == point)]
+
     def at(self, point: Point) -> SearchEnd | None:
-        """The cheapest gait of a point; None where there is none."""
-        return cheapest(self.tries.get(point, ()))
+        """The cheapest gait of a point, on whatever mesh; None where there is none."""
+        return cheapest(self.ends(point))
 
     def gait(self, finding: SearchEnd) -> Gait:
         """The gait of a finding that has one."""
@@ -138,8 +142,7 @@ def studied(
         chosen, stiffnesses = work.stiffnesses(bare)
     grid = Grid(speeds, tuple(stiffnesses))
     work.fill(grid)
-    for _ in range(PASSES - 1):
-        work.again(grid)
+    work.again(grid)
     best, speed = work.best(grid)
     again = searcher.find([Search(each.point, each, gaits.finer) for each in best.values()])
     finer = dict(zip(best, again, strict=True))
@@ -201,21 +204,26 @@ class _Work:
         chosen = found.figures.stiffness
         return chosen, [float(f"{step * chosen:.3g}") for step in STEPS]
 
-    def fill(self, grid: Grid) -> None:
-        """Search every point from its nearest neighbour that has a gait, until all have, or enough were tried."""
+    def fill(self, grid: Grid, gaits: int = 1) -> None:
+        """Search every point from neighbours that have a gait, until it has so many itself, or enough were tried.
+
+        A first gait is searched for from the nearest neighbour, others from the last.
+        """
         while True:
             searches = []
             for point in grid:
-                if self.at(point) is not None or len(self.tries.get(point, ())) >= TRIES:
+                tries = self.tries.get(point, ())
+                if sum(each.figures is not None for each in tries) >= gaits or len(tries) >= TRIES + gaits - 1:
                     continue
-                searches += self._from_neighbours(grid, point)[:1]
+                near = self._from_neighbours(grid, point)
+                searches += near[:1] if gaits == 1 else near[-1:]
             if not searches:
                 return
             self.search(searches)
 
     def again(self, grid: Grid) -> None:
-        """Search every point once more, from the last of its neighbours that it was not searched from."""
-        self.search([each for point in grid for each in self._from_neighbours(grid, point)[-1:]])
+        """Search every point once more, until it has a gait from another neighbour."""
+        self.fill(grid, GAITS)
         for _ in range(FOLLOWED):  # what became better may make its neighbours so
             searches = []
             for point in grid:
@@ -233,17 +241,25 @@ class _Work:
         return [each for start in starts if (each := self.of(point, start)).key not in done]
 
     def best(self, grid: Grid) -> tuple[dict[str, SearchEnd], float]:
-        """Of each kind the best at the speed at which a switchable spring costs least, its stiffness free."""
-        found = [each for point in grid if point.kind == SWITCHED and (each := self.at(point)) is not None]
+        """Find of each kind the best at one speed, its stiffness free where several stiffnesses were asked for.
+
+        The speed is the one at which a switchable spring costs least, of those at which most kinds have a gait.
+        """
         everything = [each for point in grid if (each := self.at(point)) is not None]
-        speed = min(found or everything, key=lambda each: each.cost).point.speed
+        kinds = {
+            end.point.speed: {each.point.kind for each in everything if each.point.speed == end.point.speed}
+            for end in everything
+        }
+        speed = min(
+            everything, key=lambda end: (-len(kinds[end.point.speed]), end.point.kind != SWITCHED, end.cost)
+        ).point.speed
         best, freely = {}, []
         for kind in KINDS:
             own = [each for point in grid if (point.kind, point.speed) == (kind, speed) and (each := self.at(point))]
             own.sort(key=lambda each: each.cost)
             if own:
                 best[kind] = own[0]
-            if kind != NONE:
+            if kind != NONE and len(grid.stiffnesses) > 1:
                 freely += [self.of(Point(kind, speed, None), each) for each in own[:STARTS]]
         for finding in self.search(freely):
             if finding.cost < best[finding.point.kind].cost:

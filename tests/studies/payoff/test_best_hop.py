@@ -46,10 +46,24 @@ class Formula:
     def jacobian(self, x, own):
         return np.array([[1.0, -0.5 * x[1], 0.0]])
 
+    def glance(self, x):
+        return None
+
+
+class Derived(Formula):
+    """The same, with derivatives where a cycle closes."""
+
+    def glance(self, x):
+        if x[1] + x[2] > self.brink:
+            return None
+        angle = x[0] - 0.25 * x[1] ** 2
+        return np.array([math.sin(angle)]), math.cos(angle) * np.array([[1.0, -0.5 * x[1], 0.0]])
+
 
 class TestSearch:
-    def test_of_a_bent_valley_with_noise(self):
-        cycles = Formula()
+    @pytest.mark.parametrize("family", [Formula, Derived])
+    def test_of_a_bent_valley_with_noise(self, family):
+        cycles = family()
         hops = HopFamily(cycles)
         explore(hops, 0.02)
         best = hops.cheapest()[0]
@@ -57,13 +71,22 @@ class TestSearch:
         assert best.cycle.cost < 1.01 and best.x[0] == pytest.approx(0.25 * best.x[1] ** 2, abs=2e-4)
         assert cycles.asked < 5 * len(hops.known)
 
-    def test_beside_a_brink_beyond_which_there_is_no_hop(self):
-        hops = HopFamily(Formula(brink=4.0))
+    @pytest.mark.parametrize("family", [Formula, Derived])
+    def test_beside_a_brink_beyond_which_there_is_no_hop(self, family):
+        hops = HopFamily(family(brink=4.0))
         explore(hops, 0.02)
         best = hops.cheapest()[0]
         assert any(hop is None for hop in hops.known.values())
         along = [Formula(4.0).at(np.array([0.25 * a**2, a, 3.9 - a])).cost for a in np.linspace(0.5, 2.5, 200)]
         assert best.cycle.cost < 1.01 * min(along) and best.cycle.fits
+
+    def test_with_derivatives_one_cycle_is_run_for_a_hop(self):
+        """It is run for the cost alone; where it misses what the derivatives say, that is no hop."""
+        cycles = Derived()
+        hops, before = HopFamily(cycles), cycles.asked
+        assert hops.at(hops.start + 0.3).exact and cycles.asked == before + 1
+        cycles.at = lambda x: replace(Formula.at(cycles, x), gap=np.array([0.01]))
+        assert hops.at(hops.start + 0.5) is None
 
     def test_from_a_hop_whose_jacobian_was_led_astray(self):
         hops = HopFamily(Formula())
@@ -169,6 +192,9 @@ def test_the_first_hop_goes_along_bounds(monkeypatch):
 
         def __init__(self):
             pass
+
+        def glance(self, x):
+            return None
 
         def at(self, x):
             return Cycle(0.0, np.array([0.01 * x[0] + 3.0 * x[1] + x[2] - 6.0]), np.array([1.0]))

@@ -70,6 +70,13 @@ class TestBounds:
         assert [bool(each.reason) for each in found.tries[hard]][:4] == [True, True, True, False]
         assert found.at(hard).cost == cost(hard) and "it is so" in found.tries[hard][0].reason
 
+    def test_a_second_start_that_fails_gives_way_to_another(self, study):
+        """For the doubt compares two gaits of a point."""
+        hard, last = Point(NONE, 2.0), Point(NONE, 2.2)
+        found = study(Stub(lambda point, start: point == hard and start in (last, Point(FIXED, 2.0, 20.0))))
+        assert sum(not each.reason for each in found.tries[hard]) == 2 and len(found.tries[hard]) > 2
+        assert answer(found).verdict == "switchable"
+
     def test_what_never_has_a_gait_is_given_up_and_said(self, study):
         hard = Point(SWITCHED, 2.0, 40.0)
         found = study(Stub(lambda point, start: point == hard))
@@ -148,19 +155,59 @@ class TestAnswer:
         found = self.verdict(study, 1.1, 0.99)
         assert found.verdict == "none" and "adds 10.0 % to the electricity" in found.sentence
 
-    def test_what_starts_differ_by_is_no_saving(self, study):
-        """Of the switchable spring one start led 40 % higher: less than that is no answer."""
+    def test_what_starts_differ_by_is_open(self, study):
+        """Of the switchable spring one start led 40 % higher, above the fixed one and the knee without."""
 
         def costs(point, start):
             unlucky = point.kind == SWITCHED and start == Point(NONE, 2.0)
             return {NONE: 1.0, FIXED: 0.9, SWITCHED: 0.8}[point.kind] * (1.4 if unlucky else 1.0)
 
         found = answer(study(Stub(costs=costs), speeds=(2.0,), stiffnesses=(40.0,)))
-        assert found.doubt == found.spread == pytest.approx(0.4) and found.verdict == "none"
+        assert found.spread == pytest.approx(0.4) and found.by_speed[2.0].pays == {FIXED: True, SWITCHED: None}
+        assert (
+            found.verdict == "spring" and "whether it has to be switched cannot be told, for searches" in found.sentence
+        )
 
     def test_knees_without_a_gait(self, study):
         found = answer(study(Stub(lambda point, start: point.kind != NONE)))
         assert found.verdict == "unknown" and math.isnan(found.saving[FIXED])
+        assert found.sentence == "cannot tell, for no gait was found with a fixed spring of 20 N·m/rad"
+
+    def test_one_stiffness_is_answered_for_that_one(self, study):
+        """No search leaves the stiffness free, and the sentence says what the table of speeds says."""
+        stub = Stub()
+        found = answer(study(stub, stiffnesses=(40.0,)))
+        assert {point.stiffness for point, _, _ in stub.asked} == {0.0, 40.0}
+        saved = 100.0 * found.by_speed[2.0].saving[SWITCHED]
+        assert found.by_speed[2.0].saving == found.saving
+        assert f"a switchable spring of 40 N·m/rad per leg saves {saved:.1f} % of the electricity" in found.sentence
+        assert not any("springs the" in caution for caution in found.cautions)
+
+    def test_a_winner_outside_the_grid_is_told(self, study):
+        """The best fixed one has 30 N·m/rad."""
+        found = answer(study(Stub(), stiffnesses=(40.0, 60.0)))
+        assert "a fixed spring of 30 N·m/rad per leg, outside the 40 to 60 of the grid, saves 10.0 %" in found.sentence
+        assert "of 50 N·m/rad per leg saves 30.0 %" in found.sentence
+
+    def test_free_stiffnesses_that_end_apart_are_no_doubt(self, study):
+        """They end at 9 and at 27 N·m/rad, one 40 % dearer than the other."""
+
+        class Apart(Stub):
+            def __call__(self, robot, motors, search):
+                gait, found, solution = super().__call__(robot, motors, search)
+                if search.point.stiffness is not None or search.point.kind == NONE:
+                    return gait, found, solution
+                far = search.start.point.stiffness == 40.0
+                return gait, replace(found, stiffness=27.0 if far else 9.0, cost=0.3 if far else 0.42), solution
+
+        found = answer(study(Apart(), speeds=(2.0,)))
+        assert found.verdict == "fixed" and found.spread_of_all[1] < 0.01
+        assert found.saving == pytest.approx({FIXED: 0.7, SWITCHED: 0.7})
+
+    def test_the_speed_is_one_that_most_knees_have(self, study):
+        """At 2 m/s, where it is cheapest, there is nothing to compare a spring with."""
+        found = study(Stub(lambda point, start: point.kind == NONE and point.speed == 2.0))
+        assert found.speed == 1.8 and answer(found).verdict == "switchable"
 
     def test_edges_are_said(self, study):
         found = answer(study(Stub(), speeds=(1.0, 2.0)))
@@ -171,7 +218,9 @@ class TestAnswer:
 
     def test_a_knee_without_a_gait_leaves_the_comparison_open(self, study):
         found = answer(study(Stub(lambda point, start: point.kind == FIXED)))
-        assert found.verdict == "switchable" and "whether it has to be switched is not known" in found.sentence
+        assert (
+            found.verdict == "spring" and "whether it has to be switched cannot be told, for no gait" in found.sentence
+        )
         assert "with a fixed spring no gait was found" in found.sentence
 
     def test_a_single_start_is_no_agreement(self, study):
@@ -193,6 +242,7 @@ class TestAnswer:
         found = study(Finer(costs=cheaper), speeds=(2.0,), stiffnesses=(40.0,))
         said = answer(found)
         assert found.best[NONE].cost == pytest.approx(0.95) and found.best[FIXED].cost == 0.9
+        assert found.at(Point(NONE, 2.0)) == found.best[NONE] and said.by_speed[2.0].saving == said.saving
         assert said.mesh == pytest.approx(0.05) and math.isnan(found.changes[FIXED])
         assert "no gait was found on a finer mesh with a fixed one" in said.cautions
 

@@ -14,7 +14,8 @@ from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.studies.payoff import Motors, descent
 from spear_pin.studies.payoff import hopping as hopping_study
-from spear_pin.studies.payoff.descent import AtTouchdown, descended, limits
+from spear_pin.studies.payoff.cycles import AtTouchdown
+from spear_pin.studies.payoff.descent import descended, limits
 from spear_pin.studies.payoff.hopping import MESH, TAUT, electricity, kept, ranges
 from spear_pin.studies.payoff.motors import known
 

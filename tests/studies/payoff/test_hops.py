@@ -1,19 +1,23 @@
 """Hops of a payoff study: what they cost, what starts one knee from another, and one that is really searched."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from spear_pin import load, simulate
 from spear_pin.gaits.search import find_gait
-from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.studies.payoff import Motors, Point, Search
-from spear_pin.studies.payoff.cycles import with_values
+from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.periodic import chart
+from spear_pin.studies.payoff import Motors, Point, Search, answer, hops
+from spear_pin.studies.payoff.cycles import Cycles, Task, with_values
 from spear_pin.studies.payoff.gaits import attempt
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.studies.payoff.hopping import HOPS, MESH, electricity, figures_of, ranges, within, work
 from spear_pin.studies.payoff.leading import Place, begun
 from spear_pin.studies.payoff.motors import known
 from spear_pin.studies.payoff.searches import rebuilt, written
+from tests.model.small_leg import small_leg
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +73,24 @@ class TestStart:
         assert "stiffness" not in ranges(hop.system.robot, free=False)
 
 
+@pytest.mark.extra("heyoka")
+@pytest.mark.parametrize(("kind", "stiffness"), [(SWITCHED, 48.84), pytest.param(FIXED, 30.0, marks=pytest.mark.slow)])
+def test_the_fast_engine_sees_the_same_gap(hop, motors, kind, stiffness):
+    """Away from the state, where charts bend, and with each number that is chosen; derivatives by differences."""
+    place = begun(Place.of(SWITCHED, hop), Point(kind, 0.2, stiffness))
+    place = replace(place, system=with_parameters(place.system, {"hip_touchdown": 0.5}))
+    chosen = ranges(hop.system.robot, free=False)
+    task = Task(0.2, lambda *_: 1.0, lambda *_: np.ones(1), chosen, 4, 0.05, 1e-10)
+    cycles = Cycles(task, place.system, place.state, chart(place.system, place.state))
+    given = [parameter(place.system, name) for name in chosen]
+    base = np.concatenate([np.zeros(cycles.chart.dimension), given]) / cycles.units
+    x = base + 0.03 * np.cos(np.arange(len(base)))
+    gap, slopes = cycles.glance(x)
+    np.testing.assert_allclose(gap, cycles.at(x).gap, atol=1e-7)
+    ends = [cycles.glance(x + 1e-5 * sign * unit)[0] for unit in np.eye(len(x)) for sign in (1.0, -1.0)]
+    np.testing.assert_allclose(slopes.T, (np.array(ends[::2]) - np.array(ends[1::2])) / 2e-5, atol=1e-5)
+
+
 @pytest.mark.slow
 def test_a_search_ends_in_a_fixed_point_that_costs_less(motors):
     robot = load("spear_ii", locked=["boom_x"])
@@ -81,3 +103,15 @@ def test_a_search_ends_in_a_fixed_point_that_costs_less(motors):
     nudged = with_parameters(gait.system, {"frequency": 1.02 * gait.system.law.frequency})
     beside = find_gait(nudged, ["stance_torque"], {"flight_time": 0.2}, guess=gait.state)
     assert figures_of(beside, motors).cost > (1.0 - 1e-3) * found.cost
+
+
+@pytest.mark.slow
+@pytest.mark.extra("heyoka")
+def test_a_small_leg_saves_half_by_a_spring_of_6(tmp_path):
+    """Of one stiffness: every search is about that one, and every start shows the saving."""
+    found = hops(small_leg(tmp_path), tmp_path / "payoff.jsonl", speeds=(0.15, 0.173), stiffnesses=(6.0,))
+    said = answer(found)
+    assert {point.stiffness for point in found.tries} == {0.0, 6.0} and found.speed == 0.173
+    assert said.verdict in ("fixed", "spring") and said.by_speed[0.173].pays[FIXED] is True
+    assert 0.45 < said.saving[FIXED] < 0.55
+    assert "a fixed spring of 6 N·m/rad per leg saves" in said.sentence

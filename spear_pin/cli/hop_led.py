@@ -1,0 +1,78 @@
+"""What `spear hop --robot` does where it finds no hop: it leads one there, or tells how far that goes."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+from typing import TYPE_CHECKING
+
+from spear_pin.errors import NoGait, SpearError
+
+if TYPE_CHECKING:
+    from spear_pin.gaits.gait import Gait
+    from spear_pin.hybrid.automaton import HybridSystem
+    from spear_pin.studies.hop_led import Way
+
+UNITS = {  # options by the numbers that they set, with their units
+    "stiffness": ("stiffness", "N·m/rad"),
+    "damping": ("damping", "N·m·s/rad"),
+    "hardening": ("hardening", "N·m/rad³"),
+    "preload": ("preload", "N·m"),
+    "knee_touchdown": ("knee", "rad"),
+    "hip_touchdown": ("knee", "rad"),
+    "frequency": ("frequency", "Hz"),
+    "friction": ("friction", ""),
+    "flight_time": ("flight_time", "s"),
+    "stance_torque": ("stance_torque", "N·m"),
+}
+KEPT = ("leg", "side", "body", "repair", "slope", "foot_placement", *dict.fromkeys(each for each, _ in UNITS.values()))
+UNSAID = {"knee": 1.0, "slope": 0.0, "foot_placement": 0.0}  # what need not be said
+NOWHERE = "SPEAR-II's numbers, scaled to this leg, have no hop either from which one could be led there"
+
+
+def led(arguments: argparse.Namespace, system: HybridSystem, failure: NoGait) -> Gait:
+    """The hop that was asked for, led from one that there is.
+
+    Args:
+        arguments: of `spear hop`.
+        system: the hop of a leg that was asked for.
+        failure: of the search for it.
+
+    Raises:
+        NoGait: there is none, as far as one can be led; with how far it goes, what ends it, and what to type.
+    """
+    from spear_pin.studies.hop_led import lead_hop
+
+    named = {
+        name: value for name in ("flight_time", "stance_torque") if (value := getattr(arguments, name)) is not None
+    }
+    try:
+        way = lead_hop(system, named)
+    except SpearError:
+        raise NoGait(failure.reason, failure.residual, failure.cause or NOWHERE, failure.remedy) from None
+    if way.gait is not None:
+        return way.gait
+    raise NoGait(failure.reason, failure.residual, told(way), command(arguments, way))
+
+
+def told(way: Way) -> str:
+    """How far a way goes, and what ends it."""
+    option, unit = UNITS[way.number]
+    name, value = option.replace("_", " "), f"{way.reached:.4g} {unit}".rstrip()
+    flight = "" if way.number == "flight_time" else f" with {way.flight_time:.3g} s of flight"
+    return f"from {name} {way.begun:.4g} hops go on to {value}{flight}: {way.why}"
+
+
+def command(arguments: argparse.Namespace, way: Way) -> str:
+    """The call that has the hop in which a way all but ends."""
+    option, _ = UNITS[way.number]
+    values = {name: value for name in KEPT if (value := getattr(arguments, name)) is not None}
+    if way.number != "stance_torque":  # which comes last
+        values = {name: value for name, value in values.items() if name != "stance_torque"}
+        values["flight_time"] = f"{way.flight_time:.4g}"
+    values[option] = f"{way.inside:.4g}"
+    words = ["spear", "hop", "--robot", str(arguments.robot)]
+    for name, value in values.items():
+        if name not in UNSAID or value != UNSAID[name]:
+            words += [f"--{name.replace('_', '-')}"] + ([] if value is True else [str(value)])
+    return shlex.join(words)

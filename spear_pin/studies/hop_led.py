@@ -1,0 +1,156 @@
+"""Lead a hop from one that there is to numbers with which a search finds none, and tell where and why that ends."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spear_pin.errors import NoGait
+from spear_pin.gaits.continuation import continue_gait
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.hopping import HoppingLaw
+from spear_pin.gaits.search import gait_beside
+from spear_pin.gaits.tangent_cycles import REFUSALS
+from spear_pin.gaits.targets import FLIGHT
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.parameters import parameter, rebuilt, with_parameters
+from spear_pin.kinds import typed
+from spear_pin.model.scale import scale_of
+from spear_pin.model.spring import Spring
+from spear_pin.studies.hop_of_another import hop_of
+
+TORQUE = "stance_torque"  # what is solved for the flight time
+FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
+SECONDS = 15.0  # of a processor, on the way
+STEP = 0.3  # of the way, the longest
+RTOL = 1e-7  # of the integrator on the way
+STAGES = 3  # in which the angles of touchdown change by turns
+BACK = 0.005  # of the way: a number that turns back by more is beyond a fold
+BESIDE = 1e-3  # of the way, before its beginning: so much more is its range
+INSIDE = 0.02  # of the way, that the hop which is told keeps from the end
+ANGLES = "knee_touchdown", "hip_touchdown"
+TURNS, LATE = "there the branch of hops turns back", "there the time for it was over"
+
+
+@dataclass(frozen=True)
+class Way:
+    """How far hops go.
+
+    Attributes:
+        gait: the hop with all numbers; None where the way ends before.
+        number: at which it ends, by name; empty where it does not.
+        begun: value of the number with which the way begins.
+        reached: value that it reaches.
+        flight_time: meanwhile, in s.
+        why: what ends it, in words.
+    """
+
+    gait: Gait | None
+    number: str = ""
+    begun: float = math.nan
+    reached: float = math.nan
+    flight_time: float = math.nan
+    why: str = ""
+
+    @property
+    def inside(self) -> float:
+        """A value of the number that is sure to have a hop: a little before the end."""
+        return self.reached + INSIDE * (self.begun - self.reached)
+
+
+class _Ended(Exception):
+    """The way is not followed farther, for what it says."""
+
+
+@typed
+def lead_hop(system: HybridSystem, target: Mapping[str, float], seconds: float = SECONDS) -> Way:
+    """Lead a hop from one with SPEAR-II's numbers, scaled, to the numbers of a system, one after the other.
+
+    Args:
+        system: the hop of a leg with boom_x locked, as of `hopping`.
+        target: its flight time, in s, by the name "flight_time"; without it that of the hop with which the way begins,
+            or with "stance_torque" that torque.
+        seconds: of a processor, after which the way ends.
+
+    Raises:
+        NoGait: with SPEAR-II's numbers there is no hop either.
+    """
+    deadline = time.process_time() + seconds
+    usual = usual_hop(system)
+    flight = FLIGHT_TIME * scale_of(system.robot).time
+    try:
+        gait = hop_of(usual, target.get(FLIGHT, flight))
+    except NoGait:
+        if FLIGHT not in target:
+            raise
+        gait = hop_of(usual, flight)
+    for number, value in [*_stops(usual, system), *target.items()]:
+        own = gait.durations["flight"] if number == FLIGHT else parameter(gait.system, number)
+        if value == own or abs(value - own) <= 1e-9 * max(1.0, abs(own)):
+            continue
+        way = _follow(gait, number, own, value, deadline)
+        if way.gait is None:
+            return way
+        gait = way.gait
+    return Way(gait)
+
+
+def usual_hop(system: HybridSystem) -> HybridSystem:
+    """The system with SPEAR-II's numbers, scaled: of the law, of a spring that pulls, and of friction."""
+    robot, law, spring = system.robot, HoppingLaw.scaled(system.robot), Spring.scaled(system.robot)
+    numbers = {name: getattr(law, name) for name in (TORQUE, "frequency", *ANGLES)}
+    stiffness = 0.0 if system.spring.table else spring.stiffness
+    like = replace(system.spring, stiffness=stiffness, damping=spring.damping, hardening=0.0, preload=0.0)
+    friction = max(system.contact.friction, Contact().friction)
+    numbers |= {"hip_touchdown": law.hip_touchdown or robot.legs[0].lean(law.knee_touchdown)}
+    return with_parameters(rebuilt(system, law=replace(system.law, **numbers), spring=like), {"friction": friction})
+
+
+def _stops(usual: HybridSystem, system: HybridSystem) -> list[tuple[str, float]]:
+    """Numbers with the values that they take on the way, in turn."""
+    names = ("stiffness", "damping", "hardening", "preload", "frequency", "friction")
+    stops = [(name, parameter(system, name)) for name in names]
+    ends = [(parameter(usual, name), getattr(system.law, name)) for name in ANGLES]
+    ends[1] = ends[1][0], ends[1][1] if ends[1][1] is not None else 0.5 * ends[0][1]
+    for share in np.linspace(0.0, 1.0, STAGES + 1)[1:].tolist():
+        stops += [(name, (1.0 - share) * a + share * b) for name, (a, b) in zip(ANGLES, ends, strict=True)]
+    return stops
+
+
+def _follow(gait: Gait, number: str, own: float, value: float, deadline: float) -> Way:
+    """Follow hops over one number; the flight is kept, unless it or the torque is that number."""
+    flight = gait.durations["flight"]
+    solved = [] if number == TORQUE else [TORQUE]
+    kept = {} if number in (TORQUE, FLIGHT) else {FLIGHT: flight}
+    farthest, span = own, value - own
+
+    def tell(now: float) -> None:
+        nonlocal farthest
+        if farthest == value:  # the other way along the branch, which leads nowhere
+            return
+        if (now - farthest) / span < -BACK:
+            raise _Ended(TURNS)
+        farthest = max(now, farthest) if span > 0.0 else min(now, farthest)
+        if time.process_time() > deadline:
+            raise _Ended(LATE)
+
+    begin = own - BESIDE * span
+    within = (min(begin, value), max(begin, value))
+    try:
+        branch = continue_gait(gait, number, within, solved, kept, step=STEP, rtol=RTOL, on_point=tell)
+    except _Ended as ended:
+        return Way(None, number, own, farthest, flight, str(ended))
+    except REFUSALS as failure:
+        return Way(None, number, own, farthest, flight, str(failure))
+    last = -1 if span > 0.0 else 0
+    end = branch.ends[last]
+    if end.reason != "range":
+        return Way(None, number, own, farthest, flight, str(end).partition("; beyond")[0])
+    near = branch.gaits[last]
+    wanted = {FLIGHT: value} if number == FLIGHT else kept
+    return Way(gait_beside(near.system, near.state, solved, wanted))

@@ -1,0 +1,225 @@
+"""Verdict of a payoff study at one speed: which knee pays, by a table of what searches found.
+
+A gait that was found can be had for its cost, since it is simulated. A search may still miss a cheaper gait. Searches
+from several starts, for one knee with one stiffness, show how far that may go. So one knee surely costs less than
+another where every search for it, with one of its stiffnesses, ended cheaper than every search for the other knee, and
+at least two starts led to the other knee's gait. Whatever is sure neither way is left open.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED
+
+LEAST = 0.02  # of a cost: a smaller saving pays for no spring
+SAME = 0.01  # of a stiffness: so near to each other they are one
+STARTS = 2  # that have to agree before a cost counts as the least
+WITH = {NONE: "without a spring", FIXED: "with a fixed spring", SWITCHED: "with a switchable spring"}
+
+SWITCHABLE, SPRING, UNKNOWN = "switchable", "spring", "unknown"
+VERDICTS = (SWITCHABLE, FIXED, SPRING, NONE, UNKNOWN)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one search came to.
+
+    Attributes:
+        kind: of the knee, one of ``KINDS`` of `grid`.
+        stiffness: of a leg's spring, in N·m/rad; 0 without one.
+        cost: of the gait; what is no finite number > 0 is no gait.
+        chosen: whether the optimiser chose the stiffness.
+        again: whether it began with a gait of the same knee, on a finer mesh: that is no start of its own.
+    """
+
+    kind: str
+    stiffness: float
+    cost: float
+    chosen: bool = False
+    again: bool = False
+
+    @property
+    def found(self) -> bool:
+        """Whether there is a gait."""
+        return math.isfinite(self.cost) and self.cost > 0.0
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What follows from a table of searches.
+
+    Attributes:
+        verdict: of `VERDICTS`: a switchable spring pays, a fixed one does as well, a spring pays and whether it has to
+            be switched is open, no spring pays, or it cannot be told.
+        why: what leaves the verdict open, in words; empty where nothing does.
+        best: of each kind the cheapest outcome.
+        saving: of each kind of spring the share of the cost without one that its best saves, negative where it costs
+            more; NaN where one of both is missing.
+        pays: of each kind of spring whether it surely saves `LEAST`, surely does not, or None: it is not sure.
+        spread: of each kind the relative difference between the starts with the stiffness of the best; NaN of one.
+        outside: of each kind of spring the stiffness of the best, where it lies outside those that were asked for.
+    """
+
+    verdict: str
+    why: str
+    best: Mapping[str, Outcome]
+    saving: Mapping[str, float]
+    pays: Mapping[str, bool | None]
+    spread: Mapping[str, float]
+    outside: Mapping[str, float]
+
+
+class _Group(NamedTuple):
+    """Searches for one knee with one stiffness."""
+
+    stiffness: float
+    costs: tuple[float, ...]
+
+
+class _Knee(NamedTuple):
+    """Searches for one kind of knee by stiffness, and why its least cost is in doubt; empty where it is not."""
+
+    kind: str
+    groups: tuple[_Group, ...]
+    doubt: str
+
+    @property
+    def least(self) -> float:
+        return min((min(group.costs) for group in self.groups), default=math.inf)
+
+    @property
+    def ends(self) -> str:
+        """Where the searches ended that are for the stiffness with the least cost, in words."""
+        group = min(self.groups, key=lambda group: min(group.costs))
+        low, high = min(group.costs), max(group.costs)
+        cost = f"{low:.3g}" if high == low else f"{low:.3g} to {high:.3g}"
+        return f"{cost} {_said(self.kind, group.stiffness)}"
+
+
+class _Comparison(NamedTuple):
+    """Whether a knee surely costs less than another, surely does not, or None: it is open, and why."""
+
+    less: bool | None
+    why: str
+
+
+def judge(outcomes: Iterable[Outcome], stiffnesses: Sequence[float]) -> Judgement:
+    """Judge searches at one speed.
+
+    Args:
+        outcomes: of all searches, those without a gait too.
+        stiffnesses: of a leg's spring that were asked for, rising, in N·m/rad.
+    """
+    table = [outcome for outcome in outcomes if outcome.found]
+    knees = {kind: _knee(kind, table, (0.0,) if kind == NONE else stiffnesses) for kind in KINDS}
+    best = {
+        kind: min(own, key=lambda outcome: outcome.cost)
+        for kind in KINDS
+        if (own := [outcome for outcome in table if outcome.kind == kind])
+    }
+    saving = {
+        kind: 1.0 - best[kind].cost / best[NONE].cost if {kind, NONE} <= best.keys() else math.nan
+        for kind in (FIXED, SWITCHED)
+    }
+    fixed, switched, switch = (
+        _compare(knees[kind], knees[other]) for kind, other in ((FIXED, NONE), (SWITCHED, NONE), (SWITCHED, FIXED))
+    )
+    verdict = _verdict(fixed.less, switched.less, switch.less)
+    open_questions = {UNKNOWN: (fixed, switched), SPRING: (switch, switched, fixed)}.get(verdict, ())
+    return Judgement(
+        verdict=verdict,
+        why=next((each.why for each in open_questions if each.why), ""),
+        best=best,
+        saving=saving,
+        pays={FIXED: fixed.less, SWITCHED: switched.less},
+        spread={kind: spread([each for each in table if _alike(each, own)]) for kind, own in best.items()},
+        outside={
+            kind: own.stiffness
+            for kind, own in best.items()
+            if kind != NONE and not _within(own.stiffness, stiffnesses[0], stiffnesses[-1])
+        },
+    )
+
+
+def spread(outcomes: Iterable[Outcome]) -> float:
+    """Tell how far starts for one knee with one stiffness differ at most, relatively; NaN where no two are alike."""
+    found = [outcome for outcome in outcomes if outcome.found and not outcome.again]
+    groups = [[other.cost for other in found if _alike(other, one)] for one in found]
+    return max((max(costs) / min(costs) - 1.0 for costs in groups if len(costs) > 1), default=math.nan)
+
+
+def _alike(one: Outcome, other: Outcome) -> bool:
+    return one.kind == other.kind and _same(one.stiffness, other.stiffness)
+
+
+def _same(one: float, other: float) -> bool:
+    return abs(one - other) <= SAME * max(one, other)
+
+
+def _within(stiffness: float, low: float, high: float) -> bool:
+    return low <= stiffness <= high or _same(stiffness, low) or _same(stiffness, high)
+
+
+def _knee(kind: str, table: Sequence[Outcome], stiffnesses: Sequence[float]) -> _Knee:
+    """What was found of one kind of knee.
+
+    Args:
+        kind: of `grid`.
+        table: outcomes that have a gait.
+        stiffnesses: that were asked for; of each there have to be as many starts as agree.
+    """
+    own = [outcome for outcome in table if outcome.kind == kind]
+    groups, doubts = [], []
+    for stiffness in stiffnesses:
+        here = [outcome for outcome in own if _same(outcome.stiffness, stiffness)]
+        asked = [outcome for outcome in here if not outcome.chosen]
+        starts = sum(not outcome.again for outcome in here)
+        if here:
+            groups.append(_Group(stiffness, tuple(outcome.cost for outcome in here)))
+        if not asked:
+            doubts.append(f"no gait was found {_said(kind, stiffness)}")
+        elif starts < STARTS:
+            doubts.append(f"one search only found a gait {_said(kind, stiffness)}")
+    rest = [each for each in own if not any(_same(each.stiffness, stiffness) for stiffness in stiffnesses)]
+    while rest:
+        here = [each for each in rest if _same(each.stiffness, rest[0].stiffness)]
+        groups.append(_Group(rest[0].stiffness, tuple(each.cost for each in here)))
+        rest = [each for each in rest if each not in here]
+    return _Knee(kind, tuple(groups), next(iter(doubts), ""))
+
+
+def _said(kind: str, stiffness: float) -> str:
+    return WITH[kind] if kind == NONE else f"{WITH[kind]} of {stiffness:.3g} N·m/rad"
+
+
+def _compare(knee: _Knee, other: _Knee) -> _Comparison:
+    """Whether a knee surely costs less than another by `LEAST` of its cost, or surely does not."""
+    share = 1.0 - LEAST
+    if any(max(group.costs) <= share * other.least for group in knee.groups):
+        return _Comparison(None if other.doubt else True, other.doubt)
+    if any(knee.least > share * max(group.costs) for group in other.groups):
+        return _Comparison(None if knee.doubt else False, knee.doubt)
+    if not knee.groups:
+        return _Comparison(None, knee.doubt)
+    return _Comparison(None, f"searches for one knee end farther apart than the knees: {other.ends}, {knee.ends}")
+
+
+def _verdict(fixed: bool | None, switched: bool | None, switch: bool | None) -> str:
+    """The simplest knee that pays: a switch has to save something for itself.
+
+    Args:
+        fixed: whether a fixed spring saves, as `_compare` tells it.
+        switched: whether a switchable one does.
+        switch: whether a switchable one costs less than a fixed one.
+    """
+    if switched and (switch or fixed is False):
+        return SWITCHABLE
+    if fixed and switch is False:
+        return FIXED
+    if fixed or switched:
+        return SPRING
+    return NONE if fixed is False and switched is False else UNKNOWN
