@@ -11,9 +11,9 @@ from typing import Any
 from lxml import etree
 
 from spear_pin.errors import BadFile
-from spear_pin.files import regular
+from spear_pin.files import LARGEST, read_bytes
 
-MAX_BYTES, MAX_NUMBER = 20_000_000, 1e30
+MAX_BYTES, MAX_NUMBER = LARGEST, 1e30
 DECLARATION = re.compile(rb"<\?xml\s[^>]*?\?>")
 SOURCE = "{spear_pin}source"  # attribute of an element that was included: path of its file
 BOM = b"\xef\xbb\xbf"
@@ -29,13 +29,7 @@ def parse(path: str | Path) -> tuple[Path, Any]:
     Raises:
         BadFile: the file is missing, too large, not XML, or declares a document type or entities.
     """
-    try:
-        path = regular(path)
-        if path.stat().st_size > MAX_BYTES:
-            raise BadFile(path, f"has more than {MAX_BYTES} bytes")
-        text = path.read_bytes()
-    except OSError as error:
-        raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
+    path, text = Path(path), read_bytes(path, MAX_BYTES)
     try:
         root = _parsed(text)
     except etree.XMLSyntaxError as error:

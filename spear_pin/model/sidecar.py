@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from spear_pin.errors import BadFile, BadValue, UnknownName, brief
-from spear_pin.files import regular
+from spear_pin.files import read_bytes
 from spear_pin.model.catalogue import MOTORS
 from spear_pin.model.chain import BASES, ONE_OF
 from spear_pin.model.elements import MAX_NUMBER
@@ -127,11 +127,7 @@ def read(path: Path) -> Sidecar:
         BadFile: it cannot be read, or a key or a value in it is not valid.
     """
     try:
-        if regular(path).stat().st_size > MAX_BYTES:
-            raise BadFile(path, f"has more than {MAX_BYTES} bytes")
-        said = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
+        said = tomllib.loads(read_bytes(path, MAX_BYTES).decode())
     except (ValueError, RecursionError) as error:
         raise BadFile(path, f"is not TOML: {error}") from None
     _check(path, said, KEYS, "")

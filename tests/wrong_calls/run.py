@@ -11,12 +11,12 @@ from itertools import chain
 from multiprocessing.connection import Connection
 from time import monotonic
 
-from tests.wrong_calls import commands, files, functions, processes
+from tests.wrong_calls import commands, files, functions, processes, words
 from tests.wrong_calls.case import LONGEST, Case, judged
 
 WORKERS = 2
 MEMORY = 2 * 2**30  # bytes
-KINDS = {"command lines": commands, "files": files, "Python": functions, "processes": processes}
+KINDS = {"command lines": commands, "words": words, "files": files, "Python": functions, "processes": processes}
 PATIENCE = 1.5 * LONGEST  # s until a call that nothing interrupts is ended with its worker
 
 
@@ -28,12 +28,12 @@ def everything() -> list[tuple[str, Case]]:
     return found
 
 
-def main(words: Sequence[str] = ()) -> int:
+def main(parts: Sequence[str] = ()) -> int:
     """Make the calls; 1 if one of them is answered badly."""
     begun = monotonic()
     cases = everything()
     chosen = [
-        i for i, (kind, case) in enumerate(cases) if not words or any(word in f"{kind} {case.name}" for word in words)
+        i for i, (kind, case) in enumerate(cases) if not parts or any(part in f"{kind} {case.name}" for part in parts)
     ]
     shares = [chosen[n::WORKERS] for n in range(WORKERS)]
     with ThreadPoolExecutor(WORKERS) as pool:

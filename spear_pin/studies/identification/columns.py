@@ -7,6 +7,7 @@ comments precede the table, and neither knows a decimal comma.
 from __future__ import annotations
 
 import csv
+import io
 import os
 import re
 import warnings
@@ -23,6 +24,7 @@ from spear_pin.errors import BadFile
 from spear_pin.files import regular
 
 HEAD = 1 << 16  # bytes of a file that are looked at to tell its format
+MAX_BYTES = 2_000_000_000
 ROWS = 1 << 18  # that are read at a time
 LARGEST = 200_000_000  # values of a .mat variable
 
@@ -65,7 +67,26 @@ def read_columns(path: str | Path, choose: Choice) -> Columns:
         raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
     if not head.strip():
         raise BadFile(path, "the file is empty")
+    if path.stat().st_size > MAX_BYTES:
+        raise BadFile(path, f"has more than {MAX_BYTES} bytes")
     return _mat(path, choose) if path.suffix.lower() == ".mat" else _text(path, head, choose)
+
+
+class _Text(io.BufferedReader):
+    """Bytes of a text: none is zero, as they are in the holes of a sparse file."""
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        """Read some bytes."""
+        return self._checked(super().read(size))
+
+    def read1(self, size: int = -1, /) -> bytes:
+        """Read some bytes."""
+        return self._checked(super().read1(size))
+
+    def _checked(self, found: bytes) -> bytes:
+        if b"\0" in found:
+            raise ValueError("there are zero bytes in it")
+        return found
 
 
 @dataclass(frozen=True)
@@ -88,7 +109,7 @@ def _text(path: Path, head: bytes, choose: Choice) -> Columns:
     places = [dialect.names.index(name) for name in wanted]
     chunks: list[list[Array]] = [[] for _ in wanted]
     try:
-        with path.open("rb") as file, warnings.catch_warnings():
+        with _Text(path.open("rb", buffering=0)) as file, warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
             tables = pd.read_csv(
                 file,
