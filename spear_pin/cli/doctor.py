@@ -18,6 +18,7 @@ REQUIRED = (
     "trimesh",
     "numpy",
     "scipy",
+    "lazy_loader",
     "meshcat",
     "lxml",
     "matplotlib",

@@ -96,7 +96,7 @@ class TestMistakes:
         assert f"{option[2:]}[3] is 1e+200; expected a finite number within ±1e+30" in text
 
     def test_an_unknown_robot(self, capsys):
-        assert "unknown robot 'spear_iii'; valid: spear_ii, spear_ii_series, q_spear" in refused(
+        assert "spear_ii, spear_ii_series, q_spear, or the path" in refused(
             capsys, "dynamics", "spear_iii"
         )
 
