@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Callable, Iterable, Sequence
 from numbers import Real
@@ -14,6 +15,8 @@ from spear_pin.printable import printable
 _BRIEF = Repr()
 _BRIEF.maxother, _BRIEF.maxstring, _BRIEF.maxlist, _BRIEF.maxtuple = 80, 120, 8, 8
 LONGEST = 2000  # characters of an error's text; what it names may be of any length
+ALL = "help"  # a name in whose place all valid ones are listed
+NEAREST, LISTED = 3, 160  # names that are shown where all take more than so many characters
 
 
 class SpearError(Exception):
@@ -25,11 +28,11 @@ class SpearError(Exception):
         ...     load("spear_iii")
         ... except SpearError as error:
         ...     print(error)
-        unknown robot 'spear_iii'; valid: ...
+        unknown robot 'spear_iii'; nearest of ...: ...
     """
 
-    def __init__(self, text: str) -> None:
-        super().__init__(one_line(text))
+    def __init__(self, text: str, most: int = LONGEST) -> None:
+        super().__init__(one_line(text, most))
 
     def __reduce__(self) -> tuple[object, ...]:
         return _remake, (type(self), self.args, self.__dict__)
@@ -54,12 +57,26 @@ class RobotWarning(UserWarning):
 
 
 class UnknownName(SpearError):
-    """A name that is not among the valid ones."""
+    """A name that is not among the valid ones; says them, of many the nearest three. For `help` it lists all.
 
-    def __init__(self, kind: str, value: object, valid: Iterable[str]) -> None:
-        self.kind, self.value, self.valid = kind, value, tuple(valid)
+    Args:
+        kind: what it is a name of.
+        value: what was given.
+        valid: the valid names.
+        also: what else may be given, in words.
+    """
+
+    def __init__(self, kind: str, value: object, valid: Iterable[str], also: str = "") -> None:
+        self.kind, self.value, self.valid, self.also = kind, value, tuple(valid), also
         choices = ", ".join(self.valid) if self.valid else "none"
-        super().__init__(f"unknown {kind} {brief(value)}; valid: {choices}")
+        other = f", or {also}" if also else ""
+        if value == ALL:
+            super().__init__(f"each valid {kind}: {choices}{other}", most=len(choices) + LONGEST)
+        elif len(choices) <= LISTED:
+            super().__init__(f"unknown {kind} {brief(value)}; valid: {choices}{other}")
+        else:
+            some = f"nearest of {len(self.valid)}: {', '.join(nearest(str(value), self.valid))}{other}"
+            super().__init__(f"unknown {kind} {brief(value)}; {some}; {ALL!r} in its place lists all")
 
 
 class BadValue(SpearError):
@@ -149,15 +166,25 @@ def listed(names: Sequence[str], most: int = 4) -> str:
     return ", ".join(names[:most]) + rest
 
 
-def one_line(text: str) -> str:
+def nearest(word: str, names: Iterable[str]) -> list[str]:
+    """The few names that are most like a word, the nearest first; small and capital letters are alike."""
+    given = word[:LISTED].lower()
+
+    def likeness(name: str) -> float:
+        return difflib.SequenceMatcher(None, given, name[:LISTED].lower()).ratio()
+
+    return sorted(dict.fromkeys(names), key=likeness, reverse=True)[:NEAREST]
+
+
+def one_line(text: str, most: int = LONGEST) -> str:
     """A text as errors and warnings have it: in one line, without its middle if it is long, fit for any terminal."""
-    return shortened(printable(" ".join(text.split())))
+    return shortened(printable(" ".join(text.split())), most)
 
 
-def shortened(text: str) -> str:
+def shortened(text: str, most: int = LONGEST) -> str:
     """A text without its middle where it is too long for an error."""
-    half = LONGEST // 2
-    return text if len(text) <= LONGEST else f"{text[:half]} ... {text[-half:]}"
+    half = most // 2
+    return text if len(text) <= most else f"{text[:half]} ... {text[-half:]}"
 
 
 def require(name: str, value: Any, valid: Callable[[Any], Any], expected: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import math
 import os
@@ -13,35 +14,128 @@ from typing import Any
 
 from spear_pin.errors import BadFile
 
+LARGEST = 20_000_000  # bytes of a text that is read whole
+
+
+class Together:
+    """Files that get their names together, once all of them are written."""
+
+    def __init__(self) -> None:
+        self._process, self._written = os.getpid(), dict[Path, Path]()
+
+    def takes(self) -> bool:
+        """Whether this process began them, and none that it has forked."""
+        return self._process == os.getpid()
+
+    def add(self, temporary: Path, target: Path) -> None:
+        """Let a written file wait for the others."""
+        self._written[target] = temporary
+
+    def place(self) -> None:
+        """Give all that wait their names; where one cannot have it, all is as before.
+
+        Raises:
+            BadFile: a file cannot have its name.
+        """
+        placed: list[tuple[Path, Path]] = []
+        try:
+            for target, temporary in self._written.items():
+                before = temporary.with_suffix(".old")
+                placed.append((target, before))
+                with suppress(OSError):  # there is none, or the folder takes no links
+                    os.link(target, before, follow_symlinks=False)
+                _rename(temporary, target)
+        except BaseException:
+            for target, before in placed:
+                with suppress(OSError):
+                    os.replace(before, target) if before.exists() else target.unlink()
+            raise
+        finally:
+            for _, before in placed:
+                with suppress(OSError):
+                    before.unlink()
+            self.drop()
+
+    def drop(self) -> None:
+        """Remove what waits."""
+        for temporary in self._written.values():
+            with suppress(OSError):
+                temporary.unlink()
+        self._written.clear()
+
+
+_together: Together | None = None
+
 
 @contextmanager
-def atomic(path: str | Path) -> Iterator[Path]:
+def together() -> Iterator[Together]:
+    """Files that this process writes in the block get their names at its end, or with `place`; none if it fails."""
+    global _together
+    outer, files = _together, Together()
+    _together = files
+    try:
+        yield files
+        files.place()
+    finally:
+        _together = outer
+        files.drop()
+
+
+@contextmanager
+def atomic(path: str | Path, at_once: bool = False) -> Iterator[Path]:
     """A temporary path beside `path`, renamed to it when the block ends well and removed otherwise.
+
+    In a block of `together` it waits for the others, unless it is to have its name at once.
 
     Raises:
         BadFile: the file cannot be written.
     """
     target = Path(path)
     temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
+    others = _together if _together is not None and _together.takes() and not at_once else None
+    waits = False
     try:
+        check_target(target)
         yield temporary
-        os.replace(temporary, target)
+        if others is None:
+            _rename(temporary, target)
+        else:
+            others.add(temporary, target)
+            waits = True
     except OSError as error:
         raise BadFile(target, f"cannot be written: {error.strerror or error}") from None
     except UnicodeEncodeError as error:
         raise BadFile(target, f"cannot be written: no text has {error.object[error.start : error.end]!a}") from None
     finally:
-        with suppress(OSError):  # it may be gone, or its folder may be none
-            temporary.unlink()
+        if not waits:
+            with suppress(OSError):  # it may be gone, or its folder may be none
+                temporary.unlink()
 
 
-def write_text(path: str | Path, text: str) -> Path:
-    """Write a text file, in UTF-8, whole or not at all; lone surrogates are written out.
+def check_target(path: Path) -> None:
+    """Refuse a path at which there is a folder.
+
+    Raises:
+        BadFile: no file can be written there.
+    """
+    if path.is_dir():
+        raise BadFile(path, f"cannot be written: {os.strerror(errno.EISDIR)}")
+
+
+def _rename(temporary: Path, target: Path) -> None:
+    try:
+        os.replace(temporary, target)
+    except OSError as error:
+        raise BadFile(target, f"cannot be written: {error.strerror or error}") from None
+
+
+def write_text(path: str | Path, text: str, at_once: bool = False) -> Path:
+    """Write a text file, in UTF-8, whole or not at all; lone surrogates are written out; `at_once` as of `atomic`.
 
     Raises:
         BadFile: the file cannot be written.
     """
-    with atomic(path) as temporary:
+    with atomic(path, at_once) as temporary:
         temporary.write_text(text, encoding="utf-8", errors="backslashreplace")
     return Path(path)
 
@@ -116,6 +210,22 @@ def regular(path: str | Path, most: int | None = None) -> Path:
     if most is not None and found.st_size > most:
         raise BadFile(path, f"has more than {most} bytes")
     return target
+
+
+def read_bytes(path: str | Path, most: int = LARGEST) -> bytes:
+    """What is in a regular file, if that is not too much: of a sparse file a terabyte takes no room on the disk.
+
+    Raises:
+        BadFile: it cannot be read, or has more than so many bytes.
+    """
+    try:
+        with regular(path, most).open("rb") as file:
+            content = file.read(most + 1)
+    except OSError as error:
+        raise BadFile(path, _unreadable(error)) from None
+    if len(content) > most:  # it has grown
+        raise BadFile(path, f"has more than {most} bytes")
+    return content
 
 
 def _unreadable(error: Exception) -> str:

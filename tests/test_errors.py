@@ -2,6 +2,7 @@
 
 import math
 import pickle
+import time
 
 import numpy as np
 import pytest
@@ -38,6 +39,28 @@ def test_say_what_was_wrong_and_what_would_be_right():
     assert str(at_line) == "a/b.urdf:12: not well-formed" and at_line.line == 12
     assert str(file) == "a/b.urdf: cannot be read" and file.line is None
     assert "0.123" in str(gait) and gait.residual == 0.123 and gait.reason in str(gait)
+
+
+def test_of_many_names_the_nearest_three_and_how_to_list_all():
+    names = [f"robot_{n}" for n in range(40)] + ["Spear_II", "q_spear"]
+    error = UnknownName("robot", "spear_i", names, "the path of a file")
+    assert str(error) == (
+        "unknown robot 'spear_i'; nearest of 42: Spear_II, q_spear, robot_0, or the path of a file;"
+        " 'help' in its place lists all"
+    )
+    assert error.valid == tuple(names)
+    listed = UnknownName("robot", "help", 100 * names, "the path of a file")
+    assert str(listed).startswith("each valid robot: robot_0, ") and "Spear_II, q_spear, robot_0" in str(listed)
+    assert " ... " not in str(listed) and str(listed).endswith(", or the path of a file")
+
+
+@pytest.mark.parametrize("value", ["", "x" * 10**6, "\u2603", None, 5, ["a"], "\udcff"])
+@pytest.mark.parametrize("names", [[], ["a"], ["a" * 10**5, "b"], [f"name_{n}" for n in range(5000)]], ids=len)
+def test_it_takes_little_whatever_is_asked(value, names):
+    begun = time.process_time()
+    text = str(UnknownName("name", value, names))
+    assert len(text) < 2500 and text.isprintable() or value == "\udcff"
+    assert time.process_time() - begun < 0.5
 
 
 def test_what_is_of_any_length_is_shown_in_part():

@@ -2,13 +2,14 @@
 
 import json
 import os
+import resource
 
 import numpy as np
 import pytest
 
 from spear_pin import Gait, Trajectory
 from spear_pin.errors import BadFile
-from spear_pin.files import atomic, parse_json, plain, regular, write_text
+from spear_pin.files import atomic, parse_json, plain, read_bytes, regular, together, write_text
 from spear_pin.model.loading import load
 from spear_pin.studies.identification.columns import read_columns
 
@@ -123,3 +124,97 @@ def test_what_json_has():
     found = plain({"a": np.array([1.0, np.nan]), "b": (1, 2j, None), "c": [{"d": -np.inf}], "e": np.int64(3), "f": "g"})
     assert found == {"a": [1.0, None], "b": [1, [0.0, 2.0], None], "c": [{"d": None}], "e": 3, "f": "g"}
     assert json.loads(json.dumps(found, allow_nan=False)) == found
+
+
+class TestTogether:
+    """Files of one command get their names together, or none."""
+
+    def test_at_the_end_or_when_told(self, tmp_path):
+        with together() as files:
+            write_text(tmp_path / "a", "a")
+            assert not (tmp_path / "a").exists()
+            files.place()
+            assert (tmp_path / "a").read_text() == "a"
+            write_text(tmp_path / "b", "b")
+            write_text(tmp_path / "b", "B")
+            assert not (tmp_path / "b").exists()
+        assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"a": "a", "b": "B"}
+
+    @pytest.mark.parametrize("problem", [ValueError, KeyboardInterrupt, SystemExit])
+    def test_none_where_something_fails(self, tmp_path, problem):
+        (tmp_path / "a").write_text("old")
+        with pytest.raises(problem), together():
+            write_text(tmp_path / "a", "new")
+            write_text(tmp_path / "b", "new")
+            raise problem
+        assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"a": "old"}
+
+    def test_none_where_one_cannot_be_written(self, tmp_path):
+        (tmp_path / "b").mkdir()
+        with pytest.raises(BadFile, match="b: cannot be written: Is a directory"), together():
+            write_text(tmp_path / "a", "new")
+            write_text(tmp_path / "b", "new")
+        assert os.listdir(tmp_path) == ["b"]
+
+    @pytest.mark.parametrize("links", [True, False])
+    def test_all_is_as_before_where_one_cannot_have_its_name(self, tmp_path, monkeypatch, links):
+        """Such as one that became a folder meanwhile; a folder without links loses no new file, but an older one."""
+        if not links:
+            monkeypatch.delattr(os, "link")
+            monkeypatch.setattr(os, "link", lambda *_, **__: os.rmdir(tmp_path / "none"), raising=False)
+        (tmp_path / "a").write_text("old")
+        with pytest.raises(BadFile, match="c: cannot be written"), together():
+            for name in "abcd":
+                write_text(tmp_path / name, "new")
+            (tmp_path / "c").mkdir()
+            (tmp_path / "c" / "inside").touch()
+        assert sorted(os.listdir(tmp_path)) == (["a", "c"] if links else ["c"])
+        assert not links or (tmp_path / "a").read_text() == "old"
+
+    def test_stores_do_not_wait(self, tmp_path):
+        with pytest.raises(ValueError), together():
+            write_text(tmp_path / "store", "kept", at_once=True)
+            raise ValueError
+        assert os.listdir(tmp_path) == ["store"]
+
+    def test_a_forked_process_writes_for_itself(self, tmp_path):
+        with pytest.raises(ValueError), together():
+            if not (child := os.fork()):
+                write_text(tmp_path / "of the child", "text")
+                os._exit(0)
+            os.waitpid(child, 0)
+            write_text(tmp_path / "of the parent", "text")
+            raise ValueError
+        assert os.listdir(tmp_path) == ["of the child"]
+
+
+class TestReading:
+    def test_so_much_and_no_more(self, tmp_path):
+        path = tmp_path / "a"
+        path.write_bytes(b"12345")
+        assert read_bytes(path, 5) == b"12345"
+        with pytest.raises(BadFile, match="a: has more than 4 bytes"):
+            read_bytes(path, 4)
+
+    @pytest.mark.parametrize(
+        ("name", "read"),
+        [
+            ("a.json", Gait.load),
+            ("a.urdf", load),
+            ("a.xml", load),
+            ("a.toml", load),
+            ("a.csv", read_columns),
+            ("a.mat", read_columns),
+            ("a.npz", Trajectory.load),
+        ],
+    )
+    @pytest.mark.parametrize("size", [10**9, 2**40])
+    @pytest.mark.parametrize("begun", [b"", b"time,voltage\n0,1\n", b"{", b"<robot>", b"PK\x03\x04"])
+    def test_a_sparse_file_of_terabytes_is_refused_at_once(self, tmp_path, name, read, begun, size):
+        path = tmp_path / name
+        path.write_bytes(begun)
+        os.truncate(path, size)
+        used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        with pytest.raises(BadFile):
+            read(path, lambda names: names) if read is read_columns else read(path)
+        assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - used < 2**18  # kB

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 import warnings
 from collections.abc import Sequence
@@ -35,6 +36,7 @@ from spear_pin.cli.arguments import Parser
 from spear_pin.cli.durations import expected
 from spear_pin.cli.output import complain, draw, foretold, open_page, print_result, tell
 from spear_pin.errors import RobotWarning, SpearError, one_line
+from spear_pin.files import check_target, together
 
 # as the help lists them
 COMMANDS = (
@@ -45,13 +47,28 @@ COMMANDS = (
 )
 
 
+NOISE = (
+    "mkdir -p failed",
+    "Matplotlib created a temporary",
+    "Matplotlib is building the font",
+    "Could not save font_manager",
+)
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; 0, or 2 with one line on stderr. Without a command the help goes there."""
+    for name in ("matplotlib", "matplotlib.font_manager"):
+        logging.getLogger(name).addFilter(_is_no_noise)
     try:
         return _run(argv)
     except (SpearError, OSError) as error:
         complain(f"spear: {one_line(str(error))}")
         return 2
+
+
+def _is_no_noise(record: logging.LogRecord) -> bool:
+    """Whether a message is none that Matplotlib has for want of a folder: it then takes another one."""
+    return not str(record.msg).startswith(NOISE)
 
 
 def _run(argv: Sequence[str] | None) -> int:
@@ -62,16 +79,20 @@ def _run(argv: Sequence[str] | None) -> int:
     if arguments.run is None:
         parser.print_help(sys.stderr)
         return 2
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", RobotWarning)
-        with foretold(arguments.command, expected(arguments)):
-            result: dict[str, Any] = arguments.run(arguments)
-    tell(caught)
-    failed, pictures, opened = (result.pop(name, None) for name in ("failed", "pictures", "opened"))
-    try:
-        print_result(result, arguments.json)
-    finally:  # also where nobody reads what is printed
-        draw(pictures or {})
+    with together() as files:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", RobotWarning)
+            with foretold(arguments.command, expected(arguments)):
+                result: dict[str, Any] = arguments.run(arguments)
+        tell(caught)
+        failed, pictures, opened = (result.pop(name, None) for name in ("failed", "pictures", "opened"))
+        for path in pictures or {}:
+            check_target(path)
+        try:
+            print_result(result, arguments.json)
+        finally:  # also where nobody reads what is printed
+            draw(pictures or {})
+            files.place()
     if opened is not None and arguments.open:
         open_page(opened)
     return 2 if failed else 0

@@ -13,7 +13,7 @@ from typing import Any, NoReturn, TypeAlias
 
 from spear_pin.cli.durations import LASTING
 from spear_pin.cli.output import complain, emit
-from spear_pin.errors import BadValue, one_line
+from spear_pin.errors import BadValue, UnknownName, one_line
 from spear_pin.words import number, whole
 
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
@@ -45,6 +45,11 @@ class Parser(argparse.ArgumentParser):
             return found, unknown
         getattr(found, self.more).extend(unknown)
         return found, []
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Refuse a word that is none of an argument's choices, as other unknown names are refused."""
+        if action.choices is not None and value not in action.choices:
+            raise argparse.ArgumentError(action, str(UnknownName("choice", value, map(str, action.choices))))
 
     def error(self, message: str) -> NoReturn:
         """Exit with status 2."""

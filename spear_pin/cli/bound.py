@@ -97,7 +97,7 @@ def _gait(arguments: argparse.Namespace) -> tuple[str, Gait, list[tuple[str, str
 
     robot = in_the_plane(arguments)
     if robot is None:
-        name, gait = bounding_gait(arguments.gait or BOUND, arguments.speed)
+        name, gait = bounding_gait(BOUND if arguments.gait is None else arguments.gait, arguments.speed)
         if arguments.speed is not None:
             with iterations() as tell:
                 gait = at_speed(gait, arguments.speed, on_iteration=tell)

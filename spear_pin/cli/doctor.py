@@ -19,6 +19,7 @@ REQUIRED = (
     "trimesh",
     "numpy",
     "scipy",
+    "lazy_loader",
     "meshcat",
     "lxml",
     "matplotlib",

@@ -81,7 +81,7 @@ def _subject(arguments: argparse.Namespace) -> Subject:
     from spear_pin.studies.explore.legs import hop_of_leg, spear_ii_hop
 
     if arguments.motion == "bound":
-        _, gait = bounding_gait(arguments.gait or BOUND, None)
+        _, gait = bounding_gait(BOUND if arguments.gait is None else arguments.gait, None)
         return bound_to_explore(gait, f"{called(gait.system.robot)} bounding")
     robot = one_leg(arguments, ["boom_x"])
     return spear_ii_hop() if robot is None else hop_of_leg(robot, f"{called(robot)} hopping")

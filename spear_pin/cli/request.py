@@ -81,7 +81,7 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
     from spear_pin.model.variants import vary
     from spear_pin.studies.bound.of_another import springs_of
 
-    shipped = arguments.gait or GAIT
+    shipped = GAIT if arguments.gait is None else arguments.gait
     if shipped not in REQUESTS:
         raise UnknownName("gait", shipped, REQUESTS)
     if arguments.robot is not None and arguments.gait is not None:

@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     shipped = None if robot.varied or robot.cut is not None else _shipped_as(request)
     unit, meaning = OBJECTIVES[request.objective]
     summary = {
-        "gait": None if robot.cut is not None else arguments.gait or GAIT,
+        "gait": None if robot.cut is not None else GAIT if arguments.gait is None else arguments.gait,
         "seed": arguments.seed,
         "objective": request.objective,
         "objective_value": in_its_unit(request, scale_of(robot), solution),

@@ -176,7 +176,7 @@ def _asked(arguments: argparse.Namespace, names: set[str]) -> tuple[HybridSystem
             "stance_torque",
         )
     else:
-        system = bounding_gait(arguments.gait or BOUND, None)[1].system
+        system = bounding_gait(BOUND if arguments.gait is None else arguments.gait, None)[1].system
         measure, value, solved = "mean_speed", arguments.speed, SPEED_BY
     if value is not None and measure in names:
         raise BadValue("--over", measure, f"another name, or no --{measure.replace('_', '-')}")

@@ -112,7 +112,7 @@ def _found(arguments: argparse.Namespace, show: Any) -> tuple[str, Gait]:
     from spear_pin.gaits.orbits.turning import turning
     from spear_pin.hybrid.periodic import residual
 
-    name, plane = bounding_gait(arguments.gait or BOUND, None)
+    name, plane = bounding_gait(BOUND if arguments.gait is None else arguments.gait, None)
     angle = ANGLE if arguments.angle is None else arguments.angle
     if arguments.rate is not None:
         angle = arguments.rate * plane.period

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName, require
-from spear_pin.files import check_keys, parse_json, regular, write_text
+from spear_pin.files import check_keys, parse_json, read_bytes, write_text
 from spear_pin.gaits import library
 from spear_pin.gaits.bounding import bounding
 from spear_pin.gaits.bounding_law import BoundingLaw
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
 
 FORMAT = "spear_pin gait 1"
-MOST_BYTES, DEEPEST = 20_000_000, 10  # of a file, lists in lists of a number of a law
+DEEPEST = 10  # lists in lists of a number of a law
 KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
     "hopping": (hopping, HoppingLaw),
     "round_hopping": (round_hopping, RoundHoppingLaw),
@@ -174,9 +174,9 @@ class Gait(Shown):
         """
         if str(path) in (*library.names(), *library.IN_SPACE) or not ({"/", "\\", "."} & set(str(path))):
             path = library.path(str(path))
-        path = regular(path, MOST_BYTES)
+        text = read_bytes(path)
         try:
-            data = parse_json(path.read_text(encoding="utf-8"))
+            data = parse_json(text.decode())
             _check(data)
             kinds = KINDS if like is None else {like.kind: (like.build, type(like.law))}
             if data["kind"] not in kinds:
@@ -193,8 +193,6 @@ class Gait(Shown):
             check_keys("phase", data["durations"], (), system.phases)
             multipliers = np.array([complex(*_numbers("a multiplier", pair, 2)) for pair in data["multipliers"]])
             return cls(system, state, data["parameters"], float(data["residual"]), multipliers, data["durations"])
-        except OSError as error:
-            raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
         except (TypeError, ValueError, SpearError) as error:
             raise BadFile(path, f"is not a saved gait ({error})") from None
 

@@ -10,10 +10,10 @@ from typing import Any
 from lxml import etree
 
 from spear_pin.errors import BadFile, brief
-from spear_pin.files import regular
+from spear_pin.files import LARGEST, read_bytes
 from spear_pin.printable import is_printable
 
-MAX_BYTES, MAX_NUMBER = 20_000_000, 1e30
+MAX_BYTES, MAX_NUMBER = LARGEST, 1e30
 MAX_TAGS, MAX_ATTRIBUTES = 200_000, 1000  # of a file, of an element
 DECLARATION = re.compile(rb"<\?xml\s[^>]*?\?>")
 SOURCE = "{spear_pin}source"  # attribute of an element that was included: path of its file
@@ -31,11 +31,7 @@ def parse(path: str | Path) -> tuple[Path, Any]:
         BadFile: the file is missing, too large, not XML, declares a document type or entities, or has a name with a
             character that cannot be seen or acts on a terminal.
     """
-    try:
-        path = regular(path, MAX_BYTES)
-        text = path.read_bytes()
-    except OSError as error:
-        raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
+    path, text = Path(path), read_bytes(path, MAX_BYTES)
     if text.count(b"<") > MAX_TAGS:
         raise BadFile(path, f"has more than {MAX_TAGS} tags")
     try:

@@ -232,8 +232,8 @@ def full_name(source: str | Path) -> str:
     meant = beginning_with(name)
     if len(meant) == 1:
         return meant[0]
-    others = meant or [*ROBOTS, *(examples or [f"with the extra 'robots' those of {PACKAGE}"])]
-    raise UnknownName("robot", name, [*others, "the path of a URDF or an MJCF file"])
+    extra = "" if examples or meant else f", or with the extra 'robots' one of {PACKAGE}"
+    raise UnknownName("robot", name, meant or [*ROBOTS, *examples], f"the path of a URDF or an MJCF file{extra}")
 
 
 def _names(names: Iterable[str]) -> tuple[str, ...]:

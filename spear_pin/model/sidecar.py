@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from spear_pin.errors import BadFile, BadValue, UnknownName, brief
-from spear_pin.files import regular
+from spear_pin.files import read_bytes
 from spear_pin.model.catalogue import MOTORS
 from spear_pin.model.chain import BASES, ONE_OF
 from spear_pin.model.elements import MAX_NUMBER
@@ -130,12 +130,10 @@ def read(path: Path) -> Sidecar:
         BadFile: it cannot be read, or a key or a value in it is not valid.
     """
     try:
-        text = regular(path, MAX_BYTES).read_text(encoding="utf-8")
+        text = read_bytes(path, MAX_BYTES).decode()
         if _DOTTED.search(text):  # tomllib would take time as the square of its parts
             raise BadFile(path, f"has a key of more than {MOST_PARTS} parts")
         said = tomllib.loads(text)
-    except OSError as error:
-        raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
     except (ValueError, RecursionError) as error:
         raise BadFile(path, f"is not TOML: {error}") from None
     _check(path, said, KEYS, "")

@@ -85,7 +85,7 @@ def test_json(capsys):
 
 
 def test_mistakes(capsys, monkeypatch):
-    assert "invalid choice: 'tcsh'" in refused(capsys, "completion", "tcsh")
+    assert "unknown choice 'tcsh'; valid: bash, zsh, fish" in refused(capsys, "completion", "tcsh")
     monkeypatch.setitem(sys.modules, "shtab", None)
     assert "needs shtab, which is not installed: pip install '.[completion]'" in refused(capsys, "completion", "bash")
 

@@ -99,7 +99,7 @@ class TestChosen:
 
     @pytest.mark.parametrize("name", ["knee", "q_", "current", "force"])
     def test_what_there_is(self, hops, name):
-        with pytest.raises(UnknownName, match="valid: q, v, a, u, tau, friction, spring, force_x, force_z, q_boom_z"):
+        with pytest.raises(UnknownName, match="nearest of .*'help' in its place lists all"):
             chosen(hops.columns()[0], (name,))
 
 

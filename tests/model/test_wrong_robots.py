@@ -166,8 +166,11 @@ OPEN = {"knee_limits": (-2.7, 2.7)}
 FEET = ("FL", "FR"), ("HL", "HR")
 # what is called with the robots, and what is said
 CALLS = {
-    "a toe that is no frame": (lambda r: load(r.file(), toes=["FL_hoof"]), ("frame 'FL_hoof'", "valid", "FL_foot")),
-    "a toe that is the world": (lambda r: load(r.file(), toes=["universe"]), ("frame 'universe'", "valid", "FL_foot")),
+    "a toe that is no frame": (
+        lambda r: load(r.file(), toes=["FL_hoof"]),
+        ("frame 'FL_hoof'", "nearest of", "FL_foot"),
+    ),
+    "a toe that is the world": (lambda r: load(r.file(), toes=["universe"]), ("frame 'universe'", "nearest of")),
     "a motor of no joint": (lambda r: load(r.file(), motors=["FL_knee"]), ("joint 'FL_knee'", "valid", "FL_bend")),
     "a motor of the base": (lambda r: load(r.file(), motors=["base"]), ("motors", "'base'", "one degree of freedom")),
     "a lock of no joint": (lambda r: load(r.file(), locked=["FL_knee"]), ("joint 'FL_knee'", "valid", "FL_bend")),
@@ -177,7 +180,7 @@ CALLS = {
         lambda r: load(r.file(after=("FL_bend_drive", 'inertia value="0.0001"', 'inertia value="-1e-4"'))),
         ("dog.urdf:1: ", "'FL_bend'", "rotor inertia -0.0001", ">= 0"),
     ),
-    "legs to a toe that is no frame": (lambda r: find_legs(r.dog, toes=["hoof"]), ("'hoof'", "valid", "FL_foot")),
+    "legs to a toe that is no frame": (lambda r: find_legs(r.dog, toes=["hoof"]), ("'hoof'", "nearest of", "FL_foot")),
     "legs to the trunk": (lambda r: find_legs(r.dog, toes=["trunk"]), ("toes", "'trunk'", "below a knee and a hip")),
     "a side of no leg": (lambda r: find_legs(r.dog, sides={"LF": 1}), ("leg 'LF'", "valid: FL, FR, HL, HR")),
     "a side of zero": (lambda r: find_legs(r.dog, sides={"FL": 0}), ("sides is 0", "+1 or -1")),
@@ -186,7 +189,10 @@ CALLS = {
         lambda r: monopod(r.dog, load("spear_ii").legs[0]),
         ("joint of leg 'leg'", "'hip'", "valid", "FL_pitch"),
     ),
-    "a leg to no toe": (lambda r: monopod(r.dog, replace(r.dog.legs[0], toe="hoof")), ("'hoof'", "valid", "FL_foot")),
+    "a leg to no toe": (
+        lambda r: monopod(r.dog, replace(r.dog.legs[0], toe="hoof")),
+        ("'hoof'", "nearest of", "FL_foot"),
+    ),
     "a leg of another side": (lambda r: replace(r.dog.legs[0], side=2), ("side of leg 'FL'", "2", "-1, 0 or 1")),
     "a leg of no length": (lambda r: replace(r.dog.legs[0], thigh=0.0), ("thigh of leg 'FL'", "0.0", "> 0, in m")),
     "a leg with an ankle": (
@@ -243,7 +249,7 @@ def test_wrong_call(robots, call, says):
         ("--robot {dog}.gone", "dog.urdf.gone: cannot be read: No such file"),
         ("--robot {leg}", "leg.xml:5: joint 'hip' has the axis '0 0 0'; expected a direction"),
         ("--robot {ankle}", "FL_sole would have to be locked"),
-        ("--robot solo99", "unknown robot 'solo99'; valid: spear_ii"),
+        ("--robot solo99", "unknown robot 'solo99'; nearest of "),
     ],
     ids=["leg", "side", "body", "no file", "MJCF", "ankle", "name"],
 )

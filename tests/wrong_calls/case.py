@@ -52,7 +52,7 @@ class Command:
 
     @property
     def name(self) -> str:
-        return f"spear {' '.join(word if word else repr(word) for word in self.words)}"
+        return f"spear {' '.join(word if word and word.isprintable() else ascii(word) for word in self.words)}"
 
     def answer(self, folder: Path) -> Answer:
         self.prepare(folder)
@@ -232,7 +232,9 @@ def captured() -> Iterator[list[str]]:
     try:
         for number, file in enumerate(files, 1):
             os.dup2(file.fileno(), number)
-        sys.stdout, sys.stderr = (os.fdopen(os.dup(number), "w", encoding="utf-8") for number in (1, 2))
+        sys.stdout, sys.stderr = (
+            os.fdopen(os.dup(number), "w", encoding="utf-8", errors="backslashreplace") for number in (1, 2)
+        )
         yield texts
     finally:
         for stream in (sys.stdout, sys.stderr):

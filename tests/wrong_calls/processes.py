@@ -24,7 +24,7 @@ runpy.run_module("spear_pin", run_name="__main__", alter_sys=True)
 """
 HOP = ("hop.npz", "hop.html", "hop.svg")  # in the order in which they are written
 PUSH = ("push_test.html", "push_test.npz", "push_test.svg")
-WHOLE = ("bound.npz", "sweep.zarr.parts", "sweep.zarr.parts/manifest.json")  # what was written before, or begun
+BEGUN = ("sweep.zarr.parts", "sweep.zarr.parts/manifest.json")  # a store, for resuming
 IMPORTS = (
     *("spear_pin.cli", "argparse", "spear_pin.cli.hop", "numpy", "numpy.linalg", "pinocchio", "lxml"),
     *("scipy.integrate", "spear_pin.studies.hop", "matplotlib.figure", "tqdm"),
@@ -34,7 +34,7 @@ MOMENTS = (
     *(("os.rename", name, "hop --cycles 1") for name in HOP),
     *(("import", module, "bound --cycles 1") for module in ("spear_pin.hybrid.run", "spear_pin.viz.plots.bound")),
     ("os.rename", "bound.html", "bound --cycles 1"),
-    ("os.rename", "push_test.html", "push-test"),
+    *(("os.rename", name, "push-test") for name in PUSH),
     ("os.rename", "lab.csv", "push-test --write-csv lab --repeats 1"),
     ("import", "pandas", "identify lab.csv --volts-per-rad 1"),
     ("import", "casadi", "search"),
@@ -45,6 +45,16 @@ MOMENTS = (
     ("os.rename", "hop.png", "export hop.npz --png"),
 )
 DELAYS = (("hop", (0.3, 1.2, 2.0)), ("export hop.npz --mp4", (1.5, 2.5)), ("search", (3.0,)))
+WRITING = (  # each several files, or one
+    *(
+        "push-test",
+        "hop --cycles 1",
+        "hop --cycles 1 --save",
+        "bound --cycles 1 --save",
+        "sensitivity hop --over stiffness",
+    ),
+    *("export hop.npz --csv", "export hop.npz --mat", "export hop.npz --png --csv"),
+)
 STREAMS = ("robots", "dynamics q_spear --json", "--help", "hop --help", "--version")
 DRAWN_BY = tuple(("MPLBACKEND", value) for value in ("nope", "", "module://nope")) + tuple(
     ("SOURCE_DATE_EPOCH", value) for value in ("abc", "-1", "9" * 30)
@@ -54,7 +64,9 @@ PRINTED_BY = (
     *(("PYTHONIOENCODING", value) for value in ("ascii", "ascii:strict", "latin-1")),
     *(("TERM", "dumb"), ("COLUMNS", "x"), ("HOME", "/nowhere")),
 )
-NO_CACHE = (("XDG_CACHE_HOME", "/proc/none"), ("MPLCONFIGDIR", "/proc/none"))
+NO_FOLDER = tuple(
+    (name, "/proc/none") for name in ("XDG_CACHE_HOME", "XDG_CONFIG_HOME", "MPLCONFIGDIR", "HOME", "TMPDIR")
+)
 JUNK = {
     "nothing in it": ": >$kept",
     "junk in it": "echo junk >$kept",
@@ -72,6 +84,7 @@ def cases() -> Iterator[Process]:
     yield from streams()
     yield from signals()
     yield from environments()
+    yield from disks()
 
 
 def streams() -> Iterator[Process]:
@@ -99,7 +112,7 @@ def signals() -> Iterator[Process]:
                 (str(status - 128), event, name, *line.split()),
                 (status,),
                 lines=0,
-                left=HOP[: HOP.index(name)] if name in HOP else WHOLE,
+                left=BEGUN,
                 program=(sys.executable, "-c", INTERRUPTED),
                 prepare=_prepared,
             )
@@ -126,14 +139,33 @@ def environments() -> Iterator[Process]:
         for line, heard in (("dynamics spear_ii", "boom_x"), ("push-test --help", "usage: spear push-test")):
             yield Process(f"{name}={value} spear {line}", tuple(line.split()), (0,), environment=given, heard=heard)
         yield Process(f"{name}={value} spear dynamics Fußgänger", ("dynamics", "Fußgänger"), (2,), environment=given)
-    for name, value in NO_CACHE:  # matplotlib says what it does about it
-        given = {name: value}
-        yield Process(f"{name}={value} spear push-test", ("push-test",), (0,), environment=given, lines=3, left=PUSH)
+    for name, value in NO_FOLDER:
+        given = {"XDG_CONFIG_HOME": "", name: value}
+        yield Process(f"{name}={value} spear push-test", ("push-test",), (0,), environment=given, lines=0, left=PUSH)
     report, page = ("report", "--only", "spring-sign"), ("report.html",)
     yield Process("a cache that is a file", report, (0,), 'touch .cache; "$@"', lines=3, left=page)
     for what, line in JUNK.items():
         spoilt = f'"$@" >/dev/null && for kept in .cache/spear_pin/*; do {line}; done; "$@"'
         yield Process(f"a cache with {what}", report, (0,), spoilt, left=page)
+
+
+def disks() -> Iterator[Process]:
+    """No room for a file, or a folder in its place: nothing is left but what was there."""
+    for line in WRITING:
+        words = tuple(line.split())
+        for kilobytes in (0, 1, 8):
+            name = f"spear {line} with room for {kilobytes} kB"
+            limited = f'ulimit -f {kilobytes}; "$@"'
+            yield Process(name, words, (2,), limited, heard="cannot be written", prepare=_prepared)
+        yield Process(f"spear {line} in a folder of folders", words, (2,), heard="Is a directory", prepare=_in_the_way)
+
+
+def _in_the_way(folder: Path) -> None:
+    """Folders by the names of files that commands write."""
+    _prepared(folder)
+    for stem in ("push_test", "hop", "bound", "sensitivity", "family"):
+        for suffix in (".html", ".svg", ".json", ".csv", ".mat", ".png"):
+            (folder / f"{stem}{suffix}").mkdir()
 
 
 def _prepared(folder: Path) -> None:

@@ -13,12 +13,12 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from time import monotonic
 
-from tests.wrong_calls import commands, files, functions, processes
+from tests.wrong_calls import commands, files, functions, processes, words
 from tests.wrong_calls.case import LONGEST, Case, judged
 
 WORKERS = 2
 MEMORY = 2 * 2**30  # bytes
-KINDS = {"command lines": commands, "files": files, "Python": functions, "processes": processes}
+KINDS = {"command lines": commands, "words": words, "files": files, "Python": functions, "processes": processes}
 PATIENCE = 5 * LONGEST  # s until a call that nothing interrupts is ended with its worker
 
 
@@ -33,11 +33,11 @@ def everything() -> list[tuple[str, Case]]:
 Make = Callable[[], list[tuple[str, Case]]]
 
 
-def main(words: Sequence[str] = (), make: Make = everything, memory: int = MEMORY, what: str = "wrong calls") -> int:
+def main(parts: Sequence[str] = (), make: Make = everything, memory: int = MEMORY, what: str = "wrong calls") -> int:
     """Make the calls; 1 if one of them is answered badly.
 
     Args:
-        words: of the names of those that are made; without any all are.
+        parts: of the names of those that are made; without any all are.
         make: makes the cases.
         memory: that none may take more than, in bytes.
         what: the cases are, in words.
@@ -45,7 +45,7 @@ def main(words: Sequence[str] = (), make: Make = everything, memory: int = MEMOR
     begun = monotonic()
     cases = make()
     chosen = [
-        i for i, (kind, case) in enumerate(cases) if not words or any(word in f"{kind} {case.name}" for word in words)
+        i for i, (kind, case) in enumerate(cases) if not parts or any(part in f"{kind} {case.name}" for part in parts)
     ]
     shares = [chosen[n::WORKERS] for n in range(WORKERS)]
     with ThreadPoolExecutor(WORKERS) as pool:

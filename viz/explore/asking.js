@@ -1,5 +1,7 @@
 // questions to the server; while an answer is awaited only the latest wish is kept
 
+const AGAIN = 1000; // ms until a question is repeated that the server has no time for
+
 // `heard(answer, wish, latest)` and `refused(text, wish)` give the next wish, if one follows, or true of what is shown
 function makeAsking({ kind, client }, { heard, refused, lost }) {
   const own = crypto.randomUUID();
@@ -35,6 +37,11 @@ function makeAsking({ kind, client }, { heard, refused, lost }) {
     const said = await response.json();
     const received = performance.now();
     if (response.status === 409) return; // it has something newer to compute for this page
+    if (response.status === 503) { // it has too much to compute
+      await new Promise((done) => setTimeout(done, AGAIN));
+      wish = wish || present;
+      return;
+    }
     const next = response.ok ? heard(said, present, !wish) : refused(said.error, present);
     if (next !== true) {
       wish = wish || (next ? { ...next, begun } : null);

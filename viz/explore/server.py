@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import sys
 import time
@@ -10,9 +11,10 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler
+from socket import socket
 from socketserver import ThreadingTCPServer
 from typing import Any
-from urllib.parse import parse_qsl, urlsplit
+from urllib.parse import parse_qsl
 
 from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName, brief
 from spear_pin.studies.explore.bounds import Underway
@@ -23,11 +25,15 @@ from spear_pin.studies.explore.motion import Motion
 from spear_pin.studies.explore.tangents import Tangents, tangents, tangents_of_multiplier
 from spear_pin.studies.explore.views import views_of
 from spear_pin.viz import template
+from spear_pin.viz.explore.connections import Connections
 from spear_pin.viz.explore.page import CLIENT, answer, page, slopes
-from spear_pin.viz.explore.turns import Superseded, Turns
+from spear_pin.viz.explore.turns import Overloaded, Superseded, Turns
 
 HOST = "127.0.0.1"
 PATIENCE = 10.0  # s that a client may take to say what it wants
+MOST = 256  # connections at once
+BACKLOG = 4096  # that wait for one of these
+HEAD = 2**17  # bytes of a request's head
 KEPT = 64  # answers that are kept, for going back and forward
 POLICY = f"{template.POLICY}; connect-src 'self'; frame-ancestors 'none'"
 
@@ -89,24 +95,34 @@ class Explorer:
         }
 
     def answer(self, target: str, client: str = "") -> Answer:
-        """The answer to a client's request for a path with a query; 409 if the client asks anew while it waits."""
-        parts = urlsplit(target)
-        if parts.path not in self._routes or not target.startswith("/"):
-            return _error(HTTPStatus.NOT_FOUND, f"there is no {brief(parts.path)}; there are {', '.join(self._routes)}")
+        """The answer to a client's request for a path with a query.
+
+        Its status is 409 if the client asks anew while it waits, and 503 if too many ask.
+        """
+        path, _, query = target.partition("#")[0].partition("?")
+        if path not in self._routes:
+            return _error(HTTPStatus.NOT_FOUND, f"there is no {brief(path)}; there are {', '.join(self._routes)}")
         try:
-            view, knobs = self.read(parts.query)
+            view, knobs = self.read(query)
         except SpearError as error:
-            if parts.path == "/":  # the page says what is wrong
+            if path == "/":  # the page says what is wrong
                 return _text(HTTPStatus.BAD_REQUEST, self._page, "text/html")
             return _error(HTTPStatus.BAD_REQUEST, str(error))
         try:
-            return self._routes[parts.path](view, knobs, client)
+            return self._routes[path](view, knobs, client)
         except NoGait as error:
             return _none(view, knobs, error)
         except Superseded:
             return _error(HTTPStatus.CONFLICT, "not computed: the same client has asked something newer")
+        except Overloaded:
+            text = "not computed: too many ask, and newer questions come first; ask again"
+            return _error(HTTPStatus.SERVICE_UNAVAILABLE, text, Retry_After="1")
         except SpearError as error:
             return _error(HTTPStatus.INTERNAL_SERVER_ERROR, str(error))
+        except Exception as error:  # a mistake of ours is told where the question was asked
+            return _error(
+                HTTPStatus.INTERNAL_SERVER_ERROR, f"not computed: {type(error).__name__}: {brief(str(error))}"
+            )
 
     def close(self) -> None:
         """Wait for what is being computed, and compute no more."""
@@ -160,9 +176,14 @@ class Explorer:
 class Server(ThreadingTCPServer):
     """Serves an explorer on a port of the loopback interface.
 
+    Each connection that is made gets an answer: beyond what can be served it is 503, to a client that does not say what
+    it wants 408.
+
     Args:
         explorer: answers.
         port: to listen on; 0 for any that is free.
+        most: connections at once; more wait to be accepted.
+        patience: how long a client may take to say what it wants, in s.
 
     Raises:
         BadValue: the port cannot be listened on.
@@ -170,9 +191,10 @@ class Server(ThreadingTCPServer):
 
     allow_reuse_address = True
     daemon_threads = True  # one that waits for a silent client does not keep the process
+    request_queue_size = BACKLOG
 
-    def __init__(self, explorer: Explorer, port: int = 0) -> None:
-        self.explorer = explorer
+    def __init__(self, explorer: Explorer, port: int = 0, most: int = MOST, patience: float = PATIENCE) -> None:
+        self.explorer, self.connections = explorer, Connections(most, patience)
         try:
             super().__init__((HOST, port), _Handler)
         except OSError as error:
@@ -193,26 +215,82 @@ class Server(ThreadingTCPServer):
         super().server_close()
         self.explorer.close()
 
+    def service_actions(self) -> None:
+        """Do what is due now and then."""
+        self.connections.end_late()
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Answer in a thread, once there is room."""
+        self.connections.admit(request)
+        super().process_request(request, client_address)
+
+    def shutdown_request(self, request: Any) -> None:
+        """End a connection."""
+        self.connections.end(request)
+        self.close_request(request)
+
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A client that goes away is no error."""
-        if not isinstance(sys.exception(), ConnectionError):
-            super().handle_error(request, client_address)
+        """A client that goes away is no error; all else takes a line."""
+        if not isinstance(error := sys.exception(), OSError):
+            print(f"spear: a request was not answered: {type(error).__name__}: {brief(str(error))}", file=sys.stderr)
+
+
+class _Head(io.BufferedReader):
+    """Lines of a request's head, which ends with a blank one."""
+
+    ended, _left = False, HEAD
+
+    def readline(self, size: int | None = -1, /) -> bytes:
+        """Read a line; none is left once there are too many bytes."""
+        line = super().readline(self._left if size is None or size < 0 else min(size, self._left))
+        self._left -= len(line)
+        self.ended = line in (b"\r\n", b"\n")
+        return line
 
 
 class _Handler(BaseHTTPRequestHandler):
     server: Server
+    connection: socket
+    rfile: _Head
+    raw_requestline: bytes
     server_version, sys_version = "spear", ""
-    timeout = PATIENCE
+    default_request_version = "HTTP/1.0"  # with an older one answers have no status
+    rbufsize = 0
+    timeout = 2 * PATIENCE  # s for all that is sent
+    answered, command, requestline, request_version = False, "", "", default_request_version
+
+    def setup(self) -> None:
+        super().setup()
+        self.rfile = _Head(self.rfile)
+
+    def handle(self) -> None:
+        self.handle_one_request()
+        if not self.answered and self.server.connections.stop_clock(self.connection):
+            self.send_error(HTTPStatus.BAD_REQUEST)
+        elif not self.answered:
+            self.send_error(HTTPStatus.REQUEST_TIMEOUT)
+
+    def parse_request(self) -> bool:
+        if not (self.raw_requestline.endswith(b"\n") and super().parse_request() and self.rfile.ended):
+            return False
+        self.server.connections.stop_clock(self.connection)
+        return True
 
     def do_GET(self) -> None:
         meant = self._is_meant()
         self._send(self.server.explorer.answer(self.path, self.headers.get(CLIENT, "")) if meant else self._foreign())
 
-    def _refuse(self) -> None:
-        refusal = _error(HTTPStatus.METHOD_NOT_ALLOWED, f"{self.command} is not answered; GET is", Allow="GET")
-        self._send(refusal if self._is_meant() else self._foreign())
+    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
+        """Say what is wrong with a request; of its own words only the method."""
+        if code == HTTPStatus.NOT_IMPLEMENTED:
+            self._refuse()
+            return
+        expected = "a request is GET, a path and HTTP/1.1, a line with Host, and a blank line"
+        self._send(_error(HTTPStatus(code), f"{HTTPStatus(code).phrase}: {expected}"))
 
-    do_HEAD = do_POST = do_PUT = do_PATCH = do_DELETE = do_OPTIONS = do_TRACE = do_CONNECT = _refuse
+    def _refuse(self) -> None:
+        refusal = _error(HTTPStatus.METHOD_NOT_ALLOWED, f"{brief(self.command)} is not answered; GET is", Allow="GET")
+        self._send(refusal if self._is_meant() else self._foreign())
 
     def _is_meant(self) -> bool:
         """Whether the request names this machine and comes from its page: all else is another site's.
@@ -245,6 +323,7 @@ class _Handler(BaseHTTPRequestHandler):
             "Referrer-Policy": "no-referrer",
             "Cache-Control": "no-store",
         }
+        self.answered = True
         try:
             self.send_response(what.status)
             for name, value in {**always, **what.headers}.items():
@@ -252,7 +331,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.end_headers()
             if self.command != "HEAD":
                 self.wfile.write(what.body)
-        except ConnectionError:  # it no longer listens
+        except OSError:  # it no longer listens, or too slowly
             self.close_connection = True
 
     def log_message(self, format: str, *arguments: object) -> None:

@@ -38,6 +38,7 @@ function makeTangents(data, questions, at) {
       const response = await questions.get(asked + search);
       const said = await response.json();
       if (state.search !== search || response.status === 409) return; // something newer is wanted
+      if (response.status === 503) return later(); // the server has too much to compute
       state.found[asked] = response.ok ? said : { slopes: {}, refused: {}, reason: said.error, one_sided: [] };
       draw();
     } catch (problem) {

@@ -15,7 +15,6 @@ from spear_pin.hybrid.ground import Ground
 from spear_pin.model.robot import Robot
 from spear_pin.viz.playback.trajectory import EventLike, TrajectoryLike, in_world, read_times
 
-
 LARGEST = 1e15  # rad, m or N, that can be drawn
 
 

@@ -49,7 +49,7 @@ class Cache:
         """Keep something, if the disk lets it; the oldest are given up for it."""
         with suppress(OSError, BadFile):
             self.folder.mkdir(parents=True, exist_ok=True)
-            with atomic(self._path(name)) as temporary:
+            with atomic(self._path(name), at_once=True) as temporary:
                 temporary.write_bytes(_digest(content) + b"\n" + content)
             self._prune()
 

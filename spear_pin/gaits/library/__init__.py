@@ -46,7 +46,7 @@ def path(name: str) -> Path:
         UnknownName: there is none of that name.
     """
     if name not in (*names(), *IN_SPACE):
-        raise UnknownName("gait", name, [*names(), *IN_SPACE, "the path of a saved gait"])
+        raise UnknownName("gait", name, [*names(), *IN_SPACE], "the path of a saved gait")
     return Path(str(files(__name__).joinpath(f"{name}.json")))
 
 

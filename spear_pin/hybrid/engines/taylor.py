@@ -345,5 +345,8 @@ def require() -> Any:
 @cache
 def _settle(heyoka: Any) -> None:
     """Bound its cache on disk; keep it to its caller's thread: others wait busily between calls as short as ours."""
-    heyoka.llvm_state.set_diskcache_limit(CACHE)
+    try:
+        heyoka.llvm_state.set_diskcache_limit(CACHE)
+    except RuntimeError:  # it is damaged, or cannot be written: all is compiled anew
+        heyoka.llvm_state.set_diskcache_enabled(False)
     heyoka.set_nthreads(1)

@@ -97,6 +97,8 @@ class Numbers:
             return group
         n, q, v = len(group), group.y[: self.nv], group.y[self.nv :]
         try:
+            if n == 1:  # whose array NumPy may take for a number, or not
+                raise TypeError
             held = latched(group.held, [reset], list(q), list(v), self.law(group.lanes))
             return replace(group, held={name: spread(value, n) for name, value in held.items()})
         except Exception as error:

@@ -21,7 +21,7 @@ from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.hybrid.trajectory_parts import gaps
 from spear_pin.kinds import typed
-from spear_pin.model.loading import ROBOTS, load
+from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
@@ -109,9 +109,8 @@ def read(item: Item, of: Gait | None = None) -> Gait | Trajectory | Robot | Spri
     try:
         return load(words)
     except UnknownName as error:
-        valid = [*library.names(), *ROBOTS, "other robots of `spear robots`", "a spring such as stiffness=40"]
-        known = [*valid, "or the path of a gait (.json), a trajectory (.npz) or a robot"]
-        raise UnknownName("gait or robot", words, known) from error
+        also = "a spring such as stiffness=40, or the path of a gait (.json), a trajectory (.npz) or a robot"
+        raise UnknownName("gait or robot", words, [*library.names(), *error.valid], also) from error
 
 
 def called(item: Item, read_item: Gait | Trajectory | Robot | Spring) -> str:

@@ -6,6 +6,7 @@ comments precede the table, and neither knows a decimal comma.
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import warnings
@@ -70,6 +71,23 @@ def read_columns(path: str | Path, choose: Choice) -> Columns:
     return _mat(path, choose) if path.suffix.lower() == ".mat" else _text(path, head, choose)
 
 
+class _Text(io.BufferedReader):
+    """Bytes of a text: none is zero, as they are in the holes of a sparse file."""
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        """Read some bytes."""
+        return self._checked(super().read(size))
+
+    def read1(self, size: int = -1, /) -> bytes:
+        """Read some bytes."""
+        return self._checked(super().read1(size))
+
+    def _checked(self, found: bytes) -> bytes:
+        if b"\0" in found:
+            raise ValueError("there are zero bytes in it")
+        return found
+
+
 def _text(path: Path, head: bytes, choose: Choice) -> Columns:
     import pandas as pd
 
@@ -78,7 +96,7 @@ def _text(path: Path, head: bytes, choose: Choice) -> Columns:
     places = [layout.names.index(name) for name in wanted]
     chunks: list[list[Array]] = [[] for _ in wanted]
     try:
-        with path.open("rb") as file, warnings.catch_warnings():
+        with _Text(path.open("rb", buffering=0)) as file, warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
             file.seek(layout.start)
             tables = pd.read_csv(

@@ -14,12 +14,13 @@ from pathlib import Path
 from typing import Any
 
 from spear_pin.errors import BadFile
-from spear_pin.files import parse_json, regular, write_text
+from spear_pin.files import parse_json, read_bytes, write_text
 
 FORMAT = "spear_pin payoff 2"
 BEFORE = '{"format":"spear_pin payoff 1"'  # of stores whose lines began with the checksum
 CHECKSUM = "checksum"
 DIGITS = 16  # of it
+MAX_BYTES = 200_000_000
 
 
 class Store:
@@ -38,7 +39,7 @@ class Store:
         self._lines: dict[str, dict[str, Any]] = {}
         head = json.loads(json.dumps({"format": FORMAT, **asked}))
         if not path.exists():
-            write_text(path, _line(head))
+            write_text(path, _line(head), at_once=True)
             return
         found = _read(path)
         if not found or found[0].get("format") != FORMAT:
@@ -84,10 +85,7 @@ def _line(value: Mapping[str, Any]) -> str:
 
 def _read(path: Path) -> list[dict[str, Any]]:
     """The lines of a file; one at its end that was cut off is removed from it."""
-    try:
-        text = regular(path).read_bytes().decode("utf-8", errors="replace")
-    except OSError as error:
-        raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
+    text = read_bytes(path, MAX_BYTES).decode("utf-8", errors="replace")
     *whole, rest = text.split("\n")
     if whole and whole[0][DIGITS + 1 :].startswith(BEFORE):
         raise BadFile(path, "is of an earlier version; give another --out, or remove it")
@@ -102,5 +100,5 @@ def _read(path: Path) -> list[dict[str, Any]]:
             raise BadFile(path, "is damaged, or not the store of a payoff study", number)
         found.append(said)
     if rest:
-        write_text(path, "".join(f"{line}\n" for line in whole))
+        write_text(path, "".join(f"{line}\n" for line in whole), at_once=True)
     return found

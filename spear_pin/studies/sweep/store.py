@@ -22,7 +22,7 @@ import numpy as np
 
 import spear_pin
 from spear_pin.errors import BadFile, MissingExtra
-from spear_pin.files import atomic, parse_json, write_text
+from spear_pin.files import atomic, parse_json, read_bytes, write_text
 from spear_pin.gaits.gait_table import CONVERGED, REASONS
 from spear_pin.model.origin import origin
 from spear_pin.model.robot import Robot
@@ -106,7 +106,7 @@ def begin(out: Path, described: Mapping[str, Any], resume: bool) -> bool:
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise BadFile(folder, f"cannot be made: {error.strerror}") from None
-    write_text(manifest, json.dumps({"request": described}))
+    write_text(manifest, json.dumps({"request": described}), at_once=True)
     return True
 
 
@@ -115,7 +115,7 @@ def started(out: Path, start: Callable[[], dict[str, Any]]) -> dict[str, Any]:
     found = _manifest(out)
     if "start" not in found:
         found["start"] = start()
-        write_text(parts(out) / "manifest.json", json.dumps(found))
+        write_text(parts(out) / "manifest.json", json.dumps(found), at_once=True)
     return dict(found["start"])
 
 
@@ -128,7 +128,7 @@ def missing(out: Path) -> list[int]:
 
 def keep(out: Path, index: int, rows: Rows) -> None:
     """Write the rows of a chunk, whole or not at all."""
-    with atomic(_chunk(out, index)) as temporary, open(temporary, "wb") as file:
+    with atomic(_chunk(out, index), at_once=True) as temporary, open(temporary, "wb") as file:
         np.savez(file, allow_pickle=False, **rows)
         file.flush()
         os.fsync(file.fileno())
@@ -212,10 +212,10 @@ def _rows(path: Path) -> Rows:
 def _manifest(out: Path) -> dict[str, Any]:
     path = parts(out) / "manifest.json"
     try:
-        found = parse_json(path.read_text(encoding="utf-8"))
+        found = parse_json(read_bytes(path).decode())
         if not isinstance(found, dict) or not isinstance(found.get("request"), dict):
             raise ValueError
-    except (OSError, ValueError):
+    except (BadFile, ValueError):
         raise BadFile(path, "is not the manifest of a sweep") from None
     return found
 

@@ -170,7 +170,7 @@ def test_without_lanes_the_reference_engine_says_the_same(robot, given, monkeypa
 
 class TestWhatCannotBe:
     def test_an_unknown_name(self, given):
-        with pytest.raises(UnknownName, match="unknown parameter 'torque'; valid: .*stance_torque.*knee_ratio.*period"):
+        with pytest.raises(UnknownName, match="unknown parameter 'torque'; nearest of .*: .*stance_torque"):
             continue_gait(given, "torque", (6.0, 9.0))
 
     def test_an_unknown_target(self, given):

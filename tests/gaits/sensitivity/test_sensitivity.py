@@ -108,7 +108,7 @@ def test_an_output_that_is_zero_has_no_elasticity(table, tmp_path, value):
 @pytest.mark.parametrize(
     ("over", "vary", "keep", "error", "text"),
     [
-        (["nope"], [], [], UnknownName, "'nope'; valid: .*stiffness.*knee_mass"),
+        (["nope"], [], [], UnknownName, "'nope'; nearest of .*: "),
         ([], [], [], BadValue, "one parameter or more"),
         (["stiffness", "stiffness"], [], [], BadValue, "each once"),
         (["stiffness"], ["stance_torque"], [], BadValue, "as many measures"),

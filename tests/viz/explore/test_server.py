@@ -142,7 +142,7 @@ def test_of_each_client_that_waits_only_the_newest_question_is_computed(monkeypa
         thread = threading.Thread(target=ask_for, args=(friction, client))
         thread.start()
         deadline = time.monotonic() + 30
-        while not slow.begun.is_set() or len(explorer._turns._newest) + len(answers) < waiting:
+        while not slow.begun.is_set() or len(explorer._turns._waiting) + len(answers) < waiting:
             assert time.monotonic() < deadline
             time.sleep(1e-3)
         return thread
