@@ -64,13 +64,13 @@ class TestFaults:
     def test_other_multipliers(self, trot):
         recipe, gait = trot
         self.given = replace(gait, multipliers=gait.multipliers * 1.001)
-        assert "multipliers" in faults(recipe, 0)[0]
+        assert "no eigenvalues" in faults(recipe, 0)[0]
 
     @pytest.mark.slow
     def test_another_jacobian(self, trot, monkeypatch):
         recipe, _ = trot
         from tests.solve import kept
 
-        wrong = kept.jacobian("trot") + 1e-2 * np.eye(32, 32, 5)
+        wrong = kept.jacobian("trot") + 1e-2 * np.ones((32, 32))
         monkeypatch.setattr(kept, "jacobian", lambda name: wrong)
-        assert any("Jacobian" in said for said in faults(recipe, 1))
+        assert "another Jacobian" in faults(recipe, 1)[0]
