@@ -20,7 +20,7 @@ def parameters():
 
 
 @pytest.mark.filterwarnings("ignore:.*repair=True:spear_pin.errors.RobotWarning")  # of anymal_b's massless base
-@pytest.mark.parametrize("recipe", parameters())
+@pytest.mark.parametrize("recipe", list(parameters()))
 def test_is_still_what_was_found(recipe: Recipe):
     assert faults(recipe) == []
 
@@ -29,7 +29,7 @@ def test_is_still_what_was_found(recipe: Recipe):
 @pytest.mark.extra("casadi")
 @pytest.mark.extra("example-robot-data")
 @pytest.mark.filterwarnings("ignore:.*repair=True:spear_pin.errors.RobotWarning")
-@pytest.mark.parametrize("recipe", RECIPES.values(), ids=RECIPES)
+@pytest.mark.parametrize("recipe", list(RECIPES.values()), ids=list(RECIPES))
 def test_is_found_again(recipe: Recipe):
     assert differences(recipe) == []
 
