@@ -18,13 +18,16 @@ SOLVED = Path(__file__).parent / "solved"
 
 
 def pytest_addoption(parser):
-    """`--durations-json FILE` writes what each folder, file and test took."""
+    """What tests take is written, and compared with budgets."""
     parser.addoption("--durations-json", type=Path, help="write the processor time of each folder and file to FILE")
+    parser.addoption("--budgets", help="fail where a folder takes longer than its budget of that name")
 
 
 def pytest_configure(config):
     """Measures what tests take, in every run."""
-    config.pluginmanager.register(Durations(config.getoption("--durations-json")), "spear-durations")
+    config.pluginmanager.register(
+        Durations(config.getoption("--durations-json"), config.getoption("--budgets")), "spear-durations"
+    )
 
 
 @pytest.hookimpl(wrapper=True)
@@ -38,9 +41,15 @@ def pytest_collection():
         gc.freeze()
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """A test skips where a module, or a package without one, that its marker `extra` names is missing."""
+    """A test skips where a module, or a package without one, that its marker `extra` names is missing.
+
+    What is marked `nightly` is slow, too.
+    """
     for item in items:
+        if item.get_closest_marker("nightly"):
+            item.add_marker(pytest.mark.slow)
         needed = {module for marker in item.iter_markers("extra") for module in marker.args}
         if missing := sorted(module for module in needed if not _is_there(module)):
             item.add_marker(pytest.mark.skip(reason=f"needs {', '.join(missing)}"))

@@ -1,7 +1,6 @@
-"""Python in the documentation: its blocks, and what they make, run once a process."""
+"""Python in the documentation: its blocks."""
 
 import re
-from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -17,11 +16,3 @@ def fenced(page: Path, language: str) -> list[str]:
 def blocks() -> dict[str, str]:
     """All blocks of Python, by the name of the page and their number."""
     return {f"{page.name}-{n}": block for page in PAGES for n, block in enumerate(fenced(page, "python"), 1)}
-
-
-@cache
-def made(name: str) -> dict:
-    """What a block that takes long has made, by its names."""
-    namespace = {"__name__": "block"}
-    exec(compile(blocks()[name], name, "exec"), namespace)
-    return namespace

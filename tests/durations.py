@@ -1,17 +1,20 @@
 """Records the processor time of the tests, folder by folder, and compares it with the budgets in `budgets.toml`.
 
 Processor time, of a test and of what it starts, stays the same on a busy machine; wall time does not. Each run prints
-the folders that take the most; `--durations-json FILE` writes every folder and file.
+the folders that take the most; `--durations-json FILE` writes every folder and file; `--budgets NAME` fails where a
+folder takes more than its budget of that name, and starts with the files that take longest.
 """
 
 import json
 import resource
+import tomllib
 from collections import Counter
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[1]
+BUDGETS = Path(__file__).with_name("budgets.toml")
 SHOWN = 8
 
 
@@ -24,8 +27,9 @@ def processor_time() -> float:
 class Durations:
     """A plugin that measures in each process, and adds up where the results come together."""
 
-    def __init__(self, target: Path | None):
+    def __init__(self, target: Path | None, budgets: str | None):
         self.target = target
+        self.budgets = tomllib.loads(BUDGETS.read_text(encoding="utf-8"))[budgets] if budgets else None
         self.last = processor_time()
         self.files: Counter[str] = Counter()
         self.tests: Counter[str] = Counter()
@@ -53,8 +57,34 @@ class Durations:
             folders[str(Path(file).parent)] += seconds
         return folders
 
+    @pytest.hookimpl(trylast=True)
+    def pytest_collection_modifyitems(self, items):
+        """Puts the files that take longest first, so that no processor waits for the last of them."""
+        if self.budgets:
+            places = {file: place for place, file in enumerate(self.budgets["first"])}
+            items.sort(key=lambda item: places.get(item.nodeid.partition("::")[0], len(places)))
+
+    def exceeded(self) -> list[str]:
+        """Says which folders take more than their budgets, or have none."""
+        if self.budgets is None:
+            return []
+        allowed, taken = self.budgets["seconds"], self.folders()
+        return [
+            f"{folder} took {seconds:.0f} s of a processor, its budget is {allowed.get(folder, 0)} s ({BUDGETS.name})"
+            for folder, seconds in taken.items()
+            if seconds > allowed.get(folder, 0)
+        ]
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_sessionfinish(self, session):
+        """Fails a run in which all tests passed, but took too long."""
+        if self.exceeded() and session.exitstatus == pytest.ExitCode.OK and not hasattr(session.config, "workerinput"):
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
     def pytest_terminal_summary(self, terminalreporter):
         """Prints the folders that take the most, and writes all of them where that is asked for."""
+        for each in self.exceeded():
+            terminalreporter.write_line(f"TOO LONG: {each}")
         folders = self.folders()
         most = "; ".join(f"{folder} {seconds:.0f} s" for folder, seconds in folders.most_common(SHOWN))
         terminalreporter.write_line(f"processor time {sum(folders.values()):.0f} s: {most}")

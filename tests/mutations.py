@@ -2,8 +2,8 @@
 
 From the repository: `python -m tests.mutations`, or with words that the names of some mutations
 contain: `python -m tests.mutations spring impact`. It ends with status 1 if one survives, if a text to
-change is not found just once, or if the tests fail without any change. All of them take some minutes. With `--quick`
-it names those that no quick test notices.
+change is not found just once, or if the tests fail without any change. All of them take some minutes. The tests are
+those of the gate; with `--quick` it names those that no quick test notices.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def main() -> int:
     parser.add_argument("--list", action="store_true", help="print their names only")
     parser.add_argument("--quick", action="store_true", help="by the tests alone that are not marked slow")
     words, names_only, quick = vars(parser.parse_args()).values()
-    marked = "not slow" if quick else ""
+    marked = "not slow" if quick else "not nightly"
     chosen = [m for m in MUTATIONS if not words or any(word in m.name for word in words)]
     if names_only:
         print("\n".join(mutation.name for mutation in chosen))

@@ -30,14 +30,9 @@ SLOW = {
     *("adding_a_gait.md-1", "adding_a_robot.md-5", "adding_a_robot.md-6", "bench.md-1", "bounding.md-1"),
     *("compare.md-1", "design.md-1", "export.md-4", "getting_started.md-3"),
     *("hardware.md-1", "hardware.md-2", "motors.md-2"),
-    *("space.md-2", "space.md-4"),
 }
-# run by the tests of what they make, which takes long
-ELSEWHERE = {
-    "space.md-1": "gaits/orbits/test_bound_in_space.py",
-    "space.md-3": "gaits/spatial/test_trotting.py",
-    "space.md-5": "gaits/spatial/test_pronking.py",
-}
+# searches; `tests.solve` keeps what they find
+NIGHTLY = {f"space.md-{n}" for n in range(1, 6)}
 QUIET = pytest.mark.filterwarnings("default")  # a cluster's warnings are not ours
 
 
@@ -45,10 +40,11 @@ def marked(name: str, block: str):
     """A block as a test's parameter, with what it needs and whether it takes long."""
     marks = [pytest.mark.extra(module) for text, module in EXTRAS.items() if text in block]
     marks += [QUIET] if "dask" in block else []
-    return pytest.param(block, id=name, marks=marks + ([pytest.mark.slow] if name in SLOW else []))
+    marks += [pytest.mark.slow] * (name in SLOW) + [pytest.mark.nightly] * (name in NIGHTLY)
+    return pytest.param(block, id=name, marks=marks)
 
 
-BLOCKS = [marked(name, block) for name, block in blocks().items() if name not in ELSEWHERE]
+BLOCKS = [marked(name, block) for name, block in blocks().items()]
 LINKS = [
     pytest.param(page, link, id=f"{page.name}-{link}")
     for page in PAGES
@@ -77,9 +73,7 @@ def test_block_runs(block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 def test_the_readme_shows_python():
     assert BLOCKS[0].id == "README.md-1"
-    assert SLOW <= {block.id for block in BLOCKS}
-    for name, path in ELSEWHERE.items():
-        assert f'made("{name}")' in (ROOT / "tests" / path).read_text(encoding="utf-8"), name
+    assert SLOW | NIGHTLY <= {block.id for block in BLOCKS}
 
 
 @pytest.mark.parametrize(("page", "link"), LINKS)

@@ -73,10 +73,8 @@ def one_by_one(cycle: Callable[[State, Array], tuple[Run, Array] | str], measure
     return cycles
 
 
-def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10, step: float = STEP) -> NDArray[np.complex128]:
-    """Floquet multipliers of a periodic orbit, by decreasing modulus.
-
-    Eigenvalues of the return map's Jacobian in the section's chart, by central differences.
+def differentiate_return_map(system: HybridSystem, state: State, rtol: float = 1e-10, step: float = STEP) -> Array:
+    """Finds the return map's Jacobian at a periodic orbit, in the section's chart, by central differences, (n, n).
 
     Raises:
         NoGait: a perturbed cycle does not close.
@@ -86,7 +84,16 @@ def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10, step: f
     found, why = jacobian(Shooting(local.lane, cycle).mapped, np.zeros(local.dimension), step)
     if why:
         raise NoGait("a perturbed cycle does not close", residual(system, state, rtol))
-    return eigenvalues(found)
+    return found
+
+
+def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10, step: float = STEP) -> NDArray[np.complex128]:
+    """Finds the Floquet multipliers of a periodic orbit, by decreasing modulus, by differences of the return map.
+
+    Raises:
+        NoGait: a perturbed cycle does not close.
+    """
+    return eigenvalues(differentiate_return_map(system, state, rtol, step))
 
 
 def eigenvalues(matrices: Array) -> NDArray[np.complex128]:

@@ -1,17 +1,17 @@
-"""The bound in space of the documentation: its multipliers, and that feedback keeps it upright."""
+"""The bound in space as it is kept: its multipliers, and that feedback keeps it upright."""
 
 import numpy as np
 import pytest
 
 from spear_pin import Gait
 from spear_pin.hybrid.periodic import chart, return_map
-from tests.documentation import made
+from tests.solve.gaits import long_stride_in_space, long_stride_steady, long_stride_upright
 
 pytestmark = pytest.mark.slow
 
 
 def test_multipliers_of_the_plane_are_among_them():
-    plane, found = Gait.load("long_stride"), made("space.md-1")["gait"]
+    plane, found = Gait.load("long_stride"), long_stride_in_space()
     assert found.residual <= 1e-9 and not found.stable
     for multiplier in plane.multipliers[:4]:
         assert abs(found.multipliers - multiplier).min() <= 1e-5
@@ -19,12 +19,12 @@ def test_multipliers_of_the_plane_are_among_them():
 
 
 def test_one_number_a_stride_suffices():
-    assert abs(made("space.md-1")["upright"].multipliers[0]) <= 0.55
+    assert abs(long_stride_upright().multipliers[0]) <= 0.55
 
 
 def test_a_push_sideways_with_roll_and_yaw_rate_is_recovered_from():
     """0.2 m/s, 5° and 10°/s at once: below a tenth in ten strides, the heading included."""
-    closed = made("space.md-1")["steady"]
+    closed = long_stride_steady()
     system, local = closed.system, chart(closed.system, closed.state)
     odd = ~local.lane.even
     q, v = (part.copy() for part in closed.state)

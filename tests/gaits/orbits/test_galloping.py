@@ -9,13 +9,13 @@ from spear_pin import Gait
 from spear_pin.errors import BadValue
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, LEGS
 from spear_pin.gaits.orbits.balance import balanced
-from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.gaits.orbits.galloping import galloping
 from spear_pin.gaits.orbits.strides import footfall_gap
 from spear_pin.hybrid.periodic import chart, residual, return_map
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.symmetry import asymmetry
+from tests.solve.gaits import gallop_begun, gallop_steady
 
 
 @cache
@@ -77,9 +77,7 @@ class TestRefused:
 @pytest.mark.slow
 def test_the_way_to_it_begins():
     """By half a millisecond from the bound."""
-    plane = Gait.load("long_stride_3.00")
-    bound = Gait(*embedded(plane), {}, 0.0, np.array([np.nan + 0j]), {})
-    found = galloping(bound, (0.0005, 0.0005))
+    found = gallop_begun()
     cycle = return_map(found.system, found.state)
     assert found.residual <= 1e-9 and found.system.measures["mean_speed"](cycle) == pytest.approx(3.0, abs=1e-4)
     assert [footfall_gap(cycle, pair) for pair in ("posterior", "anterior")] == pytest.approx(2 * [5e-4], abs=1e-5)
@@ -87,7 +85,7 @@ def test_the_way_to_it_begins():
 
 @pytest.mark.slow
 def test_balanced_at_once():
-    steady = balanced(gallop())
+    steady = gallop_steady()
     assert abs(steady.multipliers[0]) <= 0.9
     q, v = (part.copy() for part in steady.state)
     v[1] += 0.1

@@ -8,13 +8,14 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.gaits import library
-from spear_pin.gaits.orbits.steering import GAP, STEERED_BY, turned
+from spear_pin.gaits.orbits.steering import GAP, STEERED_BY
 from spear_pin.gaits.orbits.strides import footfall_gap
 from spear_pin.gaits.spatial.law import ACROSS
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import residual, return_map
 from spear_pin.hybrid.symmetry import mirror_of
 from tests.slow import slow_but
+from tests.solve.gaits import turn_sharper
 
 
 @cache
@@ -49,8 +50,7 @@ class TestShipped:
 
 @pytest.mark.slow
 def test_a_step_to_a_sharper_turn_is_the_shortest():
-    gait = Gait.load("turn_4")
-    system, state = turned(gait.system, gait.state, math.radians(4.2), library.TURNS["turn_4"][1], 1e-9)
+    gait, (system, state) = Gait.load("turn_4"), (turn_sharper().system, turn_sharper().state)
     run = return_map(system, state)
     assert residual(system, state) < 1e-7
     assert math.degrees(system.measures["turn"](run)) == pytest.approx(4.2, abs=1e-5)

@@ -1,18 +1,14 @@
 """Turns: relative periodic orbits of the event-exact simulation, the left one the mirror image of the right one.
 
-`spear turn` finds the one that is looked at here, and is looked at with it: it takes minutes.
+`tests.solve` finds the one that is looked at here; `spear turn` finds it again, which takes minutes, by night.
 """
 
-import io
-import json
-from contextlib import redirect_stdout
 from functools import cache
 
 import numpy as np
 import pytest
 
 from spear_pin import Gait, SpatialLaw
-from spear_pin.cli import main
 from spear_pin.errors import BadValue
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.gaits.orbits.turning import turning
@@ -22,6 +18,8 @@ from spear_pin.hybrid.periodic import residual, return_map
 from spear_pin.hybrid.symmetry import mirror_of, turned
 from tests.cli.calls import printed
 from tests.gaits.orbits.test_embedding import planar
+from tests.solve.gaits import turn_3
+from tests.solve.kept import FOLDER
 
 TURN = np.radians(3.0)  # a stride
 
@@ -34,18 +32,8 @@ def straight():
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory):
-    """What the command prints, and the gait that it has kept."""
-    folder = tmp_path_factory.mktemp("turn")
-    asked = ["turn", "--angle", str(np.degrees(TURN)), "--cycles", "1", "--json", "--out", str(folder)]
-    with redirect_stdout(io.StringIO()) as out:
-        assert main(asked) == 0
-    return json.loads(out.getvalue()), folder / "turn.json"
-
-
-@pytest.fixture(scope="module")
-def left(found):
-    return Gait.load(found[1])
+def left():
+    return turn_3()
 
 
 @pytest.mark.slow
@@ -69,11 +57,18 @@ class TestTurn:
         run = return_map(left.system, left.state)
         assert abs(run.change[0] - run.work[0].sum()) <= 1e-9
 
-    def test_is_told_and_played_as_it_was_found(self, found, capsys, tmp_path):
-        told, kept = found
-        again = printed(capsys, "turn", kept, "--cycles", 1, "--out", tmp_path)
+    def test_is_told_and_played_as_it_was_found(self, capsys, tmp_path):
+        told = printed(capsys, "turn", FOLDER / "turn_3.json", "--cycles", 1, "--out", tmp_path)
         assert told["turn"] == pytest.approx(TURN, abs=1e-8) and told["residual"] <= 1e-9
-        assert again["radius"] == pytest.approx(told["radius"], rel=1e-9)
+
+
+@pytest.mark.nightly
+def test_the_command_finds_it_and_plays_what_it_has_kept(left, capsys, tmp_path):
+    told = printed(capsys, "turn", "--angle", np.degrees(TURN), "--cycles", 1, "--out", tmp_path)
+    kept = Gait.load(tmp_path / "turn.json")
+    np.testing.assert_allclose(kept.state, left.state, rtol=0, atol=1e-7)
+    again = printed(capsys, "turn", tmp_path / "turn.json", "--cycles", 1, "--out", tmp_path)
+    assert again["radius"] == pytest.approx(told["radius"], rel=1e-9)
 
 
 def test_too_tight_a_turn_is_refused():

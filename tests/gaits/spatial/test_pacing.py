@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, pacing
-from spear_pin.gaits.orbits.balance import balanced
 from spear_pin.hybrid.periodic import residual, return_map
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.symmetry import headed, mirror_of
+from tests.solve.gaits import pace_steady
 
 
 @cache
@@ -48,7 +48,7 @@ class TestOrbit:
 @pytest.mark.slow
 def test_balanced():
     """By feedback twice a stride; pushed to the side it goes on, on another heading."""
-    steady = balanced(pace())
+    steady = pace_steady()
     assert abs(steady.multipliers[0]) <= 0.65
     q, v = (part.copy() for part in steady.state)
     v[1] += 0.2

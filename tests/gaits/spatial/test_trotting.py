@@ -8,13 +8,14 @@ import pytest
 
 from spear_pin import Gait, Robot, TrotLaw, simulate, trotting
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.orbits.balance import across, balanced, entire
+from spear_pin.gaits.orbits.balance import across, balanced
 from spear_pin.hybrid.newton import STEP
 from spear_pin.hybrid.periodic import chart, displacement, eigenvalues, residual, return_map
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.symmetry import headed, mirror_of
-from tests.documentation import made
+from tests.solve.gaits import trot_steady
+from tests.solve.kept import jacobian
 
 
 @cache
@@ -82,7 +83,7 @@ class TestMultipliers:
     def test_a_whole_strides_are_the_squares_of_halfs(self):
         """Along the eigenvectors of the three largest, by differences over a whole stride."""
         system, local = trot().system, chart(trot().system, trot().state)
-        values, vectors = np.linalg.eig(entire(trot(), ()).A)
+        values, vectors = np.linalg.eig(jacobian("trot"))
         np.testing.assert_allclose(eigenvalues(np.diag(values))[:3], trot().multipliers[:3], rtol=1e-4)
         assert abs(trot().multipliers[0]) == pytest.approx(3.69, abs=0.02)
         for i in np.argsort(-abs(values))[:3]:
@@ -94,7 +95,7 @@ class TestMultipliers:
 
 @pytest.mark.slow
 def test_balanced():
-    steady = made("space.md-3")["steady"]
+    steady = trot_steady()
     assert abs(steady.multipliers[0]) <= 0.5
     local = chart(steady.system, steady.state)
     q, v = (part.copy() for part in steady.state)
