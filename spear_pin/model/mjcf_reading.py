@@ -43,7 +43,7 @@ from spear_pin.model.urdf import BASE, MAX_LINKS, UNIVERSE, WORLD, Base
 
 JOINTS = ("joint", "freejoint")
 JOINT_TYPES = ("free", "ball", "slide", "hinge")
-JOINT = ("axis", "pos", "frictionloss", "actuatorfrcrange")
+JOINT = ("axis", "pos", "frictionloss")
 UNREAD = ("frame", "replicate", "composite", "flexcomp", "attach", "plugin")  # in a body: they would change it
 # words that the compiler takes
 KEYWORDS = {"angle": ("degree", "radian"), "inertiafromgeom": ("auto", "false", "true")}
@@ -284,9 +284,12 @@ def _add_joint(writing: Writing, joint: Any, body: Any, owner: str, inherited: s
     if "range" in said:
         unit = 1.0 if kind == "slide" else angle_unit(writing.compiler)
         ref, *_ = values(path, joint, said.get("ref", "0"))
-        ends = [unit * (end - ref) for end in _ends(writing, joint, said)]
+        ends = [unit * (end - ref) for end in _ends(writing, joint, said, "range")]
         copied.set("range", " ".join(repr(min(max(end, -MOST), MOST)) for end in ends))
-    low, high = _ends(writing, joint, {"range": "0 0", **said})
+    if "actuatorfrcrange" in said:
+        forces = _ends(writing, joint, said, "actuatorfrcrange")
+        copied.set("actuatorfrcrange", " ".join(repr(min(max(force, -MOST), MOST)) for force in forces))
+    low, high = _ends(writing, joint, {"range": "0 0", **said}, "range")
     if said.get("limited") == "true" and low >= high:
         problem = f"joint {name!r} is limited, but has the range {said.get('range', '')!r}"
         raise writing.fault(joint, f"{problem}; expected two angles, or lengths, the lower one first")
@@ -302,7 +305,7 @@ def _add_joint(writing: Writing, joint: Any, body: Any, owner: str, inherited: s
             writing.unread.lose(what, name)
 
 
-def _ends(writing: Writing, joint: Any, said: Mapping[str, str]) -> tuple[float, ...]:
+def _ends(writing: Writing, joint: Any, said: Mapping[str, str], attribute: str) -> tuple[float, ...]:
     """The two ends of a range, infinite where they mean that there is none."""
-    ends = tuple(parse_limit(writing.path, joint, part) for part in said["range"].split())
-    return ends if len(ends) == 2 else counted(writing, joint, said, "range")
+    ends = tuple(parse_limit(writing.path, joint, part) for part in said[attribute].split())
+    return ends if len(ends) == 2 else counted(writing, joint, said, attribute)

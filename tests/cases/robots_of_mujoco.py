@@ -121,7 +121,12 @@ def actuators() -> list[Case]:
             "numbers that mean no limit",
             [-math.radians(130), 1e9, 1e9, 1e9],
             "by hand",
-            limits(xml=mjcf(knee='range="-130 inf"', actuators='<motor joint="knee" ctrlrange="-inf inf"/>')),
+            limits(
+                xml=mjcf(
+                    knee='range="-130 inf" actuatorfrcrange="-inf 1.8e308"',
+                    actuators='<motor joint="knee" ctrlrange="-inf inf"/>',
+                )
+            ),
         ),
     ]
 

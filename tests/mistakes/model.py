@@ -14,7 +14,7 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "model/draft",
-        ["model/test_dynamics", "hybrid/test_events", "cases/test_cases"],
+        ["model/test_dynamics", "hybrid/test_events", "cases/test_cases", "model/test_planar_joint"],
         {
             "gravity upward": (
                 "(np.zeros(model.nv) for _ in range(3))",
