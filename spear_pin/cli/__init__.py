@@ -46,7 +46,12 @@ COMMANDS = (
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command; 0, or 2 with one line on stderr. Without a command the help goes there."""
+    """Run one command.
+
+    Returns:
+        0; 1 where the motion that it played was lost on the way, which it says; 2 with one line on stderr where it
+        cannot be done. Without a command the help goes there.
+    """
     try:
         return _run(argv)
     except (SpearError, OSError) as error:
@@ -74,7 +79,7 @@ def _run(argv: Sequence[str] | None) -> int:
         draw(pictures or {})
     if opened is not None and arguments.open:
         open_page(opened)
-    return 2 if failed else 0
+    return 2 if failed else 1 if result.get("lost") else 0
 
 
 def _parser() -> Parser:

@@ -21,7 +21,9 @@ from spear_pin.model.chain import CHAIN
 from spear_pin.viz.playback.footfalls import color_of, footfalls, label_of
 from spear_pin.viz.plots.panels import label_columns
 from spear_pin.viz.plots.paper import BLUE, Picture, style
+from spear_pin.words import significant
 
+STRAIGHT = 1e-4  # °/s: what turns more slowly goes straight
 OFTEN = 40  # footprints of a foot above which they are small
 
 
@@ -147,9 +149,14 @@ def draw_way(axes: Axes, trajectory: Trajectory) -> None:
 
 
 def draw_heading(axes: Axes, trajectory: Trajectory) -> None:
-    """Heading over time, to the left."""
+    """Heading over time, to the left; of one that turns, how fast in the mean of the whole strides."""
     _over_time(axes, trajectory, "Heading (°)")
-    axes.plot(trajectory.t, np.degrees(trajectory.q[:, YAW]), color=BLUE)
+    t, yaw = trajectory.t, np.degrees(trajectory.q[:, YAW])
+    whole = (trajectory.cycle >= 1) & (trajectory.cycle <= trajectory.cycles)
+    rate = np.ptp(yaw[whole][[0, -1]]) / np.ptp(t[whole]) if trajectory.cycles else 0.0
+    axes.plot(t, yaw, color=BLUE, label=f"{significant(rate)}°/s in the mean")
+    if rate >= STRAIGHT:
+        label_columns(axes, 1)
 
 
 def draw_roll(axes: Axes, trajectory: Trajectory) -> None:

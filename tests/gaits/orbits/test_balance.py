@@ -8,8 +8,9 @@ import pytest
 
 from spear_pin import Gait, SpatialLaw
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.orbits.balance import across, along, balanced
+from spear_pin.gaits.orbits.balance import across, along, balance, balanced
 from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.orbits.parity import ALONG, LATERAL
 from spear_pin.hybrid.periodic import eigenvalues
 from tests.gaits.orbits.test_embedding import planar, spatial
 
@@ -40,7 +41,16 @@ class TestBalanced:
     @pytest.mark.slow
     @pytest.mark.parametrize("name", ["least_effort", "long_stride_3.50"])
     def test_one_number_a_stride_suffices(self, name):
-        assert abs(balanced(gait(name)).multipliers[0]) <= 0.55
+        """Sideways; along it leaves the plane's multipliers as they are, and all are told, with it and without."""
+        found, along_it = balance(gait(name)), np.abs(planar(name).multipliers[:4])
+        for of in (found.without, found.held):
+            kinds = np.array(of.kinds)
+            assert len(of.values) == len(kinds) == 32 and (kinds == LATERAL).sum() == 16
+            np.testing.assert_allclose(np.abs(of.values[kinds == ALONG][:4]), along_it, rtol=0, atol=1e-5)
+            assert (np.diff(np.abs(of.values)) <= 1e-9).all()
+        lateral = [np.abs(of.values[np.array(of.kinds) == LATERAL]).max() for of in (found.without, found.held)]
+        assert lateral[1] <= 0.55 < 1.0 < lateral[0]
+        np.testing.assert_array_equal(found.gait.multipliers, found.held.values)
 
 
 class TestRefused:
