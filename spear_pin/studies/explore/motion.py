@@ -46,7 +46,9 @@ class Motion:
 def kind_of(trajectory: Trajectory) -> str:
     """Say what kind of cycle a motion has: how often the toe bounces, where it does, and the order of the events."""
     touches = sum(event.name == RETOUCH and event.domain != CHATTER for event in trajectory.events)
-    bounces = f"the toe bounces {('once', 'twice')[touches - 1] if touches < 3 else f'{touches} times'}: " * bool(touches)
+    bounces = f"the toe bounces {('once', 'twice')[touches - 1] if touches < 3 else f'{touches} times'}: " * bool(
+        touches
+    )
     return bounces + ", ".join(event.name.replace("_", " ") for event in trajectory.events)
 
 
