@@ -219,7 +219,7 @@ def _add_shapes(robot: Robot, elements: list[Any], assets: Any, meshes: Sequence
 
 
 def trunk_of(robot: Robot) -> set[int]:
-    """Find the joints that move the trunk, from which legs hang; without legs that of a floating base, if there is one."""
+    """Find the joints that move the trunk, from which legs hang; without legs that of a floating base."""
     model = robot.model
     first = {leg.hip if leg.abduction is None else leg.abduction for leg in robot.legs}
     floating = (
