@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from spear_pin import Gait, SpatialLaw, simulate
-from spear_pin.gaits.orbits.balance import balanced
+from spear_pin.gaits.orbits.balance import balance
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.studies.bound.in_space import summarize_in_space
 from spear_pin.viz.player import record
@@ -37,8 +37,11 @@ def main(folder: Path) -> None:
     plane = Gait.load("long_stride")
     system, state = embedded(plane, SpatialLaw(plane.system.law))
     straight = Gait(system, state, {}, 0.0, np.ones(1, complex), {})
-    upright = balanced(straight)
-    print(f"largest multiplier across, with feedback: {np.abs(upright.multipliers).max():.3f}")
+    found = balance(straight)
+    upright = found.gait
+    for kind in ("lateral", "along"):
+        largest = max(abs(value) for value, of in zip(found.held.values, found.held.kinds, strict=True) if of == kind)
+        print(f"largest multiplier {kind}, with feedback: {largest:.3f}")
     for name, gait in (("with feedback", upright), ("without", straight)):
         motion = pushed(gait)
         figures = summarize_in_space(gait, motion)

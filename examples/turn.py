@@ -43,7 +43,7 @@ def main(folder: Path) -> None:
     mirror = mirror_of(gait.system.robot)
     right = with_parameters(gait.system, {name: -parameter(gait.system, name) for name in ACROSS})
     print(f"its mirror image: residual {residual(right, tuple(mirror(part) for part in gait.state)):.1e}")
-    page = record(gait.system.robot, motion, folder / "turn.html", title=f"Q-SPEAR turning by {rate:.1f}°/s")
+    page = record(gait.system.robot, motion, folder / "turn.html", title=f"Q-SPEAR turning left by {rate:.1f}°/s")
     pictures = {"turn": space_summary(motion, 4), "footfalls": footfall_diagram({"turning to the left": motion})}
     print("files", page, *(save_figure(figure, folder / f"{name}.svg") for name, figure in pictures.items()))
 

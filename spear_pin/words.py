@@ -1,11 +1,23 @@
-"""Numbers in words that somebody typed: ASCII digits, nothing that only Python or Unicode takes for one."""
+"""Numbers in words: those that somebody typed, in ASCII digits, and those that somebody reads."""
 
 from __future__ import annotations
 
 import re
+from decimal import Decimal
 
 _NUMBER = re.compile(r"[+-]?((\d+\.?\d*|\.\d+)(e[+-]?\d+)?|inf|infinity|nan)", re.ASCII | re.IGNORECASE)
 _WHOLE = re.compile(r"[+-]?\d{1,300}", re.ASCII)
+
+
+def significant(value: float, digits: int = 3) -> str:
+    """Write a number with so many digits that count, and without an exponent.
+
+    Example:
+        >>> from spear_pin.words import significant
+        >>> significant(11.3456), significant(0.0286479), significant(-4.0, 4)
+        ('11.3', '0.0286', '-4.000')
+    """
+    return f"{Decimal(f'{value:.{digits - 1}e}'):f}"
 
 
 def number(word: str) -> float:

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from spear_pin.words import number, whole
+from spear_pin.words import number, significant, whole
 
 
 @pytest.mark.parametrize(
@@ -31,3 +31,11 @@ def test_what_is_none(word):
 def test_what_is_not_whole(word):
     with pytest.raises(ValueError, match="not a whole number"):
         whole(word)
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "written"),
+    [(11.3456, 3, "11.3"), (0.0286479, 3, "0.0286"), (5.7e-5, 2, "0.000057"), (-4.0, 4, "-4.000"), (0.0, 3, "0.00")],
+)
+def test_digits_that_count(value, digits, written):
+    assert significant(value, digits) == written

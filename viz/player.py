@@ -44,6 +44,7 @@ def record(
     *,
     title: str = "",
     ghost: TrajectoryLike | None = None,
+    notes: Sequence[str] = (),
 ) -> Path:
     """Write one HTML file that plays a trajectory in any browser, without server or network.
 
@@ -56,6 +57,7 @@ def record(
         path: the file to write; its folder must exist.
         title: shown above; by default the robot's name.
         ghost: another trajectory of the robot, drawn translucent; both begin at the same instant.
+        notes: sentences that the page shows below its legend.
 
     Returns:
         The path of the file.
@@ -69,18 +71,25 @@ def record(
     path = Path(path)
     if path.is_dir() or not path.parent.is_dir():
         raise BadValue("path", str(path), "a file in an existing folder")
-    text = page(robot, trajectory, title=title, ghost=ghost).encode()
+    text = page(robot, trajectory, title=title, ghost=ghost, notes=notes).encode()
     with atomic(path) as temporary:
         temporary.write_bytes(text)
     return path
 
 
 @typed
-def page(robot: Robot, trajectory: TrajectoryLike, *, title: str = "", ghost: TrajectoryLike | None = None) -> str:
+def page(
+    robot: Robot,
+    trajectory: TrajectoryLike,
+    *,
+    title: str = "",
+    ghost: TrajectoryLike | None = None,
+    notes: Sequence[str] = (),
+) -> str:
     """The text of the page that `record` writes, with as many frames as it may hold."""
     rate = _first_rate(trajectory)
     while rate >= WORST_RATE:
-        text, share = _attempt(robot, trajectory, rate, title or robot.name, ghost)
+        text, share = _attempt(robot, trajectory, rate, title or robot.name, ghost, notes)
         if share >= 1.0:
             return text
         if rate == WORST_RATE:
@@ -116,14 +125,19 @@ def shortened(
 
 
 def _attempt(
-    robot: Robot, trajectory: TrajectoryLike, rate: float, title: str, ghost: TrajectoryLike | None = None
+    robot: Robot,
+    trajectory: TrajectoryLike,
+    rate: float,
+    title: str,
+    ghost: TrajectoryLike | None = None,
+    said: Sequence[str] = (),
 ) -> tuple[str, float]:
     """A page with so many frames a second, and the room for its animation by what that takes: too little below 1."""
     frames = resample(robot, trajectory, rate)
     scene = moving(robot, frames, None if ghost is None else resample(robot, ghost, rate, "ghost"))
     animation = encoded(c.set_animation(scene.clips, frames.duration))
     feet = footfalls(robot.toes, read_times(trajectory), np.asarray(trajectory.force, dtype=np.float64))
-    notes = [f"shown: {trajectory.said}"] if isinstance(trajectory, Part) else []
+    notes = [*said, *([f"shown: {trajectory.said}"] if isinstance(trajectory, Part) else [])]
     data = as_data(frames, replace(scene, notes=(*notes, *scene.notes)), animation, title) | {
         "rate": rate,
         "samples": packed(thinned(samples_of(robot, trajectory))),

@@ -56,7 +56,12 @@ NOISE = (
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command; 0, or 2 with one line on stderr. Without a command the help goes there."""
+    """Run one command.
+
+    Returns:
+        0; 1 where the motion that it played was lost on the way, which it says; 2 with one line on stderr where it
+        cannot be done. Without a command the help goes there.
+    """
     for name in ("matplotlib", "matplotlib.font_manager"):
         logging.getLogger(name).addFilter(_is_no_noise)
     try:
@@ -95,7 +100,7 @@ def _run(argv: Sequence[str] | None) -> int:
             files.place()
     if opened is not None and arguments.open:
         open_page(opened)
-    return 2 if failed else 0
+    return 2 if failed else 1 if result.get("lost") else 0
 
 
 def _parser() -> Parser:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from spear_pin.cli import bound_in_space
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
 from spear_pin.cli.durations import usual
+from spear_pin.cli.endings import ended, lost, notes_of
 from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.cli.legs import add_plane, called, doubted, in_the_plane, rests_on, stability
 from spear_pin.cli.output import aligned, iterations, joined, listed, progress, shows
@@ -31,7 +32,11 @@ def add(commands: Commands) -> None:
         " size",
     )
     add_plane(parser, f"a bound of which is searched for (needs casadi; takes {usual('bound', 'robot')})")
-    parser.add_argument("--save", action="store_true", help="write bound.json too, the gait for --gait and Gait.load")
+    parser.add_argument(
+        "--save",
+        action="store_true",
+        help="write bound.json too, with --space bound_in_space.json: the gait for --gait and Gait.load",
+    )
     bound_in_space.add(parser)
     add_simulation(parser, 5, "strides", "bound.html")
     parser.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
@@ -44,12 +49,10 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     bound_in_space.check(arguments)
     if arguments.space:
         check_simulation(arguments)
-        return bound_in_space.run(arguments, *_gait(arguments))
-    from dataclasses import asdict
-
+        return bound_in_space.run(arguments, _gait)
     from spear_pin import simulate
     from spear_pin.studies.bound import summarize
-    from spear_pin.studies.joint_limits import doubts, excesses
+    from spear_pin.studies.joint_limits import plausibility
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
     from spear_pin.viz.plots import save_figure
@@ -60,28 +63,22 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     check_simulation(arguments)
     name, gait, notes = _gait(arguments)
     trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step)
+    end = lost(trajectory, "stride")
     samples = trajectory.save(arguments.out / "bound.npz")  # before all that could fail or be interrupted
     saved = [gait.save(arguments.out / "bound.json")] if arguments.save else []
     robot = gait.system.robot
-    excess = [] if robot.cut is None else excesses(robot, trajectory)
-    doubt = doubts(gait, excess)
-    summary = {
-        "gait": name,
-        **summarize(gait, trajectory),
-        "beyond_limits": [asdict(each) for each in excess],
-        "implausible": doubt,
-    }
+    summary = {"gait": name, "lost": end, **summarize(gait, trajectory), **plausibility(gait, trajectory)}
     if robot.cut is not None:
         summary |= {"cut": str(robot.cut), **_searched(gait, summary["friction_used"])}
     title = f"{called(robot)} bounding at {summary['speed']:.2f} m/s"
     shown = shortened(robot, trajectory)
     page, plots = arguments.out / "bound.html", arguments.out / "bound.svg"
     pictures = {
-        page: lambda path: record(robot, shown, path, title=title),
+        page: lambda path: record(robot, shown, path, title=title, notes=notes_of(summary)),
         plots: lambda path: save_figure(bound_summary(trajectory, gait), path),
     }
     files = [page, samples, plots, *saved]
-    told = [*notes, *_of_the_search(summary), *rests_on(robot), *doubted(doubt)]
+    told = [*notes, *_of_the_search(summary), *rests_on(robot), *doubted(summary["implausible"])]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
@@ -166,6 +163,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         "force": "when the normal force is zero",
     }[summary["lift_off"]]
     rows = [
+        *ended(summary["lost"]),
         ("gait", summary["gait"]),
         ("speed", f"{summary['speed']:.4f} m/s"),
         ("stride", f"{summary['stride']:.4f} m in {summary['period']:.4f} s"),

@@ -97,12 +97,25 @@ def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str
     robot = _whose(arguments)
     postures = _postures(robot)
     writers = {"mjcf": to_mjcf, "srdf": to_srdf}
-    texts = {path: writers[form](robot, postures) for form, path in paths.items()}
-    for path, text in texts.items():
-        write_text(path, text)
+    texts = {path: writers[form](robot, postures) for form, path in paths.items()}  # what cannot be said is refused
     names = ["home", *postures]
     rows = [("robot", f"{robot.name}, {robot.mass:.4g} kg"), ("postures", ", ".join(names))]
-    return {"robot": robot.name, "mass": robot.mass, "postures": names, "rows": rows}
+    meshes: list[str] = []
+    if "mjcf" in paths and robot.cut is None:
+        from spear_pin.viz.mesh_files import write_meshes
+
+        path = paths["mjcf"]
+        written, notes = write_meshes(robot, path.with_name(f"{path.stem}_meshes"))
+        texts[path] = to_mjcf(robot, postures, written)
+        if not robot.toes:
+            rows.append(("toes", "none: --toes names frames that meet the ground; the trunk does, legs do not"))
+        meshes = [str(path.parent / mesh.file) for mesh in written]
+        if meshes:
+            rows.append(("meshes", f"{len(meshes)}, in {path.with_name(f'{path.stem}_meshes')}"))
+        rows += [("shapes", note) for note in notes]
+    for path, text in texts.items():
+        write_text(path, text)
+    return {"robot": robot.name, "mass": robot.mass, "postures": names, "meshes": meshes, "rows": rows}
 
 
 def _whose(arguments: argparse.Namespace) -> Robot:

@@ -50,7 +50,8 @@ def bounding_gait(name: str, speed: float | None) -> tuple[str, Gait]:
         name = min(speeds, key=lambda other: abs(speeds[other] - speed))
     gait = Gait.load(library.path(name) if name in library.names() else name)
     if gait.system.kind != "bounding":
-        raise BadValue("--gait", name, f"a bounding gait; this one is of the kind {gait.system.kind!r}")
+        where = "; --space plays it" if gait.system.kind == "bounding_in_space" else ""
+        raise BadValue("--gait", name, f"a bounding gait; this one is of the kind {gait.system.kind!r}{where}")
     return name, gait
 
 

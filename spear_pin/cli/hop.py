@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
+from spear_pin.cli.endings import ended, lost, notes_of
 from spear_pin.cli.legs import add_leg, called, doubted, one_leg, rests_on, stability
 from spear_pin.cli.output import aligned, iterations, listed, progress, shows
 from spear_pin.errors import BadValue, NoGait, SpearError
@@ -59,7 +60,7 @@ def add(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Solve the hop, simulate it and write its files."""
-    from dataclasses import asdict, replace
+    from dataclasses import replace
 
     from spear_pin import Ground, HoppingLaw, Spring, hopping, load, simulate
     from spear_pin.cli import hop_round
@@ -69,7 +70,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.model.scale import scale_of
     from spear_pin.studies.hop import summarize
     from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
-    from spear_pin.studies.joint_limits import doubts, excesses
+    from spear_pin.studies.joint_limits import plausibility
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
     from spear_pin.viz.plots import hop_summary, save_figure
@@ -124,25 +125,24 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     trajectory = simulate(
         with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step
     )
+    end = lost(trajectory, "hop")
     samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
     saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
-    excess = excesses(robot, trajectory)
-    doubt = doubts(gait, excess)
-    summary = summarize(gait, trajectory) | {"beyond_limits": [asdict(each) for each in excess], "implausible": doubt}
+    summary = {"lost": end, **summarize(gait, trajectory), **plausibility(gait, trajectory)}
     if robot.cut is not None:
         summary["cut"] = str(robot.cut)
-    if trajectory.electrical is not None and trajectory.cycles:
+    if trajectory.electrical is not None:
         summary["electrical"] = {flow: trajectory.electrical[flow].mean() for flow in trajectory.electrical.flows}
         summary["peak_current"] = dict(zip(trajectory.actuated, abs(trajectory.current).max(axis=0), strict=True))
     shown = shortened(robot, trajectory)
     page, plots = arguments.out / "hop.html", arguments.out / "hop.svg"
+    title = f"{called(robot)} hopping in place"
     pictures: dict[Path, Callable[[Path], object]] = {
-        page: lambda path: record(robot, shown, path, title=f"{called(robot)} hopping in place")
+        page: lambda path: record(robot, shown, path, title=title, notes=notes_of(summary)),
+        plots: lambda path: save_figure(hop_summary(trajectory, gait), path),
     }
-    if trajectory.cycles:
-        pictures[plots] = lambda path: save_figure(hop_summary(trajectory, gait), path)
-    told = [*notes, *rests_on(robot), *doubted(doubt)]
-    files = [page, samples, *([plots] if plots in pictures else []), *saved]
+    told = [*notes, *rests_on(robot), *doubted(summary["implausible"])]
+    files = [page, samples, plots, *saved]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
@@ -199,6 +199,7 @@ def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
 
 def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
     rows = [
+        *ended(summary["lost"]),
         ("stance torque", f"{summary['stance_torque']:.4f} N·m"),
         ("commanded hip, knee", f"{summary['hip_touchdown']:.4f}, {summary['knee_touchdown']:.4f} rad"),
         ("flight, stance", f"{summary['flight_time']:.4f} s, {summary['stance_time']:.4f} s"),
@@ -224,8 +225,6 @@ def _touches(summary: dict[str, Any]) -> str:
 
 
 def _motors(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    if not summary["cycles"]:
-        return []
     work = {flow.removeprefix("motor_"): e for flow, e in summary["energy"].items() if flow.startswith("motor_")}
     parts = ", ".join(f"{joint} {energy:.2f} J" for joint, energy in work.items())
     return [

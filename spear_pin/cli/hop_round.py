@@ -6,6 +6,7 @@ import argparse
 import math
 from typing import Any
 
+from spear_pin.cli.endings import ended, lost, notes_of
 from spear_pin.cli.legs import called, doubted, stability
 from spear_pin.cli.output import aligned, iterations, listed, shows
 from spear_pin.errors import BadValue
@@ -42,11 +43,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         BadValue: an option was given that its law does not have.
         NoGait: it has none.
     """
-    from dataclasses import asdict, replace
+    from dataclasses import replace
 
     from spear_pin import Contact, find_gait, load, simulate
     from spear_pin.gaits.round_hopping import round_hopping
-    from spear_pin.studies.joint_limits import doubts, excesses
+    from spear_pin.studies.joint_limits import plausibility
     from spear_pin.studies.round_hop import summarize_round
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
@@ -63,25 +64,21 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     with iterations() as tell:
         gait = find_gait(system, on_iteration=tell)
     trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step)
+    end = lost(trajectory, "hop")
     samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
     saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
-    excess = excesses(robot, trajectory)
-    doubt = doubts(gait, excess)
-    summary = summarize_round(gait, trajectory)
-    summary |= {
-        "friction": arguments.friction,
-        "beyond_limits": [asdict(each) for each in excess],
-        "implausible": doubt,
-    }
+    summary = {"lost": end, **summarize_round(gait, trajectory), **plausibility(gait, trajectory)}
+    summary |= {"friction": arguments.friction}
     shown = shortened(robot, trajectory)
     page = arguments.out / "hop.html"
     files = [page, samples, *saved]
+    title = f"{called(robot)} hopping round its post"
     return summary | {
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
-        "pictures": {page: lambda path: record(robot, shown, path, title=f"{called(robot)} hopping round its post")},
+        "pictures": {page: lambda path: record(robot, shown, path, title=title, notes=notes_of(summary))},
         "opened": page,
-        "text": _text(summary, [*doubted(doubt), *shows(shown), *listed(arguments.out, "hop", files)]),
+        "text": _text(summary, [*doubted(summary["implausible"]), *shows(shown), *listed(arguments.out, "hop", files)]),
     }
 
 
@@ -90,6 +87,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
     way = "to the left" if turn > 0 else "to the right"
     limit = "no limit" if summary["friction"] is None else f"of {summary['friction']:g}, {summary['slips']} slips"
     rows = [
+        *ended(summary["lost"]),
         ("round the post", f"{abs(turn):.2f}° a hop {way}, {abs(summary['speed']):.4f} m/s"),
         ("flight, stance", f"{summary['flight_time']:.4f} s, {summary['stance_time']:.4f} s"),
         *([("apex of the hip", f"{summary['apex_height']:.4f} m")] if summary["apex_height"] is not None else []),
@@ -100,7 +98,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         ("multipliers", ", ".join(f"{value:.4f}" for value in summary["multipliers"])),
         ("", stability(summary["multipliers"], summary["implausible"])),
         ("fixed point", f"residual {summary['residual']:.1e}"),
-        *([("energy ledger", f"closes to {summary['energy_residual']:.1e} J a hop")] if summary["cycles"] else []),
+        ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a hop"),
         ("simulated", f"{summary['cycles']} hops ({summary['reason']})"),
         *files,
     ]

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 NAMES = {"spear_ii": "SPEAR-II", "q_spear": "Q-SPEAR", "q_spear_full": "Q-SPEAR", "hoppy": "HOPPY"}
 OPTIONS = ("leg", "side", "body", "repair")
+SEEN = 1e-3  # modulus of a multiplier, below which it is counted, not written
 ROBOT = "name of a robot, or path of a URDF, MJCF or TOML file"
 SIDE = "1 forward, where the file does not tell"
 BODY = "mass on the slider (default: the leg's share)"
@@ -229,8 +230,37 @@ def doubted(doubts: Sequence[str]) -> list[tuple[str, str]]:
     return [("" if i else "implausible", doubt) for i, doubt in enumerate(doubts)]
 
 
-def stability(multipliers: Any, doubts: Sequence[str]) -> str:
-    """Whether a gait is stable, in words; of one that is implausible that is said with it."""
-    largest = abs(multipliers[0])
-    said = f"largest {largest:.4f}: {'stable' if largest < 1 else 'unstable'}"
+def stability(multipliers: Any, doubts: Sequence[str], kind: str | None = None) -> str:
+    """Say whether a gait is stable, and of one that is implausible that too.
+
+    Args:
+        multipliers: all of them, the largest first.
+        doubts: what makes the gait implausible.
+        kind: whether the largest one is "along" or "lateral", if that is known.
+    """
+    largest = abs(complex(multipliers[0]))
+    of_kind = "" if kind is None else f", {kind}"
+    said = f"largest {largest:.4f}{of_kind}: {'stable' if largest < 1 else 'unstable'}"
     return f"{said} as computed, but implausible, see below" if doubts else said
+
+
+def of_the_section(
+    name: str, multipliers: Any, kinds: Sequence[str | None], doubts: Sequence[str] = (), by: str = ""
+) -> list[tuple[str, str]]:
+    """Rows with a verdict, and moduli of all multipliers of a section in space that it follows from.
+
+    Args:
+        name: of the rows, such as "with feedback".
+        multipliers: all of them, the largest first.
+        kinds: of each "along" or "lateral", or None where these are one.
+        doubts: what makes the gait implausible.
+        by: what a cycle is, where it is not a stride.
+    """
+    moduli = [abs(complex(each)) for each in multipliers]
+    rows = [(name, stability(multipliers, doubts, kinds[0]) + (f", by {by}" if by else ""))]
+    for kind in dict.fromkeys(kinds):
+        own = [size for size, of in zip(moduli, kinds, strict=True) if of == kind]
+        seen = [f"{size:.3f}" for size in own if size >= SEEN]
+        small = [f"{len(own) - len(seen)} below {SEEN:g}"] if len(seen) < len(own) else []
+        rows.append(("", f"{kind or 'all'}: {', '.join([*seen, *small])}"))
+    return rows

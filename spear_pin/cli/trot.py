@@ -7,8 +7,9 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
-from spear_pin.cli.bound_in_space import joint_in_words, pushed
-from spear_pin.cli.legs import called, stability
+from spear_pin.cli.bound_in_space import check_push, joint_in_words, pushed, sections
+from spear_pin.cli.endings import ended, lost, notes_of, patience
+from spear_pin.cli.legs import called, doubted
 from spear_pin.cli.output import aligned, listed, progress, shows
 from spear_pin.errors import BadValue
 
@@ -41,40 +42,45 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Hold the gait by feedback, simulate it and write its files."""
     check_simulation(arguments)
-    if not math.isfinite(arguments.push):
-        raise BadValue("--push", arguments.push, "a finite number, in m/s")
+    check_push(arguments.push)
     from spear_pin import simulate
-    from spear_pin.gaits.orbits.balance import balanced
+    from spear_pin.gaits.orbits.balance import balance
     from spear_pin.gaits.spatial.law import INPUTS
     from spear_pin.gaits.spatial.trot_law import TrotLaw
-    from spear_pin.studies.bound.in_space import summarize_in_space
+    from spear_pin.studies.bound.in_space import multipliers_of, summarize_in_space
+    from spear_pin.studies.joint_limits import plausibility
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.space import space_summary
 
-    gait = alone = _gait(arguments.gait)
+    gait, found = _gait(arguments.gait), None
     in_a_stride = 2 if gait.system.mirrored_toes else 1
-    files = []
     with progress() as show:
         if not gait.system.law.feedback:
             show("finding feedback")
-            gait = balanced(gait, None if isinstance(gait.system.law, TrotLaw) else INPUTS)
-            files = [gait.save(arguments.out / "trot_steady.json")]
+            found = balance(gait, None if isinstance(gait.system.law, TrotLaw) else INPUTS)
+            gait = found.gait
         show(f"simulating {arguments.cycles} strides")
         start, cycles = pushed(gait, arguments.push), in_a_stride * arguments.cycles
-        trajectory = simulate(gait.system, start, cycles, arguments.rtol, max_step=arguments.max_step, progress=False)
+        most = patience(cycles)
+        options = {"max_step": arguments.max_step, "max_evaluations": most, "progress": False}
+        trajectory = simulate(gait.system, start, cycles, arguments.rtol, **options)
+    end = lost(trajectory, "stride", in_a_stride, "a smaller --push" if arguments.push else "")
+    files = [] if found is None else [gait.save(arguments.out / "trot_steady.json")]
     samples = trajectory.save(arguments.out / "trot.npz")
-    found = summarize_in_space(gait, trajectory)
-    strides = {"cycles": found["cycles"] // in_a_stride, "stride_time": in_a_stride * found["period"]}
+    figures = summarize_in_space(gait, trajectory)
+    strides = {"cycles": figures["cycles"] // in_a_stride, "stride_time": in_a_stride * figures["period"]}
     summary = {
         "gait": arguments.gait,
         "goes": GOES[gait.system.kind],
         "push": arguments.push,
         "in_a_stride": in_a_stride,
-        "multipliers_without_feedback": alone.multipliers.tolist() if files else None,
-        **found,
+        "lost": end,
+        **figures,
         **strides,
+        **multipliers_of(gait, found),
+        **plausibility(gait, trajectory),
     }
     robot = gait.system.robot
     shown = shortened(robot, trajectory)
@@ -85,11 +91,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
         "pictures": {
-            page: lambda path: record(robot, shown, path, title=title),
+            page: lambda path: record(robot, shown, path, title=title, notes=notes_of(summary)),
             plots: lambda path: save_figure(space_summary(trajectory, DRAWN * in_a_stride), path),
         },
         "opened": page,
-        "text": _text(summary, [*shows(shown), *listed(arguments.out, "trot", files)]),
+        "text": _text(
+            summary, [*doubted(summary["implausible"]), *shows(shown), *listed(arguments.out, "trot", files)]
+        ),
     }
 
 
@@ -111,13 +119,12 @@ def _gait(name: str) -> Gait:
 
 def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
     by = "half a stride" if summary["in_a_stride"] == 2 else "a stride"
-    alone = summary["multipliers_without_feedback"]
     rows = [
+        *ended(summary["lost"]),
         ("gait", f"{summary['gait']}, a {summary['goes']} in space"),
         ("speed", f"{summary['speed']:.4f} m/s, a stride in {summary['stride_time']:.4f} s"),
         ("fixed point", f"residual {summary['residual']:.1e}, by {by}"),
-        *([("without feedback", f"{stability(alone, [])}, by {by}")] if alone else []),
-        ("with feedback", f"{stability(summary['multipliers'], [])}, by {by}"),
+        *sections(summary, by),
         ("push", f"{summary['push']:g} m/s to the left"),
         ("at the end", f"{summary['aside']:.3f} m aside, heading {math.degrees(summary['heading']):.2f}°"),
         ("largest roll", f"{math.degrees(summary['largest_roll']):.2f}°"),

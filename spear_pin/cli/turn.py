@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
 from spear_pin.cli.bound_in_space import joint_in_words
+from spear_pin.cli.endings import ended, lost, notes_of, patience
 from spear_pin.cli.gaits import BOUND, bounding_gait
-from spear_pin.cli.legs import called, stability
+from spear_pin.cli.legs import called, doubted, of_the_section
 from spear_pin.cli.output import aligned, listed, progress, shows
 from spear_pin.errors import BadValue
+from spear_pin.words import significant
 
 if TYPE_CHECKING:
     from spear_pin.gaits.gait import Gait
@@ -52,6 +54,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             raise BadValue(f"--{name}", given, "a finite number other than 0, in °")
     from spear_pin import simulate
     from spear_pin.studies.bound.turn import summarize_turn
+    from spear_pin.studies.joint_limits import plausibility
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record, shortened
     from spear_pin.viz.plots import save_figure
@@ -60,27 +63,31 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     saved = _saved(arguments)
     with progress() as show:
         name, gait = (arguments.gait, saved) if saved is not None else _found(arguments, show)
-        files = [] if saved is not None else [gait.save(arguments.out / "turn.json")]
         show(f"simulating {arguments.cycles} strides")
-        trajectory = simulate(
-            gait.system, gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step, progress=False
-        )
+        most = patience(arguments.cycles)
+        options = {"max_step": arguments.max_step, "max_evaluations": most, "progress": False}
+        trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol, **options)
+    end = lost(trajectory, "stride")
+    files = [] if saved is not None else [gait.save(arguments.out / "turn.json")]
     samples = trajectory.save(arguments.out / "turn.npz")
-    summary = {"gait": name, **summarize_turn(gait, trajectory)}
+    summary = {"gait": name, "lost": end, **summarize_turn(gait, trajectory), **plausibility(gait, trajectory)}
     robot = gait.system.robot
     shown = shortened(robot, trajectory)
     page, plots = arguments.out / "turn.html", arguments.out / "turn.svg"
-    title = f"{called(robot)} turning by {math.degrees(summary['rate']):.1f}°/s at {summary['speed']:.2f} m/s"
+    side, rate = _side(summary), significant(math.degrees(abs(summary["rate"])))
+    title = f"{called(robot)} turning {side} by {rate}°/s at {summary['speed']:.2f} m/s"
     files = [page, samples, plots, *files]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
         "pictures": {
-            page: lambda path: record(robot, shown, path, title=title),
+            page: lambda path: record(robot, shown, path, title=title, notes=notes_of(summary)),
             plots: lambda path: save_figure(space_summary(trajectory, DRAWN), path),
         },
         "opened": page,
-        "text": _text(summary, [*shows(shown), *listed(arguments.out, "turn", files)]),
+        "text": _text(
+            summary, [*doubted(summary["implausible"]), *shows(shown), *listed(arguments.out, "turn", files)]
+        ),
     }
 
 
@@ -133,19 +140,25 @@ def _found(arguments: argparse.Namespace, show: Any) -> tuple[str, Gait]:
     return name, turning(straight, math.radians(angle), on_stride=tell, on_turn=further)
 
 
+def _side(summary: dict[str, Any]) -> str:
+    return "left" if summary["turn"] > 0 else "right"
+
+
 def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
-    side = "left" if summary["turn"] > 0 else "right"
     turn, rate, roll, drift = (math.degrees(summary[name]) for name in ("turn", "rate", "mean_roll", "drift"))
+    values = summary["multipliers"]
+    name = "with feedback" if summary["feedback"] else "without feedback"
     rows = [
-        ("gait", f"{summary['gait']}, turning to the {side}"),
-        ("turn", f"{abs(turn):.3f}° a stride, {abs(rate):.2f}°/s"),
+        *ended(summary["lost"]),
+        ("gait", f"{summary['gait']}, turning to the {_side(summary)}"),
+        ("turn", f"{significant(abs(turn), 4)}° a stride, {significant(abs(rate), 4)}°/s"),
         ("speed", f"{summary['speed']:.4f} m/s, a stride in {summary['period']:.4f} s"),
         ("radius", f"{summary['radius']:.3f} m"),
         ("lateral acceleration", f"{summary['lateral_acceleration']:.3f} m/s²"),
         ("roll", f"{roll:.2f}° to the right in the mean, {math.degrees(summary['largest_roll']):.2f}° at most"),
         ("drift", f"{drift:.2f}° from the heading to the way, to the left"),
         ("fixed point", f"residual {summary['residual']:.1e}"),
-        ("multipliers", stability(summary["multipliers"], [])),
+        *of_the_section(name, values, [None] * len(values), summary["implausible"]),
         *((part, joint_in_words(summary["joints"][part])) for part in ("adduction", "hip", "knee")),
         ("friction used", f"{summary['friction_used']:.2f}, across {summary['friction_used_across']:.2f}"),
         ("slips", f"{summary['slips']}"),

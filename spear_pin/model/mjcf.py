@@ -7,7 +7,8 @@ the file is written here, from the model as loaded, varied and locked. MuJoCo ne
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from numpy.typing import ArrayLike
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.kinds import typed
+from spear_pin.model.chain import CHAIN
 from spear_pin.model.document import document
 from spear_pin.model.inertial import fault_of
 from spear_pin.model.postures import checked, home
@@ -42,16 +44,35 @@ NOTE = """
 """
 
 
+@dataclass(frozen=True)
+class MeshFile:
+    """A mesh that an MJCF file shows.
+
+    Attributes:
+        joint: index of the joint that moves it, in whose frame its corners are.
+        file: its path, from the folder of the MJCF file.
+        color: red, green, blue and alpha, each in 0..1.
+    """
+
+    joint: int
+    file: str
+    color: tuple[float, ...]
+
+
 @typed
-def to_mjcf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> str:
-    """The text of an MJCF file with the robot: mass matrix and bias in MuJoCo are the robot's own.
+def to_mjcf(
+    robot: Robot, postures: Mapping[str, ArrayLike] | None = None, meshes: Sequence[MeshFile] | None = None
+) -> str:
+    """Write a robot as the text of an MJCF file: mass matrix and bias in MuJoCo are the robot's own.
 
     It has a body for each joint, a site for each toe, a motor for each transmission, the boxes, cylinders and spheres
-    that the URDF shows, the ground, and the postures as keyframes.
+    that the URDF shows, the ground, and the postures as keyframes. The toes and the trunk meet the ground: the trunk by
+    the boxes, cylinders and spheres of its `<collision>`, where it has none by what it shows, of meshes their hulls.
 
     Args:
         robot: as loaded, varied or with joints locked.
         postures: configurations, (nq,) each, by name, beside "home" (see `postures.home`).
+        meshes: files of what the URDF shows by meshes; None: these are left out.
 
     Raises:
         BadValue: the robot has a joint that neither turns nor slides about one axis nor floats from the origin, an
@@ -75,7 +96,7 @@ def to_mjcf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> st
     _add(world, "light", directional="true", castshadow="false", pos=(0, 0, 4), dir=(0.3, 0.4, -1))
     _add(world, "geom", name="ground", type="plane", size=(0, 0, 1), material="ground", friction=SLIDING)
     elements = _add_bodies(robot.model, world)
-    _add_shapes(robot, elements)
+    _add_shapes(robot, elements, assets, meshes)
     _add_toes(robot, elements)
     _add_motors(robot, root)
     keys = _add(root, "keyframe")
@@ -155,35 +176,68 @@ def _add_joint(model: pin.Model, joint: int, body: Any) -> None:
             element.set(name, _numbers(values[row]))
 
 
-def _add_shapes(robot: Robot, elements: list[Any]) -> None:
-    """Add the shapes that the URDF shows, read by Pinocchio; files of meshes are not read."""
+def _add_shapes(robot: Robot, elements: list[Any], assets: Any, meshes: Sequence[MeshFile] | None) -> None:
+    """Add what the URDF shows, and for the trunk what meets the ground; primitives are read by Pinocchio."""
     if robot.cut is not None:
         elements[0].addprevious(
             etree.Comment(f" shapes are left out: it is cut out of {robot.cut.of.replace('-', '_')} ")
         )
         return
     urdf = document(robot)
-    for visual in list(urdf.iter("visual")):
-        if visual.find("geometry/mesh") is not None:
-            name = visual.getparent().get("name").replace("-", "_")  # XML allows no "--" in a comment
-            elements[0].addprevious(etree.Comment(f" a mesh of link {name} is left out "))
-            visual.getparent().remove(visual)
-    text = str(etree.tostring(urdf, encoding="unicode"))
+    for tag in ("visual", "collision"):
+        for each in list(urdf.iter(tag)):
+            if each.find("geometry/mesh") is not None:
+                if tag == "visual" and meshes is None:
+                    name = each.getparent().get("name").replace("-", "_")  # XML allows no "--" in a comment
+                    elements[0].addprevious(etree.Comment(f" a mesh of link {name} is left out "))
+                each.getparent().remove(each)
     try:
-        shapes = pin.buildGeomFromUrdfString(robot.model, text, pin.GeometryType.VISUAL).geometryObjects
+        text = str(etree.tostring(urdf, encoding="unicode"))
+        shown, solid = (
+            list(pin.buildGeomFromUrdfString(robot.model, text, kind).geometryObjects)
+            for kind in (pin.GeometryType.VISUAL, pin.GeometryType.COLLISION)
+        )
     except (ValueError, RuntimeError):
         elements[0].addprevious(etree.Comment(" the shapes are left out: some are not valid "))
-        return
-    for shape in shapes:
-        kind, color = shape.meshPath, " ".join(f"{part:.4g}" for part in shape.meshColor)
-        geom = _add(elements[shape.parentJoint], "geom", type=kind.lower(), size=_size(kind, shape.geometry))
-        geom.attrib.update({**_place(shape.placement), "rgba": color, **UNTOUCHED})
+        shown, solid = [], []
+    for shape in shown:
+        _add_geom(shape, elements, **UNTOUCHED, rgba=" ".join(f"{part:.4g}" for part in shape.meshColor))
+    for i, mesh in enumerate(meshes or ()):
+        _add(assets, "mesh", name=f"mesh_{i}", file=mesh.file, inertia="shell")
+        color = " ".join(f"{part:.4g}" for part in mesh.color)
+        _add(elements[mesh.joint], "geom", type="mesh", mesh=f"mesh_{i}", rgba=color, **UNTOUCHED)
+    trunk = trunk_of(robot)
+    firm = [shape for shape in solid if shape.parentJoint in trunk]
+    hulls = [] if firm else [i for i, mesh in enumerate(meshes or ()) if mesh.joint in trunk]
+    for shape in firm or [shape for shape in shown if shape.parentJoint in trunk]:
+        _add_geom(shape, elements, **ON_GROUND, friction=_numbers(SLIDING))
+    for i in hulls:
+        joint = (meshes or ())[i].joint
+        _add(elements[joint], "geom", type="mesh", mesh=f"mesh_{i}", friction=SLIDING, **ON_GROUND)
+    if trunk and not (firm or hulls or any(shape.parentJoint in trunk for shape in shown)):
+        elements[0].addprevious(etree.Comment(" the trunk has no shape here: it does not meet the ground "))
+
+
+def trunk_of(robot: Robot) -> set[int]:
+    """Find the joints that move the trunk, from which legs hang; without legs that of a floating base."""
+    model = robot.model
+    first = {leg.hip if leg.abduction is None else leg.abduction for leg in robot.legs}
+    floating = (
+        {len(CHAIN)} if robot.coordinates[: len(CHAIN)] == CHAIN else {1} if model.joints[1].nv == FREE else set()
+    )
+    return {int(model.parents[model.getJointId(joint)]) for joint in first} - {0} or floating
+
+
+def _add_geom(shape: Any, elements: list[Any], **attributes: str) -> None:
+    kind = shape.meshPath
+    geom = _add(elements[shape.parentJoint], "geom", type=kind.lower(), size=_size(kind, shape.geometry))
+    geom.attrib.update({**_place(shape.placement), **attributes})
 
 
 def _size(kind: str, solid: Any) -> ArrayLike:
     if kind == "BOX":
         return np.array(solid.halfSide)
-    return (solid.radius, solid.halfLength) if kind == "CYLINDER" else solid.radius
+    return (solid.radius, solid.halfLength) if kind in ("CYLINDER", "CAPSULE") else solid.radius
 
 
 def _add_toes(robot: Robot, elements: list[Any]) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
@@ -37,7 +38,8 @@ class Excess:
     unit: str
 
     def __str__(self) -> str:
-        return f"{self.what} of the {self.joint} {self.value:.3g}, its limit {self.limit:.3g} {self.unit}"
+        one = " (one motor)" * (self.what == "torque" and motors_at(self.joint) > 1)
+        return f"{self.what} of the {self.joint}{one} {self.value:.3g}, its limit {self.limit:.3g} {self.unit}"
 
 
 @typed
@@ -80,3 +82,18 @@ def doubts(gait: Gait, found: Sequence[Excess] = ()) -> tuple[str, ...]:
             f"multipliers all below {FORGOTTEN:g}: each cycle forgets the last, as where torques outweigh the robot"
         )
     return tuple(said)
+
+
+@typed
+def plausibility(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
+    """Say what a motion that is played exceeds, and why its gait is not to be believed.
+
+    Args:
+        gait: the gait.
+        trajectory: its motion, or one that was pushed away from it.
+
+    Returns:
+        beyond_limits: `excesses`, each as a dictionary; implausible: `doubts`, in words.
+    """
+    found = excesses(gait.system.robot, trajectory)
+    return {"beyond_limits": [asdict(each) for each in found], "implausible": doubts(gait, found)}

@@ -2,21 +2,34 @@
 
 import pytest
 
-from spear_pin import Trajectory
+from spear_pin import Gait, Trajectory
 from tests.cli.calls import printed, refused
 
 
 @pytest.mark.slow
 def test_a_push_is_recovered_from(capsys, tmp_path):
-    result = printed(capsys, "bound", "--space", "--push", 0.1, "--cycles", 6, "--out", tmp_path)
+    result = printed(capsys, "bound", "--space", "--push", 0.1, "--cycles", 6, "--save", "--out", tmp_path)
     assert result["reason"] == "complete" and result["cycles"] == 6
-    assert abs(complex(*result["multipliers_without_feedback"][0])) == pytest.approx(1.569, abs=5e-3)
-    assert abs(complex(*result["multipliers"][0])) < 0.55
+    for of, lateral, along in (("_without_feedback", 1.569, 1.0674), ("", 0.308, 1.0674)):
+        moduli = [abs(complex(*each)) for each in result[f"multipliers{of}"]]
+        kinds = result[f"kinds{of}"]
+        assert len(moduli) == len(kinds) == 32
+        assert moduli[kinds.index("lateral")] == pytest.approx(lateral, abs=5e-3)
+        assert moduli[kinds.index("along")] == pytest.approx(along, abs=1e-4)
+        assert result[f"stable{of}"] is False
+    assert result["lost"] is None and result["beyond_limits"] == [] and result["implausible"] == []
     assert result["residual"] <= 1e-9 and result["energy_residual"] <= 1e-8
     assert 0.0 < result["joints"]["adduction"]["range"] < result["joints"]["knee"]["range"]
     motion = Trajectory.load(tmp_path / "bound_in_space.npz")
     assert motion.force.shape[1:] == (4, 3) and motion.load_robot().coordinates[:3] == motion.coordinates[:3]
     assert (tmp_path / "bound_in_space.html").stat().st_size < 5_000_000
+    kept = tmp_path / "bound_in_space.json"
+    assert str(kept) in result["files"] and Gait.load(kept).system.law.feedback
+    assert "--space plays it" in refused(capsys, "bound", "--gait", kept, "--out", tmp_path)
+    assert "has feedback" in refused(capsys, "bound", "--space", "--gait", kept, "--keep-heading", "--out", tmp_path)
+    again = printed(capsys, "bound", "--space", "--gait", kept, "--push", 0.1, "--cycles", 6, "--out", tmp_path)
+    assert again["multipliers"] == result["multipliers"] and again["multipliers_without_feedback"] is None
+    assert again["aside"] == pytest.approx(result["aside"], abs=1e-9) and again["inputs"] == result["inputs"]
 
 
 @pytest.mark.parametrize(
@@ -25,8 +38,8 @@ def test_a_push_is_recovered_from(capsys, tmp_path):
         (("--push", 0.1), "--space"),
         (("--keep-heading",), "--space"),
         (("--space", "--speed", 2.0), "--speed"),
-        (("--space", "--save"), "--save"),
         (("--space", "--push", "nan"), "--push"),
+        (("--space", "--push", 1e4), "within ±1000"),
     ],
 )
 def test_refused(capsys, tmp_path, options, said):

@@ -9,6 +9,7 @@ import pytest
 from spear_pin import Gait, Trajectory, simulate
 from spear_pin.cli.durations import usual
 from spear_pin.gaits.orbits import balance
+from spear_pin.gaits.orbits.parity import merged
 from spear_pin.gaits.spatial.trot_law import TROT_INPUTS
 from tests.cli.calls import printed, refused, run
 
@@ -17,6 +18,11 @@ def held(gait, inputs=TROT_INPUTS):
     """The gait with feedback that does nothing."""
     nothing = tuple(map(tuple, np.zeros((len(inputs or TROT_INPUTS), 36))))
     return gait.with_law(feedback=nothing, nominal=tuple(np.concatenate(gait.state)))
+
+
+def unregulated(gait, inputs=TROT_INPUTS):
+    of = merged({None: gait.multipliers})
+    return balance.Balance(held(gait, inputs), of, of)
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +36,8 @@ def test_a_gait_with_feedback_is_played(capsys, tmp_path, steady):
     assert result["goes"] == "trot" and result["in_a_stride"] == 2 and result["cycles"] == 2
     assert result["stride_time"] == pytest.approx(0.459, abs=1e-3) and result["speed"] == pytest.approx(2.0, abs=0.01)
     assert result["residual"] <= 1e-9 and result["slips"] == 0 and result["energy_residual"] < 1e-8
-    assert result["multipliers_without_feedback"] is None
+    assert result["multipliers_without_feedback"] is None and result["stable"] is False
+    assert result["lost"] is None and result["beyond_limits"] == []
     assert Trajectory.load(tmp_path / "trot.npz").cycles == 4
     assert result["files"] == [str(tmp_path / f"trot.{suffix}") for suffix in ("html", "npz", "svg")]
     assert all(Path(file).stat().st_size > 10_000 for file in result["files"])
@@ -38,11 +45,13 @@ def test_a_gait_with_feedback_is_played(capsys, tmp_path, steady):
 
 @pytest.mark.slow
 def test_feedback_is_found_and_kept(capsys, tmp_path, monkeypatch):
-    monkeypatch.setattr(balance, "balanced", held)
+    monkeypatch.setattr(balance, "balance", unregulated)
     status, out, _ = run(capsys, "trot", "pace", "--push", 0.01, "--cycles", 1, "--out", tmp_path)
     said = dict(line.split("  ", maxsplit=1) for line in out.splitlines())
     assert status == 0 and said["gait"].strip() == "pace, a pace in space"
-    assert "unstable" in said["without feedback"] and said["push"].strip() == "0.01 m/s to the left"
+    assert (
+        "unstable" in said["without feedback"] and "all: 1.5" in out and said["push"].strip() == "0.01 m/s to the left"
+    )
     kept = Gait.load(tmp_path / "trot_steady.json")
     assert kept.system.law.feedback
     q, v = kept.state
@@ -53,7 +62,7 @@ def test_feedback_is_found_and_kept(capsys, tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_a_pronk_is_held_by_all_inputs(capsys, tmp_path, monkeypatch):
-    monkeypatch.setattr(balance, "balanced", held)
+    monkeypatch.setattr(balance, "balance", unregulated)
     result = printed(capsys, "trot", "pronk", "--cycles", 1, "--out", tmp_path)
     assert result["goes"] == "pronk" and result["in_a_stride"] == 1 and result["cycles"] == 1
     assert result["stride_time"] == pytest.approx(0.289, abs=1e-3) and result["speed"] == pytest.approx(2.0, abs=1e-6)

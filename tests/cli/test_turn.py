@@ -31,12 +31,25 @@ def test_a_kept_turn_is_played(capsys, tmp_path):
     assert np.arctan2(y, x) == pytest.approx(result["turn"] + result["drift"], abs=1e-6)
     assert result["files"] == [str(tmp_path / f"turn.{suffix}") for suffix in ("html", "npz", "svg")]
     assert all(Path(file).stat().st_size > 10_000 for file in result["files"])
+    assert "turning left by 11.3°/s" in (tmp_path / "turn.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.slow
+def test_limits_that_are_not_kept_are_told(capsys, tmp_path):
+    """Hips of 120 N·m take 158 in the tightest turn that ships: in print, JSON and page."""
+    status, out, _ = run(capsys, "turn", "turn_13", "--cycles", 1, "--out", tmp_path)
+    told = "torque of the posterior_left_hip 158, its limit 120 N·m"
+    assert status == 0 and told in out and "but implausible" in out
+    assert told in (tmp_path / "turn.html").read_text(encoding="utf-8")
+    result = printed(capsys, "turn", "turn_13", "--cycles", 1, "--out", tmp_path)
+    assert {each["joint"] for each in result["beyond_limits"]} >= {"posterior_left_hip", "posterior_right_hip"}
 
 
 @pytest.mark.slow
 def test_text(capsys, tmp_path):
     status, out, _ = run(capsys, "turn", KEPT, "--cycles", 1, "--out", tmp_path)
     said = dict(line.split(maxsplit=1) for line in out.splitlines())
+    assert "all: 1.0" in out and "unstable" in out  # and its moduli
     assert status == 0 and said["turn"].startswith("4.000° a stride, 11.3") and said["radius"].endswith(" m")
     assert "to the left" in said["gait"] and "W" in said["adduction"] and said["slips"] == "0"
 

@@ -11,10 +11,13 @@ from spear_pin import RobotWarning, load
 from spear_pin.errors import BadFile, BadValue
 from spear_pin.model.boom import on_rotary_boom
 from spear_pin.model.loading import ROBOTS
-from spear_pin.model.mjcf import to_mjcf
+from spear_pin.model.mjcf import MeshFile, to_mjcf
 from spear_pin.model.variants import vary
 
 INERTIA = '<inertial><mass value="2"/><inertia ixx="{}" iyy="0.02" izz="0.03" ixy="0.001" ixz="0" iyz="0"/></inertial>'
+TRUNK = """<robot name="trunk">
+  <link name="base"><inertial><mass value="2"/>
+    <inertia ixx="0.02" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>{}</link></robot>"""
 JOINT = """<joint name="{0}" type="{0}"><parent link="base"/><child link="arm"/>
     <origin xyz="0.1 0.2 0.3" rpy="0.1 0.2 0.3"/><axis xyz="0 0.6 0.8"/>
     <limit effort="7" velocity="1"/><dynamics damping="0.3" friction="0.2"/></joint>"""
@@ -82,12 +85,45 @@ class TestContents:
         robot = load("q_spear_full")
         root = etree.fromstring(to_mjcf(robot))
         assert [site.get("name") for site in root.iter("site")] == list(robot.toes)
-        kinds = [geom.get("type") for geom in root.iter("geom")]
+        kinds = [geom.get("type") for geom in root.iter("geom") if geom.get("group") != "3" or geom.get("name")]
         drawn = etree.fromstring(ROBOTS["q_spear_full"].path.read_bytes())
         for kind, beside in (("box", 0), ("cylinder", 0), ("sphere", len(robot.toes)), ("plane", 1)):
             assert kinds.count(kind) == len(drawn.findall(f".//visual//{kind}")) + beside
-        hitting = [geom.get("name") for geom in root.iter("geom") if geom.get("conaffinity") != "0"]
-        assert sorted(hitting) == sorted(["ground", *robot.toes])
+        hitting = [geom for geom in root.iter("geom") if geom.get("conaffinity") != "0"]
+        trunk = [geom for geom in hitting if not geom.get("name")]
+        assert sorted(geom.get("name") for geom in hitting if geom not in trunk) == sorted(["ground", *robot.toes])
+        assert [geom.getparent().get("name") for geom in trunk] == ["torso"] * 2
+        assert all((geom.get("contype"), geom.get("conaffinity")) == ("0", "1") for geom in trunk)  # the ground's only
+
+    @pytest.mark.parametrize(
+        ("shapes", "meshes", "kinds"),
+        [
+            ("<visual>{box}</visual>", None, ["box"]),
+            ("<visual>{box}</visual><collision>{sphere}</collision>", None, ["sphere"]),
+            ("<visual>{box}</visual><collision>{mesh}</collision>", None, ["box"]),
+            ("<visual>{mesh}</visual>", [MeshFile(1, "of/it.stl", (1.0, 0.5, 0.0, 1.0))], ["mesh"]),
+            (
+                "<visual>{mesh}</visual><collision>{sphere}</collision>",
+                [MeshFile(1, "it.stl", (1, 1, 1, 1))],
+                ["sphere"],
+            ),
+            ("<visual>{mesh}</visual>", None, []),
+            ("", None, []),
+        ],
+        ids=str,
+    )
+    def test_the_trunk_meets_the_ground(self, tmp_path, shapes, meshes, kinds):
+        """By its collision, else by what it shows, a mesh by its hull; a trunk without shapes is said to be without."""
+        forms = {"box": '<box size="1 2 3"/>', "sphere": '<sphere radius="1"/>', "mesh": '<mesh filename="it.stl"/>'}
+        said = shapes.format(**{name: f"<geometry>{form}</geometry>" for name, form in forms.items()})
+        path = tmp_path / "trunk.urdf"
+        path.write_text(TRUNK.format(said), encoding="utf-8")
+        text = to_mjcf(load(path, base="free", motors=[]), meshes=meshes)
+        root = etree.fromstring(text)
+        solid = [geom for geom in root.find("worldbody/body").iter("geom") if geom.get("conaffinity") == "1"]
+        assert [geom.get("type") for geom in solid] == kinds
+        assert ("the trunk has no shape here" in text) == (not kinds)
+        assert [mesh.get("file") for mesh in root.iter("mesh")] == [mesh.file for mesh in meshes or ()]
 
     def test_what_is_missing_is_said(self, tmp_path):
         assert "switchable spring of a knee is not in this file" in re.sub(r"\s+", " ", to_mjcf(load("spear_ii")))

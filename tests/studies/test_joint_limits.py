@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, simulate
-from spear_pin.studies.joint_limits import doubts, excesses
+from spear_pin.studies.joint_limits import Excess, doubts, excesses, plausibility
 
 
 @pytest.fixture(scope="module")
@@ -59,11 +59,25 @@ def test_unknown(motion, unknown):
     assert excesses(free, trajectory) == ()
 
 
+def test_one_motor_of_a_pair_is_said():
+    """In the plane a joint is that of both legs of a pair."""
+    said = {
+        ("anterior_hip", "torque"): "torque of the anterior_hip (one motor) 61.3, its limit 50 N·m",
+        ("anterior_hip", "rate"): "rate of the anterior_hip 61.3, its limit 50 N·m",
+        ("anterior_left_hip", "torque"): "torque of the anterior_left_hip 61.3, its limit 50 N·m",
+    }
+    assert {joint: str(Excess(*joint, 61.3, 50.0, "N·m")) for joint in said} == said
+
+
 def test_what_is_not_to_be_believed(motion, hop):
     """A limit that is not kept, and a cycle that forgets the last."""
     robot, trajectory = motion
     found = excesses(with_limits(robot, upperEffortLimit=3.0), trajectory)
     assert doubts(hop, ()) == () and doubts(hop, found) == (str(found[0]),)
+    told = plausibility(
+        replace(hop, system=replace(hop.system, robot=with_limits(robot, upperEffortLimit=3.0))), trajectory
+    )
+    assert told["implausible"] == (str(found[0]),) and told["beyond_limits"] == [vars(found[0])]
     (said,) = doubts(replace(hop, multipliers=np.zeros(3, dtype=complex)))
     assert "multipliers all below 0.001" in said
 

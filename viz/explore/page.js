@@ -53,7 +53,19 @@
   function tell({ message, verdict, onward }) {
     at("verdict").textContent = onward ? "On the way there. " + message : message;
     at("verdict").className = verdict;
-    document.body.classList.toggle("stale", verdict === "none");
+    outdate(verdict === "none");
+  }
+
+  // what is shown is not what the numbers on the sliders and in the fields say
+  function outdate(stale, refused = false) {
+    document.body.classList.toggle("stale", stale);
+    document.body.classList.toggle("refused", refused);
+  }
+
+  // peaks may jump where another kind comes in
+  function tellKind(other) {
+    const another = other && other.kind && state.hop.kind && other.kind !== state.hop.kind;
+    at("kind").textContent = another ? `Of another kind than ${other.name}, which is: ${other.kind}.` : "";
   }
 
   const sameNumbers = (a, b) => names.every((name) => a[name] === b[name]);
@@ -65,6 +77,7 @@
     plots.show(other, hop);
     tangents.compare(a);
     readouts(other, hop);
+    tellKind(other);
     at("unpin").disabled = a === original;
   }
 
@@ -72,7 +85,7 @@
     const { hop } = state;
     if (!hop) return;
     state.a = { series: hop.series, figures: hop.figures, multipliers: hop.multipliers, knobs: hop.knobs, view: hop.view,
-      kept: hop.kept, verdict: hop.verdict, name: "A, pinned" };
+      kept: hop.kept, verdict: hop.verdict, kind: hop.kind, name: "A, pinned" };
     compare();
   }
 
@@ -122,6 +135,7 @@
 
   function refused(error) {
     complain(error);
+    outdate(true, true);
     return state.hop ? null : { search: query(), keep: true }; // something to begin with
   }
 

@@ -113,6 +113,7 @@ def answer(view: str, hops: Motion) -> dict[str, Any]:
         "kept": hops.knobs.kept,
         "verdict": hops.verdict,
         "message": hops.message,
+        "kind": hops.kind,
         "figures": figures(hops),
         "multipliers": _multipliers(hops),
         "duration": frames.duration,
@@ -190,7 +191,7 @@ def _opening(subject: Subject, engine: Engine) -> dict[str, Any]:
         "readouts": {name: said for name, said in READOUTS[subject.kind].items() if known[name] is not None},
         "plots": PLOTS[subject.kind],
         "default": {"series": series(hops), "figures": known, "knobs": hops.knobs.values}
-        | {"multipliers": _multipliers(hops), "view": next(iter(views)), "verdict": hops.verdict},
+        | {"multipliers": _multipliers(hops), "view": next(iter(views)), "verdict": hops.verdict, "kind": hops.kind},
         "legend": [
             ["spring engaged", css(COIL_COLOR)],
             ["ground force", css(ARROW_COLOR)],

@@ -25,6 +25,7 @@ function makeSliders(knobs, panel, { turn, enter, refuse, touch }) {
     const said = `${ORIGINS[knob.origin]} ${first}, ${knob.note}`;
     const origin = make("button", { type: "button", class: `origin ${knob.origin}`, title: `Back to ${first}`,
       "aria-label": `${said}: ${knob.label} back to it` }, said);
+    number.addEventListener("input", () => widen(number));
     slider.addEventListener("input", () => turn(name, Number(Number(slider.value).toFixed(knob.digits))));
     slider.addEventListener("change", enter);
     for (const input of [slider, number]) input.addEventListener("focus", () => touch(name));
@@ -41,12 +42,18 @@ function makeSliders(knobs, panel, { turn, enter, refuse, touch }) {
   }
   Object.keys(knobs).forEach(build);
 
+  // a field is as wide as its number; where the browser does not let what is no number be read, as it was
+  function widen(number) {
+    if (number.value) number.style.width = Math.max(NARROWEST, number.value.length + 2) + "ch";
+  }
+
   return {
     show(values) {
       for (const slider of sliders) {
         const { name } = slider;
         const written = Number(values[name].toFixed(knobs[name].digits));
         for (const input of document.getElementsByName(name)) input.value = written;
+        widen(document.getElementById("number_" + name));
         slider.setAttribute("aria-valuetext", `${written} ${knobs[name].unit === "1" ? "" : knobs[name].unit}`.trim());
       }
     },
@@ -64,6 +71,7 @@ function makeSliders(knobs, panel, { turn, enter, refuse, touch }) {
   };
 }
 
+const NARROWEST = 8; // digits
 const ORIGINS = { source: "source", solved: "solved", assumption: "assumption", scaled: "scaled", own: "at first" };
 const ORIGINS_SAID = { source: "the source's", solved: "solved for", assumption: "assumption",
   scaled: "scaled by size", own: "the gait's, or a file's" };

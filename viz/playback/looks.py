@@ -30,8 +30,13 @@ class Looks:
     notes: tuple[str, ...] = ()
 
 
-def read_looks(robot: Robot) -> Looks:
-    """Shapes from the file the robot was loaded from; never fails, what is not drawn is in the notes."""
+def read_looks(robot: Robot, faces: int = FACES) -> Looks:
+    """Read shapes from the file that the robot was loaded from; never fails, what is not drawn is in the notes.
+
+    Args:
+        robot: the robot.
+        faces: that all its meshes have together at most, or about.
+    """
     whole = robot if robot.cut is None else robot.cut.robot
     try:
         description = describe(whole)
@@ -40,7 +45,7 @@ def read_looks(robot: Robot) -> Looks:
     visuals, faults = visuals_of(description, whole.model)
     if robot.cut is not None:
         visuals = grafted(robot, robot.cut, visuals)
-    meshes, missing = _meshes(visuals, description.path)
+    meshes, missing = _meshes(visuals, description.path, faces)
     faults += missing
     shapes: list[Shape] = []
     for visual in visuals:
@@ -50,7 +55,9 @@ def read_looks(robot: Robot) -> Looks:
     return Looks((*shapes, *bones(robot, {shape.joint for shape in shapes})), tuple(notes))
 
 
-def _meshes(visuals: Sequence[Visual], file: Path) -> tuple[Mapping[str, tuple[Mesh, ...]], list[tuple[str, Undrawn]]]:
+def _meshes(
+    visuals: Sequence[Visual], file: Path, faces: int
+) -> tuple[Mapping[str, tuple[Mesh, ...]], list[tuple[str, Undrawn]]]:
     """The meshes of visuals by the names of their files, and those that are not drawn."""
     paths: dict[str, Path] = {}
     faults: list[tuple[str, Undrawn]] = []
@@ -65,7 +72,7 @@ def _meshes(visuals: Sequence[Visual], file: Path) -> tuple[Mapping[str, tuple[M
         for path in sorted(set(paths.values()))
     }
     light = light_meshes(
-        tuple(Use(path, path.stat().st_mtime_ns, max(scales), len(scales)) for path, scales in uses.items()), FACES
+        tuple(Use(path, path.stat().st_mtime_ns, max(scales), len(scales)) for path, scales in uses.items()), faces
     )
     read: dict[str, tuple[Mesh, ...]] = {}
     for visual in (visual for visual in shown if visual.shown.mesh in paths):

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.studies.basin.attraction import ELSEWHERE, Attraction
-from spear_pin.viz.plots.paper import Picture, style
+from spear_pin.viz.plots.paper import Picture, legend_above, style
 
 # a gait that is lost is grey, in shades that a print still tells apart
 LOST = {"fall": "0.80", "no_event": "0.55", ELSEWHERE: "#d55e00", "zeno": "black"}
@@ -59,7 +59,7 @@ def basin_map(strides: ArrayLike, axes: Mapping[str, ArrayLike]) -> Figure:
         panel.set_ylabel(_push(first))
         figure.colorbar(mesh, label="Strides to 1 % of the error", ticks=MaxNLocator(integer=True))
         lost = Patch(facecolor="0.9", edgecolor="0.55", hatch="////", label="lost")
-        panel.legend(handles=[lost], loc="lower left", bbox_to_anchor=(0.0, 1.0))
+        legend_above(panel, handles=[lost])
         return figure
 
 

@@ -14,7 +14,7 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import LEGS, PAIR
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.trajectory import Trajectory
-from spear_pin.viz.plots.paper import BLUE, GREEN, VERMILLION, Picture, style
+from spear_pin.viz.plots.paper import BLUE, GREEN, VERMILLION, Picture, legend_above, style
 from spear_pin.viz.plots.trajectory import DETAIL
 
 COLORS = {"posterior": BLUE, "anterior": VERMILLION}
@@ -75,7 +75,7 @@ def draw_toes(axes: Axes, trajectory: Trajectory, gait: Gait) -> None:
     for leg in LEGS:
         heights = np.array([gait.system.ground.foot(gait.system.robot, q, f"{leg}_toe")[0] for q in trajectory.q])
         axes.plot(trajectory.t, 1e3 * heights, color=COLORS[leg], label=leg)
-    _legend(axes)
+    legend_above(axes)
 
 
 def draw_torso(axes: Axes, trajectory: Trajectory, coordinate: str, label: str) -> None:
@@ -97,7 +97,7 @@ def draw_forces(axes: Axes, trajectory: Trajectory) -> None:
                 label=label if index == 0 else None,
             )
     axes.axhline(0.0, color="0.6", linewidth=0.5)
-    _legend(axes)
+    legend_above(axes)
 
 
 def draw_hips(axes: Axes, trajectory: Trajectory) -> None:
@@ -107,7 +107,7 @@ def draw_hips(axes: Axes, trajectory: Trajectory) -> None:
     for leg in LEGS:
         torque = trajectory.u[:, trajectory.actuated.index(f"{leg}_hip")] / PAIR
         _plot_pieces(axes, trajectory, torque, COLORS[leg], "-", leg)
-    _legend(axes)
+    legend_above(axes)
 
 
 def draw_knee(axes: Axes, trajectory: Trajectory, leg: str) -> None:
@@ -119,7 +119,7 @@ def draw_knee(axes: Axes, trajectory: Trajectory, leg: str) -> None:
     _plot_pieces(axes, trajectory, motor + spring, "black", ":", "together")
     _plot_pieces(axes, trajectory, spring, GREEN, "-", "spring")
     _plot_pieces(axes, trajectory, motor, COLORS[leg], "-", "motor")
-    _legend(axes)
+    legend_above(axes)
 
 
 def stances(trajectory: Trajectory, leg: str) -> list[tuple[float, float]]:
@@ -153,7 +153,3 @@ def _plot_pieces(axes: Axes, trajectory: Trajectory, values: Array, color: str, 
     jumps = np.flatnonzero(trajectory.phase[1:] != trajectory.phase[:-1]) + 1
     times, pieces = np.insert(trajectory.t, jumps, np.nan), np.insert(values, jumps, np.nan)
     axes.plot(times, pieces, line, color=color, label=label)
-
-
-def _legend(axes: Axes) -> None:
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4)

@@ -14,8 +14,8 @@ from spear_pin.hybrid.trajectory_parts import gaps
 from spear_pin.hybrid.trajectory_tables import chosen
 from spear_pin.kinds import typed
 from spear_pin.model.chain import CHAIN
-from spear_pin.viz.plots.panels import label_columns, over
-from spear_pin.viz.plots.paper import Picture, style
+from spear_pin.viz.plots.panels import over
+from spear_pin.viz.plots.paper import Picture, legend_above, style
 
 DEFAULT = ("q", "spring", "force_z")
 QUANTITIES = {
@@ -69,7 +69,7 @@ def over_time(trajectory: Trajectory, columns: Sequence[str] = (), cycles: int |
             for name, paired in zip(drawn, pairs, strict=True):
                 label = name + PAIR * (paired and not all(pairs))
                 axes.plot(t, np.insert(table[:, names.index(name)], breaks, np.nan), label=label)
-            label_columns(axes, _fitting(drawn))
+            legend_above(axes, _fitting(drawn))
         axes.set_xlabel("Time (s)")
         if left_out:
             figure.suptitle(left_out, x=0.99, horizontalalignment="right", fontsize="x-small", color="0.4")

@@ -21,7 +21,18 @@ from spear_pin.model.motor import Drive
 from spear_pin.model.variants import PARAMETERS
 from spear_pin.studies.design import STIFFNESSES, Member, Points, against, points, spring_sweep
 from spear_pin.viz.plots.bound import COLORS, SHADES
-from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Picture, style, with_unit
+from spear_pin.viz.plots.paper import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    Picture,
+    legend_above,
+    style,
+    with_unit,
+)
 
 FRONT_FIRST = LEGS[::-1]  # as the source has its panels
 DRIVES = (GREEN, PURPLE, ORANGE, SKY, "black")  # colours of drives, none of them a leg's
@@ -54,7 +65,7 @@ def compliance(gait: Gait, stiffness: float = 56.0) -> Figure:
             _over_stride(axes, sweep[0.0], leg, "knee")
             _plot(axes, sweep[0.0], leg, "--", color=VERMILLION, label="without a spring")
             _plot(axes, sweep[stiffness], leg, color=BLUE, label=f"with {stiffness:g} N·m/rad")
-            _legend(axes)
+            legend_above(axes, 3)
         return figure
 
 
@@ -99,7 +110,7 @@ def hip_torques(gait: Gait) -> Figure:
             rms = given.rms[LEGS.index(leg)]
             axes.axhline(rms, linestyle="--", color=VERMILLION, label=f"root mean square, {rms:.0f} N·m")
             axes.axhline(-rms, linestyle="--", color=VERMILLION)
-            _legend(axes)
+            legend_above(axes, 3)
         return figure
 
 
@@ -194,7 +205,7 @@ def family_plot(members: Sequence[Member], name: str) -> Figure:
         for panel in (stride, largest):
             panel.set_xlabel(with_unit(name, _unit(name)))
         for panel in (knee, hip):
-            _legend(panel)
+            legend_above(panel, 3)
         return figure
 
 
@@ -253,7 +264,3 @@ def _verified(drive: Drive) -> str:
 
 def _unit(name: str) -> str:
     return PARAMETERS[name].unit if name in PARAMETERS else UNITS.get(name, "1")
-
-
-def _legend(axes: Axes) -> None:
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)

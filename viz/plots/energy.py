@@ -21,7 +21,17 @@ from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.studies.energetics import EnergyFlow
 from spear_pin.studies.published_costs import UNVERIFIED, CostPoint, Kind, running_animals
 from spear_pin.viz.plots.panels import draw_angle, draw_height
-from spear_pin.viz.plots.paper import BLUE, GREEN, PURPLE, STANCE, STANCE_COLOR, VERMILLION, Picture, style
+from spear_pin.viz.plots.paper import (
+    BLUE,
+    GREEN,
+    PURPLE,
+    STANCE,
+    STANCE_COLOR,
+    VERMILLION,
+    Picture,
+    legend_above,
+    style,
+)
 from spear_pin.viz.plots.sankey import KEPT, LOST, Sankey
 
 LOSSES = {
@@ -138,7 +148,7 @@ def currents(trajectory: Trajectory, hops: int = DETAIL) -> Figure:
             axes.set_xlim(trajectory.t[shown][[0, -1]])
             axes.set_xlabel("Time (s)")
             axes.set_ylabel(f"{trajectory.actuated[i].replace('_', ' ').capitalize()} current (A)")
-            _legend(axes)
+            legend_above(axes)
         return figure
 
 
@@ -156,7 +166,7 @@ def heights(trajectory: Trajectory, clean: Trajectory | None = None) -> Figure:
         draw_height(axes, trajectory)
         if clean is not None:
             axes.plot(clean.t, clean.q[:, clean.coordinates.index("boom_z")], "--", color=PURPLE, lw=0.8, label=CLEAN)
-        _legend(axes)
+        legend_above(axes)
         apexes = [event.q[vertical] for event in trajectory.named("apex")]
         if len(apexes) > 1:
             text = f"{len(apexes)} apexes within {1e3 * np.ptp(apexes):.1f} mm"
@@ -180,7 +190,7 @@ def angles_against(trajectory: Trajectory, clean: Trajectory, gait: Gait | None 
             draw_angle(axes, trajectory, joint, gait)
             axes.plot(clean.t, clean.q[:, clean.coordinates.index(joint)], "-.", color=PURPLE, label=CLEAN)
             axes.set_xlim(shown[0], shown[-1])
-            _legend(axes)
+            legend_above(axes)
         return figure
 
 
@@ -226,7 +236,3 @@ def _pieces(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A line that is interrupted at events, where it jumps."""
     jumps = np.flatnonzero(np.diff(t) <= 0.0) + 1
     return np.insert(t, jumps, np.nan), np.insert(values, jumps, np.nan)
-
-
-def _legend(axes: Axes) -> None:
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4)

@@ -15,7 +15,7 @@ from spear_pin.hybrid.column_names import PAIR, of_a_pair
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.hybrid.trajectory_parts import gaps
-from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, STANCE, STANCE_COLOR, VERMILLION
+from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, STANCE, STANCE_COLOR, VERMILLION, legend_above
 
 Span = tuple[int, int]  # first and last sample
 
@@ -44,7 +44,7 @@ def draw_angle(axes: Axes, trajectory: Trajectory, joint: str, gait: Gait | None
         spans = _runs(trajectory, _bears(trajectory) & engaged)
         latched = [(span, float(trajectory.q[span[0], index])) for span in spans]
         _levels(axes, trajectory, latched, ":", "latched")
-    label_columns(axes)
+    legend_above(axes)
 
 
 def draw_force(axes: Axes, trajectory: Trajectory) -> None:
@@ -57,7 +57,7 @@ def draw_force(axes: Axes, trajectory: Trajectory) -> None:
         along = tangential[0] if len(tangential) == 1 else np.hypot(*tangential)
         for force, color, label in ((normal, BLUE, "normal"), (along, VERMILLION, "tangential")):
             axes.plot(trajectory.t, force, LINES[index % len(LINES)], color=color, label=label + of_toe)
-    label_columns(axes, 4 if len(trajectory.toes) == 1 else 2)
+    legend_above(axes, 4 if len(trajectory.toes) == 1 else 2)
 
 
 def draw_torque(axes: Axes, trajectory: Trajectory, joint: str = "knee") -> None:
@@ -70,7 +70,7 @@ def draw_torque(axes: Axes, trajectory: Trajectory, joint: str = "knee") -> None
     axes.plot(trajectory.t, motor, color=BLUE, label="motor")
     axes.plot(trajectory.t, spring, color=GREEN, label="spring")
     axes.plot(trajectory.t, total - motor - spring, color=VERMILLION, label="damping")
-    label_columns(axes)
+    legend_above(axes)
 
 
 def draw_energy(axes: Axes, trajectory: Trajectory, cycle: str = "Hop") -> None:
@@ -103,7 +103,7 @@ def draw_energy(axes: Axes, trajectory: Trajectory, cycle: str = "Hop") -> None:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=12))
     axes.set_xlabel(cycle)
     axes.set_ylabel("Energy (J)")
-    axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
+    legend_above(axes, 3, handles=handles)
 
 
 def draw_height(axes: Axes, trajectory: Trajectory, coordinate: str = "boom_z") -> None:
@@ -114,7 +114,7 @@ def draw_height(axes: Axes, trajectory: Trajectory, coordinate: str = "boom_z") 
     axes.plot(trajectory.t, trajectory.q[:, rise], color=BLUE, label="hip")
     if apexes:
         axes.plot([e.time for e in apexes], [e.q[rise] for e in apexes], "o", color=VERMILLION, label="apex")
-    label_columns(axes)
+    legend_above(axes)
 
 
 def draw_clearance(axes: Axes, trajectory: Trajectory) -> None:
@@ -126,7 +126,7 @@ def draw_clearance(axes: Axes, trajectory: Trajectory) -> None:
         heights = np.array([ground.foot(robot, q, toe)[0] for q in trajectory.q])
         axes.plot(trajectory.t, 1e3 * heights, LINES[index % len(LINES)], color=GREEN, label=toe.replace("_", " "))
     if len(trajectory.toes) > 1:
-        label_columns(axes)
+        legend_above(axes)
 
 
 def over(axes: Axes, trajectory: Trajectory, label: str) -> None:
@@ -138,11 +138,6 @@ def over(axes: Axes, trajectory: Trajectory, label: str) -> None:
     axes.set_xlim(trajectory.t[0], trajectory.t[-1])
     axes.set_xlabel("Time (s)")
     axes.set_ylabel(label)
-
-
-def label_columns(axes: Axes, columns: int = 4) -> None:
-    """Legend above the axes, in so many columns."""
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
 
 
 def _levels(axes: Axes, trajectory: Trajectory, levels: list[tuple[Span, float]], style: str, label: str) -> None:

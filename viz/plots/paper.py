@@ -7,9 +7,13 @@ from contextlib import contextmanager
 from importlib.resources import as_file, files
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
-from matplotlib import rc_context
+from matplotlib import rc_context, rcParams, rcParamsDefault
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.transforms import Bbox, BboxBase
 
 from spear_pin.errors import BadValue
 from spear_pin.files import atomic
@@ -19,14 +23,41 @@ STANCE = "stance"
 STANCE_COLOR = "0.92"
 BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
 SCREEN, SHARPNESS = 120, 2.0  # pixels for an inch of paper, of which a sharp screen shows several for one
+FONTS = ("font.family", "font.serif", "font.sans-serif", "font.monospace", "mathtext.fontset")
 FORMATS = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}  # with the metadata left out
 
 
 @contextmanager
 def style() -> Iterator[None]:
-    """The style sheet, for as long as the block lasts."""
-    with as_file(files("spear_pin.viz.plots").joinpath("paper.mplstyle")) as sheet, rc_context(fname=sheet):
+    """Apply the style sheet for as long as the block lasts; fonts that the user has chosen in `rcParams` stay."""
+    now: dict[Any, Any] = dict(rcParams)
+    chosen = any(now[name] != dict[Any, Any](rcParamsDefault)[name] for name in FONTS)
+    own: dict[Any, Any] = {name: now[name] for name in FONTS} if chosen else {}
+    with as_file(files("spear_pin.viz.plots").joinpath("paper.mplstyle")) as sheet, rc_context(own, sheet):
         yield
+
+
+class _Above(Legend):
+    """A legend above its axes, and above their title where they have one."""
+
+    def get_bbox_to_anchor(self) -> BboxBase:
+        """Where the legend's lower left corner is, in pixels."""
+        at = super().get_bbox_to_anchor()
+        titles = [getattr(self.axes, name) for name in ("title", "_left_title", "_right_title")]
+        tops = [title.get_window_extent().y1 for title in titles if title.get_text()]
+        return Bbox.from_bounds(at.x0, max([at.y0, *tops]), 0.0, 0.0)
+
+
+def legend_above(axes: Axes, columns: int = 4, **options: Any) -> None:
+    """Put a legend above axes, and above their title, whenever that is set.
+
+    Args:
+        axes: the axes.
+        columns: of the legend.
+        options: `handles`, and whatever else `Axes.legend` takes.
+    """
+    legend = axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, **options)
+    legend.__class__ = _Above  # made by `Axes.legend`, which tells the axes of it
 
 
 class Picture(Figure):

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from spear_pin.errors import BadValue
 from spear_pin.studies.push_test import GearRow, Release, spear_ii
-from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Picture, style
+from spear_pin.viz.plots.paper import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Picture, legend_above, style
 
 RELEASES = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, "black")
 TIME, ANGLE = "Time since the release (s)", "Knee angle (rad)"
@@ -48,7 +48,7 @@ def release_summary(releases: Mapping[str, Release]) -> Figure:
         force.axhline(0.0, color="0.4", linewidth=0.6)
         if any(given.lift_off is not None for given in releases.values()):
             pull = [_mark("v", "a free toe would lift off"), Patch(facecolor="0.5", alpha=0.4, label="the pin pulls")]
-            force.legend(handles=pull, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+            legend_above(force, 2, handles=pull)
         knee.set_xlim(0.0, max(given.t[-1] for given in releases.values()))
         for panel, label in ((knee, ANGLE), (hip, "Height of the hip (m)"), (force, "Normal ground force (N)")):
             panel.set_ylabel(label)
@@ -88,7 +88,7 @@ def gear_comparison(rows: Sequence[GearRow]) -> Figure:
         knee.set_xlabel(TIME)
         knee.set_ylabel(ANGLE)
         handles = [*knee.get_legend_handles_labels()[0], _mark("o", "first turn")]
-        knee.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5)
+        legend_above(knee, 5, handles=handles)
         inertia.barh(at, body, 0.6, color=SKY, label="leg")
         inertia.barh(at, rotor, 0.6, body, color=VERMILLION, label="rotor, share of the whole")
         for place, row, whole in zip(at, rows, body + rotor, strict=True):
@@ -98,7 +98,7 @@ def gear_comparison(rows: Sequence[GearRow]) -> Figure:
         inertia.set_yticks(at, names)
         inertia.invert_yaxis()
         inertia.set_xlabel("Effective inertia at rest (kg·m²)")
-        inertia.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+        legend_above(inertia, 2)
         return figure
 
 

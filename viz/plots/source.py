@@ -19,7 +19,7 @@ from spear_pin.studies.identification import QUANTITIES
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, pushed_angle, spear_ii
 from spear_pin.studies.push_test.power_off import PowerOff
 from spear_pin.viz.plots.identification import mathematical
-from spear_pin.viz.plots.paper import BLUE, GREEN, PURPLE, VERMILLION, Picture, style
+from spear_pin.viz.plots.paper import BLUE, GREEN, PURPLE, VERMILLION, Picture, legend_above, style
 from spear_pin.viz.plots.push import ANGLE, TIME
 
 METRICS = {  # rows of Table 2.4 that are to be small, with their labels
@@ -56,7 +56,7 @@ def switched_spring(latched: float = 0.3) -> Figure:
         axes.annotate("latched", (latched, engaged.max()), (3, -6), textcoords="offset points", fontsize=7.5)
         axes.set_xlabel(ANGLE)
         axes.set_ylabel("Torque against flexion (N·m)")
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0))
+        legend_above(axes, 1)
         return figure
 
 
@@ -120,7 +120,7 @@ def printed_model() -> Figure:
             axes.set_xlabel(ANGLE)
             axes.set_ylabel(label)
             axes.set_ylim(bottom=0.0)
-            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+            legend_above(axes, 2)
         return figure
 
 
@@ -176,7 +176,7 @@ def power_off_heights(cases: Mapping[str, PowerOff]) -> Figure:
             )
         axes.set_xlabel(TIME)
         axes.set_ylabel("Height of the boom (m)")
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+        legend_above(axes, 2)
         return figure
 
 
@@ -206,7 +206,7 @@ def bridge_currents(machine: Motor, ratio: float, speeds: tuple[float, float] = 
         amperes.set_ylabel("Braking current (A)")
         for axes in (volts, amperes):
             axes.set_xlabel("Speed of the joint (rad/s)")
-            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3)
+            legend_above(axes, 3)
         return figure
 
 

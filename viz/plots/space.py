@@ -19,9 +19,10 @@ from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.chain import CHAIN
 from spear_pin.viz.playback.footfalls import color_of, footfalls, label_of
-from spear_pin.viz.plots.panels import label_columns
-from spear_pin.viz.plots.paper import BLUE, Picture, style
+from spear_pin.viz.plots.paper import BLUE, Picture, legend_above, style
+from spear_pin.words import significant
 
+STRAIGHT = 1e-4  # °/s: what turns more slowly goes straight
 OFTEN = 40  # footprints of a foot above which they are small
 
 
@@ -143,13 +144,18 @@ def draw_way(axes: Axes, trajectory: Trajectory) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
-    label_columns(axes, 3)
+    legend_above(axes, 3)
 
 
 def draw_heading(axes: Axes, trajectory: Trajectory) -> None:
-    """Heading over time, to the left."""
+    """Heading over time, to the left; of one that turns, how fast in the mean of the whole strides."""
     _over_time(axes, trajectory, "Heading (°)")
-    axes.plot(trajectory.t, np.degrees(trajectory.q[:, YAW]), color=BLUE)
+    t, yaw = trajectory.t, np.degrees(trajectory.q[:, YAW])
+    whole = (trajectory.cycle >= 1) & (trajectory.cycle <= trajectory.cycles)
+    rate = np.ptp(yaw[whole][[0, -1]]) / np.ptp(t[whole]) if trajectory.cycles else 0.0
+    axes.plot(t, yaw, color=BLUE, label=f"{significant(rate)}°/s in the mean")
+    if rate >= STRAIGHT:
+        legend_above(axes, 1)
 
 
 def draw_roll(axes: Axes, trajectory: Trajectory) -> None:
@@ -174,7 +180,7 @@ def draw_adductions(axes: Axes, trajectory: Trajectory) -> None:
 
 def draw_adduction_torques(axes: Axes, trajectory: Trajectory) -> None:
     """Torques of the adduction motors over time."""
-    _over_time(axes, trajectory, "Adduction motor (N·m)")
+    _over_time(axes, trajectory, "Adduction motor of a leg (N·m)")
     columns = [trajectory.actuated.index(joint) for joint in _adductions(trajectory)]
     _by_leg(axes, trajectory, [trajectory.u[:, column] for column in columns])
 
@@ -195,7 +201,9 @@ def draw_forces(axes: Axes, trajectory: Trajectory, part: str = "normal") -> Non
     yaw = trajectory.q[:, YAW, None]
     x, y, z = np.moveaxis(trajectory.force, 2, 0)
     values = z if part == "normal" else np.cos(yaw) * y - np.sin(yaw) * x
-    _over_time(axes, trajectory, "Normal force (N)" if part == "normal" else "Force to the left (N)")
+    _over_time(
+        axes, trajectory, "Normal force on a foot (N)" if part == "normal" else "Force on a foot, to the left (N)"
+    )
     _by_leg(axes, trajectory, list(values.T))
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import scipy
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.orbits.parity import Multipliers, merged, parted
 from spear_pin.gaits.spatial.law import ACROSS, INPUTS, is_angle
 from spear_pin.gaits.spatial.trot_law import TROT_INPUTS, TrotLaw
 from spear_pin.gaits.spatial.trotting import halfway
@@ -65,6 +67,21 @@ class Linear:
     coordinates: Array
 
 
+@dataclass(frozen=True)
+class Balance:
+    """A gait with feedback, and all multipliers of its section without it and with it.
+
+    Attributes:
+        gait: with feedback.
+        without: multipliers of the gait without feedback; the heading, which nothing depends on, is left out.
+        held: those with feedback; the heading's is among them where it is kept.
+    """
+
+    gait: Gait
+    without: Multipliers
+    held: Multipliers
+
+
 @typed
 def across(gait: Gait, inputs: Sequence[str] = ACROSS, *, heading: bool = False, rtol: float = 1e-10) -> Linear:
     """A and B of antisymmetric motion, by a stride for each column: P(M x) = M P(x) tells the other side.
@@ -111,12 +128,12 @@ def balanced(
     weight: float = 0.2,
     rtol: float = 1e-10,
 ) -> Gait:
-    """The gait with linear-quadratic feedback of its section state to some inputs, once a stride; of a trot twice.
+    """Add linear-quadratic feedback of the section state to a gait, once a stride; to a trot twice.
 
-    What is across and what is along are regulated apart, each by those of the inputs that act on it: at the section
+    Lateral motion and motion along are regulated apart, each by those of the inputs that act on it: at the section
     w = -K a is added to them for the stride; K minimises Σ aᵀQ a + weight Σ (w / scale)², scales being `SCALES` and Q 1
-    but for the yaw. Of a gait that is only nearly symmetric, as its robot is, it is the same feedback, and the
-    multipliers are those of all that there is. Of one that is not, as a gallop, all is regulated at once.
+    but for the yaw. A gait that is only nearly symmetric, as its robot is, gets the same feedback. In one that is not
+    symmetric, as a gallop, all motion is regulated at once.
 
     Args:
         gait: in space, without such feedback.
@@ -128,8 +145,8 @@ def balanced(
         rtol: of the integrator.
 
     Returns:
-        the gait with feedback; its multipliers are those of what is regulated, the heading's among them if it is kept;
-        of one that is only nearly symmetric all of them, without the heading's.
+        the gait with feedback; its multipliers are all of the section's, along and lateral, whether feedback acts on
+        them or not; the heading's is among them if it is kept.
 
     Raises:
         BadValue: the gait has feedback already, or is not in space, a weight is not valid, or inputs are none or name
@@ -137,12 +154,26 @@ def balanced(
         UnknownName: an input is not among these.
         NoGait: a perturbed stride does not close.
     """
+    return balance(gait, inputs, heading=heading, weight=weight, rtol=rtol).gait
+
+
+@typed
+def balance(
+    gait: Gait,
+    inputs: Sequence[str] | None = None,
+    *,
+    heading: float = 0.0,
+    weight: float = 0.2,
+    rtol: float = 1e-10,
+) -> Balance:
+    """Find what `balanced` finds, with the multipliers of the gait without feedback; arguments as of `balanced`."""
     if gait.system.law.feedback:
         raise BadValue("gait", "one with event feedback", "one without")
     require("weight", weight, lambda w: w > 0, "a number > 0")
     require("heading", heading, lambda w: w >= 0, "a number >= 0")
     trots, valid, local = isinstance(gait.system.law, TrotLaw), _inputs_of(gait), _chart(gait)[0]
-    at_once = trots or asymmetry(gait.system.robot, gait.state) > NEARLY
+    off = asymmetry(gait.system.robot, gait.state)
+    at_once = trots or off > NEARLY
     if inputs is None:
         inputs = valid if at_once else ("posterior_adduction",)
     if at_once and heading:
@@ -152,34 +183,44 @@ def balanced(
             raise UnknownName("input", name, valid)
     if not inputs or len(set(inputs)) < len(inputs):
         raise BadValue("inputs", inputs, "at least one, none of them twice")
-    regulations: list[tuple[Linear, Array, NDArray[np.complex128]]] = []
-    sides = [name for name in inputs if name in ACROSS], [name for name in inputs if name not in ACROSS]
+    exact = not at_once and off <= SYMMETRIC
+    turns = heading > 0  # then the heading, on which nothing depends, is the last of what is lateral
+    linears: dict[bool | None, Linear] = {}  # by whether it is lateral; None: all at once
     if at_once:
-        linear = entire(gait, inputs, rtol=rtol)
-        regulations.append((linear, *regulated(linear, None, weight)))
-    if sides[0] and not at_once:
-        linear = across(gait, sides[0], heading=heading > 0, rtol=rtol)
-        Q = np.eye(len(linear.A))
-        Q[-1, -1] = heading if heading > 0 else 1.0
-        regulations.append((linear, *regulated(linear, Q, weight)))
-    if sides[1] and not at_once:
-        linear = along(gait, sides[1], rtol=rtol)
-        regulations.append((linear, *regulated(linear, None, weight)))
-    rows: dict[str, list[float]] = {}
-    for linear, gains, _ in regulations:
-        rows |= dict(zip(linear.inputs, (-gains @ linear.coordinates).tolist(), strict=True))
+        linears[None] = entire(gait, inputs, rtol=rtol)
+    for side, find in ((True, partial(across, heading=turns)), (False, along)):
+        own = [name for name in inputs if (name in ACROSS) == side]
+        if not at_once and (own or exact):
+            linears[side] = find(gait, own, rtol=rtol)
+    free = {
+        lateral: eigenvalues(each.A[:-1, :-1] if lateral and turns else each.A) for lateral, each in linears.items()
+    }
+    held, rows = dict(free), dict[str, list[float]]()
+    for lateral, linear in linears.items():
+        if linear.inputs:
+            Q = np.eye(len(linear.A))
+            Q[-1, -1] = heading if lateral and turns else 1.0
+            gains, held[lateral] = regulated(linear, Q, weight)
+            rows |= dict(zip(linear.inputs, (-gains @ linear.coordinates).tolist(), strict=True))
     nominal = np.concatenate(local.state(np.zeros(local.dimension)))
     zero = [0.0] * len(nominal)
     feedback = tuple(tuple(rows.get(name, zero)) for name in valid)
     closed = gait.with_law(feedback=feedback, nominal=tuple(nominal.tolist()))
-    halves = trots and not gait.system.mirrored_toes
-    if halves:
+    if trots and not gait.system.mirrored_toes:  # whole strides, of which feedback acts on halves
         between = np.concatenate(halfway(gait.system, return_map(gait.system, gait.state, rtol)))
         closed = closed.with_law(halfway=tuple(between.tolist()))
-    if halves or (not at_once and asymmetry(gait.system.robot, gait.state) > SYMMETRIC):
-        return replace(closed, multipliers=multipliers(closed.system, closed.state, rtol))
-    values = np.concatenate([values for _, _, values in regulations])
-    return replace(closed, multipliers=values[np.argsort(-np.abs(values), kind="stable")])
+        without = merged({None: multipliers(gait.system, gait.state, rtol)})
+        found = merged({None: multipliers(closed.system, closed.state, rtol)})
+    elif at_once or exact:
+        without, found = merged(free), merged(held)
+    else:  # left and right act on each other a little
+        without, found = (_all_of(each, rtol) for each in (gait, closed))
+    return Balance(replace(closed, multipliers=found.values), without, found)
+
+
+def _all_of(gait: Gait, rtol: float) -> Multipliers:
+    """Multipliers of all motion, each along or lateral by what it moves most."""
+    return parted(entire(gait, (), rtol=rtol).A, _chart(gait)[1])
 
 
 def _chart(gait: Gait) -> tuple[Chart, NDArray[np.bool_]]:

@@ -9,6 +9,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.measures.of_samples import Sampled, pressed
+from spear_pin.gaits.orbits.balance import Balance
 from spear_pin.gaits.spatial.legs import pairs_of
 from spear_pin.hybrid.symmetry import ROLL, YAW, X, Y
 from spear_pin.hybrid.trajectory import Trajectory
@@ -67,6 +68,29 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "friction_used_across": max(curves.ratio(across[:, i], normal[:, i], pressed(robot)) for i in toes),
         "joints": joints,
     }
+
+
+def multipliers_of(gait: Gait, found: Balance | None) -> dict[str, Any]:
+    """List all multipliers of a section, of the gait that is played and of the one without its feedback.
+
+    Args:
+        gait: that is played.
+        found: how its feedback was found; None of a saved gait, of which only its own multipliers are known.
+
+    Returns:
+        - multipliers, multipliers_without_feedback: all of them, by decreasing modulus; None where they are not known.
+        - kinds, kinds_without_feedback: of each "along" or "lateral", None where the gait does not tell these apart.
+        - stable, stable_without_feedback: whether the largest is below 1.
+    """
+    if found is None:
+        known = {"multipliers": gait.multipliers.tolist(), "kinds": [None] * len(gait.multipliers)}
+        unknown = dict.fromkeys(f"{name}_without_feedback" for name in ("multipliers", "kinds", "stable"))
+        return {**known, "stable": gait.stable, **unknown}
+    said: dict[str, Any] = {}
+    for each, of in ((found.held, ""), (found.without, "_without_feedback")):
+        said[f"multipliers{of}"], said[f"kinds{of}"] = each.values.tolist(), list(each.kinds)
+        said[f"stable{of}"] = bool(abs(each.values[0]) < 1.0)
+    return said
 
 
 def _turned(vector: Array, yaw: float) -> tuple[Any, Any]:

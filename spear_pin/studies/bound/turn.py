@@ -30,6 +30,7 @@ def summarize_turn(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         - speed: along that circle, in m/s.
         - radius, lateral_acceleration: of the circle, in m; speed² / radius, in m/s².
         - largest_multiplier: by modulus.
+        - feedback: whether the gait has some.
         - mean_roll: over the whole strides, to the right.
         - drift: from the heading to the way, to the left, at the section.
         - what `summarize_in_space` has, but for what is told of a straight way: aside, heading.
@@ -64,6 +65,7 @@ def summarize_turn(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "radius": radius,
         "lateral_acceleration": speed * abs(rate),
         "largest_multiplier": float(np.abs(gait.multipliers).max()),
+        "feedback": bool(gait.system.law.feedback),
         "mean_roll": float(np.trapezoid(roll, t) / np.ptp(t)) if len(t) else 0.0,
         "drift": math.atan2(dy, dx) - float(begin[YAW]) - turn / 2.0,
     }

@@ -10,14 +10,18 @@ from typing import Any
 from spear_pin.errors import listed
 from spear_pin.studies.comparison.measures import BODY, GAIT, GROUPS, of_side
 from spear_pin.studies.comparison.sides import Side, parameters
+from spear_pin.studies.hop import durations
 
+SPEED = "mean speed"
 SAME = 1e-9  # of a value: less is rounding
 TOLD = 1.0  # %: smaller differences make no sentence
+STRAIGHT = 3  # decimals of a degree a cycle: what turns by less goes straight
 MOST_TOLD = 4  # measures that a sentence names
 KEY = (  # what measures begin with that sentences name
-    "mean speed", "period", "flight time", "greatest height", "peak normal force", "peak torque", "peak spring torque",
+    SPEED, "period", "flight time", "greatest height", "peak normal force", "peak torque", "peak spring torque",
     "motors' work, |power|", "cost of transport", "mass",
 )  # fmt: skip
+TOLERATED = 1e-3  # of the largest: what differs by less is the same task
 ERRORS = ("residual", "unaccounted")  # of which a share says nothing
 NOTHING = 1e-6  # of the first value, in its unit: a share of less says nothing
 
@@ -87,8 +91,8 @@ def differences(sides: Sequence[Side]) -> tuple[Difference, ...]:
 
 
 def said(sides: Sequence[Side], rows: Sequence[Measure]) -> tuple[str, ...]:
-    """What there is to say, a sentence each: who is stable, and by how much the main measures differ."""
-    sentences = []
+    """Say what there is to say, a sentence each: what is not the same task, who is stable, what differs most."""
+    sentences = other_task(sides, rows)
     gaits = [side for side in sides if side.gait is not None]
     if gaits:
         largest = next(row for row in rows if row.group == GAIT and row.name == "largest multiplier")
@@ -112,13 +116,66 @@ def said(sides: Sequence[Side], rows: Sequence[Measure]) -> tuple[str, ...]:
         changed.sort(key=lambda pair: -abs(pair[1]))
         parts = [f"{row.name} {_percent(share)} ({_pair(row, i)})" for row, share in changed[:MOST_TOLD]]
         sentences.append(f"{side.label} against {sides[0].label}: {', '.join(parts)}.")
-    kinds = {side.gait.system.kind for side in gaits if side.gait is not None}
     robots = list(dict.fromkeys(side.robot.name for side in sides))
-    if len(kinds) > 1:
-        sentences.append(f"The gaits are of different automata: {listed(sorted(kinds))}.")
     if len(robots) > 1:
         sentences.append(f"The robots are different: {listed(robots)}.")
     return tuple(sentences)
+
+
+def other_task(sides: Sequence[Side], rows: Sequence[Measure]) -> list[str]:
+    """Say first what makes sides do different things: kind of gait, flight time, speed, turn of a cycle, slope.
+
+    Args:
+        sides: what is compared.
+        rows: their measures.
+
+    Returns:
+        One sentence; none where all do the same, as far as they say it.
+    """
+    kinds = [side.gait.system.kind.replace("_", " ") for side in sides if side.gait is not None]
+    parts = [f"gaits of different kinds ({listed(list(dict.fromkeys(kinds)))})"] if len(set(kinds)) > 1 else []
+    speeds = next((row.values for row in rows if row.name == SPEED), ())
+    known = {
+        "flight times": ("s", [_flight(side) for side in sides]),
+        "mean speeds": ("m/s", speeds),
+        "turns a cycle": ("°", [_turn(side) for side in sides]),
+        "slopes": ("rad", [_slope(side) for side in sides]),
+    }
+    for name, (unit, values) in known.items():
+        told = [value for value in values if value is not None]
+        scale = max(map(abs, told), default=0.0)
+        if scale > NOTHING and max(told) - min(told) > TOLERATED * scale:
+            *others, last = [f"{value:#.4g}".replace("-", "−") for value in told]
+            parts.append(f"{name} {', '.join(others)} and {last} {unit}")
+    return [f"Not the same task: {'; '.join(parts)}."] if parts else []
+
+
+def _flight(side: Side) -> float | None:
+    """Time in the air of a hop, in s; None of what does not hop."""
+    if side.gait is not None:
+        return side.gait.durations.get("flight")
+    if side.run is None or not side.run.cycles or not side.run.named("lift_off"):
+        return None
+    return float(durations(side.run)[:, 1].mean())
+
+
+def _turn(side: Side) -> float | None:
+    """By how much the heading turns in a cycle, in °; None in the plane, or without a whole cycle."""
+    run = side.run
+    if run is None or "yaw" not in run.coordinates:
+        return None
+    halves = side.gait is None or bool(side.gait.system.mirrored_toes)  # of which one undoes what the other turns
+    cycles = run.cycles - run.cycles % 2 if halves else run.cycles
+    if not cycles:
+        return None
+    yaw = run.q[(run.cycle >= 1) & (run.cycle <= cycles), run.coordinates.index("yaw")]
+    return round(math.degrees(float(yaw[-1] - yaw[0])) / cycles, STRAIGHT)
+
+
+def _slope(side: Side) -> float | None:
+    """Slope of the ground, in rad; None where that is not said, or is no plane."""
+    ground = side.gait.system.ground if side.gait is not None else None if side.run is None else side.run.ground
+    return None if ground is None else float(ground.slope)
 
 
 def _percent(share: float) -> str:

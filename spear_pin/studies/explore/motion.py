@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.result import State
+from spear_pin.hybrid.rules.cycles import RETOUCH
+from spear_pin.hybrid.rules.surface import CHATTER
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.studies.explore.knobs import Knobs
@@ -35,6 +37,20 @@ class Motion:
     trajectory: Trajectory
     gait: Gait | None = None
 
+    @property
+    def kind(self) -> str:
+        """What happens in a cycle of a periodic motion, one event after the other, in words; else empty."""
+        return "" if self.gait is None else kind_of(self.trajectory)
+
+
+def kind_of(trajectory: Trajectory) -> str:
+    """Say what kind of cycle a motion has: how often the toe bounces, where it does, and the order of the events."""
+    touches = sum(event.name == RETOUCH and event.domain != CHATTER for event in trajectory.events)
+    bounces = f"the toe bounces {('once', 'twice')[touches - 1] if touches < 3 else f'{touches} times'}: " * bool(
+        touches
+    )
+    return bounces + ", ".join(event.name.replace("_", " ") for event in trajectory.events)
+
 
 def shown(knobs: Knobs, verdict: Verdict, message: str, start: State, cycles: int, gait: Gait | None = None) -> Motion:
     """So many cycles from a state, of a gait with what was solved for."""
@@ -43,7 +59,8 @@ def shown(knobs: Knobs, verdict: Verdict, message: str, start: State, cycles: in
 
 
 def periodic(knobs: Knobs, gait: Gait) -> Motion:
-    """A cycle of a gait, with its largest multiplier."""
-    kind = "stable" if gait.stable else "unstable"
-    text = f"Periodic and {kind}: the largest multiplier is {abs(gait.multipliers[0]):.3f}."
-    return shown(knobs, "periodic", text, gait.state, 1, gait)
+    """A cycle of a gait, with its largest multiplier and its kind."""
+    stable = "stable" if gait.stable else "unstable"
+    text = f"Periodic and {stable}: the largest multiplier is {abs(gait.multipliers[0]):.3f}."
+    motion = shown(knobs, "periodic", text, gait.state, 1, gait)
+    return replace(motion, message=f"{text} Kind: {motion.kind}.")

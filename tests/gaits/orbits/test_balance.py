@@ -8,8 +8,9 @@ import pytest
 
 from spear_pin import Gait, SpatialLaw
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.orbits.balance import across, along, balanced
+from spear_pin.gaits.orbits.balance import across, along, balance, balanced
 from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.orbits.parity import ALONG, LATERAL
 from spear_pin.hybrid.periodic import eigenvalues
 from tests.gaits.orbits.test_embedding import planar, spatial
 from tests.solve.gaits import fastest_upright, least_effort_upright
@@ -38,9 +39,26 @@ class TestLinear:
 
 
 class TestBalanced:
-    @pytest.mark.parametrize("kept", [least_effort_upright, fastest_upright])
-    def test_one_number_a_stride_suffices(self, kept):
-        assert abs(kept().multipliers[0]) <= 0.55
+    @pytest.mark.parametrize(
+        ("name", "kept"), [("least_effort", least_effort_upright), ("long_stride_3.50", fastest_upright)]
+    )
+    def test_one_number_a_stride_suffices(self, name, kept):
+        """Sideways: what is left above is the plane's, along."""
+        plane, found = planar(name).multipliers, kept().multipliers
+        lateral = [each for each in found if abs(plane - each).min() > 1e-5]
+        assert len(found) == 32 and max(map(abs, lateral)) <= 0.55
+
+    @pytest.mark.slow
+    def test_all_multipliers_are_told_without_feedback_and_with_it(self):
+        found, along_it = balance(gait("least_effort")), np.abs(planar("least_effort").multipliers[:4])
+        for of in (found.without, found.held):
+            kinds = np.array(of.kinds)
+            assert len(of.values) == len(kinds) == 32 and (kinds == LATERAL).sum() == 16
+            np.testing.assert_allclose(np.abs(of.values[kinds == ALONG][:4]), along_it, rtol=0, atol=1e-5)
+            assert (np.diff(np.abs(of.values)) <= 1e-9).all()
+        lateral = [np.abs(of.values[np.array(of.kinds) == LATERAL]).max() for of in (found.without, found.held)]
+        assert lateral[1] <= 0.55 < 1.0 < lateral[0]
+        np.testing.assert_array_equal(found.gait.multipliers, found.held.values)
 
 
 class TestRefused:

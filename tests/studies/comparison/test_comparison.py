@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spear_pin import Gait, Spring, load, simulate
+from spear_pin import Gait, Ground, Spring, load, simulate
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import rebuilt
@@ -82,9 +82,39 @@ def test_only_parameters_that_differ_are_told(sides):
 
 
 def test_sentences_tell_who_is_stable_and_the_main_differences(sides):
-    first, second = said(sides, measures(sides))
+    task, first, second = said(sides, measures(sides))
+    assert task == "Not the same task: mean speeds 2.500 and 3.000 m/s."
     assert "long_stride is unstable (largest multiplier 1.067)" in first
     assert "long_stride_3.00 against long_stride: mean speed +20 % (3 against 2.5 m/s)" in second
+
+
+def test_hops_of_other_flight_times_are_not_the_same_task(tmp_path, hop):
+    """Said first, of gaits and of their motions."""
+    shorter = replace(hop, durations={**hop.durations, "flight": 0.187})
+    sides = sides_of([hop, shorter], ["one", "other"], cycles=1)
+    assert said(sides, measures(sides))[0] == "Not the same task: flight times 0.2000 and 0.1870 s."
+    file = sides[0].run.save(tmp_path / "hop.npz")
+    sides = sides_of([file, shorter], cycles=1)
+    assert said(sides, measures(sides))[0] == "Not the same task: flight times 0.2000 and 0.1870 s."
+    sides = sides_of([file, hop], cycles=1)
+    assert not any("task" in sentence for sentence in said(sides, measures(sides)))
+
+
+def test_slopes_and_kinds_are_of_the_task(sides, hop):
+    both = [sides[0], sides_of([hop] * 2, cycles=1)[0]]
+    assert said(both, measures(both))[0].startswith("Not the same task: gaits of different kinds (bounding, hopping)")
+    run = sides[0].run
+    uphill = replace(sides[0], gait=None, run=replace(run, ground=Ground(slope=0.1)))
+    both = [replace(sides[0], gait=None), uphill]
+    assert "slopes 0.000 and 0.1000 rad" in said(both, measures(both))[0]
+
+
+@pytest.mark.slow
+def test_turns_are_of_the_task():
+    sides = sides_of([Gait.load("turn_4"), Gait.load("turn_9")], cycles=1)
+    assert "turns a cycle 4.000 and 9.000 °" in said(sides, measures(sides))[0]
+    sides = sides_of([Gait.load("trot")] * 2, cycles=1)
+    assert not any("task" in sentence for sentence in said(sides, measures(sides)))
 
 
 def test_two_of_the_same_differ_in_nothing(sides):

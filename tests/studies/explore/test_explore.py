@@ -3,6 +3,7 @@
 import ast
 import re
 import runpy
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from spear_pin.studies.explore.engines import REFERENCE, TAYLOR, best_engine
 from spear_pin.studies.explore.figures import figures, script
 from spear_pin.studies.explore.hops import NEAR, settled, transient
 from spear_pin.studies.explore.legs import KNOBS, spear_ii_hop
+from spear_pin.studies.explore.motion import kind_of
 
 pytestmark = pytest.mark.extra  # heyoka runs the hops where it is installed
 ENGINES = [
@@ -35,6 +37,19 @@ STAYING = knobs_of(stance_torque=0.0)  # on the ground
 def states(trajectory):
     """Configuration and velocity at the samples, side by side."""
     return np.hstack([trajectory.q, trajectory.v])
+
+
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [
+        (["lift_off", "apex", "touchdown"], "lift off, apex, touchdown"),
+        (["lift_off", RETOUCH, "lift_off"], "the toe bounces once: lift off, retouch, lift off"),
+        ([RETOUCH] * 2, "the toe bounces twice: retouch, retouch"),
+        ([RETOUCH] * 3, "the toe bounces 3 times: retouch, retouch, retouch"),
+    ],
+)
+def test_kinds_are_orders_of_events(names, said):
+    assert kind_of(SimpleNamespace(events=[SimpleNamespace(name=name, domain="stance") for name in names])) == said
 
 
 class TestKnobs:

@@ -75,6 +75,27 @@ def state(browser: chromium.Browser, name: str) -> Any:
     return browser.run(f"player.clock.{name}")
 
 
+@pytest.mark.parametrize("size", [(360, 740), (320, 568), (1280, 800)])
+def test_the_title_is_seen_whole(tmp_path: Path, size: tuple[int, int]) -> None:
+    """A long one, on a telephone too: nothing lies over it, with the legend open and sentences in it."""
+    title, notes = (
+        "Q-SPEAR turning left by 35.0°/s at 2.59 m/s",
+        [f"torque of joint {i}: 158, its limit 120 N·m" for i in range(30)],
+    )
+    path = player.record(load("spear_ii"), samples.hop(hops=1), tmp_path / "hop.html", title=title, notes=notes)
+    with chromium.Browser(*size) as browser:
+        browser.open(path)
+        browser.run("document.getElementById('legendbox').open = true")
+        found = browser.run("""(() => {
+          const [head, side] = ["h1", "aside"].map((name) => document.querySelector(name).getBoundingClientRect());
+          const apart = head.right <= side.left || head.bottom <= side.top;
+          return [apart, head.left >= 0, head.right <= innerWidth, side.bottom <= innerHeight,
+            document.querySelector("h1").scrollWidth <= document.querySelector("h1").clientWidth,
+            document.getElementById("notes").textContent];
+        })()""")
+    assert found[:5] == [True] * 5 and found[5].startswith(notes[0]) and notes[-1] in found[5]
+
+
 @pytest.mark.slow
 def test_the_address_tells_what_is_shown_and_shows_what_it_tells(browser: chromium.Browser, page: Path) -> None:
     told = "#t=3.2&speed=0.25&loop=3.1,3.4&camera=side&show=angles,-trails&plot=q_knee,force_z_toe"

@@ -62,6 +62,21 @@ def test_the_page_tells_measures_parameters_and_multipliers(bounds: Comparison) 
     assert len(re.findall(r"<title>slow: [^<]*modulus", text)) == len(gait.multipliers)
 
 
+@pytest.mark.browser
+@pytest.mark.skipif(chromium.find() is None, reason="no Chromium here")
+def test_tables_that_scroll_show_that_they_do(path: Path) -> None:
+    """On a telephone the page does not scroll sideways, its tables do, with shadows that stay where they are."""
+    with chromium.Browser(360, 740) as browser:
+        browser.open(path)
+        found = browser.run("""[...document.querySelectorAll(".wide")].map((wide) => {
+          const style = getComputedStyle(wide);
+          return [wide.scrollWidth > wide.clientWidth, style.overflowX, style.backgroundAttachment];
+        })""")
+        assert browser.run("document.documentElement.scrollWidth") == 360
+    assert any(scrolls for scrolls, *_ in found)
+    assert all(rest == ["auto", "local, local, scroll, scroll"] for _, *rest in found)
+
+
 def test_regions_have_names_of_their_own(bounds: Comparison) -> None:
     names = re.findall(r'role="region"[^>]*aria-label="([^"]*)"', bounds.page)
     assert len(names) >= 3 and len(set(names)) == len(names)

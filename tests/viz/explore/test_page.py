@@ -104,6 +104,37 @@ class TestPage:
         assert browser.run("document.getElementById('problem').hidden") is True
 
     @pytest.mark.slow
+    def test_a_refused_number_greys_the_figures_and_fits_its_field(self, browser, server):
+        visit(browser, server, "#t=0.15")
+        seen = "[...['readouts', 'said_of_it'].map(id => getComputedStyle(document.getElementById(id)).opacity)]"
+        assert browser.run(seen) == ["1", "1"]
+        browser.run("""(async () => {
+            const field = document.getElementById("number_stiffness");
+            field.value = "1234.5678901";
+            for (const kind of ["input", "change"]) field.dispatchEvent(new Event(kind));
+            await explorer.idle();
+        })()""")
+        assert "expected a number from 20 to 100" in text(browser, "problem")
+        assert all(float(opacity) < 0.6 for opacity in browser.run(seen))
+        fields = "[...document.querySelectorAll('.knob input[type=number]')].map(e => e.scrollWidth - e.clientWidth)"
+        assert max(browser.run(fields)) <= 0
+        move(browser, "stiffness", 50)
+        assert browser.run(seen) == ["1", "1"]
+
+    @pytest.mark.slow
+    def test_the_kind_of_a_hop_stands_beside_its_verdict(self, browser, server):
+        """As a bounce comes in, the peak torque goes from 9 to 28 N·m."""
+        visit(browser, server, "#t=0.15")
+        assert "Kind: torque switch, slip, lift off, apex, touchdown." in text(browser, "verdict")
+        assert text(browser, "kind") == ""
+        move(browser, "stiffness", 60)
+        assert "Kind: the toe bounces once: lift off, retouch" in text(browser, "verdict")
+        assert text(browser, "kind").startswith("Of another kind than A, the default, which is: torque switch")
+        browser.run("explorer.pin()")
+        assert text(browser, "kind") == ""
+        browser.run("explorer.unpin()")
+
+    @pytest.mark.slow
     def test_where_there_is_no_hop_it_says_why(self, browser, server):
         visit(browser, server, "?stance_torque=10.5#t=0.15")
         assert "the run ends 2 hops after the default hop" in text(browser, "verdict")

@@ -1,0 +1,32 @@
+"""Multipliers of a whole section, along and lateral: none is left out, and the largest is first."""
+
+import numpy as np
+import pytest
+
+from spear_pin.gaits.orbits.parity import ALONG, LATERAL, merged, parted
+from spear_pin.hybrid.periodic import eigenvalues
+
+LATERAL_BLOCK = np.array([[1.5, 0.3], [0.0, 0.2]])
+ALONG_BLOCK = np.array([[0.0, -1.1, 0.0], [1.1, 0.0, 0.0], [0.2, 0.0, 0.4]])
+
+
+def test_parts_are_put_together():
+    found = merged({True: eigenvalues(LATERAL_BLOCK), False: eigenvalues(ALONG_BLOCK)})
+    np.testing.assert_allclose(found.values, [1.5, 1.1j, -1.1j, 0.4, 0.2], rtol=0, atol=1e-12)
+    assert found.kinds == (LATERAL, ALONG, ALONG, ALONG, LATERAL)
+
+
+def test_of_what_is_one_no_kind_is_told():
+    assert merged({None: eigenvalues(ALONG_BLOCK)}).kinds == (None, None, None)
+
+
+@pytest.mark.parametrize("coupling", [0.0, 1e-3])
+def test_a_kind_is_that_of_the_greater_part(coupling):
+    """Coordinates of either parity in any order, and a little of the one acting on the other."""
+    A = np.full((5, 5), coupling)
+    symmetric = np.array([True, False, True, False, True])
+    A[np.ix_(symmetric, symmetric)] += ALONG_BLOCK
+    A[np.ix_(~symmetric, ~symmetric)] += LATERAL_BLOCK
+    found = parted(A, symmetric)
+    assert found.kinds == (LATERAL, ALONG, ALONG, ALONG, LATERAL)
+    np.testing.assert_allclose(found.values, eigenvalues(A), rtol=0, atol=1e-12)
