@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from tests.hostile import data, meshes, names, robots
+from tests.hostile import data, meshes, names, pages, robots
 from tests.hostile.case import MEMORY
 from tests.wrong_calls import run
 from tests.wrong_calls.case import Case
 
-KINDS = {"robots": robots, "data": data, "meshes": meshes, "names": names}
+KINDS = {"robots": robots, "data": data, "meshes": meshes, "names": names, "pages": pages}
 
 
 def everything() -> list[tuple[str, Case]]:

@@ -92,7 +92,7 @@ def answered_badly(share: Sequence[int], make: Make = everything, memory: int = 
 
 def _work(results: Connection, share: Sequence[int], make: Make, memory: int) -> None:
     cases = make()
-    resource.setrlimit(resource.RLIMIT_DATA, (2 * memory, 2 * memory))
+    resource.setrlimit(resource.RLIMIT_DATA, (2 * memory, resource.getrlimit(resource.RLIMIT_DATA)[1]))
     for i in share:
         case = cases[i][1]
         children = _of_children()
