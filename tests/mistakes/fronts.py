@@ -4,11 +4,54 @@ from tests.mistakes.mutation import mistakes_in
 
 MUTATIONS = [
     *mistakes_in(
+        "printable",
+        ["test_printable"],
+        {
+            "escapes reach the terminal": ("char.isprintable() or", "True or"),
+            "letters of which nothing is seen are shown": ("char not in _UNSEEN and", ""),
+        },
+    ),
+    *mistakes_in(
+        "studies/identification/units",
+        ["studies/identification/test_records"],
+        {
+            "ns taken for us": ('"ns": 1e-9', '"ns": 1e-6'),
+            "Unix time in ms taken for s": ('("s", "ms", "us", "ns") if', '("s", "us", "ns") if'),
+        },
+    ),
+    *mistakes_in(
+        "studies/identification/records",
+        ["studies/identification/test_records"],
+        {
+            "times of an absolute clock": ("t = (t - t[0]) * TIMES", "t = t * TIMES"),
+            "wraps that stay": ("if wraps.any():", "if not wraps.size:"),
+        },
+    ),
+    *mistakes_in(
+        "studies/identification/search",
+        ["studies/identification/test_estimate"],
+        {"releases told from about when they are": ("entry.origin + float(value)", "float(value)")},
+    ),
+    *mistakes_in(
+        "viz/playback/mesh_limits",
+        ["viz/playback/test_meshes"],
+        {
+            "nodes that are put often count once": (
+                "faces += max((count for _, count in more), default=0)",
+                "faces += 0",
+            ),
+            "counts of STL that lie are believed": ("if len(data) == 84 + 50 * said:", "if True:"),
+        },
+    ),
+    *mistakes_in(
         "files",
         ["test_files"],
         {
             "files written in place": ('target.with_name(f".{target.name}.{os.getpid()}.tmp")', "target"),
-            "a failed file left behind": ("temporary.unlink", "temporary.exists"),
+            "a failed file left behind": (
+                "its folder may be none\n                temporary.unlink",
+                "its folder may be none\n                temporary.exists",
+            ),
         },
     ),
     *mistakes_in(
@@ -79,8 +122,8 @@ MUTATIONS = [
         ["cli/test_main"],
         {
             "a mistake ends with status 0": (
-                'split())}")\n        return 2',
-                'split())}")\n        return 0',
+                'one_line(str(error))}")\n        return 2',
+                'one_line(str(error))}")\n        return 0',
             ),
         },
     ),
