@@ -74,7 +74,7 @@ class Writing:
         """A name that no other body, or joint, has."""
         taken = self.jointed if joint else self.taken
         while wanted in taken:
-            wanted += "_"
+            wanted += str(len(taken)) if wanted.endswith("__") else "_"  # of thousands alike, none gets long
         taken.add(wanted)
         return wanted
 
