@@ -148,6 +148,36 @@ MUTATIONS = [
         {"grazing overlooked": ("<= 0.05 * max(before, middle, end)", "<= -1.0")},
     ),
     *mistakes_in(
+        "hybrid/span",
+        ["hybrid/test_quick_events"],
+        {
+            "no part of a step is looked at closely": (
+                "waiting += reversed(span.halves())",
+                "yield span.begin, span.end, UNKNOWN",
+            ),
+            "the second half of a step comes first": ("reversed(span.halves())", "span.halves()"),
+            "nothing shorter than 10 µs is looked for": ("LEAST if short <= MANY else SHORTEST", "SHORTEST"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/intervals",
+        ["hybrid/test_quick_events"],
+        {"an interval of a wave has no crest": ("1.0 if peak else max(ends)", "max(ends)")},
+    ),
+    *mistakes_in(
+        "hybrid/own",
+        ["hybrid/test_mistaken", "hybrid/test_endings"],
+        {
+            "what overflows is a mistake": ("NUMERICAL = (OverflowError, ", "NUMERICAL = ("),
+            "a torque too many is left out": ("if len(found) != len(joints):", "if len(found) < len(joints):"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/tangent/seeds",
+        ["hybrid/tangent/test_seeds"],
+        {"numbers that are zero are numbers of the motion": ("found = whole[kept]", "found = whole")},
+    ),
+    *mistakes_in(
         "hybrid/rules/entry",
         ["hybrid/rules/test_entry", "hybrid/test_events"],
         {
