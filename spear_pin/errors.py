@@ -105,7 +105,8 @@ class BadFile(SpearError):
 
     def __init__(self, path: str | Path, problem: str, line: int | None = None) -> None:
         self.path, self.problem, self.line = str(path), problem, line
-        where = self.path if line is None else f"{self.path}:{line}"
+        where = self.path if self.path.strip() else repr(self.path)
+        where = where if line is None else f"{where}:{line}"
         super().__init__(f"{where}: {problem}")
 
 

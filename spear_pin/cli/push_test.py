@@ -111,7 +111,7 @@ def _geared(robot: Robot, arguments: argparse.Namespace) -> Robot:
 def _csv(word: str) -> str:
     """The name of a file in --out, whose suffix may be left out."""
     name = word if Path(word).suffix == ".csv" else f"{word}.csv"
-    if word.strip() in ("", ".", "..") or len(Path(name).parts) != 1:
+    if word.strip() in ("", ".", "..") or len(Path(name).parts) != 1 or not name.isprintable():
         raise argparse.ArgumentTypeError(f"{word!r} is no name of a file; its folder is given by --out")
     return name
 

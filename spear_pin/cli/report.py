@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.output import aligned, joined
-from spear_pin.errors import BadFile, SpearError, UnknownName
+from spear_pin.errors import BadFile
 
 if TYPE_CHECKING:
     from spear_pin.viz.report import Selection
@@ -40,11 +40,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from tqdm import tqdm
 
     from spear_pin.files import atomic
-    from spear_pin.viz.report import SVG, make, write_figures
+    from spear_pin.viz.report import SVG, make, select, write_figures
     from spear_pin.viz.report.cache import user_cache
     from spear_pin.viz.report.page import MOST_BYTES, render
 
-    selection = _selected(arguments.only)
+    selection = select(arguments.only)
     if arguments.list:
         ids = _ids(selection)
         return {"ids": ids, "text": joined(ids)}
@@ -85,20 +85,6 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "opened": page,
         "text": aligned(rows),
     }
-
-
-def _selected(patterns: list[str]) -> Selection:
-    """Parts of the report; of an unknown id, those that are spelt most alike."""
-    from difflib import get_close_matches
-
-    from spear_pin.viz.report import select
-
-    try:
-        return select(patterns)
-    except UnknownName as error:
-        near = get_close_matches(str(error.value), error.valid, cutoff=0.0)
-        text = f"unknown {error.kind} {error.value!r}; nearest: {', '.join(near)}; spear report --list has all"
-        raise SpearError(text) from None
 
 
 def _ids(selection: Selection) -> list[str]:

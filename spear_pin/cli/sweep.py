@@ -117,6 +117,8 @@ def _check(arguments: argparse.Namespace) -> None:
             raise BadValue(f"--{option}", value, f"a whole number, at least {least}")
     if arguments.what == "hop" and arguments.speed is not None:
         raise BadValue("--speed", arguments.speed, "to go with bound; a hop takes --flight-time")
+    if arguments.what == "hop" and arguments.gait is not None:
+        raise BadValue("--gait", arguments.gait, "to go with bound; a hop is found anew")
     if arguments.what == "bound" and arguments.robot is not None:
         expected = (
             "to go with hop; of another quadruped save a bound by spear bound --robot ... --save, and give --gait"

@@ -18,9 +18,10 @@ def frame_id(model: pin.Model, frame: str) -> int:
     Raises:
         UnknownName: there is no such frame; the text lists the valid ones.
     """
-    if isinstance(frame, str):  # Pinocchio gives nframes for an unknown name, and no error
+    names = [each.name for each in model.frames]
+    if frame in names:  # Pinocchio gives nframes for an unknown name, and no error
         for kind in KINDS:
             index = int(model.getFrameId(frame, kind))
             if 0 < index < model.nframes:  # 0 is the world, Pinocchio's "universe"
                 return index
-    raise UnknownName("frame", frame, [f.name for f in model.frames if f.name != "universe"])
+    raise UnknownName("frame", frame, [name for name in names if name != "universe"])

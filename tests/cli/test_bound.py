@@ -205,10 +205,11 @@ class TestMistakes:
     @pytest.mark.parametrize(
         ("arguments", "parts"),
         [
-            (["--gait", "canter"], ["unknown gait 'canter'", "least_effort", "long_stride"]),
+            (["--gait", "canter"], ["unknown gait 'canter'; nearest of"]),
             (["--gait", "missing.json"], ["missing.json"]),
             (["--gait", "hop.npz"], ["hop.npz", "not a saved gait (.json)"]),
-            (["--gait", "canter", "--speed", "2.6"], ["unknown gait 'canter'", "long_stride"]),
+            (["--gait", "canter", "--speed", "2.6"], ["unknown gait 'canter'; nearest of"]),
+            (["--gait", ""], ["unknown gait ''"]),
             (["--speed", "0"], ["--speed", "m/s"]),
             (["--speed", "-2.5"], ["--speed"]),
             (["--speed", "nan"], ["--speed"]),

@@ -96,7 +96,7 @@ class TestMistakes:
             (["--objective", "speed"], ["unknown objective 'speed'", "effort_per_distance", "peak"]),
             (["--objective", "electrical"], ["--knee-motor", "electrical"]),
             (["--objective", "violation"], ["--knee-motor", "violation"]),
-            (["--knee-motor", "steam"], ["unknown motor 'steam'", "ec_90_flat_260w"]),
+            (["--knee-motor", "steam"], ["unknown motor 'steam'; nearest of 14: "]),
             (["--knee-motor", "ec_60_flat_150w"], ["torque_constant", "ec_60_flat_150w"]),
             (["--knee-motor", "ec_90_flat_260w", "--ratio", "0"], ["ratio"]),
             (["--knee-motor", "ec_90_flat_260w", "--bus", "-1"], ["bus"]),

@@ -53,6 +53,9 @@ class TestMistakes:
         [
             ("fly", "--over", "stiffness=1,2"),
             ("hop",),
+            ("hop", "--over", "stiffness=1,2", "--gait", "long_stride"),
+            ("hop", "--over", "stiffness=1,2", "--gait", ""),
+            ("bound", "--over", "stiffness=1,2", "--gait", ""),
             ("hop", "--over", "stiffness"),
             ("hop", "--over", "stiffness=a,b"),
             ("hop", "--over", "stiffness=1:2"),

@@ -105,7 +105,7 @@ class TestUnknownNames:
     def test_robot(self):
         error = refusal(UnknownName, lambda: load("spear_iii"))
         assert (error.kind, error.value) == ("robot", "spear_iii")
-        assert error.valid[: len(ROBOTS)] == tuple(ROBOTS) and "path" in error.valid[-1]
+        assert error.valid[: len(ROBOTS)] == tuple(ROBOTS) and "path" in error.also
         assert "unknown robot 'spear_iii'" in str(error) and "spear_ii, spear_ii_series, q_spear" in str(error)
 
     def test_empty_name(self):

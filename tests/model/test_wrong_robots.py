@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import pytest
 
 from spear_pin import SpearError, load, monopod, sagittal
-from spear_pin.errors import BadFile
+from spear_pin.errors import BadFile, UnknownName
+from spear_pin.model.frames import frame_id
 from spear_pin.model.legs import find_legs
 from tests.cli.calls import refused
 from tests.model.legged import quadruped
@@ -260,3 +261,9 @@ def test_wrong_robot_to_hop(capsys, tmp_path, words, says):
     files["leg"] = tmp_path / "leg.xml"
     files["leg"].write_text(re.sub('axis="[^"]*"', 'axis="0 0 0"', LEG))
     assert says in refused(capsys, "hop", *words.format(**files).split())
+
+
+@pytest.mark.parametrize("name", ["\udcff", "", None, 3])
+def test_a_name_that_is_no_text_in_utf_8_is_unknown(robots, name):
+    with pytest.raises(UnknownName, match="unknown frame"):
+        frame_id(robots.dog.model, name)

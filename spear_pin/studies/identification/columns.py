@@ -66,7 +66,7 @@ def read_columns(path: str | Path, choose: Choice) -> Columns:
             head = file.read(HEAD)
     except OSError as error:
         raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
-    if not head.strip():
+    if not head.strip(b"\0 \t\r\n\f\v"):  # nor do zeros, as in the hole of a sparse file, say anything
         raise BadFile(path, "the file is empty")
     return _mat(path, choose) if path.suffix.lower() == ".mat" else _text(path, head, choose)
 
