@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     name, gait, notes = _gait(arguments)
     trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step)
     end = lost(trajectory, "stride")
-    samples = trajectory.save(arguments.out / "bound.npz")  # before all that could fail or be interrupted
+    samples = trajectory.save(arguments.out / "bound.npz")
     saved = [gait.save(arguments.out / "bound.json")] if arguments.save else []
     robot = gait.system.robot
     summary = {"gait": name, "lost": end, **summarize(gait, trajectory), **plausibility(gait, trajectory)}

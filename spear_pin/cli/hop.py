@@ -126,7 +126,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step
     )
     end = lost(trajectory, "hop")
-    samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
+    samples = trajectory.save(arguments.out / "hop.npz")
     saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
     summary = {"lost": end, **summarize(gait, trajectory), **plausibility(gait, trajectory)}
     if robot.cut is not None:

@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         gait = find_gait(system, on_iteration=tell)
     trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step)
     end = lost(trajectory, "hop")
-    samples = trajectory.save(arguments.out / "hop.npz")  # before all that could fail or be interrupted
+    samples = trajectory.save(arguments.out / "hop.npz")
     saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
     summary = {"lost": end, **summarize_round(gait, trajectory), **plausibility(gait, trajectory)}
     summary |= {"friction": arguments.friction}

@@ -45,7 +45,7 @@ class TestOfACut:
     def test_is_swept(self, capsys, tmp_path, cut_gait):
         asked = ("sweep", "bound", "--gait", cut_gait, "--over", "colour=1,2", "--out", tmp_path / "s.zarr")
         said = refused(capsys, *asked)
-        assert all(name in said for name in ("unknown parameter 'colour'", "hip_distance", "torso_mass", "knee_rotor"))
+        assert "unknown parameter 'colour'" in said and "nearest of" in said
 
 
 @pytest.mark.slow
@@ -135,7 +135,7 @@ class TestBound:
         monkeypatch.setattr("spear_pin.viz.player.record", interrupt)
         status, out, err = run(capsys, "bound", "--cycles", 1, "--rtol", 1e-7, "--out", tmp_path)
         assert status == 130 and err == "" and "1 strides (complete)" in out
-        assert [path.name for path in tmp_path.iterdir()] == ["bound.npz"]
+        assert list(tmp_path.iterdir()) == []
 
     @pytest.mark.slow
     def test_a_saved_gait(self, capsys, tmp_path):

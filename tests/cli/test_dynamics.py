@@ -59,7 +59,7 @@ class TestDynamics:
         result = printed(capsys, "dynamics", path, "--base", "fixed", "--motors", "all", "--repair")
         assert np.shape(result["B"]) == (4, 4)
         assert np.shape(printed(capsys, "dynamics", path, "--motors", "knee")["B"]) == (4, 1)
-        assert "'free', 'chain'" in refused(capsys, "dynamics", path, "--base", "floating")
+        assert "valid: free, chain, fixed" in refused(capsys, "dynamics", path, "--base", "floating")
         assert "unknown joint 'ankle'" in refused(capsys, "dynamics", path, "--motors", "ankle")
 
     def test_what_loading_warns_of_is_one_line(self, capsys, tmp_path):

@@ -75,7 +75,7 @@ class TestSearch:
         return asked
 
     def test_the_scaled_request(self, capsys, dog, tmp_path, searched):
-        options = ("--speed", 1.5, "--knee-motor", "ec_90_flat_260w", "--ratio", 9, "--stiffness", 10)
+        options = ("--speed", 1.5, "--knee-motor", "ec_90_flat_260w", "--ratio", 9, "--stiffness-per-leg", 10)
         result = printed(capsys, "search", "--robot", dog, *options, "--out", tmp_path)
         plane, rotor = sagittal(load(dog, motors="all")), motor("ec_90_flat_260w").known("rotor_inertia")
         ((robot, request),) = searched

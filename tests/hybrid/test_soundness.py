@@ -83,7 +83,7 @@ def test_a_section_that_ends_no_flight(hop):
     with pytest.raises(UnknownName, match="touchdown"):
         replace(hop.system, section="touch")
     system = replace(hop.system, section="")  # of which a motion can be asked, but no cycle
-    with pytest.raises(UnknownName, match="touchdown"):
+    with pytest.raises(UnknownName, match="unknown section ''; nearest of"):
         simulate(system, hop.state, 1)
 
 

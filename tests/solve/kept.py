@@ -59,7 +59,7 @@ class Recipe:
 
     def came_from(self, gait: Gait) -> str:
         """Hashes what the gait came from."""
-        digest = hashlib.sha256(inspect.getsource(self.search).partition("def ")[2].encode())
+        digest = hashlib.sha256(_without_decorator(self.search).encode())
         for name in self.begins:
             digest.update((RECIPES[name].path if name in RECIPES else library.path(name)).read_bytes())
         model = gait.system.robot.model
@@ -68,6 +68,11 @@ class Recipe:
                 digest.update(f"{number:.9g}".encode())
         digest.update(" ".join(f"{number:.9g}" for number in model.armature).encode())
         return digest.hexdigest()
+
+
+def _without_decorator(search: Callable[[], Gait]) -> str:
+    source = inspect.getsource(search)
+    return source.partition("def ")[2] or source
 
 
 def solved(

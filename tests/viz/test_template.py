@@ -17,7 +17,7 @@ SCRIPTS = sorted(path.relative_to(ROOT).as_posix() for suffix in ("js", "css") f
 
 @pytest.mark.parametrize("name", ["player.html", "explore/page.html"])
 def test_odd_words_are_shown_as_they_are(name):
-    given = {"title": ODD, "kind": "hop"}
+    given = {"title": ODD, "kind": "hop", "notes": []}
     tree = etree.HTML(environment().get_template(name).render(title=ODD, data=given))
     assert len(tree.xpath("//script")) == 3 and not tree.xpath("//b")
     assert set(tree.xpath("//h1/text()")) <= {ODD, "SPEAR-II hopping"}
@@ -35,7 +35,7 @@ def test_a_page_begins_with_its_type(name):
     assert (
         environment()
         .get_template(name)
-        .render(title="A hop", data={"kind": "hop"})
+        .render(title="A hop", data={"kind": "hop", "notes": []})
         .startswith("<!DOCTYPE html>\n<html")
     )
 

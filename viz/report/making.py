@@ -171,7 +171,7 @@ def _drawn(picture: Picture, formats: Sequence[str], cache: Cache | None) -> dic
         figure = picture.draw()
         with tempfile.TemporaryDirectory() as folder:
             for suffix in missing:
-                drawn[suffix] = save_figure(figure, Path(folder) / f"figure.{suffix}").read_bytes()
+                drawn[suffix] = save_figure(figure, Path(folder) / f"figure.{suffix}", at_once=True).read_bytes()
                 if cache is not None:
                     cache.put(names[suffix], drawn[suffix])
     return drawn

@@ -169,7 +169,7 @@ class _Held(NamedTuple, Generic[T]):
 def _held(local: Local[T], hessian: Array, lower: Array, upper: Array, across: Sequence[Local[T]]) -> _Held[T]:
     """What holds a point, of constraints, bounds and kinks, and what that leaves of the gradient."""
     low, high = np.maximum(lower - local.x, -NEARBY), np.minimum(upper - local.x, NEARBY)
-    near = [each for each in across if np.abs(each.x - local.x).max() <= NEARBY]
+    near = [each for each in across if np.abs(each.x - local.x).max() <= REMEMBERED * NEARBY]  # as for a step that long
     try:
         end = step_within(local, hessian, low, high, near)
     except FAILURES:

@@ -17,6 +17,7 @@ from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.model.scalars import dot
 
 DEGENERATE = 1e-9  # of the largest of a joint impact's speeds and impulses: an active set so near to another
+BORDER = "an impact of several toes is on the border between two outcomes"
 SINGULAR = 1e12  # condition of J D⁻¹ Jᵀ, from which on toes depend on each other
 
 
@@ -61,6 +62,8 @@ def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: An
     size, values, mu = len(feet.speeds), feet.inverse_inertia, float(feet.friction)
     if not np.linalg.cond(values) < SINGULAR:
         raise NotDifferentiable("toes in an impact cannot move each by itself, so that their impulses are not unique")
+    if np.abs(feet.speeds).max() < DEGENERATE:  # in m/s: they only touch, and what they do is rounding's
+        raise NotDifferentiable(BORDER)
     # in the coordinates of the toes' own velocities the rule wants the inverse of A for a mass matrix
     impact = joint_impact(np.asarray(np.linalg.inv(values), dtype=np.float64), np.eye(size), feet.speeds, mu)
     after, given = impact.v, impact.impulse.ravel()
@@ -93,7 +96,7 @@ def _check_set(slides: Any, leaves: Any, after: Array, impulse: Array, friction:
         elif not leave:
             margin = min(margin, (friction * up - abs(along)) / push)
         if margin < DEGENERATE:
-            raise NotDifferentiable("an impact of several toes is on the border between two outcomes")
+            raise NotDifferentiable(BORDER)
 
 
 def flat(held: Mapping[str, Any]) -> list[Any]:

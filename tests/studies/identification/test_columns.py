@@ -113,7 +113,7 @@ REFUSED = {
         "not a table of numbers: .*utf-8",
     ),
     "binary": (bytes(range(256)) * 10, "not a text file"),
-    "zeros": (bytes(1000), "not a text file"),
+    "zeros": (bytes(1000), "the file is empty"),
     "zero inside": (changed(50, "0.049,1\0"), "not a text file"),
     "a line without end": (b"7" * 200_000, "not a text file"),
     "HTML": ("<!DOCTYPE html>\n<p>404, not found</p>\n", "rows of numbers|finite numbers|column"),
