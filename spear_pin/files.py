@@ -6,9 +6,11 @@ import errno
 import json
 import math
 import os
+import shutil
 import stat
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +31,9 @@ class Together:
 
     def add(self, temporary: Path, target: Path) -> None:
         """Let a written file wait for the others."""
+        target = target.absolute()
+        if (before := self._written.pop(target, None)) is not None:
+            before.unlink(missing_ok=True)
         self._written[target] = temporary
 
     def place(self) -> None:
@@ -37,23 +42,21 @@ class Together:
         Raises:
             BadFile: a file cannot have its name.
         """
-        placed: list[tuple[Path, Path]] = []
+        placed: list[tuple[Path, Path | None]] = []
         try:
             for target, temporary in self._written.items():
-                before = temporary.with_suffix(".old")
+                before = _kept(target, temporary.with_suffix(".old"))
                 placed.append((target, before))
-                with suppress(OSError):  # there is none, or the folder takes no links
-                    os.link(target, before, follow_symlinks=False)
                 _rename(temporary, target)
         except BaseException:
             for target, before in placed:
                 with suppress(OSError):
-                    os.replace(before, target) if before.exists() else target.unlink()
+                    target.unlink() if before is None else os.replace(before, target)
             raise
         finally:
             for _, before in placed:
-                with suppress(OSError):
-                    before.unlink()
+                if before is not None:
+                    before.unlink(missing_ok=True)
             self.drop()
 
     def drop(self) -> None:
@@ -64,17 +67,43 @@ class Together:
         self._written.clear()
 
 
+def _kept(target: Path, beside: Path) -> Path | None:
+    """Keep a file beside itself, as a link or, where the folder takes none, as a copy; None where there is none."""
+    if not target.is_symlink() and not target.exists():
+        return None
+    beside.unlink(missing_ok=True)
+    try:
+        os.link(target, beside, follow_symlinks=False)
+    except OSError:
+        try:
+            shutil.copy2(target, beside, follow_symlinks=False)
+        except OSError as error:
+            raise BadFile(target, f"cannot be replaced: {error.strerror or error}") from None
+    return beside
+
+
 _together: Together | None = None
+_numbers = count()
 
 
 @contextmanager
 def together() -> Iterator[Together]:
-    """Files that this process writes in the block get their names at its end, or with `place`; none if it fails."""
+    """Files that this process writes in the block get their names at its end, or with `place`.
+
+    Where one of them cannot be written, none does. Where the block ends otherwise, as by an interruption, those do
+    that are whole.
+    """
     global _together
     outer, files = _together, Together()
     _together = files
     try:
         yield files
+    except (BadFile, OSError):
+        raise
+    except BaseException:
+        files.place()
+        raise
+    else:
         files.place()
     finally:
         _together = outer
@@ -91,7 +120,7 @@ def atomic(path: str | Path, at_once: bool = False) -> Iterator[Path]:
         BadFile: the file cannot be written.
     """
     target = Path(path)
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.{next(_numbers)}.tmp")
     others = _together if _together is not None and _together.takes() and not at_once else None
     waits = False
     try:

@@ -50,7 +50,8 @@ class TestSignals:
         command = [sys.executable, "-c", INTERRUPTED, str(int(number)), event, name, "hop", "--cycles", "1"]
         process = ended(command, tmp_path)
         assert (process.returncode, process.stderr) == (128 + number, b"")
-        assert process.stdout == b"" or name in ("hop.npz", "hop.html", "hop.svg")  # printed before pictures are drawn
+        files = ["hop.npz", "hop.html", "hop.svg"]
+        assert process.stdout == b"" or name in files  # figures are printed before pictures are drawn
         assert os.listdir(tmp_path) == []
 
     def test_one_that_a_library_swallows_comes_again(self, tmp_path):

@@ -117,7 +117,7 @@ class TestBound:
         status, out, err = run(capsys, "bound", "--gait", name, "--cycles", 1, "--rtol", 1e-8, "--out", tmp_path)
         assert status == 0, err
         assert name in out and rule in out and "2.5000 m/s" in out and "1 strides (complete)" in out
-        assert ("in the last ms" in out) == (name == "force_lift_off")
+        assert "in the last ms" not in out
         assert str(tmp_path / "bound.html") in out and str(tmp_path / "bound.npz") in out
 
     @pytest.mark.slow
@@ -135,7 +135,7 @@ class TestBound:
         monkeypatch.setattr("spear_pin.viz.player.record", interrupt)
         status, out, err = run(capsys, "bound", "--cycles", 1, "--rtol", 1e-7, "--out", tmp_path)
         assert status == 130 and err == "" and "1 strides (complete)" in out
-        assert list(tmp_path.iterdir()) == []
+        assert [path.name for path in tmp_path.iterdir()] == ["bound.npz"]
 
     @pytest.mark.slow
     def test_a_saved_gait(self, capsys, tmp_path):

