@@ -38,7 +38,7 @@ class Recipe:
         begins: names of the shipped gaits, or of those of other recipes, that it begins with.
         extras: modules that the search, or the robot, needs.
         close: by how much multipliers may differ from eigenvalues of the Jacobian; None where the heading is among
-            what they belong to, which the section leaves out.
+            what they belong to, which the section leaves out, or where the map has no derivative.
     """
 
     name: str
