@@ -28,7 +28,7 @@ class SpearError(Exception):
         ...     load("spear_iii")
         ... except SpearError as error:
         ...     print(error)
-        unknown robot 'spear_iii'; nearest of ...: ...
+        unknown robot 'spear_iii'; ...
     """
 
     def __init__(self, text: str, most: int = LONGEST) -> None:
