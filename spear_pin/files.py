@@ -8,6 +8,7 @@ import math
 import os
 import shutil
 import stat
+import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import count
@@ -139,6 +140,18 @@ def atomic(path: str | Path, at_once: bool = False) -> Iterator[Path]:
         if not waits:
             with suppress(OSError):  # it may be gone, or its folder may be none
                 temporary.unlink()
+
+
+@contextmanager
+def scratch() -> Iterator[Path]:
+    """Give a folder for files that are read again and then removed; in it they have their names at once."""
+    global _together
+    outer, _together = _together, None
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            yield Path(folder)
+    finally:
+        _together = outer
 
 
 def check_target(path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from spear_pin import Gait, Trajectory
 from spear_pin.errors import BadFile
-from spear_pin.files import atomic, parse_json, plain, read_bytes, regular, together, write_text
+from spear_pin.files import atomic, parse_json, plain, read_bytes, regular, scratch, together, write_text
 from spear_pin.model.loading import load
 from spear_pin.studies.identification.columns import read_columns
 
@@ -198,6 +198,14 @@ class TestTogether:
             write_text(tmp_path / "store", "kept", at_once=True)
             raise OSError
         assert os.listdir(tmp_path) == ["store"]
+
+    def test_what_is_read_again_does_not_wait(self, tmp_path):
+        with pytest.raises(OSError), together():
+            with scratch() as folder:
+                assert write_text(folder / "a", "read").read_text() == "read"
+            write_text(tmp_path / "b", "waits")
+            assert os.listdir(tmp_path) != ["b"] and not folder.exists()
+            raise OSError
 
     def test_a_forked_process_writes_for_itself(self, tmp_path):
         with pytest.raises(OSError), together():

@@ -78,11 +78,10 @@ def with_unit(name: str, unit: str) -> str:
 
 
 @typed
-def save_figure(figure: Figure, path: str | Path, at_once: bool = False) -> Path:
+def save_figure(figure: Figure, path: str | Path) -> Path:
     """Write a figure, whole or not at all, in the format of the path's suffix.
 
-    The text of an svg is drawn as outlines, so that it looks the same without the fonts. `at_once` as of
-    `files.atomic`.
+    The text of an svg is drawn as outlines, so that it looks the same without the fonts.
 
     Raises:
         BadValue: the suffix is not .svg, .pdf or .png.
@@ -92,6 +91,6 @@ def save_figure(figure: Figure, path: str | Path, at_once: bool = False) -> Path
     suffix = target.suffix.lower()
     if suffix not in FORMATS:
         raise BadValue("path", str(path), f"a name ending in {', '.join(FORMATS)}")
-    with style(), atomic(target, at_once) as temporary:
+    with style(), atomic(target) as temporary:
         figure.savefig(temporary, format=suffix[1:], metadata=FORMATS[suffix])
     return target

@@ -7,7 +7,6 @@ the report, with its reason.
 from __future__ import annotations
 
 import json
-import tempfile
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
@@ -17,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from spear_pin.errors import UnknownName
-from spear_pin.files import atomic
+from spear_pin.files import atomic, scratch
 from spear_pin.studies.audit.statements import STATEMENTS, VERDICTS, Finding, Statement, Verdict, check
 from spear_pin.studies.audit.statements.tables import TABULATIONS, Rows, Tabulation
 from spear_pin.viz.plots import save_figure
@@ -169,9 +168,9 @@ def _drawn(picture: Picture, formats: Sequence[str], cache: Cache | None) -> dic
     drawn = {suffix: kept for suffix, name in names.items() if cache is not None and (kept := cache.get(name))}
     if missing := [suffix for suffix in formats if suffix not in drawn]:
         figure = picture.draw()
-        with tempfile.TemporaryDirectory() as folder:
+        with scratch() as folder:
             for suffix in missing:
-                drawn[suffix] = save_figure(figure, Path(folder) / f"figure.{suffix}", at_once=True).read_bytes()
+                drawn[suffix] = save_figure(figure, folder / f"figure.{suffix}").read_bytes()
                 if cache is not None:
                     cache.put(names[suffix], drawn[suffix])
     return drawn

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
+from spear_pin.files import scratch
 from spear_pin.studies.audit import runs
 from spear_pin.studies.push_test import WITH_MOTOR, release, spear_ii
 from spear_pin.viz.player import page
@@ -43,8 +42,8 @@ def bound() -> str:
 def push_test() -> str:
     """SPEAR-II pushed down by 10 cm and let go."""
     leg = spear_ii()
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "release.html"
+    with scratch() as folder:
+        path = folder / "release.html"
         title = "SPEAR-II released from 10 cm"
         return record_release(leg, WITH_MOTOR, release(leg, WITH_MOTOR), path, title=title).read_text(encoding="utf-8")
 
