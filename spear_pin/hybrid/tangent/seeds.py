@@ -43,7 +43,8 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
     kept = _kept(system)
     for name, column in zip(names, whole[~kept].T, strict=True):
         if (np.abs(column) > ROUNDING).any():
-            raise BadValue(name, number(system, name), "a number that changes none of those that are zero")
+            does = "a number that acts on nothing else that is zero, as with it terms of the equations are left out"
+            raise BadValue(name, number(system, name), f"{does}: there is no derivative; set what is zero first")
     found = whole[kept]
     for name, column in zip(names, found.T, strict=True):
         if not column.any() and name not in of_robot:  # a gear ratio without a rotor is a number of motors alone

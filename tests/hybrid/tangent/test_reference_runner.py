@@ -99,4 +99,6 @@ def test_the_same_as_along_records_of_the_fast_engine(hop, monkeypatch, name, ov
         assert list(found) == list(wanted)
         for each in set(found) - met:
             scale = max(np.abs(wanted[each].derivative).max(), 1.0)
-            np.testing.assert_allclose(found[each].derivative, wanted[each].derivative, rtol=0, atol=1e-8 * scale, err_msg=each)
+            np.testing.assert_allclose(
+                found[each].derivative, wanted[each].derivative, rtol=0, atol=1e-8 * scale, err_msg=each
+            )
