@@ -69,10 +69,9 @@ def add_command(
     Args:
         commands: those of `spear`.
         name: the word that calls it.
-        run: does it, and returns what is printed: the figures by name, and how they read under "text". With a
-            true "failed" among them `spear` ends with status 2, with a
-            sentence under "lost" with 1. What takes long to draw goes under "pictures", files
-            and how each is written, for after that; under "opened" what --open then shows.
+        run: does it, and returns what is printed: the figures by name, and how they read under "text". With a true
+            "failed" among them `spear` ends with status 2, with a sentence under "lost" with 1. What takes long to draw
+            goes under "pictures", files and how each is written, for after that; under "opened" what --open then shows.
         summary: its line in the help.
 
     Returns:

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from spear_pin.model.robot import Robot
     from spear_pin.studies.hardware import Rig
 
-FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
 SPRING = ("stiffness", "damping", "hardening", "preload")  # options of the spring
 RIG = ("current_limit", "bandwidth", "noise", "losses", "seed")  # options of --hardware
 
@@ -69,6 +68,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.model.loading import sidecar_of
     from spear_pin.model.scale import scale_of
     from spear_pin.studies.hop import summarize
+    from spear_pin.studies.hop_led import FLIGHT_TIME
     from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
     from spear_pin.studies.joint_limits import plausibility
     from spear_pin.viz.playback.trajectory import read_times

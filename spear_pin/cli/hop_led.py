@@ -13,19 +13,27 @@ if TYPE_CHECKING:
     from spear_pin.hybrid.automaton import HybridSystem
     from spear_pin.studies.hop_led import Way
 
-UNITS = {  # options by the numbers that they set, with their units
+UNITS = {  # what the numbers are called, as are their options, with their units
     "stiffness": ("stiffness", "N·m/rad"),
     "damping": ("damping", "N·m·s/rad"),
     "hardening": ("hardening", "N·m/rad³"),
     "preload": ("preload", "N·m"),
     "knee_touchdown": ("knee", "rad"),
-    "hip_touchdown": ("knee", "rad"),
+    "hip_touchdown": ("hip", "rad"),
     "frequency": ("frequency", "Hz"),
     "friction": ("friction", ""),
     "flight_time": ("flight_time", "s"),
     "stance_torque": ("stance_torque", "N·m"),
 }
-KEPT = ("leg", "side", "body", "repair", "slope", "foot_placement", *dict.fromkeys(each for each, _ in UNITS.values()))
+KEPT = (
+    "leg",
+    "side",
+    "body",
+    "repair",
+    "slope",
+    "foot_placement",
+    *dict.fromkeys(each for each, _ in UNITS.values() if each != "hip"),
+)
 UNSAID = {"knee": 1.0, "slope": 0.0, "foot_placement": 0.0}  # what need not be said
 NOWHERE = "SPEAR-II's numbers, scaled to this leg, have no hop either from which one could be led there"
 
@@ -64,8 +72,10 @@ def told(way: Way) -> str:
 
 
 def command(arguments: argparse.Namespace, way: Way) -> str:
-    """The call that has the hop in which a way all but ends."""
+    """The call that has the hop in which a way all but ends; empty where no option sets the number at which it does."""
     option, _ = UNITS[way.number]
+    if option not in KEPT:
+        return ""
     values = {name: value for name in KEPT if (value := getattr(arguments, name)) is not None}
     if way.number != "stance_torque":  # which comes last
         values = {name: value for name, value in values.items() if name != "stance_torque"}

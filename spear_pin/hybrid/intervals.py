@@ -1,7 +1,8 @@
 """Arithmetic of intervals: what a function of scalars may be while each of them is somewhere between two numbers.
 
-A guard or a ground that is written for any scalars takes intervals as it takes numbers and symbols. The answer holds
-all values that it can have, and may hold more. A comparison answers where it is the same for all of an interval.
+A guard or a ground that is written for any scalars takes intervals as it takes numbers and symbols. But for rounding
+the answer holds all values that it can have, and it may hold more. A comparison answers where it is the same for all of
+an interval.
 """
 
 from __future__ import annotations
@@ -131,7 +132,7 @@ class Interval:
 
     def exp(self) -> Interval:
         """All exponentials."""
-        return Interval(*(math.exp(end) if end < 700.0 else math.inf for end in (self.low, self.high)))
+        return Interval(math.exp(min(self.low, 700.0)), math.exp(self.high) if self.high < 700.0 else math.inf)
 
     def sqrt(self) -> Interval:
         """All square roots."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import inspect
 import sysconfig
 from collections.abc import Callable, Mapping, Sequence, Set
+from functools import partial
 from numbers import Real
 from pathlib import Path
 from types import TracebackType
@@ -50,7 +51,12 @@ def mistake(what: str, function: Any, problem: Exception | str) -> BadFunction:
         function: the function, or an object that is called.
         problem: what it raises, or what is wrong with its answer.
     """
-    code = getattr(inspect.unwrap(getattr(function, "__func__", function)), "__code__", None)
+    while isinstance(function, partial):
+        function = function.func
+    own = inspect.unwrap(getattr(function, "__func__", function))
+    if not hasattr(own, "__code__") and not isinstance(own, type):  # an object that is called
+        own = inspect.unwrap(type(own).__call__) if callable(own) else own
+    code = getattr(own, "__code__", None)
     file, line = ("", 0) if code is None else (code.co_filename, code.co_firstlineno)
     if isinstance(problem, Exception):
         file, line = _raised_at(problem.__traceback__) or (file, line)
@@ -93,10 +99,15 @@ def scalar(what: str, function: Any, answer: Any, of: str = "") -> Any:
         return answer
     if isinstance(answer, (Real, np.bool_)):
         return float(answer)
-    if answer is None or isinstance(answer, (complex, str, bytes, Sequence, Mapping, Set)):
+    if not _is_scalar(answer):
         named = f" as the {of}" if of else ""
         raise mistake(what, function, f"it gives {brief(answer)}{named}; expected a number")
     return answer
+
+
+def _is_scalar(answer: Any) -> bool:
+    """Whether an answer may be a number, of whatever kind."""
+    return answer is not None and not isinstance(answer, (complex, str, bytes, Sequence, Mapping, Set))
 
 
 def number(what: str, function: Any, answer: Any, of: str = "") -> float:
@@ -124,11 +135,16 @@ def held(what: str, function: Any, answer: Any) -> Mapping[str, Any]:
         expected = 'what is held by name, such as {"rest": q[2]}'
         raise mistake(what, function, f"it gives {brief(answer)}; expected {expected}")
     for name, value in answer.items():
-        numbers = value if isinstance(value, tuple) else (value,)
-        if any(isinstance(each, (complex, list, np.ndarray)) or each != each for each in numbers):
-            expected = "a number, or a tuple of them"
-            raise mistake(what, function, f"it holds {brief(value)} as {name!r}; expected {expected}")
+        for each in _flat(value):
+            if isinstance(each, np.ndarray) or each != each or not _is_scalar(each):
+                expected = "a number, or a tuple of them"
+                raise mistake(what, function, f"it holds {brief(value)} as {name!r}; expected {expected}")
     return answer
+
+
+def _flat(value: Any) -> list[Any]:
+    """The entries of tuples in tuples, or what is none alone."""
+    return [each for part in value for each in _flat(part)] if isinstance(value, tuple) else [value]
 
 
 def asked(what: str, function: Any, call: Callable[[], Any]) -> Any:

@@ -107,7 +107,8 @@ def usual_hop(system: HybridSystem) -> HybridSystem:
     stiffness = 0.0 if system.spring.table else spring.stiffness
     like = replace(system.spring, stiffness=stiffness, damping=spring.damping, hardening=0.0, preload=0.0)
     friction = max(system.contact.friction, Contact().friction)
-    numbers |= {"hip_touchdown": law.hip_touchdown or robot.legs[0].lean(law.knee_touchdown)}
+    if law.hip_touchdown is None:
+        numbers["hip_touchdown"] = robot.legs[0].lean(law.knee_touchdown)
     return with_parameters(rebuilt(system, law=replace(system.law, **numbers), spring=like), {"friction": friction})
 
 

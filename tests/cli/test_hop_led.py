@@ -56,13 +56,18 @@ def test_how_far_it_goes_what_ends_it_and_what_to_type(call):
         ("flight_time", ["--flight-time", "0.4"], ["--flight-time", "0.216"]),
         ("stance_torque", ["--stance-torque", "4"], ["--stance-torque", "0.216"]),
         ("damping", ["--stance-torque", "4"], ["--flight-time", "0.17", "--damping", "0.216"]),
-        ("hip_touchdown", ["--knee", "0.4"], ["--knee", "0.216", "--flight-time", "0.17"]),
     ],
 )
 def test_the_number_that_ends_it_is_the_one_to_type(call, number, options, words):
     _, typed, _, target, robot = call(Way(None, number, 0.2, 0.2163, 0.17, ENDS), *options)
     assert shlex.split(typed) == ["spear", "hop", "--robot", str(robot), "--leg", "HR", *words]
-    assert target == ({} if number == "hip_touchdown" else {options[0][2:].replace("-", "_"): float(options[1])})
+    assert target == {options[0][2:].replace("-", "_"): float(options[1])}
+
+
+def test_an_angle_of_the_hip_has_no_option_to_type(call):
+    said, typed, _, target, _ = call(Way(None, "hip_touchdown", 0.3, 0.2163, 0.17, ENDS), "--knee", "0.4")
+    assert f"from hip 0.3 hops go on to 0.2163 rad with 0.17 s of flight: {ENDS}" in said
+    assert typed == "" and "--knee" not in said and target == {}
 
 
 def test_where_there_is_nowhere_to_begin(call):

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -107,6 +108,16 @@ def spring(function):
     return lambda: plain(spring=Mine())
 
 
+class Called:
+    """An object that is called as a function is; it gives what it is made with, if anything."""
+
+    def __init__(self, *given):
+        self.given = given
+
+    def __call__(self, *_):
+        return self.given[0] if self.given else 1 / 0
+
+
 def unknown(*_):
     return undefined_name  # noqa: F821
 
@@ -184,6 +195,17 @@ MISTAKES: dict[str, Mistake] = {
     "a latch of nothing": Mistake(latch(lambda *_: None), LATCH, 'it gives None; expected what is held by name'),
     "a latch of a number": Mistake(latch(lambda q, *_: q[0]), LATCH, "expected what is held by name"),
     "a latch of a list": Mistake(latch(lambda q, *_: {"x": [q[0]]}), LATCH, "as 'x'; expected a number, or a tuple"),
+    "a latch that holds None": Mistake(latch(lambda *_: {"x": None}), LATCH, "it holds None as 'x'; expected a number"),
+    "a latch that holds a text": Mistake(latch(lambda *_: {"x": "1.0"}), LATCH, "it holds '1.0' as 'x'"),
+    "a latch that holds a mapping": Mistake(latch(lambda *_: {"x": {}}), LATCH, "it holds {} as 'x'"),
+    "a latch that holds None beside a number": Mistake(latch(lambda *_: {"x": (1, None)}), LATCH, "it holds (1, None)"),
+    "a latch that holds a text deep": Mistake(latch(lambda *_: {"x": ((1.0, ("a",)),)}), LATCH, "as 'x'; expected"),
+    "a latch that is an object": Mistake(latch(Called()), LATCH, "ZeroDivisionError", ZeroDivisionError),
+    "a law that is an object": Mistake(law(Called(None)), STANCE, "it gives None; expected a torque"),
+    "a law that is a part": Mistake(law(partial(lambda given, *_: given, 5.0)), STANCE, "it gives 5.0; expected"),
+    "a law that is a part of a part of an object": Mistake(
+        law(partial(partial(Called(None)), 1.0)), STANCE, "it gives None; expected a torque"
+    ),
     "a latch that is not a number": Mistake(latch(lambda *_: {"x": math.nan}), LATCH, "it holds nan as 'x'"),
     "a latch with a name that there is not": Mistake(latch(unknown), LATCH, "NameError", NameError),
     "a latch with a coordinate too many": Mistake(latch(lambda q, *_: {"x": q[7]}), LATCH, "IndexError", IndexError),

@@ -113,6 +113,12 @@ class TestIntervals:
             with pytest.raises(Unsure):
                 compare()
 
+    def test_exponentials_too_large_for_a_number_begin_with_a_number(self):
+        for low in (1.0, 701.0, 1e300):
+            least, greatest = bounds(Interval(low, 1e301).exp())
+            assert math.isfinite(least) and greatest == math.inf
+        assert bounds(Interval(-math.inf, 0.0).exp()) == (0.0, 1.0)
+
     def test_are_those_of_arrays_too(self):
         row = np.array([Interval(1.0, 2.0), Interval(-1.0, 1.0)], dtype=object)
         assert bounds(row @ np.array([2.0, 3.0])) == (-1.0, 7.0)

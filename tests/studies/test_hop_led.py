@@ -112,7 +112,12 @@ class TestWay:
             lead_hop(made(leg), {"flight_time": 0.2})
 
 
-def test_it_begins_with_spear_ii_s_numbers_on_the_same_kind_of_spring(leg):
+def test_it_begins_with_spear_ii_s_numbers_on_the_same_kind_of_spring(leg, monkeypatch):
+    monkeypatch.setattr(
+        HoppingLaw, "scaled", lambda robot, made=HoppingLaw.scaled: replace(made(robot), hip_touchdown=0.0)
+    )
+    assert usual_hop(made(leg)).law.hip_touchdown == 0.0
+    monkeypatch.undo()
     begun = usual_hop(made(leg, {"stiffness": 1.0, "damping": 0.0, "rest": 0.8, "unilateral": False}, frequency=9.0))
     usual = Spring.scaled(leg)
     assert (begun.spring.stiffness, begun.spring.damping) == (usual.stiffness, usual.damping)

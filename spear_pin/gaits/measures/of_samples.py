@@ -99,7 +99,7 @@ class Sampled:
             motors = motors_at(joint)
             square = self.curves.integral((self.trajectory.u[:, i] / motors) ** 2) / self.count
             effort += motors * square
-            found[f"rms_torque_{joint}"] = math.sqrt(square / self.period)
+            found[f"rms_torque_{joint}"] = math.sqrt(max(square, 0.0) / self.period)
             found[f"peak_torque_{joint}"] = self.curves.amount(self.trajectory.u[:, i]) / motors
             found[f"peak_speed_{joint}"] = self.curves.amount(self.rates[:, i])
             turned = self.trajectory.q.shape[1] - self.trajectory.v.shape[1] + self.trajectory.coordinates.index(joint)

@@ -74,7 +74,8 @@ class Balance:
     Attributes:
         gait: with feedback.
         without: multipliers of the gait without feedback; the heading, which nothing depends on, is left out.
-        held: those with feedback; the heading's is among them where it is kept.
+        held: those with feedback. The heading's is among them where it is kept and the gait is exactly symmetric; of a
+            gait that is only nearly symmetric it is left out.
     """
 
     gait: Gait
@@ -146,7 +147,7 @@ def balanced(
 
     Returns:
         the gait with feedback; its multipliers are all of the section's, along and lateral, whether feedback acts on
-        them or not; the heading's is among them if it is kept.
+        them or not. The heading's is among them if it is kept and the gait is exactly symmetric, not nearly.
 
     Raises:
         BadValue: the gait has feedback already, or is not in space, a weight is not valid, or inputs are none or name

@@ -43,7 +43,8 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
     kept = _kept(system)
     for name, column in zip(names, whole[~kept].T, strict=True):
         if (np.abs(column) > ROUNDING).any():
-            raise BadValue(name, number(system, name), "a number that changes none of those that are zero")
+            expected = "a number that acts on no other that is zero: the equations leave out terms that are zero"
+            raise BadValue(name, number(system, name), f"{expected}; make what is zero a little greater first")
     found = whole[kept]
     for name, column in zip(names, found.T, strict=True):
         if not column.any() and name not in of_robot:  # a gear ratio without a rotor is a number of motors alone

@@ -21,6 +21,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import BadFile
 from spear_pin.files import regular
+from spear_pin.studies.identification.clocks import past_midnight, read_moments
 from spear_pin.studies.identification.layout import HEAD, find_layout
 
 ROWS = 1 << 18  # that are read at a time
@@ -38,6 +39,9 @@ class Columns:
         comments: lines above the rows that begin with #, without it, and titles.
         remarks: what makes the file doubtful.
         units: of the columns that were asked for, as a row below the names says, empty where it does not.
+        others: of each column that was asked for, the first cell that holds something else than a number, and its row
+            from 0; None where there is none.
+        moments: of each column that was asked for, whether it holds dates or times of day; their values are in s.
     """
 
     names: tuple[str, ...]
@@ -45,6 +49,17 @@ class Columns:
     comments: tuple[str, ...]
     remarks: tuple[str, ...] = ()
     units: tuple[str, ...] = ()
+    others: tuple[tuple[str, int] | None, ...] = ()
+    moments: tuple[bool, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Some rows of a column, as `Columns` has the whole."""
+
+    values: Array
+    other: tuple[str, int] | None = None
+    moments: bool = False
 
 
 Choice = Callable[[tuple[str, ...]], Sequence[str]]
@@ -92,9 +107,9 @@ def _text(path: Path, head: bytes, choose: Choice) -> Columns:
     import pandas as pd
 
     layout = find_layout(path, head)
-    wanted = tuple(choose(layout.names))
+    wanted = tuple(choose(tuple(name for name in layout.names if name not in layout.empty)))
     places = [layout.names.index(name) for name in wanted]
-    chunks: list[list[Array]] = [[] for _ in wanted]
+    chunks: list[list[_Part]] = [[] for _ in wanted]
     try:
         with _Text(path.open("rb", buffering=0)) as file, warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
@@ -127,23 +142,43 @@ def _text(path: Path, head: bytes, choose: Choice) -> Columns:
         raise BadFile(path, f"not a table of numbers: {_reason(error)}") from None
     except OSError as error:
         raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
-    values = tuple(np.concatenate(chunk) if chunk else np.empty(0) for chunk in chunks)
+    values = tuple(np.concatenate([part.values for part in chunk]) if chunk else np.empty(0) for chunk in chunks)
+    moments = tuple(any(part.moments for part in chunk) for chunk in chunks)
+    values = tuple(past_midnight(value) if of_day else value for value, of_day in zip(values, moments, strict=True))
     with path.open("rb") as file:
         file.seek(-1, os.SEEK_END)
         ended = file.read(1) in b"\r\n"
     remarks = (*layout.remarks, *(() if ended else ("the last line has no end: it may be cut off",)))
     units = tuple(layout.units[place] if layout.units else "" for place in places)
-    return Columns(wanted, values, layout.comments, remarks, units)
+    others = tuple(_first_other(chunk) for chunk in chunks)
+    return Columns(wanted, values, layout.comments, remarks, units, others, moments)
 
 
-def _numbers(column: Any, decimal: str) -> Array:
-    """The numbers of a column of a table, NaN where it holds none."""
+def _first_other(chunk: Sequence[_Part]) -> tuple[str, int] | None:
+    return next(
+        (
+            (part.other[0], i * ROWS + part.other[1])  # every part but the last has so many rows
+            for i, part in enumerate(chunk)
+            if part.other
+        ),
+        None,
+    )
+
+
+def _numbers(column: Any, decimal: str) -> _Part:
+    """The numbers of some rows of a column, NaN where it holds none; or its dates and times of day, in s."""
     import pandas as pd
 
     if pd.api.types.is_numeric_dtype(column) and not pd.api.types.is_bool_dtype(column):
-        return np.asarray(column, dtype=np.float64)
+        return _Part(np.asarray(column, dtype=np.float64))
     text = column.astype(str)  # a word among them: they have been left as they were
-    return np.asarray(pd.to_numeric(text.str.replace(decimal, ".", regex=False), errors="coerce"), dtype=np.float64)
+    numbers = pd.to_numeric(text.str.replace(decimal, ".", regex=False), errors="coerce")
+    values = np.asarray(numbers, dtype=np.float64)
+    seconds = read_moments(text)
+    moments = bool(2 * np.isfinite(seconds).sum() > np.isfinite(values).sum())
+    values = seconds if moments else values
+    other = np.flatnonzero(np.isnan(values) & np.asarray(column.notna()))
+    return _Part(values, (str(text.iloc[other[0]]), int(other[0])) if other.size else None, moments)
 
 
 def _mat(path: Path, choose: Choice) -> Columns:
@@ -162,7 +197,8 @@ def _mat(path: Path, choose: Choice) -> Columns:
     if len({value.size for value in values}) > 1:
         described = ", ".join(f"{name} has {value.size}" for name, value in zip(wanted, values, strict=True))
         raise BadFile(path, f"columns of different length: {described}")
-    return Columns(wanted, values, (), (), ("",) * len(wanted))
+    one = len(wanted)
+    return Columns(wanted, values, (), (), ("",) * one, (None,) * one, (False,) * one)
 
 
 def _tried(path: Path, reader: Callable[[Path], Any]) -> Any:

@@ -16,6 +16,7 @@ HEAD = 1 << 16  # bytes of a file that are looked at to tell its format
 LOOKED_AT = 200  # lines that hold something
 MARKS = ("\t", ";", ",")  # that separate columns, the surest first; else blanks do
 _BRACKETS = re.compile(r"\s+([\[(][^\])]*[\])])")  # after a name: of its unit
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _ENDS = re.compile(r"\r\n|\r|\n")
 
 
@@ -32,6 +33,7 @@ class Layout:
         separator: between columns, as pandas wants it.
         decimal: mark.
         remarks: what was passed over.
+        empty: those of the names that stand for columns with neither a name nor a value.
     """
 
     comments: tuple[str, ...]
@@ -42,6 +44,7 @@ class Layout:
     separator: str
     decimal: str
     remarks: tuple[str, ...]
+    empty: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -82,7 +85,7 @@ def find_layout(path: Path, head: bytes) -> Layout:
     if len(set(names)) < len(names):
         raise BadFile(path, f"two columns have the same name among {', '.join(names)}", above[-1].number)
     titles = [lines[line.number - 1].strip() for line in above[: len(above) - taken]]
-    decimal = "," if mark != "," and any(re.search(r"\d,\d", lines[line.number - 1]) for line in data) else "."
+    commas = _decimal_commas(data) if mark == "," else any(re.search(r"\d,\d", lines[line.number - 1]) for line in data)
     begin = data[0] if data else _Line(len(lines) + 1, len(text), ())
     marked = 3 * head.startswith(b"\xef\xbb\xbf")
     return Layout(
@@ -92,8 +95,13 @@ def find_layout(path: Path, head: bytes) -> Layout:
         marked + len(text[: begin.start].encode()),
         begin.number,
         mark or r"\s+",
-        decimal,
+        "," if commas else ".",
         (f"passed over above the table: {listed([brief(title) for title in titles])}",) if titles else (),
+        tuple(
+            name
+            for i, name in enumerate(names)
+            if name == _nameless(i) and not any("".join(line.fields[i : i + 1]) for line in data)
+        ),
     )
 
 
@@ -141,7 +149,22 @@ def _names(
         commented = _fields(comments[-1], mark)
         fields = commented if len(commented) == width else ()
     padded = [*fields, *[""] * (0 if taken else width - len(fields))]
-    return tuple(field or f"column {i + 1}" for i, field in enumerate(padded)), units, taken
+    return tuple(field or _nameless(i) for i, field in enumerate(padded)), units, taken
+
+
+def _nameless(i: int) -> str:
+    """What a column is called that has no name, by its place from 0."""
+    return f"column {i + 1}"
+
+
+def _decimal_commas(data: Sequence[_Line]) -> bool:
+    """Whether numbers in quotes have decimal commas: no number has a dot, and not all may be thousands."""
+    fields = [field for line in data for field in line.fields]
+    if any("." in field and _is_number(field.replace(",", "")) for field in fields):
+        return False
+    return any(
+        _is_number(field.replace(",", ".")) and not _THOUSANDS.fullmatch(field) for field in fields if "," in field
+    )
 
 
 def _are_units(fields: Sequence[str], above: Sequence[str]) -> bool:

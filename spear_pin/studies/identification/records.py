@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import BadFile, BadValue, UnknownName, brief
 from spear_pin.kinds import typed
-from spear_pin.studies.identification.columns import read_columns
+from spear_pin.studies.identification.cells import find_remedy
+from spear_pin.studies.identification.columns import Columns, read_columns
 from spear_pin.studies.identification.units import (
     ANGLES,
     READOUTS,
@@ -21,6 +22,7 @@ from spear_pin.studies.identification.units import (
     VALUES,
     find_times,
     guess_time_unit,
+    is_rate,
     require_unit,
     split_name,
 )
@@ -34,7 +36,6 @@ LARGEST = 2 * np.pi  # rad, that a knee may show
 TURN = 2.0 * np.pi  # rad
 NEARLY = 0.25  # of a turn, by which a jump may differ from one: the knee moves on while an encoder wraps
 JUMP = 1.0  # rad from sample to sample, that no knee moves by
-
 Whole = NDArray[np.intp]
 
 
@@ -115,6 +116,14 @@ def read_record(
     columns = read_columns(path, lambda names: _chosen(path, names, column, time_column))
     (time_name, value_name), (t, value) = columns.names, columns.values
     remarks = list(columns.remarks)
+    if columns.moments[1]:
+        raise BadFile(
+            path, f"column {brief(value_name)} holds dates or times of day, not the knee's: name another, --column"
+        )
+    if columns.moments[0]:
+        if time_unit or split_name(time_name).unit or columns.units[0]:
+            remarks.append(f"{time_name!r} holds dates or times of day: read to the second, whatever unit is named")
+        time_unit = "s"
     time_unit = time_unit or _unit(path, time_name, columns.units[0], TIMES, "--time-unit")
     if time_unit is None:
         time_unit = guess_time_unit(time_name, t)
@@ -128,7 +137,7 @@ def read_record(
         words = "counts" if unit == "counts" else "volts"
         expected = f"{words} per radian (--volts-per-rad) and an offset" if unit in READOUTS else "none"
         raise BadValue(f"{path}: calibration of {value_name!r}, in {unit},", calibration, expected)
-    rows, dropped = _rows(path, t, value)
+    rows, dropped = _rows(path, t, value, _told(columns))
     remarks += dropped
     t, value = t[rows], value[rows]
     with np.errstate(over="ignore"):
@@ -172,7 +181,7 @@ def _unit(path: str | Path, name: str, below: str, units: dict[str, float], opti
     """The unit that a column's name says, or the row below it."""
     said = split_name(name)
     found = said.unit if said.unit in units else None
-    if said.bracketed and found is None:
+    if said.meant and found is None:
         raise BadFile(path, _unknown(f"column {brief(name)}", said.word, units, option))
     if below.strip("- "):
         unit = split_name(f"[{below.strip('[]()')}]").unit
@@ -185,7 +194,8 @@ def _unit(path: str | Path, name: str, below: str, units: dict[str, float], opti
 
 
 def _unknown(place: str, word: str, units: dict[str, float], option: str) -> str:
-    return f"{place} has the unit {brief(word)}; valid: {', '.join(units)}; {option} says another"
+    rate = ", that of a rate of change" if is_rate(word) else ""
+    return f"{place} has the unit {brief(word)}{rate}; valid: {', '.join(units)}; {option} says another"
 
 
 def _unwrapped(angle: Array, rows: Whole) -> tuple[Array, list[str]]:
@@ -209,12 +219,20 @@ def _unwrapped(angle: Array, rows: Whole) -> tuple[Array, list[str]]:
     return angle, remarks
 
 
-def _rows(path: str | Path, t: Array, value: Array) -> tuple[Whole, list[str]]:
+def _told(columns: Columns) -> str:
+    """What the first cell of each column holds that holds no number, and what to write; empty where there is none."""
+    found = [(name, *other) for name, other in zip(columns.names, columns.others, strict=True) if other]
+    return "".join(
+        f"; column {brief(name)} holds {brief(cell)} in row {row + 1}: {find_remedy(cell)}" for name, cell, row in found
+    )
+
+
+def _rows(path: str | Path, t: Array, value: Array, told: str = "") -> tuple[Whole, list[str]]:
     """The rows, from 0, that hold two numbers, each time once, and what was dropped."""
     good = (np.abs(t) < LONGEST) & np.isfinite(value)
     lost = int(good.size - good.sum())
     if 2 * lost > good.size:
-        raise BadFile(path, f"{lost} of {good.size} rows hold no two finite numbers")
+        raise BadFile(path, f"{lost} of {good.size} rows hold no two finite numbers{told}")
     remarks = []
     if lost:
         first = int(np.flatnonzero(~good)[0]) + 1

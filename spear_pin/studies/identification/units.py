@@ -16,16 +16,16 @@ ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": np.pi / 180.0, "turns": 2.0 * np.pi} 
 READOUTS = {"V": 1.0, "mV": 1e-3, "counts": 1.0}  # in V, or in counts: they need a calibration
 VALUES = ANGLES | READOUTS
 _WORDS = {
-    "s": "s sec secs second seconds",
-    "ms": "ms msec msecs millisec millisecond milliseconds",
-    "us": "us µs usec usecs µsec microsec microsecond microseconds",
-    "ns": "ns nsec nsecs nanosec nanosecond nanoseconds",
-    "min": "min mins minute minutes",
-    "h": "h hr hrs hour hours",
-    "rad": "rad rads radian radians",
+    "s": "s sec secs second seconds sek sekunde sekunden",
+    "ms": "ms msec msecs millisec millisecond milliseconds millisekunde millisekunden",
+    "us": "us µs usec usecs µsec microsec microsecond microseconds mikrosekunde mikrosekunden",
+    "ns": "ns nsec nsecs nanosec nanosecond nanoseconds nanosekunde nanosekunden",
+    "min": "min mins minute minutes minuten",
+    "h": "h hr hrs hour hours stunde stunden",
+    "rad": "rad rads radian radians radiant",
     "mrad": "mrad milliradian milliradians",
-    "deg": "deg degs degree degrees °",
-    "turns": "turn turns rev revs revolution revolutions rotation rotations",
+    "deg": "deg degs degree degrees ° grad",
+    "turns": "turn turns rev revs revolution revolutions rotation rotations umdrehung umdrehungen",
     "V": "v volt volts",
     "mV": "mv millivolt millivolts",
     "counts": "count counts tick ticks lsb",
@@ -34,6 +34,17 @@ _UNITS = {word: unit for unit, words in _WORDS.items() for word in words.split()
 _ALIKE = str.maketrans({"μ": "µ", "º": "°", "˚": "°", "（": "(", "）": ")", "［": "[", "］": "]"})
 _BRACKETED = re.compile(r"(.*?)[\s_/]*[\[(]\s*([^\[\]()]*?)\s*[\])]", re.DOTALL)
 _TRAILING = re.compile(r"(.*?)(?:[\s_/.]+|(?<=[a-z])(?=[A-Z])|(?=°))([^\s_/.]+)", re.DOTALL)
+_CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
+_OF_ANGLE = "|".join(word for unit in ANGLES for word in _WORDS[unit].split())
+_OF_VALUE = "|".join(word for unit in VALUES for word in _WORDS[unit].split())
+_OF_TIME = "|".join(word for unit in TIMES for word in _WORDS[unit].split())
+_RATE = re.compile(
+    rf"(?P<stem>.*?)(?:^|[\s_/.,]|(?=°))(?P<word>rpm|rps|dps|hz|[uk1]/({_OF_TIME})"
+    rf"|({_OF_VALUE})[\s_]*(/|per|pro|p)[\s_]*({_OF_TIME})[\s^*]*[²2]?"
+    rf"|({_OF_ANGLE})[\s_]*[·*]?({_OF_TIME})[\s^*]*(-[12]|⁻[¹²])"
+    rf"|({_OF_ANGLE})[\s_.]+(s|sec|secs|seconds?|ms)[²2]?)",
+    re.I | re.DOTALL,
+)
 _LETTERS = {"s", "h", "v"}  # after a name they are units only as they are usually written
 _TIME = r"t|time|zeit|stamp|time[\s_]?stamp"
 _SURELY, _PERHAPS = re.compile(rf"[%_/]*({_TIME})", re.I), re.compile(r"(.*[^a-z])?(time|clock|epoch)|.*stamp", re.I)
@@ -49,26 +60,33 @@ class Named:
         stem: without the unit.
         word: that may be a unit.
         unit: that it names, one of `TIMES`, `ANGLES` or `READOUTS`, or None.
-        bracketed: whether the word stands in brackets, and so is meant as a unit.
+        meant: whether the word is surely meant as a unit: it stands in brackets, or is one of a rate, as `rad/s`.
     """
 
     stem: str
     word: str
     unit: str | None
-    bracketed: bool = False
+    meant: bool = False
 
 
 def find_unit(word: str) -> str | None:
     """Find the unit that a word names, one of `TIMES`, `ANGLES` or `READOUTS`, or None."""
-    return _UNITS.get(word.translate(_ALIKE).strip(" []()").lower())
+    return _UNITS.get(word.translate(_ALIKE).strip(" []().").lower())
+
+
+def is_rate(word: str) -> bool:
+    """Tell whether a word is the unit of a rate of change, as `deg/s` or `rpm` is."""
+    return bool(_RATE.fullmatch(_CAMEL.sub("_", word.translate(_ALIKE).strip(" []()."))))
 
 
 def split_name(name: str) -> Named:
     """Split a column's name into what it names and the unit."""
-    name = name.translate(_ALIKE).strip()
+    name = name.translate(_ALIKE).strip().rstrip(".")
     found = _BRACKETED.fullmatch(name)
     if found and found[2]:
         return Named(found[1], found[2], find_unit(found[2]), True)
+    if found := _RATE.fullmatch(_CAMEL.sub("_", name)):
+        return Named(found["stem"], found["word"], None, True)
     found = _TRAILING.fullmatch(name)
     if found and (unit := find_unit(found[2])) and not (found[2].lower() in _LETTERS and found[2] != unit):
         return Named(found[1], found[2], unit)
@@ -78,7 +96,7 @@ def split_name(name: str) -> Named:
 def find_times(names: Sequence[str]) -> list[str]:
     """Find the columns whose names say that they hold times, the surest first."""
     split = {name: split_name(name) for name in names}
-    stems = {name: each.stem if each.unit in TIMES or each.bracketed else name.strip() for name, each in split.items()}
+    stems = {name: each.stem if each.unit in TIMES or each.meant else name.strip() for name, each in split.items()}
     surely = [name for name in names if _SURELY.fullmatch(stems[name])]
     perhaps = [name for name in names if _PERHAPS.fullmatch(stems[name]) or split[name].unit in TIMES]
     return surely + [name for name in perhaps if name not in surely]

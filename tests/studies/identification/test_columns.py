@@ -31,6 +31,11 @@ SAME = {  # content: remarks
     "comments with odd line ends": ("# one\x0ctwo\x1cthree\u2028\n" + table(), ()),
     "comment inside": (changed(50, "0.049,1.248731 # hello"), ()),
     "trailing separators": (table(row="{t:.3f}{s}{a:.6f}{s}"), ()),
+    "a nameless column of nothing": (table("time_s,knee_rad,", row="{t:.3f}{s}{a:.6f}{s}"), ()),
+    "nameless columns of nothing": (table(",time_s,,knee_rad,,", row="{s}{t:.3f}{s}{s}{a:.6f}{s}{s}"), ()),
+    "no header, trailing separators": (table("", row="{t:.3f}{s}{a:.6f}{s}"), (KNEE,)),
+    "decimal comma, quoted": (table(row='"{t:.3f}"{s}"{a:.6f}"', decimal=","), ()),
+    "decimal comma, quoted, blanks": (table(row=' "{t:.3f}" {s} "{a:.6f}" ', decimal=","), ()),
     "exponents": (table(row="{t:.3e}{s}{a:.6e}"), ()),
     "plus signs": (table(row="{t:+.3f}{s}{a:+.6f}"), ()),
     "empty lines": (table().replace("\n", "\n\n"), ()),
@@ -82,7 +87,22 @@ REFUSED = {
     "one column": (table("time_s", row="{t:.3f}"), "a column is missing: there is only time_s"),
     "one number": ("1\n", "a column is missing"),
     "three columns": (table("time_s,hip_rad,knee_rad", row="{t}{s}0{s}{a}"), "which column is the knee's"),
-    "nameless third": (table("time_s,knee_rad,", row="{t}{s}{a}{s}"), "which column is the knee's.*column 3"),
+    "nameless third": (table("time_s,knee_rad,", row="{t}{s}{a}{s}3"), "which column is the knee's.*column 3"),
+    "a cell with its unit": (
+        table("time,knee", row="{t:.3f} s{s}{a:.6f} rad"),
+        r"column 'time' holds '0.000 s' in row 1: write 0.000 alone, and the unit in the column's name.*'1.000000 rad'",
+    ),
+    "an exponent of Fortran": (
+        table(row="{t:.3f}D+00{s}{a:.6f}"),
+        r"column 'time_s' holds '0.000D\+00' in row 1: write 0.000E\+00$",
+    ),
+    "American dates": (
+        table(row="01/31/2024 10:00:{t:06.3f}{s}{a:.6f}"),
+        "column 'time_s' holds '01/31/2024 10:00:00.000' in row 1: write seconds, or a date with a time of day as 2024",
+    ),
+    "words": (table(row="{t}{s}none at all"), "column 'knee_rad' holds 'none at all' in row 1: write a number"),
+    "times of day for angles": (table(row="{t}{s}00:00:01"), "column 'knee_rad' holds dates or times of day.*--column"),
+    "commas of thousands": (table(row='"{t:.3f}"{s}"1,000"'), "rows hold no two finite numbers"),
     "same name twice": (table("knee_rad,knee_rad"), ":1: two columns have the same name"),
     "too many fields below a title": ("a\n" + changed(50, "0.049,1.2,3"), "Expected 2 fields in line 52, saw 3"),
     "a unit below that is none": (
@@ -156,6 +176,46 @@ def test_refused(name, tmp_path):
     with pytest.raises(BadFile, match=problem) as caught:
         read_record(path)
     one_line(caught.value, path)
+
+
+MOMENTS = {
+    "ISO 8601": "2024-01-31T23:59:{t:09.6f}",
+    "with a blank": "2024-01-31 23:59:{t:09.6f}",
+    "of universal time": "2024-01-31T23:59:{t:09.6f}Z",
+    "of a zone": "2024-01-31T23:59:{t:09.6f}+01:30",
+    "of a zone in hours": "2024-01-31T23:59:{t:09.6f}-05",
+    "with slashes": "2024/01/31 23:59:{t:09.6f}",
+    "German": "31.01.2024 23:59:{t:09.6f}",
+    "times of day": "23:59:{t:09.6f}",
+    "times of day before noon": "9:59:{t:09.6f}",
+}
+
+
+@pytest.mark.parametrize("separator", [";", ",", "\t"])
+@pytest.mark.parametrize("name", MOMENTS)
+def test_dates_and_times_of_day(name, separator, tmp_path):
+    rows = [f"{MOMENTS[name].format(t=59.8 + t)}|{a:.6f}" for t, a in zip(T[:100], ANGLE[:100], strict=True)]
+    text = "\n".join(["time|knee_rad", *rows, ""]).replace("|", separator)
+    record = read_record(written(tmp_path, text))
+    np.testing.assert_allclose(record.t, T[:100], rtol=0, atol=3e-7)
+    assert record.remarks == ()
+    if separator == ";":
+        commas = re.sub(r"\.(?=\d{6})", ",", text)
+        np.testing.assert_array_equal(read_record(written(tmp_path, commas)).t, record.t)
+
+
+def test_past_midnight(tmp_path):
+    clocks = [f"23:59:{59.8 + t:06.3f}" if t < 0.1995 else f"00:00:{t - 0.2:06.3f}" for t in T]
+    text = "".join(f"{clock},{a}\n" for clock, a in zip(clocks, ANGLE, strict=True))
+    record = read_record(written(tmp_path, "time,knee_rad\n" + text))
+    np.testing.assert_allclose(record.t, T, rtol=0, atol=1e-7)
+
+
+def test_units_that_dates_do_not_have_are_told(tmp_path):
+    path = written(tmp_path, table("time_ms,knee_rad", row="2024-01-31T10:00:{t:06.3f}{s}{a:.6f}"))
+    record = read_record(path)
+    np.testing.assert_allclose(record.t, T, rtol=0, atol=3e-7)
+    assert "'time_ms' holds dates or times of day" in record.remarks[0] and len(record.remarks) == 1
 
 
 def test_repeated_times_are_dropped(tmp_path):

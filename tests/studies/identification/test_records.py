@@ -93,6 +93,7 @@ class TestUnits:
             ("t,knee [s]", "has the unit 's'; valid: rad"),
             ("t [fortnights],knee_rad", "has the unit 'fortnights'; valid: s, ms, us, ns, min, h; --time-unit"),
             ("t [deg],knee_rad", "has the unit 'deg'; valid: s, ms"),
+            ("t,knee [cycles]", "has the unit 'cycles'; valid: rad"),
         ],
     )
     def test_words_in_brackets_that_are_no_units(self, tmp_path, head, problem):
@@ -100,6 +101,59 @@ class TestUnits:
         with pytest.raises(BadFile, match=f"record.csv: .*{problem}"):
             read_record(path)
         assert agrees(read_record(path, unit="rad", time_unit="s"))
+
+    @pytest.mark.parametrize(
+        "unit",
+        [
+            *(
+                "rad/s",
+                "rad_s",
+                "rad_per_s",
+                "deg/s",
+                "°/s",
+                "rpm",
+                "turns/s",
+                "rad / s",
+                "deg/sec",
+                "degrees per second",
+            ),
+            *(
+                "RadPerSec",
+                "dps",
+                "rad s^-1",
+                "rad·s⁻¹",
+                "rad/s²",
+                "rev/min",
+                "U/min",
+                "mrad_s",
+                "deg_sec",
+                "counts/s",
+                "Hz",
+            ),
+        ],
+    )
+    @pytest.mark.parametrize("written", ["w [{}]", "w_{}", "w {}", "w ({})", "{}"])
+    def test_rates_are_no_angles(self, tmp_path, unit, written):
+        path = columns(tmp_path, f"time_s,{written.format(unit)}", T, ANGLE)
+        with pytest.raises(
+            BadFile, match="record.csv: column .* has the unit .*, that of a rate of change; valid: rad"
+        ):
+            read_record(path)
+        assert agrees(read_record(path, unit="rad"))
+
+    @pytest.mark.parametrize(
+        ("time", "knee", "factor"),
+        [
+            ("Zeit [Sekunden]", "Winkel [Grad]", 180 / np.pi),
+            ("Zeit (Sek.)", "Winkel in Grad", 180 / np.pi),
+            ("Time (sec.)", "Angle (deg.)", 180 / np.pi),
+            ("time sec.", "knee_rad.", 1.0),
+            ("Zeit/Sekunden", "Winkel [Umdrehungen]", 0.5 / np.pi),
+        ],
+    )
+    def test_german_and_dots(self, tmp_path, time, knee, factor):
+        record = read_record(columns(tmp_path, f"{time},{knee}", T, ANGLE * factor))
+        assert agrees(record) and record.remarks == ()
 
     @pytest.mark.parametrize(("head", "factor"), [("knee_V", 1), ("pot [mV]", 1000), ("pot (volts)", 1), ("pot", 1)])
     def test_volts(self, tmp_path, head, factor):
