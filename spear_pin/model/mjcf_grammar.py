@@ -26,7 +26,7 @@ MJCF = Grammar(
     read=_table(
         {
             "mujoco": "model",
-            "mujoco/compiler": "angle autolimits balanceinertia coordinate eulerseq inertiafromgeom",
+            "mujoco/compiler": "angle autolimits balanceinertia coordinate eulerseq inertiafromgeom inertiagrouprange",
             "mujoco/option": "gravity",
             "mujoco/option/flag": "gravity",
             "mujoco/worldbody": "",
@@ -79,7 +79,6 @@ MJCF = Grammar(
         "option@viscosity": ("0",),
         "option@wind": ("0",),
         "compiler@settotalmass": ("-1",),
-        "compiler@inertiagrouprange": ("0 5",),
         "compiler@exactmeshinertia": ("true", "false"),
         "body@gravcomp": ("0",),
         "body@mocap": ("false",),

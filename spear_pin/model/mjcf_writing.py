@@ -23,6 +23,7 @@ PLACE = ("pos", *TURNS)
 COUNTS = {
     **{"pos": 3, "quat": 4, "axisangle": 4, "xyaxes": 6, "zaxis": 3, "euler": 3, "axis": 3, "fromto": 6},
     **{"mass": 1, "density": 1, "diaginertia": 3, "fullinertia": 6, "range": 2, "actuatorfrcrange": 2, "ref": 1},
+    **{"inertiagrouprange": 2, "group": 1},
 }
 SHORTEST = 1e-14  # of directions and quaternions: MuJoCo refuses shorter ones
 
@@ -40,6 +41,7 @@ class Writing:
 
     Attributes:
         path: of the file that is read.
+        root: its element.
         defaults: of it.
         compiler: its settings.
         repair: whether inertias that no body can have are mended.
@@ -56,6 +58,7 @@ class Writing:
     """
 
     path: Path
+    root: Any
     defaults: Defaults
     compiler: Mapping[str, str]
     repair: bool
