@@ -52,6 +52,7 @@ MJCF = Grammar(
             "mujoco/keyframe/key": "qpos qvel act ctrl time mpos mquat",
         }
     ),
+    nested=frozenset(("body",)),
     single=frozenset((f"{BODY}/inertial",)),
     idle=frozenset("light camera visual statistic size custom asset sensor default skin exclude lengthrange".split()),
     still=frozenset(

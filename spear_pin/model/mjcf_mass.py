@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
+from spear_pin.model.elements import called
 from spear_pin.model.inertial import fault_of, nearest
-from spear_pin.model.mjcf_writing import PLACE, TURNS, Writing, at_least_zero, called, copy, counted, values
+from spear_pin.model.mjcf_writing import PLACE, TURNS, Writing, at_least_zero, copy, counted, values
 
 MOMENTS = ("diaginertia", "fullinertia")
 # how many sizes a geom whose mass is read has, between its ends and alone

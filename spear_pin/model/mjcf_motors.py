@@ -8,9 +8,9 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from spear_pin.model.elements import fault, parse_limit, parse_number
+from spear_pin.model.elements import called, fault, parse_limit, parse_number
 from spear_pin.model.mjcf_sections import Defaults, section
-from spear_pin.model.mjcf_writing import Rubbing, called
+from spear_pin.model.mjcf_writing import Rubbing
 
 LIMITED = {  # attributes that say whether a range limits
     **{"range": "limited", "actuatorfrcrange": "actuatorfrclimited"},

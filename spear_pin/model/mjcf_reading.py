@@ -18,7 +18,7 @@ import numpy as np
 from lxml import etree
 
 from spear_pin.errors import BadFile
-from spear_pin.model.elements import fault, parse_limit
+from spear_pin.model.elements import called, fault, parse_limit
 from spear_pin.model.inertial import notes_on
 from spear_pin.model.mjcf_keyframes import places_of, read_keyframes
 from spear_pin.model.mjcf_mass import add_mass
@@ -33,7 +33,6 @@ from spear_pin.model.mjcf_writing import (
     Rubbing,
     Writing,
     at_least_zero,
-    called,
     copy,
     counted,
     is_true,
