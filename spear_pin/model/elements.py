@@ -91,6 +91,14 @@ def fault(path: Path, element: Any, problem: str) -> BadFile:
     return BadFile(element.get(SOURCE, path), problem, element.sourceline)
 
 
+def called(element: Any) -> str:
+    """An element as errors name it: by its own name, or that of the body that it is on."""
+    names = (each.get("name") for each in (element, *element.iterancestors()))
+    name = next((name for name in names if name), None)
+    of = "" if name is None else f" {name!r}" if element.get("name") else f" of {name!r}"
+    return f"<{etree.QName(element).localname}>{of}"
+
+
 def child(path: Path, element: Any, tag: str) -> Any:
     """The child of that tag.
 
@@ -106,21 +114,21 @@ def child(path: Path, element: Any, tag: str) -> Any:
 
 def number(path: Path, element: Any, attribute: str, default: str | None = None) -> float:
     """An attribute that is one number."""
-    return parse_number(path, element, element.get(attribute, default))
+    return parse_number(path, element, _said(path, element, attribute, default))
 
 
 def numbers(path: Path, element: Any, attribute: str, count: int) -> list[float]:
     """An attribute of that many numbers."""
     values = [parse_number(path, element, part) for part in (element.get(attribute) or "").split()]
     if len(values) != count:
-        what = f"{attribute} of <{element.tag}> is {element.get(attribute)!r}"
+        what = f"{attribute} of {called(element)} is {_said(path, element, attribute)!r}"
         raise fault(path, element, f"{what}; expected {count} number{'s' * (count > 1)}")
     return values
 
 
 def limit(path: Path, element: Any, attribute: str, default: str | None = None) -> float:
     """An attribute that limits something, as of `parse_limit`."""
-    return parse_limit(path, element, element.get(attribute, default))
+    return parse_limit(path, element, _said(path, element, attribute, default))
 
 
 def parse_limit(path: Path, element: Any, text: str | None) -> float:
@@ -141,8 +149,16 @@ def parse_number(path: Path, element: Any, text: str | None) -> float:
     """
     value = _value(text)
     if not abs(value) <= MAX_NUMBER:
-        raise fault(path, element, f"<{element.tag}> has the value {text!r}; expected a finite number")
+        had = "no value" if text is None else f"the value {text!r}"
+        raise fault(path, element, f"{called(element)} has {had}; expected a finite number")
     return value
+
+
+def _said(path: Path, element: Any, attribute: str, default: str | None = None) -> str:
+    text = element.get(attribute, default)
+    if text is None:
+        raise fault(path, element, f"{called(element)} has no {attribute}; expected a number")
+    return str(text)
 
 
 def _value(text: str | None) -> float:

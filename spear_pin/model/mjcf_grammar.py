@@ -26,7 +26,7 @@ MJCF = Grammar(
     read=_table(
         {
             "mujoco": "model",
-            "mujoco/compiler": "angle autolimits balanceinertia coordinate eulerseq inertiafromgeom",
+            "mujoco/compiler": "angle autolimits balanceinertia coordinate eulerseq inertiafromgeom inertiagrouprange",
             "mujoco/option": "gravity",
             "mujoco/option/flag": "gravity",
             "mujoco/worldbody": "",
@@ -52,6 +52,7 @@ MJCF = Grammar(
             "mujoco/keyframe/key": "qpos qvel act ctrl time mpos mquat",
         }
     ),
+    nested=frozenset(("body",)),
     single=frozenset((f"{BODY}/inertial",)),
     idle=frozenset("light camera visual statistic size custom asset sensor default skin exclude lengthrange".split()),
     still=frozenset(
@@ -79,7 +80,6 @@ MJCF = Grammar(
         "option@viscosity": ("0",),
         "option@wind": ("0",),
         "compiler@settotalmass": ("-1",),
-        "compiler@inertiagrouprange": ("0 5",),
         "compiler@exactmeshinertia": ("true", "false"),
         "body@gravcomp": ("0",),
         "body@mocap": ("false",),

@@ -8,14 +8,16 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
+from spear_pin.model.elements import called
 from spear_pin.model.inertial import fault_of, nearest
-from spear_pin.model.mjcf_writing import PLACE, TURNS, Writing, at_least_zero, called, copy, counted, values
+from spear_pin.model.mjcf_writing import PLACE, TURNS, Writing, at_least_zero, copy, counted, values
 
 MOMENTS = ("diaginertia", "fullinertia")
 # how many sizes a geom whose mass is read has, between its ends and alone
 SIZES = {"sphere": (1, 1), "capsule": (1, 2), "cylinder": (1, 2), "box": (1, 3), "ellipsoid": (1, 3)}
 MOST_SIZES = 3
 MASSLESS = ("plane", "hfield", "mesh", "sdf")  # of the last two there is a mass, but it is not read
+GROUPS = "0 5"  # least and most, of the geoms whose mass counts
 SHORTEST = 1e-14  # m, from end to end
 
 
@@ -34,11 +36,31 @@ def add_mass(writing: Writing, body: Any, to: Any, inherited: str | None) -> Non
     inertials, from_geoms = body.findall("inertial"), writing.compiler.get("inertiafromgeom", "auto")
     if len(inertials) > 1:
         raise writing.fault(inertials[1], f"body {to.get('name')!r} has {len(inertials)} <inertial>; one is valid")
-    if inertials and from_geoms != "true":
+    geoms = [] if from_geoms == "false" else _weighed(writing, body, inherited)
+    if inertials and not (from_geoms == "true" and any(_weighs(writing, geom, inherited) for geom in geoms)):
         _add_inertial(writing, body, inertials[0], to)
-    elif from_geoms != "false":
-        for geom in body.findall("geom"):
+    else:
+        for geom in geoms:
             _add_geom(writing, geom, to, inherited)
+
+
+def _weighed(writing: Writing, body: Any, inherited: str | None) -> list[Any]:
+    """The geoms of a body that are in the groups of which the compiler counts the mass."""
+    said = {"inertiagrouprange": GROUPS, **writing.compiler}
+    least, most = counted(writing, writing.root, said, "inertiagrouprange")
+    geoms = body.findall("geom")
+    return [
+        geom
+        for geom in geoms
+        if least <= counted(writing, geom, {"group": "0", **writing.defaults.of(geom, inherited)}, "group")[0] <= most
+    ]
+
+
+def _weighs(writing: Writing, geom: Any, inherited: str | None) -> bool:
+    """Whether a geom has mass; MuJoCo keeps the `<inertial>` of a body where none has."""
+    said = writing.defaults.of(geom, inherited)
+    numbers = [values(writing.path, geom, said[each])[0] for each in ("mass", "density") if each in said]
+    return said.get("type") != "plane" and (not numbers or numbers[0] > 0)
 
 
 def _add_inertial(writing: Writing, body: Any, inertial: Any, to: Any) -> None:

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 from typing import Any
 
-from spear_pin.model.elements import fault, parse_limit, parse_number
+from spear_pin.model.elements import called, fault, parse_limit, parse_number
 from spear_pin.model.mjcf_sections import Defaults, section
 from spear_pin.model.mjcf_writing import Rubbing
 
+LIMITED = {  # attributes that say whether a range limits
+    **{"range": "limited", "actuatorfrcrange": "actuatorfrclimited"},
+    **{"forcerange": "forcelimited", "ctrlrange": "ctrllimited"},
+}
 MOVABLE = ("hinge", "slide")
+ACTED_ON = ("joint", "jointinparent", "tendon", "site", "slidersite", "body", "cranksite")
 TORQUES = ("motor", "general")  # actuators of which the control is a torque, or told otherwise
 
 
@@ -40,6 +45,7 @@ class Drives:
         rubbing: what all of them add to the joints that they act on, by joint.
         others: names of those that are no motors.
         damped: joints with damping of an actuator that is not viscous.
+        uneven: what is not taken over of ranges that differ by direction, in words, and the joint that they are of.
         laws: tags of the motors that are more than a torque, such as "position", by joint.
         elements: of the others, and of those with a law.
     """
@@ -48,6 +54,7 @@ class Drives:
     rubbing: Mapping[str, Rubbing]
     others: tuple[str, ...]
     damped: tuple[str, ...]
+    uneven: tuple[tuple[str, str], ...]
     laws: Mapping[str, str]
     elements: tuple[Any, ...]
 
@@ -71,7 +78,7 @@ def read_drives(
     found: dict[str, DrivenJoint] = {}
     rubbing: dict[str, Rubbing] = {}
     laws: dict[str, str] = {}
-    others, damped, elements = [], [], []
+    others, damped, elements, uneven = [], [], [], []
     for element in section(root, "actuator"):
         said = defaults.of(element)
         joint = said.get("joint", said.get("jointinparent"))
@@ -88,15 +95,53 @@ def read_drives(
             if any(_values(path, element, said.get("damping", "0"))[1:]):
                 damped.append(joint)
         if not movable or joint in found or gear == 0.0:
-            others.append(element.get("name") or f"a {element.tag}")
+            others.append(element.get("name") or _described(element, said))
             elements.append(element)
         else:
-            effort = (1.0 if gear is None else abs(gear)) * _largest(path, element, said, autolimits)
-            found[str(joint)] = DrivenJoint(str(joint), gear, effort)
+            largest, told = _largest(path, element, said, autolimits)
+            uneven += [(what, str(joint)) for what in told]
+            found[str(joint)] = DrivenJoint(str(joint), gear, (1.0 if gear is None else abs(gear)) * largest)
             if element.tag not in TORQUES:
                 laws[str(joint)] = element.tag
                 elements.append(element)
-    return Drives(tuple(found.values()), rubbing, tuple(others), tuple(damped), laws, tuple(elements))
+    return Drives(tuple(found.values()), rubbing, tuple(others), tuple(damped), tuple(uneven), laws, tuple(elements))
+
+
+def is_limited(path: Path, element: Any, said: Mapping[str, str], name: str, autolimits: bool) -> bool:
+    """Tell whether a range limits.
+
+    Args:
+        path: of the file.
+        element: that has it.
+        said: attributes of the element, with those of its class.
+        name: of the range, a key of `LIMITED`.
+        autolimits: whether a range alone limits.
+
+    Raises:
+        BadFile: there is a range and nothing says whether it limits, which MuJoCo refuses.
+    """
+    limited, text = said.get(LIMITED[name], "auto"), said.get(name, "")
+    if limited == "auto" and not autolimits and any(parse_limit(path, element, part) for part in text.split()):
+        problem = f'{called(element)} has the {name} {text!r}, and no {LIMITED[name]} beside autolimits="false"'
+        raise fault(path, element, f'{problem}; expected {LIMITED[name]}="true" or "false"')
+    return name in said and limited in ("true", "auto" if autolimits else "true")
+
+
+def either_way(ends: Sequence[float]) -> tuple[float, str | None]:
+    """The force that a range allows in both directions, and in words what of the range is not taken over.
+
+    A range that allows no force in one direction is taken as if it allowed the larger one in both.
+    """
+    low, high = ends
+    smaller, larger = sorted((abs(low), abs(high)))
+    if low < 0 < high:
+        return smaller, None if smaller == larger else "the larger side"
+    return larger, "the sign" if larger else None
+
+
+def _described(element: Any, said: Mapping[str, str]) -> str:
+    """An actuator without a name, by what it acts on."""
+    return f"{element.tag} of {next((said[each] for each in ACTED_ON if each in said), 'nothing')}"
 
 
 def _rubbing(path: Path, element: Any, said: Mapping[str, str]) -> Rubbing:
@@ -110,22 +155,20 @@ def _rubbing(path: Path, element: Any, said: Mapping[str, str]) -> Rubbing:
     return Rubbing(numbers["armature"], numbers["damping"] or 0.0)
 
 
-def _largest(path: Path, element: Any, said: Mapping[str, str], autolimits: bool) -> float:
-    """The largest force of an actuator, before its gear."""
+def _largest(path: Path, element: Any, said: Mapping[str, str], autolimits: bool) -> tuple[float, list[str]]:
+    """The largest force of an actuator either way, before its gear, and what of its ranges is not taken over."""
     gain = _gain(path, element, said)
-    limits = [inf]
-    for limited, name, factor in (("forcelimited", "forcerange", 1.0), ("ctrllimited", "ctrlrange", gain)):
-        if (
-            factor is not None
-            and name in said
-            and said.get(limited, "auto") in ("true", "auto" if autolimits else "true")
-        ):
+    limits, uneven = [inf], []
+    for name, factor in (("forcerange", 1.0), ("ctrlrange", gain)):
+        if is_limited(path, element, said, name, autolimits) and factor is not None:
             ends = [parse_limit(path, element, part) for part in said[name].split()]
             if len(ends) != 2:
                 problem = f"{name} of <{element.tag}> is {said[name]!r}; expected 2 numbers"
                 raise fault(path, element, problem)
-            limits.append(factor * max(map(abs, ends)))
-    return min(limits)
+            force, told = either_way(ends)
+            limits.append(factor * force)
+            uneven += [f"{told} of {name}"] if told else []
+    return min(limits), uneven
 
 
 def _gain(path: Path, element: Any, said: Mapping[str, str]) -> float | None:

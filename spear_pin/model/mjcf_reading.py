@@ -18,11 +18,11 @@ import numpy as np
 from lxml import etree
 
 from spear_pin.errors import BadFile
-from spear_pin.model.elements import fault, parse_limit
+from spear_pin.model.elements import called, fault, parse_limit
 from spear_pin.model.inertial import notes_on
 from spear_pin.model.mjcf_keyframes import places_of, read_keyframes
 from spear_pin.model.mjcf_mass import add_mass
-from spear_pin.model.mjcf_motors import MOVABLE, DrivenJoint, read_drives
+from spear_pin.model.mjcf_motors import LIMITED, MOVABLE, DrivenJoint, either_way, is_limited, read_drives
 from spear_pin.model.mjcf_points import add_point
 from spear_pin.model.mjcf_rotations import angle_unit
 from spear_pin.model.mjcf_sections import MAIN, Defaults, include, read_defaults, section, settings
@@ -33,7 +33,6 @@ from spear_pin.model.mjcf_writing import (
     Rubbing,
     Writing,
     at_least_zero,
-    called,
     copy,
     counted,
     is_true,
@@ -43,6 +42,7 @@ from spear_pin.model.urdf import BASE, MAX_LINKS, UNIVERSE, WORLD, Base
 
 JOINTS = ("joint", "freejoint")
 JOINT_TYPES = ("free", "ball", "slide", "hinge")
+RANGES = ("range", "actuatorfrcrange")  # of joints
 JOINT = ("axis", "pos", "frictionloss")
 UNREAD = ("frame", "replicate", "composite", "flexcomp", "attach", "plugin")  # in a body: they would change it
 # words that the compiler takes
@@ -120,7 +120,7 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
             raise BadFile(path, f"<compiler> has the {key} {compiler[key]!r}; valid: {', '.join(valid)}")
     body, others = _robot(path, root)
     _check_names(path, root, body, defaults)
-    writing = Writing(path, defaults, compiler, repair, _names(root, "body", "site"), _names(root, *JOINTS))
+    writing = Writing(path, root, defaults, compiler, repair, _names(root, "body", "site"), _names(root, *JOINTS))
     written = etree.Element("mujoco", model="robot")
     etree.SubElement(written, "compiler", angle="radian")
     world = etree.SubElement(written, "worldbody")
@@ -278,24 +278,29 @@ def _add_joint(writing: Writing, joint: Any, body: Any, owner: str, inherited: s
         etree.SubElement(body, "freejoint", name=name)
         return
     copied = etree.SubElement(body, "joint", name=name, type=kind)
+    autolimits = is_true(writing.compiler.get("autolimits"), True)
     copy(writing, joint, copied, said, JOINT)
     if kind in MOVABLE and np.linalg.norm(counted(writing, joint, {"axis": "0 0 1", **said}, "axis")) < SHORTEST:
         raise writing.fault(joint, f"joint {name!r} has the axis {said['axis']!r}; expected a direction")
-    if "range" in said:
+    limited = {name: is_limited(path, joint, said, name, autolimits) for name in RANGES}
+    if limited["range"] and kind in MOVABLE:
         unit = 1.0 if kind == "slide" else angle_unit(writing.compiler)
         ref, *_ = values(path, joint, said.get("ref", "0"))
         ends = [unit * (end - ref) for end in _ends(writing, joint, said, "range")]
         copied.set("range", " ".join(repr(min(max(end, -MOST), MOST)) for end in ends))
-    if "actuatorfrcrange" in said:
-        forces = _ends(writing, joint, said, "actuatorfrcrange")
-        copied.set("actuatorfrcrange", " ".join(repr(min(max(force, -MOST), MOST)) for force in forces))
+    elif limited["range"]:
+        writing.unread.lose("range", name, "<joint>")
+    if limited["actuatorfrcrange"]:
+        force, told = either_way(_ends(writing, joint, said, "actuatorfrcrange"))
+        copied.set("actuatorfrcrange", " ".join(repr(min(max(end, -MOST), MOST)) for end in (-force, force)))
+        if told:
+            writing.unread.lose(f"{told} of actuatorfrcrange", name)
     low, high = _ends(writing, joint, {"range": "0 0", **said}, "range")
     if said.get("limited") == "true" and low >= high:
         problem = f"joint {name!r} is limited, but has the range {said.get('range', '')!r}"
         raise writing.fault(joint, f"{problem}; expected two angles, or lengths, the lower one first")
-    auto = is_true(writing.compiler.get("autolimits"), True)
-    for limited, limits in (("limited", "range"), ("actuatorfrclimited", "actuatorfrcrange")):
-        copied.set(limited, "true" if is_true(said.get(limited), auto and limits in said) else "false")
+    for limits, acts in limited.items():
+        copied.set(LIMITED[limits], "true" if acts else "false")
     for what, numbers in (
         ("damping that is not viscous", values(path, joint, said.get("damping", "0"))[1:]),
         ("frictionloss", [frictionloss]),

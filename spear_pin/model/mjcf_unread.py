@@ -41,6 +41,8 @@ def tell_unread(writing: Writing, root: Any, body: Any, others: list[Any], drive
     find_unread(root, MJCF, unread, said, (*others, *drives.elements, *ground))
     for joint, tag in drives.laws.items():
         unread.lose(f"the control law of <{tag}>", joint)
+    for what, joint in drives.uneven:
+        unread.lose(what, joint)
     for what, names in (
         ("the bodies beside it", [other.get("name") or "nameless" for other in others]),
         ("the ground's shape", [geom.get("name") or f"a {said(geom).get('type', 'sphere')}" for geom in ground]),

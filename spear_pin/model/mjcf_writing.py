@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.errors import BadFile
-from spear_pin.model.elements import fault, parse_number
+from spear_pin.model.elements import called, fault, parse_number
 from spear_pin.model.inertial import Fault
 from spear_pin.model.mjcf_rotations import rotation
 from spear_pin.model.mjcf_sections import Defaults
@@ -23,6 +23,7 @@ PLACE = ("pos", *TURNS)
 COUNTS = {
     **{"pos": 3, "quat": 4, "axisangle": 4, "xyaxes": 6, "zaxis": 3, "euler": 3, "axis": 3, "fromto": 6},
     **{"mass": 1, "density": 1, "diaginertia": 3, "fullinertia": 6, "range": 2, "actuatorfrcrange": 2, "ref": 1},
+    **{"inertiagrouprange": 2, "group": 1},
 }
 SHORTEST = 1e-14  # of directions and quaternions: MuJoCo refuses shorter ones
 
@@ -40,6 +41,7 @@ class Writing:
 
     Attributes:
         path: of the file that is read.
+        root: its element.
         defaults: of it.
         compiler: its settings.
         repair: whether inertias that no body can have are mended.
@@ -56,6 +58,7 @@ class Writing:
     """
 
     path: Path
+    root: Any
     defaults: Defaults
     compiler: Mapping[str, str]
     repair: bool
@@ -107,14 +110,6 @@ def copy(writing: Writing, element: Any, to: Any, said: Mapping[str, str], attri
             if attribute in ("euler", "axisangle"):
                 numbers, attribute = _quaternion(writing, attribute, numbers), "quat"
             to.set(attribute, " ".join(map(repr, numbers)))
-
-
-def called(element: Any) -> str:
-    """An element as errors name it: by its own name, or that of the body that it is on."""
-    names = (each.get("name") for each in (element, *element.iterancestors()))
-    name = next((name for name in names if name), None)
-    of = "" if name is None else f" {name!r}" if element.get("name") else f" of {name!r}"
-    return f"<{element.tag}>{of}"
 
 
 def _check_turn(writing: Writing, element: Any, notation: str, numbers: Sequence[float]) -> None:

@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadFile
-from spear_pin.model.elements import number, parse, parse_number
+from spear_pin.model.elements import number, parse
 from spear_pin.model.gears import Gear
 from spear_pin.model.unread import Unread, find_unread
 from spear_pin.model.urdf_grammar import SRDF
@@ -50,17 +50,23 @@ def read_srdf(model: pin.Model, urdf: Path) -> Srdf:
     path = srdf_of(urdf)
     if path is None:
         return Srdf({}, {})
+    unread = Unread()
     try:
         path, root = parse(path)
-        postures = {state.get("name", ""): _posture(path, model, state) for state in root.iterfind("group_state")}
-        said = {joint.get("name", ""): _gear(path, joint) for joint in root.iterfind("rotor_params/joint")}
+        postures = {
+            state.get("name", ""): _posture(path, model, state, unread) for state in root.iterfind("group_state")
+        }
+        said: dict[str, set[Gear]] = {}
+        for joint in root.iterfind("rotor_params/joint"):
+            said.setdefault(joint.get("name", ""), set()).add(_gear(path, joint))
     except BadFile as error:
         return Srdf({}, {}, (f"its SRDF is left out: {error}",))
-    unread = Unread()
     find_unread(root, SRDF, unread)
     gears = {}
-    for name, gear in said.items():
-        if _joint(model, name) is None:
+    for name, (gear, *others) in said.items():
+        if others:
+            unread.lose("<rotor_params> that disagree", name)
+        elif _joint(model, name) is None:
             unread.lose("<rotor_params> of what is no joint of one degree of freedom", name)
         elif gear.ratio == 0 or (gear.rotor or 0.0) < 0:
             unread.lose("<rotor_params> with a ratio of 0 or an inertia below 0", name)
@@ -69,12 +75,15 @@ def read_srdf(model: pin.Model, urdf: Path) -> Srdf:
     return Srdf(postures, gears, () if unread.line is None else (f"its SRDF {path.name!r}: {unread.line}",))
 
 
-def _posture(path: Path, model: pin.Model, state: Any) -> Array:
+def _posture(path: Path, model: pin.Model, state: Any, unread: Unread) -> Array:
     q = np.array(pin.neutral(model))
     for each in state.iterfind("joint"):
         joint = _joint(model, each.get("name", ""))
-        if joint is not None and joint.nq == 1:
-            q[joint.idx_q] = parse_number(path, each, each.get("value"))
+        if joint is None:
+            unread.lose("no joint of one degree of freedom:", "", "<group_state>", each.get("name") or "nameless")
+            continue
+        angle = number(path, each, "value")
+        q[joint.idx_q : joint.idx_q + joint.nq] = angle if joint.nq == 1 else (np.cos(angle), np.sin(angle))
     return q
 
 

@@ -117,7 +117,8 @@ def _named(numbers: list[Any], names: tuple[str, ...]) -> list[Any]:
 def _gear(path: Path, element: Any, numbers: list[Any], joint: str) -> Gear:
     ratio, rotor = (_agreed(path, _named(numbers, names), joint) for names in (RATIOS, ROTORS))
     if ratio == 0 or (rotor is not None and rotor < 0):
-        problem = f"joint {joint!r}: gear ratio {ratio}, rotor inertia {rotor}; expected nonzero and >= 0"
+        wrong = "gear ratio 0; expected another than 0" if ratio == 0 else f"rotor inertia {rotor:g}; expected >= 0"
+        problem = f"joint {joint!r}: {wrong}"
         raise BadFile(path, problem, element.sourceline)
     return Gear(ratio, rotor)
 

@@ -17,7 +17,10 @@ from spear_pin.errors import listed
 NAMED, LONG = (4, 2, 1), 600  # how many owners are named, the fewer the longer the line would be, in characters
 NAMES = ("name", "reference")  # attributes that tell which element it is
 JOINED = ("joint1", "body1", "geom1", "site1", "tendon1", "joint", "link", "body")  # of one that has no name
-ANNOTATIONS = ("http://www.w3.org", "http://www.ros.org/wiki/xacro", "http://ros.org/wiki/xacro", "xacro", "spear_pin")
+ANNOTATIONS = (  # the first two are XML's own
+    *("http://www.w3.org/XML", "http://www.w3.org/2001/XMLSchema", "http://www.w3.org/2000/xmlns"),
+    *("http://www.ros.org/wiki/xacro", "http://ros.org/wiki/xacro", "xacro", "spear_pin"),
+)
 NOTHING: frozenset[str] = frozenset()
 
 
@@ -26,8 +29,9 @@ class Grammar:
     """What is read of a format, and what of it never changes a motion.
 
     Attributes:
-        read: attributes that are read of an element, by its path from the root, such as "robot/joint/limit". An element
-            in one of the same tag, as a body in a body, has the same path.
+        read: attributes that are read of an element, by its path from the root, such as "robot/joint/limit".
+        nested: tags of elements that may be in one of the same tag, as a body in a body; they have the same path.
+        kinds: tags of elements whose name tells of what kind they are, not which one.
         single: paths of elements of which a parent has one; a second one is not read.
         idle: tags of elements that change no motion, with all that is in them.
         still: attributes that change no motion, of any element.
@@ -35,6 +39,8 @@ class Grammar:
     """
 
     read: Mapping[str, frozenset[str]]
+    nested: frozenset[str] = NOTHING
+    kinds: frozenset[str] = NOTHING
     single: frozenset[str] = NOTHING
     idle: frozenset[str] = NOTHING
     still: frozenset[str] = NOTHING
@@ -125,7 +131,7 @@ def _visit(
     known: set[Any],
 ) -> None:
     tag = path.rpartition("/")[2]
-    if "/" in path:  # the robot's own name tells nothing
+    if "/" in path and tag not in grammar.kinds:  # the robot's own name tells nothing
         owner = _name(element) or owner or _name(element, JOINED)
     for name, value in said(element).items():
         ordinary = name in grammar.read[path] or name in grammar.still or _annotates(name)
@@ -134,7 +140,7 @@ def _visit(
     seen: set[str] = set()
     for child in element.iterchildren(etree.Element):
         title = _title(child)
-        below = path if title == tag else f"{path}/{title}"
+        below = path if title == tag and tag in grammar.nested else f"{path}/{title}"
         if child in known or grammar.idles(title) or _annotates(child.tag):
             continue
         if below in grammar.read and not (below in grammar.single and below in seen):
@@ -142,8 +148,10 @@ def _visit(
             _visit(child, below, owner, grammar, into, said, known)
         elif _matters(child, grammar):
             again = "a second " if below in seen else ""
+            called = _name(child) or ("" if owner else _name(child, JOINED))
             inside = f"<{tag}>" if path.count("/") else ""
-            into.lose(f"{again}<{title}>", owner, inside, _name(child) or ("" if owner else _name(child, JOINED)))
+            inside += f" of {owner!r}" if inside and called and owner else ""
+            into.lose(f"{again}<{title}>", owner, inside, called)
 
 
 def _matters(element: Any, grammar: Grammar) -> bool:

@@ -18,7 +18,7 @@ from typing import Any, Literal
 from lxml import etree
 
 from spear_pin.errors import BadFile
-from spear_pin.model.elements import child, limit, number, numbers, parse
+from spear_pin.model.elements import MAX_NUMBER, child, limit, number, numbers, parse
 from spear_pin.model.gears import Gear
 from spear_pin.model.inertial import Fault, copy_inertial, notes_on
 from spear_pin.model.origins import copy_origin, turn_quaternions
@@ -32,6 +32,7 @@ AXLESS = ("fixed", "floating")  # joints whose axis means nothing
 SEVERAL = ("floating", "planar")  # of several degrees of freedom, to which one damping does not apply
 NOT_NEGATIVE = ("effort", "velocity", "damping", "friction")  # numbers of joints
 LIMITS = ("lower", "upper", "effort", "velocity")
+OPEN = {"lower": "-inf", "upper": "inf"}  # limits where a file says the other one alone
 UNLIMITED = -1.0  # an effort or a velocity that is not limited
 NORMAL = (1.0, 0.0, 0.0)  # axis of a joint that names none
 UNIVERSE = "universe"
@@ -96,7 +97,7 @@ def urdf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
     motors = read_transmissions(path, root)
     text, changed = _dynamics(path, root, trunk, base, repair)
     normals = {joint.get("name"): _normal(path, joint) for joint in root.findall("joint[@type='planar']")}
-    notes = [*changed, *motors.notes, *filter(None, [_unread(root, motors.elements)])]
+    notes = [*changed, *_half_limited(root), *motors.notes, *filter(None, [_unread(root, motors.elements)])]
     return Urdf(path, root.get("name") or path.stem, trunk, document, text, motors.gears, normals, tuple(notes))
 
 
@@ -108,7 +109,33 @@ def _unread(root: Any, known: tuple[Any, ...] = ()) -> str | None:
         for element in joint.xpath("dynamics[@damping]"):
             if URDF.unusual("damping", element.get("damping")):
                 unread.lose("damping", joint.get("name"), "<dynamics>")
+        for element in joint.findall("limit"):
+            for name in (name for name in LIMITS if _limits(element.get(name))):
+                unread.lose(name, joint.get("name"), "<limit>")
+    for element in root.xpath("joint[@type='continuous']/limit"):
+        lost = ", ".join(name for name in OPEN if _limits(element.get(name)))
+        if lost:
+            unread.lose(f"{lost} (a continuous joint has no limits)", element.getparent().get("name"), "<limit>")
     return unread.line
+
+
+def _limits(text: str | None) -> bool:
+    """Whether a text may be a limit: neither 0 nor infinite, which files write where there is none."""
+    try:
+        value = float(text or "0")
+    except ValueError:
+        return True
+    return value != 0.0 and abs(value) <= MAX_NUMBER
+
+
+def _half_limited(root: Any) -> list[str]:
+    """A line for each joint of which the file says one limit alone."""
+    return [
+        f"joint {element.getparent().get('name')!r} says no {side} limit: it has none on that side"
+        for element in root.xpath("joint[@type='revolute' or @type='prismatic']/limit")
+        for side, other in (("lower", "upper"), ("upper", "lower"))
+        if element.get(side) is None and element.get(other) is not None
+    ]
 
 
 def _normal(path: Path, joint: Any) -> tuple[float, ...]:
@@ -165,7 +192,8 @@ def _copy_joint(path: Path, joint: Any, kind: str, copy: Any, place: int) -> Non
         etree.SubElement(copy, "axis", xyz=" ".join(map(repr, values)))
     if kind in ("revolute", "prismatic"):
         limit = child(path, joint, "limit")
-        _copy(path, limit, copy, effort=None, velocity=None, lower="0", upper="0")
+        either = any(limit.get(side) is not None for side in OPEN)  # without both there is none, which 0 and 0 say
+        _copy(path, limit, copy, effort=None, velocity=None, **(OPEN if either else dict.fromkeys(OPEN, "0")))
     elif kind == "continuous" and limit is not None:
         _copy(path, limit, copy, effort="inf", velocity="inf")
     if dynamics is not None and kind not in SEVERAL:

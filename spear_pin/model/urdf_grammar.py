@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from spear_pin.model.mjcf_grammar import MJCF
 from spear_pin.model.unread import Grammar
 
 NO = ("0", "false", "")
@@ -40,7 +41,11 @@ URDF = Grammar(
         robot__ros2_control__transmission__joint="role",
         robot__ros2_control__transmission__actuator="role",
         robot__gazebo="reference",
+        robot__mujoco=PLAIN,
+        robot__mujoco__compiler=" ".join(MJCF.still),
+        robot__mujoco__option=" ".join(MJCF.still),
     ),
+    kinds=frozenset(("command_interface", "state_interface")),
     single=frozenset(
         f"robot/{path}"
         for path in (
@@ -73,6 +78,10 @@ URDF = Grammar(
         "gravity": ("1", "true"),
         "offset": ("0",),
         "damping": NO,
+        "plugin": ("transmission_interface/simpletransmission",),
+        "option@gravity": ("0 0 -9.81",),
+        "compiler@angle": ("radian",),
+        "compiler@balanceinertia": NO,
     },
 )
 SRDF = Grammar(

@@ -173,6 +173,21 @@ def mujoco_model(folder: Path, files: dict[str, str]) -> Any:
     return mujoco, model, data
 
 
+def masses(**files: str) -> Any:
+    """The mass matrix's entries of the hip and the knee."""
+    return lambda folder: robot(folder, files).mass_matrix(np.zeros(2)).diagonal()
+
+
+def mujoco_masses(**files: str) -> Any:
+    def find(folder: Path) -> Any:
+        mujoco, model, data = mujoco_model(folder, files)
+        full = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, full)
+        return full.diagonal()
+
+    return find
+
+
 def mujoco_inertia(**files: str) -> Any:
     def find(folder: Path) -> Any:
         mujoco, model, data = mujoco_model(folder, files)

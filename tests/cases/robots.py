@@ -82,6 +82,9 @@ MOTORS = {
 }
 TOML = "[motors.all]\nratio = 7.5\n"
 ROTORS = '<robot name="leg"><rotor_params><joint name="knee" mass="2e-5" gear_ratio="20"/></rotor_params></robot>'
+SECOND = '<joint name="knee" mass="3e-5" gear_ratio="2"/></rotor_params>'
+DIFFER = ROTORS.replace("</rotor_params>", SECOND)
+POSED = '<robot name="leg"><group_state name="home" group="all"><joint name="nope" value="3"/></group_state></robot>'
 PASSIVE = '<robot name="leg"><passive_joint name="knee"/></robot>'
 
 
@@ -110,6 +113,10 @@ def gears() -> list[Case]:
         Case("beside the URDF", rotors, SHANK_INERTIA + 20**2 * 2e-5, "pin.loadRotorParameters", both, 1e-12,
              by_pinocchio),
         Case("of a joint that is not there", rotors, "<rotor_params>", "a line", said(urdf=leg(), srdf=strange)),
+        Case("that differ", rotors, "<rotor_params> that disagree of 'knee'", "a line",
+             said(urdf=leg(), srdf=DIFFER)),
+        Case("angles of what is no joint", rotors, "no joint of one degree of freedom: 'nope' in <group_state>",
+             "a line", said(urdf=leg(), srdf=POSED)),
         Case("passive joints", rotors, "<passive_joint> 'knee'", "a line", said(urdf=leg(), srdf=PASSIVE)),
     ]  # fmt: skip
 
@@ -147,8 +154,33 @@ EXCHANGED = leg(knee=LIMIT.format(2.2, 0.1, 18, 25))
 NO_ROOM = leg(knee=LIMIT.format(0.3, 0.3, 18, 25))
 
 
+HALVES = {  # what a limit says, position, velocity and effort, and the line
+    "no lower": ('upper="-0.05"', [-1e9, -0.05, 25.0, 18.0], "joint 'knee' says no lower limit: it has none"),
+    "no upper": ('lower="-1"', [-1.0, 1e9, 25.0, 18.0], "joint 'knee' says no upper limit: it has none"),
+    "upper -inf": ('lower="-1" upper="-inf"', [-1.0, 1e9, 25.0, 18.0], "joint 'knee' has the upper limit -inf: it has"),
+    "lower 1e999": ('lower="1e999" upper="2"', [-1e9, 2.0, 25.0, 18.0], "joint 'knee' has the lower limit inf: it has"),
+}
+FLOATING_LIMIT = '<axis xyz="0 1 0"/><limit lower="0" upper="1" effort="3" velocity="2"/>'
+ENDLESS = "lower, upper (a continuous joint has no limits) in <limit> of 'knee'"
+LOST = {
+    "of a planar joint": (slab(FLOATING_LIMIT), "upper, effort, velocity in <limit> of 'glide'"),
+    "of a floating joint": (slab(FLOATING_LIMIT).replace("planar", "floating"), "upper, effort, velocity in <limit>"),
+    "of a continuous joint": (leg(kind="continuous", knee=LIMIT.format(-1, 1, 18, 25)), ENDLESS),
+}
+MISSING = {
+    "an effort": (leg(knee='lower="-1" upper="1" velocity="2"'), "<limit> of 'knee' has no effort; expected a number"),
+    "a moment": (leg(shank=SHANK.replace("izz", "izx")), "<inertia> of 'shank' has no izz; expected a number"),
+    "a ratio other than 0": (
+        leg(DRIVE.format(f'{ON_KNEE}<actuator name="m">{RATIO}</actuator>').replace("40", "0")),
+        "joint 'knee': gear ratio 0; expected another than 0",
+    ),
+}
+
+
 def bounds() -> list[Case]:
     kind, swapped, open_ends = "numbers that mean no limit", "lower limits above upper ones", [-1e9, 1e9, 1e9, 1e9]
+    half, lost = "one limit alone", "limits of joints that have none"
+    missing = "numbers that are missing"
     told = "joint 'knee' has the lower limit 2.2 above the upper one, 0.1"
     return [
         *(
@@ -161,11 +193,19 @@ def bounds() -> list[Case]:
              said(urdf=leg(knee=LIMIT.format(-1, 1, -3, 4)))),
         Case("exchanged", swapped, [0.1, 2.2, 25.0, 18.0], "by hand", limits(urdf=EXCHANGED)),
         Case("told", swapped, told, "a line", said(urdf=EXCHANGED)),
+        *(Case(name, half, ends, "by hand", limits(urdf=leg(knee=f'{text} effort="18" velocity="25"')))
+          for name, (text, ends, _) in HALVES.items()),
+        *(Case(f"told: {name}", half, line, "a line", said(urdf=leg(knee=f'{text} effort="18" velocity="25"')))
+          for name, (text, _, line) in HALVES.items()),
+        *(Case(name, lost, line, "a line", said(urdf=text)) for name, (text, line) in LOST.items()),
+        *(Case(name, missing, line, "it is missing", said(urdf=text)) for name, (text, line) in MISSING.items()),
         Case("alike", swapped, "joint 'knee' has the limits 0.3 and 0.3, which leave it no room", "a line",
              said(urdf=NO_ROOM)),
     ]  # fmt: skip
 
 
+SIMPLE = '<transmission name="t"><plugin>transmission_interface/SimpleTransmission</plugin>'
+COMMAND = '<joint name="knee"><command_interface name="effort"><param name="min">-5</param></command_interface></joint>'
 LOOP = '<gazebo><joint name="rod" type="revolute"><parent>a</parent></joint></gazebo>'
 NESTED = '<gazebo reference="knee"><axis><dynamics><spring_stiffness>14</spring_stiffness></dynamics></axis></gazebo>'
 CAPITALS = '<Transmission name="t">{}</Transmission>'
@@ -192,6 +232,20 @@ TOLD = {
     "friction of a foot in Drake": (RUBBER, "<drake:proximity_properties> in <collision> of 'pad'"),
     "an unknown element": ('<force_element name="push"/>', "<force_element> 'push'"),
     "a tag in capitals": (CAPITALS.format(RATIO), "<Transmission> 't'"),
+    "a file to include": (
+        '<xi:include href="a.xml" xmlns:xi="http://www.w3.org/2001/XInclude"/>', "<xi:include>"
+    ),
+    "a robot in a robot": ("<robot><joint name='rod'/></robot>", "<robot>"),
+    "a link in a link": ('<link name="pad"><link name="q"/></link>', "<link> 'q' in <link> of 'pad'"),
+    "gazebo in gazebo": ('<gazebo><gazebo reference="knee"/></gazebo>', "<gazebo> 'knee' in <gazebo>"),
+    "gravity for MuJoCo": ('<mujoco><option gravity="0 0 -3.7"/></mujoco>', "gravity in <option>"),
+    "angles for MuJoCo": ('<mujoco><compiler angle="degree"/></mujoco>', "angle in <compiler>"),
+    "parameters of a controlled joint": (
+        CONTROLLED.format('<joint name="knee"><param name="k">14</param></joint>'), "<param> 'k' in <joint> of 'knee'"
+    ),
+    "parameters of a command": (
+        CONTROLLED.format(COMMAND), "<param> 'min' in <command_interface> of 'knee'"
+    ),
     "many of a kind": (
         "".join(f'<spring name="s{i}"/>' for i in range(9)), "<spring> 's0', 's1', 's2', 's3' and 5 more"
     ),
@@ -202,10 +256,15 @@ IN_JOINT_TOLD = {
     "Coulomb's friction": ('<dynamics friction="0.4"/>', "friction in <dynamics> of 'knee'"),
     "mimic": ('<mimic joint="hip" multiplier="2"/>', "<mimic> in <joint> of 'knee'"),
     "a safety controller": ('<safety_controller k_velocity="3"/>', "<safety_controller> in <joint> of 'knee'"),
+    "a joint in a joint": ('<joint name="x"><limit lower="1"/></joint>', "<joint> 'x' in <joint> of 'knee'"),
     "a second limit": ('<limit lower="0" upper="1"/>', "a second <limit> in <joint> of 'knee'"),
     "a rotor of no motor": ("<motorInertia>0.1</motorInertia>", "<motorInertia> in <joint> of 'knee'"),
 }
 QUIET = {
+    "files for MuJoCo": '<mujoco><compiler meshdir="m" discardvisual="false" strippath="false"/></mujoco>',
+    "what is a simple transmission": CONTROLLED.format(
+        SIMPLE + f'<joint name="knee" role="joint1">{RATIO}</joint>{ACTUATOR}</transmission>'
+    ),
     "colours": '<material name="grey"><color rgba="1 1 1 1"/></material>',
     "colours of Gazebo": '<gazebo reference="knee"><material>Gazebo/Grey</material></gazebo>',
     "sensors": OF_SHANK.format('<sensor name="s" type="imu"/>'),

@@ -12,9 +12,11 @@ from tests.cases.legs import (
     hop,
     inertia,
     limits,
+    masses,
     mjcf,
     mujoco_damping,
     mujoco_inertia,
+    mujoco_masses,
     ratio,
     said,
 )
@@ -168,6 +170,77 @@ def ends() -> list[Case]:
     ]
 
 
+BALL = '<site name="foot" pos="0 0 -0.2"/><geom size="0.05" pos="0 0 -0.1" mass="{}" group="{}"/>'
+COUNTED = '<compiler inertiafromgeom="true" inertiagrouprange="0 2"/>'
+SAID = [0.003 + 0.7 * 0.01 + 0.001 + 0.3 * 0.09, SHANK_INERTIA]  # at the hip and the knee, by each <inertial>
+WEIGHED = [0.003 + 0.7 * 0.01 + 0.4 * 0.5 * 0.05**2 + 0.5 * 0.09, 0.4 * 0.5 * 0.05**2 + 0.5 * 0.01]  # by the ball
+MASSES = {
+    "bodies without geoms": (BALL.format(0.5, 0), WEIGHED),
+    "geoms without mass": (BALL.format(0, 0), SAID),
+    "geoms of other groups": (BALL.format(0.5, 3), SAID),
+    "geoms of two groups": (BALL.format(0.5, 0) + BALL.format(9, 4).replace("foot", "other"), WEIGHED),
+}
+
+
+def weights() -> list[Case]:
+    kind, by = "inertias beside geoms", "mj_fullM of MuJoCo 4"
+    return [
+        Case(name, kind, right, by, masses(xml=text), 1e-12, mujoco_masses(xml=text), ("mujoco",))
+        for name, (shank, right) in MASSES.items()
+        for text in [mjcf(before=COUNTED, shank=shank)]
+    ]
+
+
+FREE_TO_TURN = 'range="-140 -3" limited="false" actuatorfrcrange="-4 4" actuatorfrclimited="false"'
+STRICT = '<compiler autolimits="false"/><default><joint limited="true"/></default>'
+DRIVEN = '<motor joint="knee" gear="-6" ctrlrange="{}" {}/>'
+BALL_JOINT = '<body name="tail"><joint name="tail" type="ball" range="0 60"/><geom size="0.1"/></body>'
+RANGES = {
+    "limited is false": ({"knee": FREE_TO_TURN}, [-1e9, 1e9, 1e9, 1e9]),
+    "the smaller side of a joint": ({"knee": 'actuatorfrcrange="-5 8"'}, [-1e9, 1e9, 1e9, 5.0]),
+    "the smaller side of an actuator": (
+        {"knee": "", "actuators": DRIVEN.format("-2 3", "")},
+        [-1e9, 1e9, 1e9, 12.0],
+    ),
+    "forces of one sign": ({"knee": "", "actuators": DRIVEN.format("0 3", "")}, [-1e9, 1e9, 1e9, 18.0]),
+    "ctrllimited is false": (
+        {"knee": "", "actuators": DRIVEN.format("-2 3", 'ctrllimited="false"')},
+        [-1e9, 1e9, 1e9, 1e9],
+    ),
+}
+NEITHER = 'expected {}="true" or'
+TOLD_OF_RANGES = {
+    "a joint's sides": ({"knee": 'actuatorfrcrange="-5 8"'}, "the larger side of actuatorfrcrange of 'knee'"),
+    "an actuator's sides": ({"actuators": DRIVEN.format("-2 3", "")}, "the larger side of ctrlrange of 'knee'"),
+    "one sign": ({"actuators": DRIVEN.format("-3 0", "")}, "the sign of ctrlrange of 'knee'"),
+    "a ball joint's": ({"shank": BALL_JOINT}, "range in <joint> of 'tail'"),
+    "a range alone": ({"before": '<compiler autolimits="false"/>'}, NEITHER.format("limited")),
+    "a range of force alone": (
+        {"before": STRICT, "knee": 'range="-9 -3" actuatorfrcrange="-1 1"'},
+        NEITHER.format("actuatorfrclimited"),
+    ),
+    "a range of control alone": (
+        {"before": STRICT, "knee": 'range="-9 -3"', "actuators": DRIVEN.format("-1 1", "")},
+        NEITHER.format("ctrllimited"),
+    ),
+    "an actuator without a name": (
+        {"actuators": '<motor joint="knee"/><velocity joint="knee"/>'},
+        "each joint of 'velocity of knee'",
+    ),
+}
+
+
+def ranges() -> list[Case]:
+    kind = "ranges of MuJoCo"
+    return [
+        *(Case(name, kind, right, "by hand", limits(xml=mjcf(**parts))) for name, (parts, right) in RANGES.items()),
+        *(
+            Case(f"told: {name}", kind, line, "a line", said(xml=mjcf(**parts)))
+            for name, (parts, line) in TOLD_OF_RANGES.items()
+        ),
+    ]
+
+
 CASES = (
     *(
         Case(name, "what an MJCF file says beside", line, "a line", said(xml=mjcf(**parts)))
@@ -179,4 +252,6 @@ CASES = (
     ),
     *actuators(),
     *ends(),
+    *weights(),
+    *ranges(),
 )

@@ -41,7 +41,7 @@ DOG = f"""
   </worldbody>
   <actuator>
     <motor name="a" joint="hip_x" ctrlrange="-4 4"/>
-    <general joint="knee" gear="-2" forcerange="-5 6" ctrlrange="-9 9"/>
+    <general joint="knee" gear="-2" forcerange="-6 6" ctrlrange="-9 9"/>
   </actuator>
 </mujoco>
 """

@@ -126,7 +126,11 @@ class TestLeftOut:
             ("<actuator>", "<equality><weld body1='thigh'/></equality><actuator>", "<weld> 'thigh' in <equality>"),
             ("<actuator>", '<tendon><fixed name="t"/></tendon><actuator>', "<fixed> 't' in <tendon>"),
             ('<motor joint="hip"/>', '<motor joint="hip"/><motor name="m" tendon="t"/>', "for each joint of 'm'"),
-            ('<motor joint="hip"/>', '<motor joint="hip"/><position joint="hip"/>', "for each joint of 'a position'"),
+            (
+                '<motor joint="hip"/>',
+                '<motor joint="hip"/><position joint="hip"/>',
+                "for each joint of 'position of hip'",
+            ),
             ("</body></worldbody>", '</body><body name="ball"><freejoint/></body></worldbody>', "beside it of 'ball'"),
             ("<worldbody>", '<compiler settotalmass="3"/><worldbody>', "settotalmass in <compiler>"),
             (

@@ -72,7 +72,7 @@ def test_of_an_earlier_version_there_is_none(write, version):
 @pytest.mark.parametrize(
     ("turn", "says"),
     [
-        ('quat_xyzw="1 0 0"', "quat_xyzw of <origin> is '1 0 0'; expected 4 numbers"),
+        ('quat_xyzw="1 0 0"', "is '1 0 0'; expected 4 numbers"),
         ('quat_xyzw="0 0 0 0"', "expected x, y, z, w, not all zero"),
         ('quat_xyzw="a 0 0 1"', "'a'"),
         ('quat_xyzw="nan 0 0 1"', "finite number"),

@@ -71,7 +71,7 @@ FAULTS = {
     "axis of two numbers": Fault(
         'axis xyz="0 1 0"', 'axis xyz="0 1"', ("xyz", "<axis>", "'0 1'", "3 numbers"), '"0 1"'
     ),
-    "axis without xyz": Fault('axis xyz="0 1 0"', "axis", ("xyz", "<axis>", "None", "3 numbers"), "<axis/>"),
+    "axis without xyz": Fault('axis xyz="0 1 0"', "axis", ("<axis> of 'shoulder' has no xyz", "a number"), "<axis/>"),
     "axis of words": Fault('axis xyz="0 1 0"', 'axis xyz="x y z"', ("<axis>", "'x'", "finite number"), "x y z"),
     "no mass": Fault(
         '<mass value="1.0"/>', "", ("<inertial>", "'lower'", "<mass>"), '<inertial>\n      <origin xyz="0 0 -0.2"'
@@ -85,14 +85,14 @@ FAULTS = {
     "mass not a number": Fault('mass value="1.0"', 'mass value="1,0"', ("<mass>", "'1,0'", "finite number"), "1,0"),
     "mass NaN": Fault('mass value="1.0"', 'mass value="nan"', ("<mass>", "'nan'", "finite number"), "nan"),
     "infinite mass": Fault('mass value="1.0"', 'mass value="1e999"', ("<mass>", "'1e999'", "finite number"), "1e999"),
-    "mass without value": Fault('mass value="1.0"', "mass", ("<mass>", "None", "finite number"), "<mass/>"),
+    "mass without value": Fault('mass value="1.0"', "mass", ("<mass> of 'lower' has no value", "a number"), "<mass/>"),
     "no inertia": Fault(
         '<inertia ixx="0.03" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"/>',
         "",
         ("'upper'", "<inertia>"),
         "<inertial>",
     ),
-    "missing moment": Fault(' izz="0.01"', "", ("<inertia>", "finite number"), "<inertia ixx"),
+    "missing moment": Fault(' izz="0.01"', "", ("<inertia> of 'upper' has no izz", "a number"), "<inertia ixx"),
     "negative moment": Fault('ixx="0.03"', 'ixx="-0.03"', ("link 'upper'", "positive semidefinite"), "-0.03"),
     "moments and products that contradict": Fault(
         'ixx="0.03" ixy="0"', 'ixx="0.03" ixy="0.05"', ("link 'upper'", "positive semidefinite"), "0.05"
@@ -136,12 +136,12 @@ FAULTS = {
         ("'shoulder'", "mechanicalReduction 60", "gear_ratio 50"),
         "<actuator",
     ),
-    "ratio of zero": Fault("50", "0", ("'shoulder'", "gear ratio 0", "nonzero"), "<transmission"),
+    "ratio of zero": Fault("50", "0", ("'shoulder'", "gear ratio 0", "another than 0"), "<transmission"),
     "negative rotor inertia": Fault(
         '"2e-5"', '"-2e-5"', ("'shoulder'", "rotor inertia -2e-05", ">= 0"), "<transmission"
     ),
     "rotor inertia without value": Fault(
-        'rotor_inertia value="2e-5"', "rotor_inertia", ("rotor_inertia", "None", "finite number"), "rotor_inertia"
+        'rotor_inertia value="2e-5"', "rotor_inertia", ("rotor_inertia", "no value", "finite number"), "rotor_inertia"
     ),
     "document type": Fault("<robot", "<!DOCTYPE robot>\n<robot", ("document type",)),
     "entity in an attribute": Fault(
