@@ -16,6 +16,8 @@ from spear_pin.model.gears import Gear
 from spear_pin.model.unread import Unread, find_unread
 from spear_pin.model.urdf_grammar import SRDF
 
+FLOATING = "root_joint"  # what Pinocchio calls the joint of a floating base
+
 
 @dataclass(frozen=True)
 class Srdf:
@@ -53,6 +55,9 @@ def read_srdf(model: pin.Model, urdf: Path) -> Srdf:
     unread = Unread()
     try:
         path, root = parse(path)
+        virtual = {each.get("name") for each in root.iterfind("virtual_joint")} | {FLOATING}
+        for each in [each for each in root.iterfind("group_state/joint") if each.get("name") in virtual]:
+            each.getparent().remove(each)  # of the base, which stands elsewhere
         postures = {
             state.get("name", ""): _posture(path, model, state, unread) for state in root.iterfind("group_state")
         }

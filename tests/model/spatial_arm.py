@@ -40,4 +40,5 @@ ARM = """
 </robot>
 """
 # the same arm on a body that flies
-FLYING = ARM.replace('name="yaw" type="revolute"', 'name="yaw" type="floating"')
+LIMIT = '<limit lower="-3" upper="3" effort="1" velocity="1"/>'
+FLYING = ARM.replace('name="yaw" type="revolute"', 'name="yaw" type="floating"').replace(LIMIT, "", 1)

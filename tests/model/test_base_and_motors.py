@@ -48,7 +48,6 @@ class TestFree:
         J = pin.computeFrameJacobian(model, data, q, frame, FRAMES)[:3]
         np.testing.assert_allclose(flying.toe_jacobian(q, "foot"), J, rtol=1e-13, atol=1e-14)
 
-    @pytest.mark.filterwarnings("ignore:.* in <limit> of 'yaw'")
     def test_a_file_that_floats_already(self, write):
         path = write(FLYING)
         assert load(path, base="free").coordinates == load(path).coordinates
@@ -89,7 +88,6 @@ class TestFixed:
     def test_a_root_that_is_the_world_is_meant(self, write):
         assert load(write(TRUNK.replace('"trunk"', '"world"'))).nv == 2
 
-    @pytest.mark.filterwarnings("ignore:.* in <limit> of 'yaw'")
     def test_a_floating_joint_is_fixed(self, write):
         robot = load(write(FLYING), base="fixed")
         assert robot.coordinates == ("pitch",)

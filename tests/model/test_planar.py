@@ -304,6 +304,7 @@ class TestRefusals:
         with pytest.raises(BadValue, match="^robot is "):
             Planar(robot)
 
+    @pytest.mark.filterwarnings("ignore:.*a continuous joint has no limits")
     def test_a_joint_of_two_numbers(self, tmp_path):
         """A wheel's angle is a cosine and a sine."""
         text = RAIL.format(links=LINKS, slides="0.6 0 -0.8")

@@ -113,7 +113,7 @@ class TestThreeDimensions:
 
     def test_continuous_joint(self, write):
         """Pinocchio stores it as cosine and sine."""
-        robot = load(write(ARM.replace('name="yaw" type="revolute"', 'name="yaw" type="continuous"')), toes=["foot"])
+        robot = load(write(FLYING.replace("floating", "continuous")), toes=["foot"])
         assert (robot.nq, robot.nv) == (3, 2)
         q = [np.cos(self.yaw), np.sin(self.yaw), self.pitch]
         np.testing.assert_allclose(robot.mass_matrix(q), load(write(ARM)).mass_matrix(self.q), atol=1e-14)
