@@ -14,7 +14,8 @@ def link(name, mass=0.0, com=(0, 0, 0), inertia=(0, 0, 0, 0, 0, 0)):
 def joint(name, kind, parent, child, place=(0, 0, 0), axis=(0, 0, 1), limits=(-3.0, 3.0), effort=20.0, friction=0.0):
     """A joint, with a little damping if it moves."""
     moving = kind in ("revolute", "prismatic", "continuous")
-    bounds = f'<limit lower="{limits[0]}" upper="{limits[1]}" effort="{effort}" velocity="15"/>' if moving else ""
+    ends = "" if kind == "continuous" else f'lower="{limits[0]}" upper="{limits[1]}" '
+    bounds = f'<limit {ends}effort="{effort}" velocity="15"/>' if moving else ""
     rubbing = f'<dynamics damping="0.03" friction="{friction}"/>' if moving else ""
     return (
         f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'

@@ -184,7 +184,6 @@ class TestMade:
         q, v = STATES[0]
         assert_same(sagittal(flat).bias(q, v), sagittal(load(write(quadruped()))).bias(q, v))
 
-    @pytest.mark.filterwarnings("ignore:.*a continuous joint has no limits")
     def test_joints_that_turn_without_end(self, write):
         sides = {"FL": -1, "FR": -1, "HL": 1, "HR": 1}
         whole = load(write(quadruped(kind="continuous")))
