@@ -22,6 +22,7 @@ extensions = [
     "gallery",
     "links",
     "mathml",
+    "modules",
 ]
 exclude_patterns = ["_extensions", "_templates", "images"]
 
