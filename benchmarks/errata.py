@@ -1,4 +1,4 @@
-"""The numbers of docs/errata.md: `python -m benchmarks.errata`, labelled lines on stdout."""
+"""The numbers of docs/explanation/errata.md: `python -m benchmarks.errata`, labelled lines on stdout."""
 
 from __future__ import annotations
 

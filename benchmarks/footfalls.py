@@ -1,7 +1,7 @@
 """Gaits in space by collocation, from cold: `python -m benchmarks.footfalls [--write]`.
 
 Of each: how it closes, unknowns, iterations, CPU time to build and to solve, the stride, its effort and cost
-of transport, and how well it obeys mechanics between its nodes. With `--write` the table goes into docs/space.md. It
+of transport, and how well it obeys mechanics between its nodes. With `--write` the table goes into docs/explanation/space.md. It
 takes some minutes on one core; needs the extra `optimize`.
 """
 
@@ -18,7 +18,7 @@ from spear_pin.gaits.footfalls.course import CollocatedGait
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 
-PAGE = Path(__file__).parents[1] / "docs" / "space.md"
+PAGE = Path(__file__).parents[1] / "docs" / "explanation" / "space.md"
 HEADS = (
     "footfalls | closes | unknowns | iterations | build, s | solve, s | stride, s | effort, N²·m·s |"
     " cost of transport | lacking force | slip, mm"
@@ -46,7 +46,7 @@ REQUESTS = {
 def main() -> None:
     """Print the table, or write it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/space.md")
+    parser.add_argument("--write", action="store_true", help="put the table into docs/explanation/space.md")
     arguments = parser.parse_args()
     robot = load("q_spear_full", base="chain")
     rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1))]

@@ -2,7 +2,7 @@
 
 Of each whose feet lift off by the knee: residual, motion across and energy ledger of a stride, the cost of a stride
 against the plane's in the same run, the largest multiplier of a fall sideways, and that with one number a stride as
-feedback. With `--write` the table goes into docs/space.md. It takes some minutes.
+feedback. With `--write` the table goes into docs/explanation/space.md. It takes some minutes.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.hybrid.periodic import eigenvalues, residual, return_map
 from spear_pin.hybrid.result import Run
 
-PAGE = Path(__file__).parents[1] / "docs" / "space.md"
+PAGE = Path(__file__).parents[1] / "docs" / "explanation" / "space.md"
 HEADS = "gait | residual | across | ledger, J | cost of a stride | fall sideways | with one input"
 ACROSS = [1, 3, 5]
 REPEATS = 3
@@ -30,7 +30,7 @@ REPEATS = 3
 def main() -> None:
     """Print the table, or write it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/space.md")
+    parser.add_argument("--write", action="store_true", help="put the table into docs/explanation/space.md")
     arguments = parser.parse_args()
     rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1))]
     for name in library.names():

@@ -3,7 +3,7 @@
 Of each that ships: the angle, the speed of the gait that goes straight, rate, speed on the circle, radius, residual and
 largest multiplier, then range, speed, torque and power of the adductions against those of the knees, torque of the
 hips and friction used, over three strides; and how far the mirror image of it is from turning to the right. With
-`--write` the table goes into docs/space.md.
+`--write` the table goes into docs/explanation/space.md.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from spear_pin.hybrid.periodic import residual
 from spear_pin.hybrid.symmetry import mirror_of
 from spear_pin.studies.bound.turn import summarize_turn
 
-PAGE = Path(__file__).parents[1] / "docs" / "space.md"
+PAGE = Path(__file__).parents[1] / "docs" / "explanation" / "space.md"
 HEADS = (
     "° a stride | straight, m/s | °/s | m/s | radius, m | residual | mirrored | multiplier | "
     "adduction: range, ° | rad/s | N·m | W | knee: range, ° | rad/s | N·m | W | hip, N·m | friction, all and across"
@@ -31,7 +31,7 @@ STRIDES = 3
 def main() -> None:
     """Print the table, or write it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/space.md")
+    parser.add_argument("--write", action="store_true", help="put the table into docs/explanation/space.md")
     arguments = parser.parse_args()
     rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1)), *map(_row, library.TURNS)]
     print(*rows, sep="\n")

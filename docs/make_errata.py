@@ -1,4 +1,4 @@
-"""Write docs/errata.md from `spear_pin.studies.audit.errata`: `python -m docs.make_errata`."""
+"""Write docs/explanation/errata.md from `spear_pin.studies.audit.errata`: `python -m docs.make_errata`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from spear_pin.studies.audit.errata import ERRATA
 
-PAGE = Path(__file__).parent / "errata.md"
+PAGE = Path(__file__).parent / "explanation" / "errata.md"
 WIDTH = 120
 HEAD = """\
 # Corrections of the source
@@ -26,7 +26,7 @@ Below, "here" is the package. Where the printed form has another meaning under a
 
 
 def page() -> str:
-    """The text of docs/errata.md."""
+    """The text of docs/explanation/errata.md."""
     blocks = [HEAD.rstrip("\n")]
     for group, errata in ERRATA.items():
         blocks.append(f"## {group}")

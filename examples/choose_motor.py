@@ -8,7 +8,7 @@ What to notice: heat falls with the ratio as long as the rotor is light beside t
 the torque goes into the rotor: at half the ratio with the heavier one. Voltage runs out earlier. With its own motor
 SPEAR-II would gain up to 18:1, where 24 V just suffice; its 15:1 costs a tenth more energy and leaves something to
 spare. No choice here is within what the motor stands for ever. Most of the motors' numbers are not the
-manufacturer's, see docs/motors.md.
+manufacturer's, see docs/explanation/motors.md.
 
 Run: python examples/choose_motor.py [FOLDER]
 """

@@ -11,7 +11,7 @@ both rates can be zero, the leg lands within 7 mrad of where it was told to, and
 nearly halves. The price is the impact: a knee that already flexes would yield.
 
 The commanded knee angle is 0.95 rad, not the 1.0 rad of the other examples: there the search finds no
-such hop, for the chain would go slack before the toe is unloaded (see docs/hopping.md).
+such hop, for the chain would go slack before the toe is unloaded (see docs/how_to/hop.md).
 
 Run: python examples/tune_touchdown.py [FOLDER]
 """

@@ -4,7 +4,11 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+MADE = ("api", "gallery", "notebooks")  # by the site, or run by it
+PAGES = [
+    ROOT / "README.md",
+    *sorted(page for page in (ROOT / "docs").rglob("*.md") if not {*MADE} & {*page.relative_to(ROOT).parts}),
+]
 FENCE = r"^```%s\n(.*?)^```$"
 
 

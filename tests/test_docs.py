@@ -17,7 +17,7 @@ from tests.viz.chromium import pixels
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-PATHS = [*DOCS.glob("*.md"), *DOCS.glob("notebooks/*.md")]
+PATHS = [path for path in DOCS.rglob("*.md") if path.relative_to(DOCS).parts[0] not in ("api", "gallery")]
 PAGES = {path.relative_to(DOCS).with_suffix("").as_posix(): path.read_text(encoding="utf-8") for path in PATHS}
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 

@@ -8,9 +8,10 @@ from sphinx.application import Sphinx
 
 def redirected(text: str) -> str:
     """The text of a page with links to examples, modules and the README changed for the site's."""
-    text = re.sub(r"\]\(\.\./examples/(\w+)\.py\)", r"](gallery/\1.md)", text)
-    text = re.sub(r"\]\(\.\./(spear_pin/[\w/]+)\.py\)", lambda link: f"](api/{link[1].replace('/', '.')}.rst)", text)
-    return text.replace("](../README.md)", "](index.md)")
+    text = re.sub(r"\]\(((?:\.\./)*)\.\./examples/(\w+)\.py\)", r"](\1gallery/\2.md)", text)
+    module = r"\]\(((?:\.\./)*)\.\./(spear_pin/[\w/]+)\.py\)"
+    text = re.sub(module, lambda link: f"]({link[1]}api/{link[2].replace('/', '.')}.rst)", text)
+    return re.sub(r"\]\(((?:\.\./)*)\.\./README\.md\)", r"](\1index.md)", text)
 
 
 def redirect(app: Sphinx, page: str, source: list[str]) -> None:

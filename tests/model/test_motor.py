@@ -50,7 +50,7 @@ class TestClosedForms:
         assert knee.continuous_speed == pytest.approx((48 - 0.844 * 4.06) / (15 * 0.231), rel=1e-12)
         assert knee.reflected_inertia == pytest.approx(0.114, abs=5e-4)
         work = knee.continuous_torque * knee.continuous_speed / 0.83
-        assert work == pytest.approx(181, abs=0.5)  # as docs/motors.md has it, at 1843 rpm
+        assert work == pytest.approx(181, abs=0.5)  # as docs/explanation/motors.md has it, at 1843 rpm
         assert 15 * knee.continuous_speed * 30 / np.pi == pytest.approx(1843, abs=0.5)
 
     def test_the_example_of_the_source_is_at_the_joint(self):

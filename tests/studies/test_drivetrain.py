@@ -57,7 +57,7 @@ def current(torque, speed):
 class TestOwnKnee:
     def test_it_is_the_hop_on_hardware(self, own):
         assert own.can and not own.endures and own.gait.stable and own.ratio == N
-        assert own.stance_torque == pytest.approx(9.43, abs=0.01)  # docs/hardware.md
+        assert own.stance_torque == pytest.approx(9.43, abs=0.01)  # docs/explanation/hardware.md
         assert own.energy + 0.1 == pytest.approx(26.4, abs=0.15)
         assert own.gait.durations["flight"] == pytest.approx(0.2, abs=1e-9)
         assert own.multiplier == pytest.approx(0.466, abs=0.005)

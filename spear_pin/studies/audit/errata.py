@@ -1,4 +1,4 @@
-"""Corrections of the source, and why; `docs/errata.md` is written from this by `python -m docs.make_errata`."""
+"""Corrections of the source, and why; `docs/explanation/errata.md` is written from this by `python -m docs.make_errata`."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "With the printed gains and corrected signs the poles of the leg in flight are -4.40 ± 18.52j and "
             "-7.97 ± 41.42j rad/s, damping ratios of 0.23 and 0.19: in 0.2 s they do not bring the joints to "
             "rest, as the source says they do. Damping of 1.3 N·m·s/rad at the knee in flight too, which the "
-            "source calls negligible there, would raise the knee's ratio to 0.61. [hopping.md](hopping.md) "
+            "source calls negligible there, would raise the knee's ratio to 0.61. [hopping.md](../how_to/hop.md) "
             "has the rates at touchdown, and gains that do bring the joints to rest.",
             (
                 "settles-in-flight",
@@ -146,7 +146,7 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "| printed, no motor | 47.99 | 1.04 | 1 | 5.47 | 0.41 | 0.03 | 87.62 % |\n"
             "| mean of Table 4.1 | 47.99 | 1.04 | 1.00 | 5.47 | 0.41 | 0.03 | 87.63 % |\n\n"
             "The default here is the printed 48.84 N·m/rad and 1.3 N·m·s/rad; either stiffness lies well "
-            "within one standard deviation of the other. What 51.35 changes is in [hopping.md](hopping.md).",
+            "within one standard deviation of the other. What 51.35 changes is in [hopping.md](../how_to/hop.md).",
             (
                 "mean-stiffness-with-motor",
                 "mean-fit-with-motor",
@@ -159,7 +159,7 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "Resting angle RA",
             "It may be the spring's zero or the angle at which the leg stands; they differ by G/k, about 0.2 "
             "rad. The ratios of the standard deviations in Table 4.1 favour the first reading "
-            "([push_test.md](push_test.md)).",
+            "([push_test.md](../how_to/identify_a_knee.md)).",
             ("resting-angle",),
         ),
         Erratum(
