@@ -1,4 +1,4 @@
-"""Tables of docs/how_to/choose_spring_and_motor.md: families of gaits, spring with gears and motor, least excess over an envelope.
+"""Tables of docs/results/design.md: families of gaits, spring with gears and motor, least excess over an envelope.
 
 `python -m benchmarks.design [--only families designs excess] [--json]`: Markdown on stdout, in about twenty minutes.
 Needs casadi.

@@ -1,8 +1,8 @@
-"""Gaits in space by collocation, from cold: `python -m benchmarks.footfalls [--write]`.
+"""Finds gaits in 3-D by collocation, from footfalls and speed alone: `python -m benchmarks.footfalls [--write]`.
 
-Of each: how it closes, unknowns, iterations, CPU time to build and to solve, the stride, its effort and cost
-of transport, and how well it obeys mechanics between its nodes. With `--write` the table goes into docs/explanation/space.md. It
-takes some minutes on one core; needs the extra `optimize`.
+For each gait it gives how it closes, unknowns, iterations, CPU time to build and to solve, the stride, its effort and
+cost of transport, and how well it obeys mechanics between its nodes. With `--write` the table goes into
+docs/results/space.md. It takes some minutes on one core, and needs the extra `optimize`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from spear_pin.gaits.footfalls.course import CollocatedGait
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 
-PAGE = Path(__file__).parents[1] / "docs" / "explanation" / "space.md"
+PAGE = Path(__file__).parents[1] / "docs" / "results" / "space.md"
 HEADS = (
     "footfalls | closes | unknowns | iterations | build, s | solve, s | stride, s | effort, N²·m·s |"
     " cost of transport | lacking force | slip, mm"
@@ -46,7 +46,7 @@ REQUESTS = {
 def main() -> None:
     """Print the table, or write it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/explanation/space.md")
+    parser.add_argument("--write", action="store_true", help="put the table into docs/results/space.md")
     arguments = parser.parse_args()
     robot = load("q_spear_full", base="chain")
     rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1))]

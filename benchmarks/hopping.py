@@ -1,4 +1,4 @@
-"""The tables of docs/how_to/hop.md: `python -m benchmarks.hopping`, Markdown on stdout."""
+"""The tables of docs/results/hop.md: `python -m benchmarks.hopping`, Markdown on stdout."""
 
 from __future__ import annotations
 

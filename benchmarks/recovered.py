@@ -1,8 +1,8 @@
-"""Which pushes in space are recovered from: `python -m benchmarks.recovered [--write]`.
+"""Measures which pushes in three dimensions a bound survives: `python -m benchmarks.recovered [--write]`.
 
 `long_stride`, balanced by ten inputs with the heading kept, is pushed to the left and rolled at its section. An entry
-is what is left across after ten strides, of what was there at the begin, or why the motion ends and in which stride.
-With `--write` the map goes into docs/explanation/space.md.
+is the lateral deviation after ten strides, over the one at the beginning, or why the motion ends and in which stride.
+With `--write` the map goes into docs/results/space.md.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ ROLLS = (-10.0, -5.0, 0.0, 5.0, 10.0)  # °
 def main() -> None:
     """Print the map, or write it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the map into docs/explanation/space.md")
+    parser.add_argument("--write", action="store_true", help="put the map into docs/results/space.md")
     arguments = parser.parse_args()
     system, state = embedded(Gait.load("long_stride"))
     straight = Gait(system, state, {}, residual(system, state), np.ones(1, complex), {})

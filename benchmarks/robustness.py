@@ -1,9 +1,9 @@
-"""How balance holds against what is assumed: `python -m benchmarks.robustness [--write]`.
+"""Measures how feedback holds altered robots: `python -m benchmarks.robustness [--write]`.
 
-Feedback made for `long_stride` on Q-SPEAR as it ships, by one input a stride or by ten with the heading kept, acts on
-robots whose numbers differ: roll inertia of the torso, places of the hips across, gains of adductions in stance. The
-gait is the same, nothing of it being across. Of each the largest multiplier across without feedback and with either,
-and what ten inputs leave of a push in ten strides. With `--write` the table goes into docs/explanation/space.md.
+Feedback is found for `long_stride` on Q-SPEAR as it ships, for one input per stride and for ten with the heading kept.
+It then acts on robots with another roll inertia of the torso, hip spacing, or gains of the adductions in stance. The gait
+does not depend on these. For each robot it gives the largest lateral multiplier without feedback and with either, and
+what ten inputs leave of a push in ten strides. With `--write` the table goes into docs/results/space.md.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ ONE = ("posterior_adduction",)
 def main() -> None:
     """Print the table, or write it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/explanation/space.md")
+    parser.add_argument("--write", action="store_true", help="put the table into docs/results/space.md")
     arguments = parser.parse_args()
     shipped = straight(*CASES["nothing"])
     laws = [balanced(shipped, ONE).system.law, balanced(shipped, ACROSS, heading=HEADING).system.law]

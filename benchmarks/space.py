@@ -1,8 +1,9 @@
-"""How the gaits of the plane fare in space: `python -m benchmarks.space [--write]`.
+"""Measures the planar gaits in three dimensions: `python -m benchmarks.space [--write]`.
 
-Of each whose feet lift off by the knee: residual, motion across and energy ledger of a stride, the cost of a stride
-against the plane's in the same run, the largest multiplier of a fall sideways, and that with one number a stride as
-feedback. With `--write` the table goes into docs/explanation/space.md. It takes some minutes.
+For each gait whose feet lift off by the knee it gives residual, lateral motion and energy ledger of a stride, and the
+cost of a stride against the plane's in the same run. It also gives the largest lateral multiplier without feedback, and
+with feedback once per stride to one input. With `--write` the table goes into docs/results/space.md. It takes some
+minutes.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.hybrid.periodic import eigenvalues, residual, return_map
 from spear_pin.hybrid.result import Run
 
-PAGE = Path(__file__).parents[1] / "docs" / "explanation" / "space.md"
-HEADS = "gait | residual | across | ledger, J | cost of a stride | fall sideways | with one input"
+PAGE = Path(__file__).parents[1] / "docs" / "results" / "space.md"
+HEADS = "gait | residual | lateral motion | ledger, J | cost of a stride | fall sideways | with one input"
 ACROSS = [1, 3, 5]
 REPEATS = 3
 
@@ -30,7 +31,7 @@ REPEATS = 3
 def main() -> None:
     """Print the table, or write it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/explanation/space.md")
+    parser.add_argument("--write", action="store_true", help="put the table into docs/results/space.md")
     arguments = parser.parse_args()
     rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1))]
     for name in library.names():

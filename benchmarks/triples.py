@@ -4,7 +4,7 @@ Of each triple of spring stiffness, knee gear ratio and friction a gait is searc
 the stance torque solved for, of odd ones that which lifts off at once as the torque switches, with 6.5 N·m; where there
 is none, the other. All derivatives of its cycle by the section's coordinates and by six parameters, and of the gait and
 its multipliers by three, are compared with Richardson's extrapolation of differences. With `--write` the table goes
-into docs/how_to/ask_for_sensitivities.md.
+into docs/results/derivatives.md.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from spear_pin.hybrid.result import State
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from tests.gaits.sensitivity import oracle
 
-PAGE = Path(__file__).parents[1] / "docs" / "how_to" / "ask_for_sensitivities.md"
+PAGE = Path(__file__).parents[1] / "docs" / "results" / "derivatives.md"
 BEGIN, END = "<!-- triples -->\n", "<!-- end of triples -->"
 RANGES = {"stiffness": (35.0, 70.0), "knee_ratio": (8.0, 25.0), "friction": (0.1, 1.2)}  # N·m/rad, 1, 1
 OVER = ("stance_torque", "stiffness", "knee_ratio", "friction", "knee_mass", "hip_to_knee")
@@ -145,7 +145,7 @@ def errors(orbit: Orbit, table: Sensitivity) -> dict[str, float | None]:
 
 
 def table_of(results: Iterable[Result]) -> str:
-    """The table of docs/how_to/ask_for_sensitivities.md."""
+    """The table of docs/results/derivatives.md."""
     results = list(results)
     gaits = [each for each in results if each.found]
     plain = [each for each in gaits if not each.refused]
@@ -180,7 +180,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--triples", type=int, default=200)
     parser.add_argument("--json", type=Path, metavar="FILE", help="keep results there, and go on from those there are")
-    parser.add_argument("--write", action="store_true", help="put the table into docs/how_to/ask_for_sensitivities.md")
+    parser.add_argument("--write", action="store_true", help="put the table into docs/results/derivatives.md")
     arguments = parser.parse_args()
     results = read(arguments.json)
     for n, triple in list(enumerate(triples(arguments.triples)))[len(results) :]:

@@ -1,9 +1,9 @@
-"""Turns in space that ship, and what they take of the adductions: `python -m benchmarks.turns [--write]`.
+"""Measures the turns that ship, and what their adductions do: `python -m benchmarks.turns [--write]`.
 
-Of each that ships: the angle, the speed of the gait that goes straight, rate, speed on the circle, radius, residual and
-largest multiplier, then range, speed, torque and power of the adductions against those of the knees, torque of the
-hips and friction used, over three strides; and how far the mirror image of it is from turning to the right. With
-`--write` the table goes into docs/explanation/space.md.
+For each turn it gives the angle, the speed of the straight gait, rate, speed on the circle, radius, residual and
+largest multiplier. Then come range, speed, torque and power of adductions and knees, torque of the hips and friction used, over
+three strides. "Mirrored" is the residual of the mirror image, which turns to the right. With `--write` the table goes
+into docs/results/space.md.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from spear_pin.hybrid.periodic import residual
 from spear_pin.hybrid.symmetry import mirror_of
 from spear_pin.studies.bound.turn import summarize_turn
 
-PAGE = Path(__file__).parents[1] / "docs" / "explanation" / "space.md"
+PAGE = Path(__file__).parents[1] / "docs" / "results" / "space.md"
 HEADS = (
     "° a stride | straight, m/s | °/s | m/s | radius, m | residual | mirrored | multiplier | "
-    "adduction: range, ° | rad/s | N·m | W | knee: range, ° | rad/s | N·m | W | hip, N·m | friction, all and across"
+    "adduction: range, ° | rad/s | N·m | W | knee: range, ° | rad/s | N·m | W | hip, N·m | friction: all, lateral"
 )
 STRIDES = 3
 
@@ -31,7 +31,7 @@ STRIDES = 3
 def main() -> None:
     """Print the table, or write it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/explanation/space.md")
+    parser.add_argument("--write", action="store_true", help="put the table into docs/results/space.md")
     arguments = parser.parse_args()
     rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1)), *map(_row, library.TURNS)]
     print(*rows, sep="\n")

@@ -2,6 +2,7 @@
 
 import os
 import sys
+import tomllib
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parent / "_extensions"), str(Path(__file__).parents[1])]
@@ -17,14 +18,19 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "sphinx_design",
+    "sphinx_reredirects",
     "architecture",
     "docstrings",
     "gallery",
     "links",
     "mathml",
     "modules",
+    "reference",
 ]
 exclude_patterns = ["_extensions", "_templates", "images"]
+
+moved = tomllib.loads((Path(__file__).parent / "moved.toml").read_text(encoding="utf-8"))
+redirects = {old: os.path.relpath(f"{new}.html", os.path.dirname(old)) for old, new in moved.items()}
 
 myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from pathlib import Path
 
@@ -12,16 +13,16 @@ WIDTH = 120
 HEAD = """\
 # Corrections of the source
 
-What was found by recalculating chapters 3 to 5 of the source and the tables they draw on. Only what bears on this
-package is listed; everything not listed is used as printed. The numbers come from
+This page lists the errors that we found when we computed chapters 3 to 5 of the source again, with the tables they use.
+To compute the numbers, run
 
 ```sh
 python -m benchmarks.errata
 ```
 
-and `spear report` computes those that show each correction anew.
-
-Below, "here" is the package. Where the printed form has another meaning under another convention, that is said.
+`spear report` computes the numbers that show each correction. The page has only corrections that matter for this
+package; everything else is used as printed. "Here" means this package. If the printed form is correct under another
+convention, the entry says so.
 """
 
 
@@ -38,7 +39,8 @@ def page() -> str:
 def _wrapped(block: str) -> str:
     if block.startswith("|"):
         return block
-    return textwrap.fill(block, WIDTH, break_long_words=False, break_on_hyphens=False)
+    kept = re.sub(r" (?=[-+=] )", "\0", block)  # no line begins with an operator, which would be a list or a heading
+    return textwrap.fill(kept, WIDTH, break_long_words=False, break_on_hyphens=False).replace("\0", " ")
 
 
 if __name__ == "__main__":

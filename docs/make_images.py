@@ -3,7 +3,7 @@
 Parts are moving, hop, bench, compare, biped, hoppy, another, space, attraction, robust, design, push, hardware,
 drivetrain, sweep, branches and spread. The first eight need Chromium, moving, which films what moves on top of the
 README, also ffmpeg, another also the extras `robots` and `optimize`; those of the design studies and of the drivetrain
-take some minutes; the latter print the table of docs/explanation/motors.md.
+take some minutes; the latter print the table of docs/results/motors.md.
 """
 
 from __future__ import annotations

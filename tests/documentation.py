@@ -9,6 +9,7 @@ PAGES = [
     ROOT / "README.md",
     *sorted(page for page in (ROOT / "docs").rglob("*.md") if not {*MADE} & {*page.relative_to(ROOT).parts}),
 ]
+NOTEBOOKS = sorted((ROOT / "docs" / "tutorials" / "notebooks").glob("*.md"))
 FENCE = r"^```%s\n(.*?)^```$"
 
 

@@ -83,7 +83,7 @@ class TestStreams:
     def test_what_cannot_be_printed(self, tmp_path, words, to):
         process = ended(["bash", "-c", f'"$@" {to}', "bash", *SPEAR, *words.split()], tmp_path)
         assert process.returncode == 2 and process.stdout == b""
-        assert process.stderr.startswith(b"spear: what there is to print cannot be written to stdout: ")
+        assert process.stderr.startswith(b"spear: the output cannot be written to stdout: ")
         assert process.stderr.count(b"\n") == 1
 
     @pytest.mark.parametrize("words", ["robots --json", "--help"])

@@ -10,7 +10,7 @@ from PIL import Image
 
 from benchmarks import beside
 from spear_pin.errors import MissingProgram
-from tests.documentation import PAGES, ROOT, blocks, fenced
+from tests.documentation import NOTEBOOKS, PAGES, ROOT, blocks, fenced
 
 README = PAGES[0].read_text(encoding="utf-8")
 
@@ -47,7 +47,7 @@ def marked(name: str, block: str):
 BLOCKS = [marked(name, block) for name, block in blocks().items()]
 LINKS = [
     pytest.param(page, link, id=f"{page.name}-{link}")
-    for page in PAGES
+    for page in [*PAGES, *NOTEBOOKS]
     for link in dict.fromkeys(re.findall(r"\]\(([^)]+)\)", page.read_text(encoding="utf-8")))
 ]
 
@@ -93,11 +93,10 @@ def test_the_readme_gives_the_two_commands():
     assert README.index("-m pytest") == README.index(shell[1]) + shell[1].index("-m pytest"), "the gate takes the first"
 
 
-def test_the_readme_has_the_rows_that_are_measured():
-    assert (
-        tuple(re.findall(r"^\| ([^|]+?) \|", README.partition("## Why not")[2].partition("##")[0], re.M)[1:])
-        == beside.ROWS
-    )
+def test_the_table_of_other_tools_has_the_rows_that_are_measured():
+    page = (ROOT / "docs" / "explanation" / "other_tools.md").read_text(encoding="utf-8")
+    table = page.partition("## Why not")[2].partition("##")[0]
+    assert tuple(re.findall(r"^\| ([^|]+?) \|", table, re.M)[1:]) == beside.ROWS
 
 
 def test_what_moves_on_top_is_small_and_repeats():
@@ -118,6 +117,7 @@ def test_the_modules_that_documents_name_exist():
             assert name == "pytest" or path.is_file() or package.is_file(), f"{page.name}: {name}"
 
 
-def test_every_example_is_in_the_readme():
-    examples = {path.name for path in (ROOT / "examples").glob("*.py")}
-    assert examples == set(re.findall(r"\]\(examples/(\w+\.py)\)", README))
+def test_every_example_is_on_the_page_of_examples():
+    examples = sorted(path.name for path in (ROOT / "examples").glob("*.py"))
+    page = (ROOT / "docs" / "how_to" / "examples.md").read_text(encoding="utf-8")
+    assert examples == sorted(re.findall(r"\]\(\.\./\.\./examples/(\w+\.py)\)", page))

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+from tests import documentation
+
 PAGES = [
-    ROOT / "README.md",
-    *(ROOT / "docs").glob("*.md"),
-    *(ROOT / "docs").glob("notebooks/*.md"),
-    *(ROOT / "examples").glob("*.py"),
+    *documentation.PAGES,
+    *documentation.NOTEBOOKS,
+    *(documentation.ROOT / "examples").glob("*.py"),
 ]
 IMPORT = re.compile(r"^ *from (spear_pin[\w.]*) import (\([^)]*\)|[^\n]+)", re.M)
 

@@ -77,9 +77,9 @@ class Example:
 
 
 def examples(gallery: Path) -> list[Example]:
-    """All programs, in the order of the README's table."""
-    _, _, readme = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Examples")
-    paths = sorted((ROOT / "examples").glob("*.py"), key=lambda path: readme.find(f"(examples/{path.name})"))
+    """All programs, in the order of the page on examples."""
+    listed = (ROOT / "docs" / "how_to" / "examples.md").read_text(encoding="utf-8")
+    paths = sorted((ROOT / "examples").glob("*.py"), key=lambda path: listed.find(f"/examples/{path.name})"))
     return [Example(path, gallery / path.stem) for path in paths]
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import math
 import re
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
@@ -51,6 +52,14 @@ class Parser(argparse.ArgumentParser):
         if action.choices is not None and value not in action.choices:
             raise argparse.ArgumentError(action, str(UnknownName("choice", value, map(str, action.choices))))
 
+    def refuse_unknown(self, words: Sequence[str]) -> NoReturn:
+        """Exit with status 2, and name the options that are most like those that are unknown."""
+        options = [option for action in self._actions for option in action.option_strings]
+        given = [word.partition("=")[0] for word in words if word.startswith("--")]
+        meant = [name for word in given for name in difflib.get_close_matches(word, options, n=1)]
+        nearest = f"; nearest: {', '.join(meant)}" if meant else ""
+        self.error(f"unknown arguments: {' '.join(words)}{nearest}")
+
     def error(self, message: str) -> NoReturn:
         """Exit with status 2."""
         complain(f"{self.prog}: {one_line(message)} (see {self.prog} --help)")
@@ -80,7 +89,7 @@ def add_command(
     takes = next((f"; takes {each.takes}" for each in LASTING if (each.command, each.option) == (name, "")), "")
     parser = commands.add_parser(name, help=summary, description=summary + takes)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.set_defaults(run=run, refuse=parser.error)
+    parser.set_defaults(run=run, refuse=parser.error, refuse_unknown=parser.refuse_unknown)
     return parser
 
 

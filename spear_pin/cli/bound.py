@@ -100,7 +100,7 @@ def _gait(arguments: argparse.Namespace) -> tuple[str, Gait, list[tuple[str, str
                 gait = at_speed(gait, arguments.speed, on_iteration=tell)
         return name, gait, []
     if arguments.gait is not None:
-        raise BadValue("--gait", arguments.gait, "none with --robot, a bound of which is searched for")
+        raise BadValue("--gait", arguments.gait, "to be left out with --robot: a bound of that robot is searched")
     notes: list[tuple[str, str]] = []
     with progress() as show:
         show(f"searching for a bound of {called(robot)}")

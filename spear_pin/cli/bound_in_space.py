@@ -44,10 +44,10 @@ def check(arguments: argparse.Namespace) -> None:
     if not arguments.space:
         for name in ("push", "keep_heading"):
             if getattr(arguments, name):
-                raise BadValue(f"--{name.replace('_', '-')}", getattr(arguments, name), "none without --space")
+                raise BadValue(f"--{name.replace('_', '-')}", getattr(arguments, name), "to go with --space")
         return
     if arguments.speed and not arguments.robot:
-        raise BadValue("--speed", arguments.speed, "none with --space of Q-SPEAR")
+        raise BadValue("--speed", arguments.speed, "to be left out with --space: name a gait of that speed by --gait")
     check_push(arguments.push)
 
 
@@ -136,7 +136,7 @@ def _saved(arguments: argparse.Namespace) -> Gait | None:
     if gait.system.kind != KIND:
         return None
     if arguments.keep_heading and gait.system.law.feedback:
-        raise BadValue("--keep-heading", True, f"none with {arguments.gait}, which has feedback already")
+        raise BadValue("--keep-heading", True, f"to be left out with {arguments.gait}, which already has feedback")
     return gait
 
 

@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Compare, and write the page."""
     check_out(arguments)
     if arguments.names and len(arguments.items) < len(arguments.names):
-        raise BadValue("A B", " ".join(arguments.items), "what is compared before --names, or after it and --")
+        raise BadValue("A B", " ".join(arguments.items), "what to compare in front of --names: A B --names NAME NAME")
     from spear_pin.viz.compare import compare
 
     with progress() as show:
@@ -70,7 +70,7 @@ def _hop_or_gait(arguments: argparse.Namespace) -> Gait | None:
     leg, given = one_leg(arguments, ["boom_x"]), {"--robot": arguments.robot, "--flight-time": arguments.flight_time}
     for option, value in given.items():
         if value is not None and arguments.of is not None:
-            raise BadValue(option, value, "none beside --of, which has a robot and a flight")
+            raise BadValue(option, value, "to be left out with --of, which already has a robot and a flight time")
         if value is not None and not any("=" in item for item in arguments.items):
             raise BadValue(option, value, "to go with springs to compare, such as stiffness=40 stiffness=60")
     if arguments.of is not None:

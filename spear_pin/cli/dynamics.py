@@ -8,7 +8,7 @@ from typing import Any
 from spear_pin.cli.arguments import Commands, add_command, add_loading, loading
 from spear_pin.cli.legs import add_cut, cut_out, rests_on
 from spear_pin.cli.output import joined
-from spear_pin.errors import SpearError
+from spear_pin.errors import SpearError, listed
 
 
 def add(commands: Commands) -> None:
@@ -31,7 +31,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         given = getattr(arguments, option)
         if given is not None and len(given) != len(names):
             has = f"{len(given)} number{'s' if len(given) > 1 else ''}"
-            raise SpearError(f"--{option} has {has}; expected {len(names)} ({', '.join(names)})")
+            raise SpearError(f"--{option} has {has}; expected {len(names)} ({listed(names, 8)})")
     q = pin.neutral(robot.model) if arguments.q is None else np.array(arguments.q)
     v = np.zeros(robot.nv) if arguments.v is None else np.array(arguments.v)
     result: dict[str, Any] = {

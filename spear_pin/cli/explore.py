@@ -71,7 +71,9 @@ def _check(arguments: argparse.Namespace) -> None:
     for name in ("robot", *OPTIONS):
         value = getattr(arguments, name)
         if arguments.motion == "bound" and value is not None:
-            expected = "none: of another robot `spear bound --robot NAME --save` writes bound.json, which can be GAIT"
+            expected = (
+                "to be left out with bound: `spear bound --robot NAME --save` writes bound.json; give that as GAIT"
+            )
             raise BadValue(f"--{name}", value, expected)
 
 

@@ -112,7 +112,9 @@ def _begun(arguments: argparse.Namespace) -> tuple[Gait, list[str], dict[str, fl
     gait = gait or _hop(arguments, target)
     measured = arguments.over[0] in gait.system.measures
     if measured and target:
-        raise BadValue("--over", arguments.over[0], f"another name, or no --{measure.replace('_', '-')}")
+        raise BadValue(
+            "--over", arguments.over[0], f"a parameter, or to go without {'--speed' if bounds else '--flight-time'}"
+        )
     return gait, [solved] if measured or target else [], target
 
 

@@ -186,8 +186,10 @@ def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
     if other is not None:
         known = other.settings or Settings("")
         if missing := [joint for joint in other.actuated if joint not in known.motors]:
-            expected = f"motors that are known: nothing is known of that of the {missing[0]} of another robot"
-            raise BadValue("--hardware", True, f"{expected}; a TOML file beside its own can name it")
+            expected = (
+                f"a robot with known motors: name that of its {missing[0]} in a TOML file next to the robot's file"
+            )
+            raise BadValue("--hardware", True, expected)
         given |= {**known.motors, **{f"{joint}_efficiency": x for joint, x in known.efficiencies.items()}}
     seed = given.pop("seed", 0)
     if seed < 0:

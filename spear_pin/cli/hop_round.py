@@ -54,7 +54,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     for name, unsaid in OTHERS.items():
         if (value := getattr(arguments, name)) != unsaid:
-            expected = "none with a robot that goes round a post, whose law and spring are its own"
+            expected = "to be left out: a robot that goes round a post has its own law and spring"
             raise BadValue(f"--{name.replace('_', '-')}", value, expected)
     robot = load(arguments.robot, repair=bool(arguments.repair))
     system = round_hopping(robot)

@@ -52,7 +52,7 @@ def emit(text: str) -> None:
     except BrokenPipeError:  # the reader has seen enough
         raise SystemExit(UNREAD) from None
     except OSError as error:
-        raise SpearError(f"what there is to print cannot be written to stdout: {error.strerror}") from None
+        raise SpearError(f"the output cannot be written to stdout: {error.strerror}") from None
 
 
 def complain(text: str) -> None:

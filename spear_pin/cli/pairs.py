@@ -16,7 +16,9 @@ def names(word: str) -> list[str]:
     """Read names, apart by commas."""
     found = [part.strip() for part in word.split(",")]
     if not all(found):
-        raise argparse.ArgumentTypeError(f"{word!r} is no name, or several apart by commas")
+        raise argparse.ArgumentTypeError(
+            f"{word!r} is no list of names; expected names separated by commas, such as stiffness,damping"
+        )
     return found
 
 
@@ -35,7 +37,7 @@ def one_range(word: str) -> tuple[str, tuple[float, float]]:
     """Read one range."""
     found = ranges(word)
     if len(found) != 1:
-        raise argparse.ArgumentTypeError(f"{word!r} is more than one range")
+        raise argparse.ArgumentTypeError(f"{word!r} is more than one range; give one, such as stiffness=40:60")
     return found[0]
 
 
@@ -79,4 +81,4 @@ def _number(text: str, name: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} of {name} is no number") from None
+        raise argparse.ArgumentTypeError(f"{text!r} of {name} is no number; expected one such as 40 or 1e-3") from None

@@ -81,7 +81,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         values = getattr(arguments, name)
         if values is not None and (values[0] <= 0 or list(values) != sorted(set(values))):
             raise BadValue(
-                f"--{name.replace('_', '-')}", ",".join(f"{value:g}" for value in values), "numbers > 0 that rise"
+                f"--{name.replace('_', '-')}",
+                ",".join(f"{value:g}" for value in values),
+                "numbers > 0, each greater than the one before",
             )
     if arguments.workers is not None and arguments.workers < 1:
         raise BadValue("--workers", arguments.workers, "a whole number, at least 1")
@@ -147,7 +149,7 @@ def _bounds(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study],
         _only(arguments, option, "to go with --leg")
     casadi()
     if arguments.robot == QUADRUPED:
-        _only(arguments, "side", f"nothing: it is known of {QUADRUPED}")
+        _only(arguments, "side", f"to be left out: the sides of {QUADRUPED} are known")
         return load(QUADRUPED), bounds, arguments.speeds
     if arguments.side is not None and len(arguments.side) != 2:
         raise BadValue(
@@ -166,7 +168,7 @@ def _hops(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study], S
     _only(arguments, "speeds", "to go without --leg: of a hop give --flight-times")
     if arguments.robot == LEG:
         for option in ("leg", "side", "body"):
-            _only(arguments, option, f"nothing: {LEG} is one leg")
+            _only(arguments, option, f"to be left out: {LEG} is one leg")
         return load(LEG, locked=["boom_x"]), hops, arguments.flight_times
     side, *more = arguments.side or [None]
     if more:

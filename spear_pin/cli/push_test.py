@@ -104,7 +104,9 @@ def _geared(robot: Robot, arguments: argparse.Namespace) -> Robot:
     if arguments.ratio is None:
         return robot
     if not robot.model.armature[robot.index("knee")]:
-        raise BadValue("--ratio", arguments.ratio, f"none: the knee of {called(robot)} has a rotor without inertia")
+        raise BadValue(
+            "--ratio", arguments.ratio, f"to be left out: the knee of {called(robot)} has a rotor without inertia"
+        )
     return vary(robot, knee_ratio=arguments.ratio)
 
 
@@ -122,7 +124,9 @@ def _ratio(word: str) -> float | None:
     try:
         return number(word)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{word!r} is neither a number nor {NONE!r}") from None
+        raise argparse.ArgumentTypeError(
+            f"{word!r} is neither a number nor {NONE!r}; expected a gear ratio such as 15"
+        ) from None
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -149,7 +153,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         pinned = pin_toe(geared, span=None if _limited(geared) else FLEXION)
         usual = replace(usual, stiffness=spring.stiffness, damping=spring.damping)
         if spring.stiffness == 0 and arguments.stiffness is None:
-            raise BadValue("--stiffness", None, "one, for the push test knows linear springs only")
+            raise BadValue(
+                "--stiffness",
+                None,
+                "a number: the robot's own spring is not linear, and the push test takes linear springs only",
+            )
     knee = replace(
         usual,
         **{name: value for name in ("stiffness", "damping") if (value := getattr(arguments, name)) is not None},
@@ -169,7 +177,7 @@ def _check_mode(arguments: argparse.Namespace) -> None:
     recording, comparing = arguments.write_csv is not None, arguments.ratios is not None
     if arguments.robot is not None and (recording or comparing):
         mode = "--write-csv: spear identify knows SPEAR-II alone" if recording else "--ratios: give one by --ratio"
-        raise BadValue("--robot", arguments.robot, f"none with {mode}")
+        raise BadValue("--robot", arguments.robot, f"to be left out with {mode}")
     for option, given, works in (
         ("--write-csv", recording, not comparing),
         ("--ratio", arguments.ratio is not None, not comparing),

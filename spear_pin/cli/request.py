@@ -85,7 +85,9 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
     if shipped not in REQUESTS:
         raise UnknownName("gait", shipped, REQUESTS)
     if arguments.robot is not None and arguments.gait is not None:
-        raise BadValue("gait", arguments.gait, "none with --robot: what was asked of a shipped gait is Q-SPEAR's")
+        raise BadValue(
+            "gait", arguments.gait, "to be left out with --robot: the requests of shipped gaits are Q-SPEAR's"
+        )
     if arguments.objective is not None and arguments.objective not in OBJECTIVES:
         raise UnknownName("objective", arguments.objective, OBJECTIVES)
     names = ("speed", "objective", "lift_off", "friction", "clearance", "minimum_stride")

@@ -83,7 +83,11 @@ def bounding(
     """
     spring, contact = spring or _spring(robot), given(contact, ground)
     if law.feedback and not as_ground(contact).plain:
-        raise BadValue("BoundingLaw.feedback", law.feedback, f"none on {contact}: it goes by the height of the torso")
+        raise BadValue(
+            "BoundingLaw.feedback",
+            law.feedback,
+            f"() on {contact}: this feedback uses the height of the torso above level ground",
+        )
     return HybridSystem(
         kind="bounding",
         robot=robot,

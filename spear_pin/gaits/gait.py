@@ -256,7 +256,7 @@ def _part(kind: type, values: Mapping[str, Any]) -> Any:
     parts = {name: hint for name, hint in get_type_hints(kind).items() if is_dataclass(hint)}
     for name, value in values.items():
         if isinstance(value, bool) != (name in truths):
-            raise BadValue(name, value, "true or false" if name in truths else "no truth value")
+            raise BadValue(name, value, "true or false" if name in truths else "a number or a name, not true or false")
     return kind(**{name: _field(parts.get(name), value) for name, value in values.items()})
 
 
@@ -272,5 +272,5 @@ def _tuples(value: Any, deep: int = 1) -> Any:
     if deep > DEEPEST:
         raise BadValue("a list", value, f"lists at most {DEEPEST} deep")
     if any(isinstance(item, bool) for item in value):
-        raise BadValue("a list", value, "no truth value in it")
+        raise BadValue("a list", value, "numbers or names, not true or false")
     return tuple(_tuples(item, deep + 1) for item in value)

@@ -153,7 +153,11 @@ def given(contact: Contact | None, ground: Ground | None) -> Contact:
         BadValue: both are given.
     """
     if contact is not None and ground is not None:
-        raise BadValue("ground", ground, f"none beside contact, which is {contact}: either says all of the ground")
+        raise BadValue(
+            "ground",
+            ground,
+            f"one of ground and contact, not both: contact is {contact}, and each describes the whole ground",
+        )
     return ground or contact or Contact()
 
 

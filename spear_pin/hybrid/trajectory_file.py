@@ -275,7 +275,7 @@ def _check_names(name: str, value: Any) -> None:
     if not (isinstance(value, list) and all(isinstance(item, str) and item for item in value)):
         raise BadValue(name, value, "a list of names")
     if len(set(value)) < len(value):
-        raise BadValue(name, value, "no name twice")
+        raise BadValue(name, value, "each name once")
     _check_seen(name, value)
 
 
@@ -283,7 +283,7 @@ def _check_seen(kind: str, names: Iterable[str]) -> None:
     """Refuse names that would act on a terminal, and such as look like others; a robot's may be its path."""
     for name in names:
         if not is_printable(name):
-            raise BadValue(kind, name, "names without characters that cannot be seen")
+            raise BadValue(kind, name, "names of printable characters")
 
 
 def _is_event(event: Any) -> bool:

@@ -49,4 +49,4 @@ def _lift(system: HybridSystem) -> int:
             trunk, parent = bodies[parent].turns == 0.0, bodies[parent].parent
         if trunk and abs(body.slides[0]) < VERTICAL and body.slides[1] > 0.0:
             return i
-    raise BadValue("cyclic", system.cyclic, "none on a slope, of a robot that no coordinate lifts")
+    raise BadValue("cyclic", system.cyclic, "level ground, for no coordinate lifts this robot along a slope")

@@ -67,7 +67,9 @@ def of_urdf(urdf: Urdf, base: Base | None) -> Draft:
     for joint in urdf.transmissions:
         freedoms = model.joints[model.getJointId(joint)].nv
         if freedoms != 1:
-            raise BadFile(urdf.path, f"a transmission drives {joint!r}, a joint of {freedoms} degrees of freedom")
+            raise BadFile(
+                urdf.path, f"a transmission drives {joint!r}, which has {freedoms} degrees of freedom; expected one"
+            )
     for joint, normal in urdf.normals.items():
         if model.existJointName(joint):  # unless it is held
             _turn_plane(model, model.getJointId(joint), np.array(normal))

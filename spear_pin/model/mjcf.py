@@ -81,7 +81,7 @@ def to_mjcf(
         BadFile: its URDF is gone.
     """
     if robot.added is not None:
-        raise BadValue("robot", robot, "one without inertia beside its model's: MJCF cannot express that of an arm")
+        raise BadValue("robot", robot, "one without a rotary boom: MJCF cannot express the inertia of its arm")
     root = etree.Element("mujoco", model=printable(robot.name))
     root.append(etree.Comment(NOTE.format(friction=FRICTION)))
     bounds = {"boundmass": LEAST, "boundinertia": LEAST}

@@ -186,9 +186,9 @@ def _check_names(path: Path, root: Any, body: Any, defaults: Defaults) -> None:
         named = [each for each in body.iter(*tags) if each.get("name")]
         for name, count in Counter(each.get("name") for each in named).items():
             if count > 1:
-                raise BadFile(path, f"{tags[0]} {name!r} is defined {count} times")
+                raise BadFile(path, f"{tags[0]} {name!r} is defined {count} times; give each its own name")
             if name == UNIVERSE and tags == JOINTS:
-                raise BadFile(path, f"a joint is called {name!r}, which is Pinocchio's name of the world")
+                raise BadFile(path, f"a joint is called {name!r}, which is Pinocchio's name of the world; rename it")
     for element in (*body.iter(etree.Element), *section(root, "actuator")):
         for attribute in ("class", "childclass"):
             if element.get(attribute, MAIN) not in defaults.classes:

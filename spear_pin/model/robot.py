@@ -13,7 +13,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue, UnknownName, listed
 from spear_pin.model.cut import Cut
 from spear_pin.model.directions import WORLD_ALIGNED, Axes, Directions, Round
 from spear_pin.model.elements import MAX_NUMBER
@@ -314,7 +314,7 @@ def _rebuild(
 
 
 def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]) -> Array:
-    expected = f"{length} numbers ({', '.join(coordinates)})"
+    expected = f"{length} numbers ({listed(coordinates, 8)})"
     try:
         given = np.asarray(value)
     except (TypeError, ValueError):

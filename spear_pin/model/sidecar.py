@@ -157,7 +157,7 @@ def read(path: Path) -> Sidecar:
 def _check(path: Path, table: Mapping[str, Any], kinds: Mapping[str, Kind], prefix: str) -> None:
     for key, value in table.items():
         if key not in kinds:
-            raise BadFile(path, f"unknown key {brief(prefix + key)}, {brief(value)}; valid: {', '.join(kinds)}")
+            raise BadFile(path, str(UnknownName("key", prefix + key, (prefix + each for each in kinds))))
         if not kinds[key].accepts(value):
             raise BadFile(path, f"{prefix}{key} is {brief(value)}; expected {kinds[key].words}")
 

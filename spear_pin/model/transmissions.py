@@ -128,7 +128,7 @@ def _agreed(path: Path, elements: list[Any], joint: str) -> float | None:
     said = [(etree.QName(each).localname, parse_number(path, each, _text(each))) for each in elements]
     for name, value in said[1:]:
         if value != said[0][1]:
-            problem = f"joint {joint!r}: {said[0][0]} {said[0][1]:g} disagrees with {name} {value:g}"
+            problem = f"joint {joint!r}: {said[0][0]} {said[0][1]:g} disagrees with {name} {value:g}; make them equal"
             raise BadFile(path, problem, elements[0].getparent().sourceline)
     return said[0][1] if said else None
 

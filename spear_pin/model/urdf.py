@@ -85,7 +85,7 @@ def read_urdf(path: str | Path, base: Base | None = None, repair: bool = False) 
 def urdf_of(path: Path, root: Any, base: Base | None = None, repair: bool = False) -> Urdf:
     """A description from the root element of the file, for `read_urdf`."""
     if root.tag == "mujoco":
-        raise BadFile(path, "is an MJCF file, where a URDF is needed")
+        raise BadFile(path, "is an MJCF file; expected a URDF")
     if root.tag != "robot":
         raise BadFile(path, f"the root element is <{root.tag}>; expected <robot>, or <mujoco>", root.sourceline)
     _check_expanded(path, root)
@@ -254,9 +254,9 @@ def _check_tree(path: Path, root: Any) -> str:
             if name is None:
                 raise BadFile(path, f"a <{kind}> has no name")
             if count > 1:
-                raise BadFile(path, f"{kind} {name!r} is defined {count} times")
+                raise BadFile(path, f"{kind} {name!r} is defined {count} times; give each its own name")
             if name == UNIVERSE and kind == "joint":
-                raise BadFile(path, f"a joint is called {name!r}, which is Pinocchio's name of the world")
+                raise BadFile(path, f"a joint is called {name!r}, which is Pinocchio's name of the world; rename it")
     parents: dict[str, str] = {}
     for joint in joints:
         name, line = joint.get("name"), joint.sourceline
@@ -268,18 +268,22 @@ def _check_tree(path: Path, root: Any) -> str:
             if link not in links:
                 raise BadFile(path, f"joint {name!r} has the unknown {end} link {link!r}", line)
         if ends["child"] in parents:
-            raise BadFile(path, f"link {ends['child']!r} has two parent joints", line)
+            raise BadFile(path, f"link {ends['child']!r} has two parent joints; expected one", line)
         parents[ends["child"]] = ends["parent"]
         axis = joint.find("axis")
         if axis is not None and joint.get("type") not in AXLESS and not any(numbers(path, axis, "xyz", 3)):
-            raise BadFile(path, f"joint {name!r} has a zero axis", axis.sourceline)
+            raise BadFile(path, f"joint {name!r} has a zero axis; expected a direction, such as 0 1 0", axis.sourceline)
     roots = [link for link in links if link not in parents]
     if len(roots) != 1:
         found = ", ".join(roots) or ("none (a loop)" if links else "none (there is no <link>)")
         unread = _unread(root)
-        raise BadFile(path, f"the links form no single tree; roots: {found}{f'; {unread}' if unread else ''}")
+        raise BadFile(
+            path, f"the links form no single tree; expected one root; roots: {found}{f'; {unread}' if unread else ''}"
+        )
     reached = {roots[0], *(joint.find("child").get("link") for joint in _outward(root, roots[0]))}
     looped = next((link for link in links if link not in reached), None)
     if looped is not None:
-        raise BadFile(path, f"link {looped!r} is part of a loop, or hangs from one")
+        raise BadFile(
+            path, f"link {looped!r} is part of a loop, or hangs from one; expected a tree: remove a joint of the loop"
+        )
     return str(roots[0])

@@ -68,7 +68,7 @@ class TestMistakes:
             LATE(("hop", "--over", "mean_speed=-1:1"), "over is 'mean_speed'; expected what changes along a branch"),
             LATE(
                 ("hop", "--over", "flight_time=0.1:0.3", "--flight-time", "0.2"),
-                "another name, or no --flight-time",
+                "a parameter, or to go without --flight-time",
             ),
             (("bound", "--over", "stiffness=1:2", "--at", "1"), "--at is 1.0; expected to go"),
             (("bound", "--over", "stiffness=1:2", "--flight-time", "1"), "to go with hop"),

@@ -134,7 +134,7 @@ def test_a_shipped_robot(capsys, tmp_path):
         (["--leg", "FL", "--side", "2"], "2"),
         (["--body", "-1"], "-1"),
         (["--body", "nan"], "nan"),
-        (["--hardware"], "nothing is known of that of the hip of another robot"),
+        (["--hardware"], "known motors: name that of its hip in a TOML file"),
     ],
     ids=words,
 )

@@ -88,7 +88,7 @@ class TestSearch:
     @pytest.mark.parametrize(
         ("options", "said"),
         [
-            (["long_stride", "--robot", "dog"], "gait is 'long_stride'; expected none with --robot"),
+            (["long_stride", "--robot", "dog"], "gait is 'long_stride'; expected to be left out with --robot"),
             (["--side", "1", "1"], "to go with --robot"),
             (["--robot", "no_such"], "unknown robot 'no_such'"),
             (["--robot", "spear_ii_series"], "--robot"),
@@ -113,8 +113,8 @@ class TestPushTest:
     @pytest.mark.parametrize(
         ("options", "said"),
         [
-            (["--ratios", "12"], "none with --ratios: give one by --ratio"),
-            (["--write-csv", "x"], "none with --write-csv: spear identify knows SPEAR-II alone"),
+            (["--ratios", "12"], "left out with --ratios: give one by --ratio"),
+            (["--write-csv", "x"], "left out with --write-csv: spear identify knows SPEAR-II alone"),
             (["--leg", "XX"], "unknown leg 'XX'"),
         ],
         ids=words,
@@ -129,7 +129,7 @@ class TestPushTest:
             quadruped().replace('rotor_inertia value="0.0001"', 'rotor_inertia value="0"'), encoding="utf-8"
         )
         said = refused(capsys, "push-test", "--robot", path, "--ratio", 12, "--out", tmp_path)
-        assert "--ratio is 12.0; expected none: the knee of" in said and "a rotor without inertia" in said
+        assert "--ratio is 12.0; expected to be left out: the knee of" in said and "a rotor without inertia" in said
 
     @pytest.mark.slow
     def test_a_knee_whose_limits_the_file_does_not_know(self, capsys, tmp_path):

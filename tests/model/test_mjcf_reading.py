@@ -179,7 +179,7 @@ def test_what_is_written_is_read_back(write_xml, name):
 
 def test_what_needs_a_urdf_says_so(write_xml):
     robot = load(write_xml(LEG))
-    assert "is an MJCF file, where a URDF is needed" in refusal(BadFile, lambda: to_mjcf(robot)).problem
+    assert "is an MJCF file; expected a URDF" in refusal(BadFile, lambda: to_mjcf(robot)).problem
 
 
 def test_gravity_that_is_disabled(tmp_path):

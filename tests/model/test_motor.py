@@ -22,7 +22,7 @@ from spear_pin.model.catalogue import (
 from spear_pin.model.loading import load
 from spear_pin.model.motor import UNITS, Drive, Gearbox, Motor, drawn_power
 
-PAGE = Path(__file__).parents[2] / "docs" / "motors.md"
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "motors.md"
 IDEAL = Motor("ideal", torque_constant=0.1, resistance=0.5, rotor_inertia=1e-4, nominal_torque=0.3)
 
 # stall torques at the nominal voltage that go with the numbers of the catalogue, in N·m
@@ -50,7 +50,7 @@ class TestClosedForms:
         assert knee.continuous_speed == pytest.approx((48 - 0.844 * 4.06) / (15 * 0.231), rel=1e-12)
         assert knee.reflected_inertia == pytest.approx(0.114, abs=5e-4)
         work = knee.continuous_torque * knee.continuous_speed / 0.83
-        assert work == pytest.approx(181, abs=0.5)  # as docs/explanation/motors.md has it, at 1843 rpm
+        assert work == pytest.approx(181, abs=0.5)  # as docs/reference/motors.md has it, at 1843 rpm
         assert 15 * knee.continuous_speed * 30 / np.pi == pytest.approx(1843, abs=0.5)
 
     def test_the_example_of_the_source_is_at_the_joint(self):

@@ -241,7 +241,7 @@ class TestKept:
 
 
 WRONG = {
-    "nothing = 1": "unknown key 'nothing', 1; valid: urdf, mjcf, robot, base, toes",
+    "nothing = 1": "unknown key 'nothing'; valid: urdf, mjcf, robot, base, toes",
     "base = 'loose'": "base is 'loose'; expected 'free', 'chain' or 'fixed'",
     "base = true": "base is True",
     "toes = 'FL_foot'": "toes is 'FL_foot'; expected a list of names",
@@ -252,7 +252,7 @@ WRONG = {
     "motors = ['FL_sway']": "motors: unknown joint 'FL_sway'; valid: FL_swing",
     "motors.elbow.ratio = 1": "motors: unknown joint 'elbow'; valid: abduction, hip, knee, all, FL_swing",
     "motors.knee = 3": "motors is {'knee': 3}; expected",
-    "motors.knee.colour = 1": "unknown key 'motors.knee.colour', 1; valid: motor, ratio, rotor_inertia, efficiency",
+    "motors.knee.colour = 1": "unknown key 'motors.knee.colour'; valid: motors.knee.motor, motors.knee.ratio, ",
     "motors.knee.motor = 'ec_60'": "motors.knee.motor is 'ec_60'; expected one of spear_ii_knee",
     "motors.knee.ratio = '9'": "motors.knee.ratio is '9'; expected a number",
     "motors.knee.ratio = true": "motors.knee.ratio is True; expected a number",
@@ -291,7 +291,7 @@ WRONG = {
     "post = 3": "post is 3; expected a name",
     "post = 'mast'": "post: unknown joint 'mast'",
     "urdf = 'cat.urdf'": "names '",
-    "robot = 'q_spear'": "names 'q_spear'; expected 'dog.urdf', beside which it is, or no robot",
+    "robot = 'q_spear'": "names 'q_spear'; expected 'dog.urdf', next to which it is, or no robot",
     "robot = 'dog.urdf'": "robot is 'dog.urdf'; expected the name of a robot; a path is given by urdf or mjcf",
     "urdf = 'dog.urdf'\nmjcf = 'dog.urdf'": "mjcf is 'dog.urdf'; expected one key of urdf, mjcf, robot",
     "urdf = 3": "urdf is 3; expected a name",

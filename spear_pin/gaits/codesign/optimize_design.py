@@ -175,7 +175,7 @@ def _check(gait: Gait, problem: Problem, tolerance: float, iterations: int) -> N
         raise BadValue("minimize", problem.minimize, "a measure that is not kept")
     for name, least in problem.at_least.items():
         if least > problem.at_most.get(name, np.inf):
-            raise BadValue(f"at_least[{name!r}]", least, f"no more than at_most, {problem.at_most[name]:g}")
+            raise BadValue(f"at_least[{name!r}]", least, f"at most {problem.at_most[name]:g}, as at_most has it")
     for name, kept in problem.keep.items():
         if not problem.at_least.get(name, -np.inf) <= kept <= problem.at_most.get(name, np.inf):
             raise BadValue(f"keep[{name!r}]", kept, "a value within the measure's own bounds")

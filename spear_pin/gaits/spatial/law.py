@@ -103,7 +103,7 @@ class SpatialLaw:
             test, expected = valid.get(field.name, (math.isfinite, "a finite number"))
             require(f"SpatialLaw.{field.name}", getattr(self, field.name), test, expected)
         if self.plane.feedback:
-            raise BadValue("SpatialLaw.plane.feedback", "event feedback", "none of the plane's in space")
+            raise BadValue("SpatialLaw.plane.feedback", "event feedback", "(): in space give SpatialLaw.feedback")
         if self.feedback and np.shape(self.feedback) != (len(INPUTS), len(self.nominal)):
             expected = f"{len(INPUTS)} x {len(self.nominal)} numbers, as many columns as `nominal` has, or ()"
             raise BadValue("SpatialLaw.feedback", self.feedback, expected)

@@ -59,7 +59,7 @@ def family(
     members = []
     for value in values:
         if name == "knee_ratio" and request.knee_drive is not None:
-            raise BadValue("name", name, "another than the ratio while a knee drive is asked for: see codesign")
+            raise BadValue("name", name, "a field of the request, or a request without knee_drive: see `codesign`")
         varied = robot if name in asked else vary(robot, **{name: value})
         changes: dict[str, Any] = {name: value}
         wanted = replace(request, **changes) if name in asked else request

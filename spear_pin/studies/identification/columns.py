@@ -82,7 +82,7 @@ def read_columns(path: str | Path, choose: Choice) -> Columns:
     except OSError as error:
         raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
     if not head.strip(b"\0 \t\r\n\f\v"):  # nor do zeros, as in the hole of a sparse file, say anything
-        raise BadFile(path, "the file is empty")
+        raise BadFile(path, "the file is empty; expected rows of a time and a voltage or angle")
     return _mat(path, choose) if path.suffix.lower() == ".mat" else _text(path, head, choose)
 
 
@@ -133,7 +133,7 @@ def _text(path: Path, head: bytes, choose: Choice) -> Columns:
                 for place, chunk in zip(places, chunks, strict=True):
                     chunk.append(_numbers(table[place], layout.decimal))
     except pd.errors.EmptyDataError:
-        raise BadFile(path, "there are no rows in it") from None
+        raise BadFile(path, "has no rows; expected rows of a time and a voltage or angle") from None
     except pd.errors.ParserWarning:
         raise BadFile(path, f"rows have more fields than the {len(layout.names)} columns") from None
     except pd.errors.ParserError as error:
@@ -192,11 +192,11 @@ def _mat(path: Path, choose: Choice) -> Columns:
     content = _tried(path, partial(loadmat, variable_names=list(wanted), squeeze_me=True))
     for name in wanted:
         if np.iscomplexobj(content[name]):
-            raise BadFile(path, f"{name} is complex")
+            raise BadFile(path, f"{name} is complex; expected real numbers")
     values = tuple(np.asarray(content[name], dtype=np.float64) for name in wanted)
     if len({value.size for value in values}) > 1:
         described = ", ".join(f"{name} has {value.size}" for name, value in zip(wanted, values, strict=True))
-        raise BadFile(path, f"columns of different length: {described}")
+        raise BadFile(path, f"expected columns of equal length: {described}")
     one = len(wanted)
     return Columns(wanted, values, (), (), ("",) * one, (None,) * one, (False,) * one)
 

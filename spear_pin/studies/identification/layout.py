@@ -73,7 +73,7 @@ def find_layout(path: Path, head: bytes) -> Layout:
     lines = [text[one:other].rstrip("\r\n") for one, other in zip(starts, [*starts[1:], len(text)], strict=True)]
     filled = [i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")][:LOOKED_AT]
     if not filled:
-        raise BadFile(path, "there are no rows in it")
+        raise BadFile(path, "has no rows; expected rows of a time and a voltage or angle")
     written = [lines[i] for i in filled]
     mark = next((mark for mark in MARKS if 2 * sum(mark in line for line in written) > len(written)), None)
     rows = [_Line(i + 1, starts[i], _fields(lines[i], mark)) for i in filled]
@@ -83,7 +83,7 @@ def find_layout(path: Path, head: bytes) -> Layout:
     width = len(rows[first].fields) if data else len(above[-1].fields)
     names, units, taken = _names(above, width, comments, mark)
     if len(set(names)) < len(names):
-        raise BadFile(path, f"two columns have the same name among {', '.join(names)}", above[-1].number)
+        raise BadFile(path, f"two columns have the same name among {listed(names)}; rename one", above[-1].number)
     titles = [lines[line.number - 1].strip() for line in above[: len(above) - taken]]
     commas = _decimal_commas(data) if mark == "," else any(re.search(r"\d,\d", lines[line.number - 1]) for line in data)
     begin = data[0] if data else _Line(len(lines) + 1, len(text), ())
@@ -111,7 +111,7 @@ def _decoded(path: Path, head: bytes) -> str:
     except UnicodeDecodeError:
         raise BadFile(path, "not a text file in UTF-8, nor a .mat file: save it as UTF-8") from None
     if "\0" in text or not text:
-        raise BadFile(path, "not a text file, nor a .mat file")
+        raise BadFile(path, "not a text file, nor a .mat file; save it as text in UTF-8")
     return text
 
 

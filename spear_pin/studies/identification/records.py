@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadFile, BadValue, UnknownName, brief
+from spear_pin.errors import BadFile, BadValue, UnknownName, brief, listed
 from spear_pin.kinds import typed
 from spear_pin.studies.identification.cells import find_remedy
 from spear_pin.studies.identification.columns import Columns, read_columns
@@ -170,10 +170,10 @@ def _chosen(path: str | Path, names: Sequence[str], column: str | None, time_col
     if column is None:
         others = [name for name in names if name != time_column]
         if len(others) > 1:
-            raise BadFile(path, f"which column is the knee's? It has {', '.join(others)}; name one (--column)")
+            raise BadFile(path, f"which column is the knee's? It has {listed(others)}; name one (--column)")
         column = others[0]
     if column == time_column:
-        raise BadValue("column", column, f"another than the time's, one of {', '.join(names)}")
+        raise BadValue("column", column, f"the column of the knee, not that of the time; columns: {listed(names)}")
     return time_column, column
 
 
@@ -188,7 +188,10 @@ def _unit(path: str | Path, name: str, below: str, units: dict[str, float], opti
         if unit is None or unit not in units:
             raise BadFile(path, _unknown(f"the row below {brief(name)}", below, units, option))
         if found not in (None, unit):
-            raise BadFile(path, f"column {brief(name)} is in {found}, and in {unit} as the row below says: {option}?")
+            raise BadFile(
+                path,
+                f"column {brief(name)} is in {found}, and in {unit} as the row below says; name its unit by {option}",
+            )
         return unit
     return found
 
@@ -244,7 +247,10 @@ def _rows(path: str | Path, t: Array, value: Array, told: str = "") -> tuple[Who
     steps = np.diff(t)
     if (steps < 0).any():
         row = int(np.flatnonzero(steps < 0)[0])
-        raise BadFile(path, f"time goes back from {t[row]:g} to {t[row + 1]:g} after {row + 1} rows of numbers")
+        raise BadFile(
+            path,
+            f"time goes back from {t[row]:g} to {t[row + 1]:g} after {row + 1} rows; expected times that increase",
+        )
     if (steps == 0).any():
         remarks.append(f"dropped {int((steps == 0).sum())} rows that repeat a time")
         rows = rows[np.concatenate([[True], steps > 0])]

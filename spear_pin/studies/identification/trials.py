@@ -82,7 +82,7 @@ def smoothed(trial: Trial, smoothing: MovingAverage | None) -> Trial:
     if smoothing is None:
         return trial
     if trial.smoothing is not None:
-        raise BadValue("smoothing", smoothing, f"none: {trial.label} has been smoothed already")
+        raise BadValue("smoothing", smoothing, f"None: {trial.label} has been smoothed already")
     if smoothing.window > trial.t.size:
         raise BadValue("window", smoothing.window, f"at most the {trial.t.size} samples of {trial.label}")
     return replace(trial, angle=smoothing(trial.angle), smoothing=smoothing, raw=trial.angle)

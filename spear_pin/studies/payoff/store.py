@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from spear_pin.errors import BadFile
+from spear_pin.errors import BadFile, listed
 from spear_pin.files import parse_json, read_bytes, write_text
 
 FORMAT = "spear_pin payoff 2"
@@ -46,7 +46,7 @@ class Store:
             raise BadFile(path, "is not the store of a payoff study")
         if differing := [name for name in {**head, **found[0]} if head.get(name) != found[0].get(name)]:
             raise BadFile(
-                path, f"is of another study, which differs in {', '.join(differing)}; give another --out, or remove it"
+                path, f"is of another study, which differs in {listed(differing)}; give another --out, or remove it"
             )
         self._lines = {line["key"]: line for line in found[1:]}
 
@@ -97,7 +97,9 @@ def _read(path: Path) -> list[dict[str, Any]]:
             said = None
         mark = said.pop(CHECKSUM, None) if isinstance(said, dict) else None
         if mark is None or mark != digest(said):
-            raise BadFile(path, "is damaged, or not the store of a payoff study", number)
+            raise BadFile(
+                path, "is damaged, or not the store of a payoff study; give another --out, or remove it", number
+            )
         found.append(said)
     if rest:
         write_text(path, "".join(f"{line}\n" for line in whole), at_once=True)

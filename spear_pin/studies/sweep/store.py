@@ -21,7 +21,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 import spear_pin
-from spear_pin.errors import BadFile, MissingExtra
+from spear_pin.errors import BadFile, MissingExtra, listed
 from spear_pin.files import atomic, parse_json, read_bytes, write_text
 from spear_pin.gaits.gait_table import CONVERGED, REASONS
 from spear_pin.model.origin import origin
@@ -93,13 +93,13 @@ def begin(out: Path, described: Mapping[str, Any], resume: bool) -> bool:
     manifest = folder / "manifest.json"
     if out.exists():
         if not resume:
-            raise BadFile(out, "exists already")
+            raise BadFile(out, "exists already; give another path, remove it, or resume")
         _same(out, _attribute(out), described)
         shutil.rmtree(folder, ignore_errors=True)
         return False
     if manifest.exists():
         if not resume:
-            raise BadFile(folder, "a sweep was begun here; resume it, or remove the folder")
+            raise BadFile(folder, "has an unfinished sweep; resume it, or remove the folder")
         _same(manifest, _manifest(out)["request"], described)
         return True
     try:
@@ -231,7 +231,9 @@ def _same(path: Path, before: Mapping[str, Any], now: Mapping[str, Any]) -> None
     """Refuse to go on with another request."""
     differing = [name for name in now if before.get(name) != now[name]]
     if differing:
-        raise BadFile(path, f"is of another sweep, which differs in {', '.join(differing)}: it cannot be resumed so")
+        raise BadFile(
+            path, f"is of another sweep, which differs in {listed(differing)}; give another path, or remove it"
+        )
 
 
 def fingerprint(robot: Robot) -> str:

@@ -153,7 +153,7 @@ class TestSettled:
 
 
 def test_the_default_hop_is_the_one_of_the_documents():
-    """The table of docs/how_to/hop.md."""
+    """The table of docs/results/hop.md."""
     hops = settled(knobs_of(), REFERENCE)
     known = figures(hops)
     assert known["flight_time"] == pytest.approx(0.2, abs=1e-5)

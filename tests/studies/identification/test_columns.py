@@ -111,7 +111,7 @@ REFUSED = {
     ),
     "two units": (
         changed(0, "time_s,knee_rad\ns,deg"),
-        "'knee_rad' is in rad, and in deg as the row below says: --unit",
+        "'knee_rad' is in rad, and in deg as the row below says; name its unit by --unit",
     ),
     "too many fields": (changed(50, "0.049,1.2,3"), "Expected 2 fields in line 51, saw 3"),
     "too many fields throughout": (table(row="{t}{s}{a}{s}7"), "more fields than the 2 columns"),

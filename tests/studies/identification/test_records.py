@@ -359,7 +359,7 @@ class TestMat:
             ({"m": np.column_stack([T, ANGLE])}, "there is only none"),
             ({"t_s": T, "knee_rad": csc_matrix(ANGLE.reshape(-1, 1))}, "there is only t_s"),
             ({"t_s": T, "knee_rad": ANGLE > 1}, "there is only t_s"),
-            ({"t_s": T, "knee_rad": ANGLE[:-1]}, "different length: t_s has 400, knee_rad has 399"),
+            ({"t_s": T, "knee_rad": ANGLE[:-1]}, "columns of equal length: t_s has 400, knee_rad has 399"),
             ({"t_s": T, "knee_rad": ANGLE + 1e-9j}, "knee_rad is complex"),
             ({"t_s": T, "knee_rad": ANGLE, "hip_rad": ANGLE}, "which column is the knee's"),
             ({"t_s": T[:20], "knee_rad": ANGLE[:20]}, "20 rows of numbers"),

@@ -209,9 +209,9 @@ class TestInterrupted:
         out = tmp_path / "other.zarr"
         with pytest.raises(KeyError):
             sweep(system, POINTS, out, **ASKED, on_points=_raise)
-        with pytest.raises(BadFile, match="was begun here; resume it"):
+        with pytest.raises(BadFile, match="unfinished sweep; resume it"):
             sweep(system, POINTS, out, **ASKED)
-        with pytest.raises(BadFile, match="differs in target, rtol: it cannot be resumed"):
+        with pytest.raises(BadFile, match="differs in target, rtol; give another path"):
             sweep(system, POINTS, out, **{**ASKED, "target": {"flight_time": 0.21}}, rtol=1e-8, resume=True)
         with pytest.raises(BadFile, match="differs in spring"):
             stiff = hopping(system.robot, spring=Gait.load("long_stride").system.spring)

@@ -112,7 +112,7 @@ ASSUMPTIONS = (
         "Distance of the quadruped's hips",
         "0.70 m",
         settled="it is part of the gait, which is varied; from 0.55 to 0.85 m peak torques change by a quarter at most "
-        "(docs/how_to/choose_spring_and_motor.md)",
+        "(docs/results/design.md)",
     ),
     Assumption(
         "virtual-stiffness",

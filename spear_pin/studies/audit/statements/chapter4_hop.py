@@ -173,7 +173,7 @@ STATEMENTS = (
         hop.hops_completed,
         printed=11.0,
         unknown="How large the disturbances were is not printed. With those assumed this run of one seed goes on, "
-        "and 200 of 200 others (docs/explanation/hardware.md).",
+        "and 200 of 200 others (docs/results/hardware.md).",
         assumes=(*RIG, "disturbances"),
         exhibit="fig-4.13",
     ),

@@ -130,7 +130,7 @@ STATEMENTS = (
         "N·m",
         criterion=below(1e-3),
         built="The motion and the total torque at the knee are the gait's, whatever the spring.",
-        remark="Gaits found anew with a stiffer spring have other hip torques, smaller ones here (docs/how_to/choose_spring_and_motor.md).",
+        remark="Gaits found anew with a stiffer spring have other hip torques, smaller ones here (docs/results/design.md).",
         assumes=OWN,
         exhibit="fig-5.7",
     ),
@@ -160,7 +160,7 @@ STATEMENTS = (
         "The torso's inertia matters more than the knee's gear ratio.",
         unknown="The simulations that show it are not described, nor by what it was measured; by peak knee torque it "
         "holds for "
-        "gaits of this package, by effort it does not (docs/how_to/choose_spring_and_motor.md).",
+        "gaits of this package, by effort it does not (docs/results/design.md).",
         assumes=OWN,
     ),
 )
