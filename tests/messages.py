@@ -12,6 +12,7 @@ import ast
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -33,15 +34,15 @@ PATTERNS = {  # how a class makes its text of its arguments, and their names
     "require": ("{name} is {value}; expected {expected}", ("name", "value", "valid", "expected")),
 }
 HELPERS = ("require",)  # functions that raise
-REFUSE = ("refuse", "error")  # methods of parsers
-TELLING = ("errors.py", "arguments.py")  # files in which the classes and the parser themselves are made
+REFUSE = ("refuse", "error")  # methods of the command line's parser
+TELLING = "errors.py"  # makes the texts of the classes
 # by one of these a reader finds what to do; the system's own words tell that, too
 HINT = re.compile(
-    r"--\w|`|[({=]\w*(remedy|tried|strerror)|\b(expected|valid|try|give|use|name|pass|run|type|write|set|load|install|"
-    r"lock|needs?|takes?|only|must|should|add|choose|remove|rename|save|resume|make|leave (it )?out|let|instead|nearest|at "
-    r"most|at least|more than|say)\b"
+    r"--\w|`|remedy|tried|strerror|\b(expected|valid|try|give|use|name|pass|run|type|write|set|load|install|lock|needs?|"
+    r"takes?|only|must|should|add|choose|remove|rename|save|resume|make|leave (it )?out|let|instead|nearest|at most|at "
+    r"least|more than|say)\b"
 )
-LIST = re.compile(r"\{'[^']*'\.join\(")
+LIST = re.compile(r"\{', '\.join\((?![A-Z]+\b)")  # but a constant, which is as short as it stands there
 FORBIDDEN = re.compile(
     r"\b(from cold|beside|led|told|tells|wish(?:es)?|across|seen|lets? go|begun|asked|by features)\b"
 )
@@ -71,7 +72,7 @@ def sources() -> list[Path]:
 
 def kinds(trees: list[ast.Module]) -> set[str]:
     """Names of `SpearError` and of all classes made from it."""
-    classes = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    classes = [node for tree in trees for node in tree.body if isinstance(node, ast.ClassDef)]
     found = {"SpearError"}
     while True:
         more = {each.name for each in classes if {called(base) for base in each.bases} & found} - found
@@ -170,24 +171,24 @@ def is_text(node: ast.expr) -> bool:
     return isinstance(node, ast.JoinedStr) or (isinstance(node, ast.Constant) and isinstance(node.value, str))
 
 
-def within(tree: ast.Module) -> Iterator[tuple[ast.Call, dict[str, ast.expr]]]:
-    """Each call in a file, with what the names of its function and of the file stand for."""
-    everywhere = {name: value for name, value in assigned_at_top(tree).items()}
-
-    def visit(node: ast.AST, known: dict[str, ast.expr]) -> Iterator[tuple[ast.Call, dict[str, ast.expr]]]:
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-            known = known | assigned(node)
+def within(tree: ast.Module) -> Iterator[tuple[ast.Call, tuple[ast.AST, ...]]]:
+    """Each call in a file, with the functions that it stands in."""
+    waiting: list[tuple[ast.AST, tuple[ast.AST, ...]]] = [(tree, ())]
+    while waiting:
+        node, functions = waiting.pop()
         if isinstance(node, ast.Call):
-            yield node, known
-        for child in ast.iter_child_nodes(node):
-            yield from visit(child, known)
+            yield node, functions
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            functions = (*functions, node)
+        waiting += [(child, functions) for child in ast.iter_child_nodes(node)]
 
-    yield from visit(tree, everywhere)
 
-
-def assigned_at_top(tree: ast.Module) -> dict[str, ast.expr]:
-    """What names of a file are set to, where it is a text."""
-    return assigned(ast.Module([node for node in tree.body if isinstance(node, ast.Assign)], []))
+def names_of(tree: ast.Module, functions: tuple[ast.AST, ...]) -> dict[str, ast.expr]:
+    """What names of a file and of functions stand for."""
+    known = assigned(ast.Module([node for node in tree.body if isinstance(node, ast.Assign)], []))
+    for function in functions:
+        known |= assigned(function)
+    return known
 
 
 def imports(tree: ast.Module, name: str) -> bool:
@@ -196,23 +197,24 @@ def imports(tree: ast.Module, name: str) -> bool:
     return any(alias.name == name for node in froms for alias in node.names)
 
 
-def messages() -> list[Message]:
+@cache
+def messages() -> tuple[Message, ...]:
     """All refusals, by file and line."""
     trees = {path: ast.parse(path.read_text(encoding="utf-8")) for path in sources()}
     classes = kinds([*trees.values()])
     found = []
     for path, tree in trees.items():
-        if path.name in TELLING:
+        if path.name == TELLING:
             continue
-        for call, known in within(tree):
+        for call, functions in within(tree):
             kind = called(call.func)
-            refuses = bool(call.args) and isinstance(call.func, ast.Attribute) and kind in REFUSE
+            refuses = path.parent.name == "cli" and isinstance(call.func, ast.Attribute) and kind in REFUSE
             helps = isinstance(call.func, ast.Name) and kind in HELPERS and imports(tree, kind)
             if kind in classes or helps or refuses or re.fullmatch("Argument(Type)?Error", kind):
-                text = text_of(kind, call, known)
-                place = f"{path.relative_to(ROOT)}:{call.lineno}"
-                found.append(Message(place, kind, text, tuple(lacking(kind, text))))
-    return found
+                text = text_of(kind, call, names_of(tree, functions))
+                place = path.relative_to(ROOT).as_posix(), call.lineno
+                found.append((place, Message(f"{place[0]}:{place[1]}", kind, text, tuple(lacking(kind, text)))))
+    return tuple(message for _, message in sorted(found, key=lambda each: each[0]))
 
 
 def main() -> None:

@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 
 from benchmarks import beside
+from spear_pin.cli import _parser
 from spear_pin.errors import MissingProgram
 from tests.documentation import NOTEBOOKS, PAGES, ROOT, blocks, fenced
 
@@ -54,7 +55,10 @@ LINKS = [
 
 def anchors(page: Path) -> set[str]:
     """Fragments of a page's headings."""
-    headings = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), re.M)
+    text = page.read_text(encoding="utf-8")
+    headings = re.findall(r"^#+ (.+)$", text, re.M)
+    if "```{commands}" in text:  # makes a section for each
+        headings += [f"spear {name}" for action in _parser()._subparsers._group_actions for name in action.choices]
     return {re.sub(r"[^\w -]", "", heading).lower().replace(" ", "-") for heading in headings}
 
 

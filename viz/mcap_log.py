@@ -18,7 +18,7 @@ import pinocchio as pin
 
 from spear_pin import __version__
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, SpearError
+from spear_pin.errors import BadValue, SpearError, listed
 from spear_pin.files import atomic
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.trajectory import Trajectory
@@ -74,8 +74,8 @@ def write_mcap(robot: Robot, trajectory: Trajectory, path: str | Path) -> Path:
     """
     schemas = m.load()
     if robot.coordinates != trajectory.coordinates or robot.toes != trajectory.toes:
-        expected = f"one of {', '.join(robot.coordinates)} with the toes {', '.join(robot.toes)}"
-        raise BadValue("trajectory", f"one of {', '.join(trajectory.coordinates)}", expected)
+        expected = f"one of {listed(robot.coordinates)} with the toes {listed(robot.toes)}"
+        raise BadValue("trajectory", f"one of {listed(trajectory.coordinates)}", expected)
     begin = min(0.0, float(read_times(trajectory)[0]))
     times = [round(1e9 * (time - begin)) for time in trajectory.t.tolist()]
     names, table = trajectory.columns()

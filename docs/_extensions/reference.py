@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import partial
+from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,6 +24,7 @@ from spear_pin.gaits.measures import catalogue
 COMMON = ("--help", "--json")  # options of every command, which the page names in its text
 DEFAULT = re.compile(r" *\(default: ((?:[^()]|\([^()]*\))*)\)|(?:^|; )default: (.*)$")
 WIDTH = 90  # of the usage, in characters
+UNTITLED = ("positional arguments", "options")
 UNSAID = (None, False, [], argparse.SUPPRESS)  # defaults that say nothing
 
 
@@ -51,41 +53,63 @@ def subparsers(parser: Parser) -> Any:
 
 
 def groups() -> dict[str, list[str]]:
-    """Names of the commands by the title of their group in the help; without groups, all under an empty title."""
-    every: Any = cli.COMMANDS
-    if not isinstance(every, Mapping):
-        return {"": list(parsers())}
-    return {title: [name for add in members for name in named(add)] for title, members in every.items()}
-
-
-def named(add: Any) -> Iterable[str]:
-    """Names of the commands that a function or a module declares."""
-    commands = Parser(prog="spear").add_subparsers(parser_class=Parser)
-    getattr(add, "add", add)(commands)
-    return commands.choices
+    """Names of the commands by the heading of their group in the help; without groups, all under an empty heading."""
+    commands = subparsers(cli._parser())
+    return getattr(commands, "groups", {"": list(commands.choices)})
 
 
 def summaries() -> dict[str, str]:
     """The sentence of each command in the help of `spear`."""
-    return {action.dest: action.help or "" for action in subparsers(cli._parser())._choices_actions}
+    return {action.dest: action.help or "" for action in subparsers(cli._parser())._get_subactions()}
 
 
 def usage(parser: Parser) -> str:
     """How a command is called."""
-    parser.formatter_class = partial(argparse.HelpFormatter, width=WIDTH)  # type: ignore[assignment]
+    parser.formatter_class = partial(parser.formatter_class, width=WIDTH)  # type: ignore[assignment]
     lines = parser.format_usage().rstrip().splitlines()
     return "\n".join(line[len("usage: ") :] for line in lines)
 
 
-def options(parser: Parser) -> dict[str, list[Option]]:
-    """Arguments and options of a command by the title of their group."""
+def described(parser: Parser) -> list[nodes.Element]:
+    """What a command does, as paragraphs; lines that are indented are code."""
+    made: list[nodes.Element] = []
+    for block in (parser.description or "").split("\n\n"):
+        for is_code, lines in groupby(block.splitlines(), key=lambda line: line.startswith(" ")):
+            text = "\n".join(line.strip() for line in lines)
+            made.append(program(text) if is_code else nodes.paragraph("", "", *inline(sentence(text))))
+    return made
+
+
+def program(text: str) -> nodes.literal_block:
+    """Lines of a terminal."""
+    return nodes.literal_block(text, text, language="none")
+
+
+class Group(NamedTuple):
+    """Options of a command that stand together in its help.
+
+    Attributes:
+        title: the heading; empty for those without one.
+        text: what it says below its heading.
+        options: the options.
+    """
+
+    title: str
+    text: str
+    options: list[Option]
+
+
+def options(parser: Parser) -> list[Group]:
+    """Arguments and options of a command in the order of its help."""
+    parser.format_help()  # which may put groups in order
     formatter = parser._get_formatter()
-    found: dict[str, list[Option]] = {}
+    found = []
     for group in parser._action_groups:
-        for action in group._group_actions:
-            if action.help != argparse.SUPPRESS and not {*COMMON} & {*action.option_strings}:
-                option = option_of(action, formatter)
-                found.setdefault(group.title or "", []).append(option)
+        shown = [each for each in group._group_actions if each.help != argparse.SUPPRESS]
+        members = [option_of(each, formatter) for each in shown if not {*COMMON} & {*each.option_strings}]
+        if members:
+            title = "" if group.title in UNTITLED else group.title or ""
+            found.append(Group(title, group.description or "", members))
     return found
 
 
@@ -108,7 +132,7 @@ def inline(text: str) -> list[nodes.Node]:
 
 
 def sentence(text: str) -> str:
-    """A line of the help as a sentence."""
+    """A text of the help as a sentence."""
     first = text[:1].upper() if text[1:2].islower() or text[1:2] == " " else text[:1]
     return f"{first}{text[1:]}".rstrip(".") + "."
 
@@ -135,8 +159,9 @@ class Made(SphinxDirective):
                 self.env.note_dependency(str(path))
 
     def section(self, title: list[nodes.Node], name: str) -> nodes.section:
-        """A section with an address of its own."""
-        found = nodes.section("", nodes.title("", "", *title), ids=[nodes.make_id(name)], names=[name])
+        """A section with an address of its own, such as commands.md#spear-hop."""
+        address = nodes.make_id(name)
+        found = nodes.section("", nodes.title("", "", *title), ids=[address], names=[address])
         self.state.document.note_explicit_target(found)
         return found
 
@@ -168,13 +193,15 @@ class Commands(Made):
         """The section of a command."""
         title = f"spear {name}"
         made = self.section([nodes.literal(title, title)], title)
-        made += nodes.paragraph("", "", *inline(sentence(parser.description or "")))
-        made += nodes.literal_block("", usage(parser), language="none")
-        for group, members in options(parser).items():
-            if group not in ("positional arguments", "options"):
-                made += nodes.rubric("", "", *inline(sentence(group).rstrip(".")))
-            rows = ((code(each.usage), inline(each.text), inline(each.default)) for each in members)
-            head = "Argument" if group == "positional arguments" else "Option"
+        says, *more = described(parser)
+        made += [says, program(usage(parser)), *more]
+        for group in options(parser):
+            if group.title:
+                made += nodes.rubric("", "", *inline(sentence(group.title).rstrip(".")))
+            if group.text:
+                made += nodes.paragraph("", "", *inline(sentence(group.text)))
+            rows = ((code(each.usage), inline(each.text), inline(each.default)) for each in group.options)
+            head = "Option" if group.options[0].usage.startswith("-") else "Argument"
             made += table((head, "Meaning", "Default"), rows, (32, 50, 18))
         return made
 

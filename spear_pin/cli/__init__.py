@@ -80,7 +80,7 @@ def _run(argv: Sequence[str] | None) -> int:
     parser = _parser()
     arguments, unknown = parser.parse_known_args(argv)
     if unknown:
-        arguments.refuse_unknown(unknown)
+        arguments.refuse(f"unknown arguments: {' '.join(unknown)}")
     if arguments.run is None:
         parser.print_help(sys.stderr)
         return 2
@@ -108,7 +108,7 @@ def _parser() -> Parser:
         prog="spear", description="Switchable parallel elastic legs: dynamics and gaits of SPEAR-II and Q-SPEAR."
     )
     parser.add_argument("--version", action="version", version=f"spear {__version__}")
-    parser.set_defaults(run=None, refuse=parser.error, refuse_unknown=parser.refuse_unknown, every=parser)
+    parser.set_defaults(run=None, refuse=parser.error, every=parser)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
     for add in COMMANDS:
         add(commands)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import math
 import re
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
@@ -52,14 +51,6 @@ class Parser(argparse.ArgumentParser):
         if action.choices is not None and value not in action.choices:
             raise argparse.ArgumentError(action, str(UnknownName("choice", value, map(str, action.choices))))
 
-    def refuse_unknown(self, words: Sequence[str]) -> NoReturn:
-        """Exit with status 2, and name the options that are most like those that are unknown."""
-        options = [option for action in self._actions for option in action.option_strings]
-        given = [word.partition("=")[0] for word in words if word.startswith("--")]
-        meant = [name for word in given for name in difflib.get_close_matches(word, options, n=1)]
-        nearest = f"; nearest: {', '.join(meant)}" if meant else ""
-        self.error(f"unknown arguments: {' '.join(words)}{nearest}")
-
     def error(self, message: str) -> NoReturn:
         """Exit with status 2."""
         complain(f"{self.prog}: {one_line(message)} (see {self.prog} --help)")
@@ -89,7 +80,7 @@ def add_command(
     takes = next((f"; takes {each.takes}" for each in LASTING if (each.command, each.option) == (name, "")), "")
     parser = commands.add_parser(name, help=summary, description=summary + takes)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.set_defaults(run=run, refuse=parser.error, refuse_unknown=parser.refuse_unknown)
+    parser.set_defaults(run=run, refuse=parser.error)
     return parser
 
 
@@ -123,7 +114,7 @@ def add_out(parser: argparse.ArgumentParser, files: str) -> None:
 def folder(word: str) -> Path:
     """Read the path of a folder; of nothing it would be that of the current one."""
     if not word:
-        raise argparse.ArgumentTypeError("'' is no folder; the current one is '.'")
+        raise argparse.ArgumentTypeError("'' is no folder; type . for the current one")
     return Path(word)
 
 
@@ -190,7 +181,7 @@ def number_or_free(word: str) -> float:
     try:
         value = number(word)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{word!r} is neither a number nor 'free'") from None
+        raise argparse.ArgumentTypeError(f"{word!r} is neither a number nor 'free'; give one of them") from None
     if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{word!r} is not a finite number")
+        raise argparse.ArgumentTypeError(f"{word!r} is not finite; expected a finite number")
     return value

@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     kind, valid = "trajectory" if moves else "robot", ", ".join(f"--{name}" for name in fitting)
     misfit = not asked or set(asked) & set(other)
     if misfit and Path(arguments.what).suffix not in ("", ".npz", GAIT, *URDF):
-        raise BadFile(arguments.what, "is neither a robot nor a saved trajectory (.npz)")
+        raise BadFile(arguments.what, "is neither a robot nor a saved trajectory (.npz); give one of them")
     if not asked:
         raise SpearError(f"{arguments.what} is a {kind}: say what to write: {valid}")
     if misfit:

@@ -192,7 +192,9 @@ def numbers(word: str) -> tuple[float, ...]:
     except ValueError:
         values = ()
     if not values or not all(map(math.isfinite, values)):
-        raise argparse.ArgumentTypeError(f"{word!r} is not finite numbers between commas")
+        raise argparse.ArgumentTypeError(
+            f"{word!r} is no list of numbers; expected finite numbers separated by commas, such as 1.5,2"
+        )
     return values
 
 

@@ -181,7 +181,11 @@ def _asked(arguments: argparse.Namespace, names: set[str]) -> tuple[HybridSystem
         system = bounding_gait(BOUND if arguments.gait is None else arguments.gait, None)[1].system
         measure, value, solved = "mean_speed", arguments.speed, SPEED_BY
     if value is not None and measure in names:
-        raise BadValue("--over", measure, f"another name, or no --{measure.replace('_', '-')}")
+        raise BadValue(
+            "--over",
+            measure,
+            f"a parameter, or to go without {'--flight-time' if arguments.what == 'hop' else '--speed'}",
+        )
     asked = value is not None or measure in names
     return system, [solved] if asked else [], {} if value is None else {measure: value}
 

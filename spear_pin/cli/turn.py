@@ -105,7 +105,7 @@ def _saved(arguments: argparse.Namespace) -> Gait | None:
         return None
     for name in ("rate", "angle"):
         if getattr(arguments, name) is not None:
-            raise BadValue(f"--{name}", getattr(arguments, name), f"none with {path}, which turns as it was found")
+            raise BadValue(f"--{name}", getattr(arguments, name), f"to be left out with {path}, which has its own turn")
     return gait
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields
 from numbers import Real
 from typing import Any, ClassVar
 
-from spear_pin.errors import BadValue, require
+from spear_pin.errors import BadValue, listed, require
 from spear_pin.gaits.virtual_constraints import Evolution, Leaning, Outputs, Shifted, Variable, zeroing
 from spear_pin.hybrid.domain import Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations
@@ -314,7 +314,7 @@ def legs_of(robot: Robot) -> tuple[Leg, Leg]:
     joints = tuple(f"{name}_{part}" for name in LEGS for part in ("hip", "knee"))
     expected = ("torso_x", "torso_z", "pitch", *joints)
     if robot.coordinates != expected or robot.actuated != joints or robot.toes != ("posterior_toe", "anterior_toe"):
-        alike = f"the coordinates {', '.join(expected)}, motors on the last four, and two toes, as of sagittal(...)"
+        alike = f"the coordinates {listed(expected, 8)}, motors on the last four, and two toes, as of sagittal(...)"
         raise BadValue("robot", robot, alike)
     posterior, anterior = (
         Leg(name, hip, hip + 1, _side(robot, found, usual), (found.thigh, found.shank), (hip - 3, hip - 2))

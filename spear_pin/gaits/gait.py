@@ -194,7 +194,7 @@ class Gait(Shown):
             multipliers = np.array([complex(*_numbers("a multiplier", pair, 2)) for pair in data["multipliers"]])
             return cls(system, state, data["parameters"], float(data["residual"]), multipliers, data["durations"])
         except (TypeError, ValueError, SpearError) as error:
-            raise BadFile(path, f"is not a saved gait ({error})") from None
+            raise BadFile(path, f"is not a saved gait ({error}); expected a file that Gait.save wrote") from None
 
 
 def built_as_named(system: HybridSystem) -> bool:

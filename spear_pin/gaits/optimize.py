@@ -151,7 +151,7 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
             q, v = gait.state
             return gait.with_law(nominal=(*q[1:].tolist(), *v.tolist()))
         reason = (
-            f"the fixed point beside it is another gait, whose {strayed[0]} does not last {lasting[strayed[0]]:.3g} s"
+            f"the fixed point near it is another gait, whose {strayed[0]} does not last {lasting[strayed[0]]:.3g} s"
         )
         failure = NoGait(f"the optimiser's solution is no gait: {reason}", gait.residual)
     raise failure

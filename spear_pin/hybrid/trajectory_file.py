@@ -17,7 +17,7 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadFile, BadValue
+from spear_pin.errors import BadFile, BadValue, listed
 from spear_pin.files import atomic, check_keys, parse_json, regular
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.reasons import REASONS
@@ -107,7 +107,9 @@ def read(path: str | Path) -> Trajectory:
         struct.error,
         zlib.error,
     ) as error:
-        raise BadFile(path, f"is not a saved trajectory ({error})") from None
+        raise BadFile(
+            path, f"is not a saved trajectory ({error}); expected a file that Trajectory.save wrote"
+        ) from None
 
 
 def _trajectory(archive: ZipFile) -> Trajectory:
@@ -262,7 +264,7 @@ def _check_meta(meta: Any) -> None:
         raise ValueError("there are no coordinates")
     for name in ("actuated", "spring_joints"):
         if not set(meta[name]) <= set(meta["coordinates"]):
-            raise BadValue(name, meta[name], f"some of {', '.join(meta['coordinates'])}")
+            raise BadValue(name, meta[name], f"some of {listed(meta['coordinates'], 8)}")
     if not isinstance(meta["events"], list):
         raise BadValue("events", meta["events"], "a list")
     for event in meta["events"]:

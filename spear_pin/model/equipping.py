@@ -106,7 +106,7 @@ def _legs(said: Sidecar, path: Path, robot: Robot) -> tuple[tuple[NamedLeg, ...]
     for name, table in explicit.items():
         with blaming(path, f"legs.{name}"):
             if table["toe"] not in robot.toes:
-                raise BadValue("toe", table["toe"], f"one of the toes, {', '.join(robot.toes)}")
+                raise UnknownName("toe", table["toe"], robot.toes)
             given.append(NamedLeg(name, **table))
             legs.append(leg_of(robot.model, given[-1]))
     if len({leg.hip for leg in legs}) < len(legs):

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.errors import BadFile, BadValue, UnknownName, listed
 
 FLOATING = 6  # velocities of a floating joint
 SINGULAR = 1e-12  # least eigenvalue of a mass matrix whose diagonal is 1
@@ -55,7 +55,7 @@ def with_motors(
     for joint in wanted:
         if joint not in valid and joint not in locked:
             if joint in list(model.names)[1:]:
-                raise BadValue("motors", joint, f"joints of one degree of freedom: {', '.join(valid) or 'none'}")
+                raise BadValue("motors", joint, f"joints of one degree of freedom: {listed(valid) or 'none'}")
             raise UnknownName("joint", joint, valid)
     actuated = tuple(joint for joint in valid if joint in wanted)
     ratios, rotors = model.rotorGearRatio.copy(), model.rotorInertia.copy()

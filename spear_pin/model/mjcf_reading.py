@@ -204,7 +204,7 @@ def _robot(path: Path, root: Any) -> tuple[Any, list[Any]]:
         if element.tag == "body":
             bodies.append(element)
     if not bodies:
-        raise BadFile(path, "has no <body> in its <worldbody>")
+        raise BadFile(path, "has no <body> in its <worldbody>; expected a robot there")
     robot = max(bodies, key=lambda body: sum(1 for _ in body.iter(*JOINTS)))
     return robot, [body for body in bodies if body is not robot]
 

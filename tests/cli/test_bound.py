@@ -199,7 +199,7 @@ class TestMistakes:
 
         monkeypatch.setattr("spear_pin.studies.bound.speed.find_gait", find)
         text = refused(capsys, "bound", "--speed", 2.6, "--out", tmp_path)
-        assert "no gait found" in text and "it goes to 2.50" in text
+        assert "no gait found" in text and "to 2.50 m/s, and none" in text
         assert not list(tmp_path.iterdir())
 
     @pytest.mark.parametrize(

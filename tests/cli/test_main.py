@@ -59,7 +59,7 @@ class TestMistakes:
     @pytest.mark.parametrize(
         ("arguments", "text"),
         [
-            (["hop", "--stifness", "50"], "spear hop: unknown arguments: --stifness 50; nearest: --stiffness (see spear hop --help)"),
+            (["hop", "--stifness", "50"], "spear hop: unknown arguments: --stifness 50 (see spear hop --help)"),
             (["hop", "--cycles", "1.5"], "invalid int value: '1.5'"),
             (["hop", "--cycles", "-1.5e1"], "invalid int value: '-1.5e1'"),
             (["hop", "--stance-torque", "-inf", "--out", "-1"], "--out is '-1'"),

@@ -80,7 +80,7 @@ def test_a_motion_that_is_lost_is_one_line(capsys, tmp_path, monkeypatch):
         (("--rate", 5, "--angle", 2), "not allowed with"),
         (("nowhere",), "unknown gait"),
         (("nowhere.json",), "nowhere.json"),
-        ((KEPT, "--angle", 2), "turns as it was found"),
+        ((KEPT, "--angle", 2), "which has its own turn"),
         (("--cycles", 0), "--cycles"),
     ],
     ids=str,

@@ -75,7 +75,7 @@ def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> G
             step *= 0.5
             if step < SHORTEST:
                 reason = f"no gallop further than {done:.0%} of the way: {failure.reason}"
-                raise NoGait(reason, failure.residual) from None
+                raise NoGait(reason, failure.residual, remedy="smaller landing times") from None
             if done:
                 J = path.slopes(x, ONE_SIDED, path.values(x))
     measures = {"mean_speed": float(begin[path.n + 1]), "turn": 0.0}

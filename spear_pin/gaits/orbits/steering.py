@@ -56,7 +56,7 @@ def turned(system: HybridSystem, state: State, turn: float, speed: float, rtol: 
         least, holds = min(size, least), np.append(np.ones(len(values) - 2, bool), np.abs(values[-2:]) >= GAP / SECOND)
         step = -np.linalg.lstsq(J[holds], off[holds], rcond=None)[0]
         x = x + step * min(1.0, LONGEST / float(np.abs(step).max()))
-    raise NoGait(f"Newton's method finds no turn by {np.degrees(turn):.3g}° a stride", least)
+    raise NoGait(f"Newton's method finds no turn by {np.degrees(turn):.3g}° a stride", least, remedy="a smaller turn")
 
 
 def _off(values: Array, wanted: Array) -> Array:

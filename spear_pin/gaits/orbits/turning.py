@@ -81,14 +81,14 @@ def _settled(
         steered = with_parameters(led.system, {"heading": heading})
         run = return_map(steered, state, rtol)
         if not run.cycles:
-            raise NoGait(f"the turn was lost in stride {n}: {run.message}", change)
+            raise NoGait(f"the turn was lost in stride {n}: {run.message}", change, remedy="a smaller turn")
         change = float(np.abs(displacement(steered, state, run.state)).max())
         state = run.state
         on_stride(n, change)
         if n > RAMP and change < SETTLED:
             break
     else:
-        raise NoGait(f"the turn does not settle in {STRIDES} strides", change)
+        raise NoGait(f"the turn does not settle in {STRIDES} strides", change, remedy="a smaller turn")
     adjusted = dict(zip(INPUTS, run.held[ADJUSTED], strict=True))
     used = (*TURNS_BY, *STEADIED_BY)
     values = {name: parameter(led.system, name) + adjusted[name] for name in used}

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.periodic import chart
@@ -64,7 +64,7 @@ def midway(gait: Gait, phase: str, fraction: float = 0.5, rtol: float = 1e-9) ->
     result = run(gait.system, gait.state, 1, Options(rtol=rtol, keep=True))
     segments = [segment for segment in result.segments if segment.domain.phase == phase and segment.pieces]
     if not segments:
-        raise BadValue("phase", phase, f"one of {', '.join(result.durations)}")
+        raise UnknownName("phase", phase, result.durations)
     begin, end = segments[0].pieces[0].begin, segments[-1].pieces[-1].end
     time = begin + fraction * (end - begin)
     for segment in segments:

@@ -69,10 +69,8 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
         except NoGait as failure:
             step = 0.5 * min(step, abs(speed - reached))
             if step < SHORTEST_STEP:
-                problem = (
-                    f"continued from {begin:.2f} m/s, it goes to {reached:.2f}, and none was found at {wanted:.2f} m/s"
-                )
-                raise NoGait(problem, failure.residual) from None
+                problem = f"it continues from {begin:.2f} to {reached:.2f} m/s, and none was found at {wanted:.2f} m/s"
+                raise NoGait(problem, failure.residual, remedy=f"a speed nearer to {begin:.2f} m/s") from None
     if law.nominal:
         q, v = gait.state
         gait = gait.with_law(nominal=(*q[1:].tolist(), *v.tolist()))

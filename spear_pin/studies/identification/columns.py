@@ -135,7 +135,9 @@ def _text(path: Path, head: bytes, choose: Choice) -> Columns:
     except pd.errors.EmptyDataError:
         raise BadFile(path, "has no rows; expected rows of a time and a voltage or angle") from None
     except pd.errors.ParserWarning:
-        raise BadFile(path, f"rows have more fields than the {len(layout.names)} columns") from None
+        raise BadFile(
+            path, f"rows have more fields than the {len(layout.names)} columns; give each column a name"
+        ) from None
     except pd.errors.ParserError as error:
         raise BadFile(path, f"not a table: {_reason(error, layout.line - 1)}") from None
     except (UnicodeDecodeError, ValueError) as error:

@@ -162,7 +162,7 @@ def _chosen(path: str | Path, names: Sequence[str], column: str | None, time_col
             raise UnknownName(f"column of {path}:", asked, names)
     if len(names) < 2:
         raise BadFile(
-            path, f"a column is missing: there is only {', '.join(names) or 'none'}; a time and a value are needed"
+            path, f"a column is missing: there is only {listed(names) or 'none'}; a time and a value are needed"
         )
     if time_column is None:
         timed = [name for name in find_times(names) if name != column]

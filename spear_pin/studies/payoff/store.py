@@ -43,7 +43,7 @@ class Store:
             return
         found = _read(path)
         if not found or found[0].get("format") != FORMAT:
-            raise BadFile(path, "is not the store of a payoff study")
+            raise BadFile(path, "is not the store of a payoff study; give another --out, or remove it")
         if differing := [name for name in {**head, **found[0]} if head.get(name) != found[0].get(name)]:
             raise BadFile(
                 path, f"is of another study, which differs in {listed(differing)}; give another --out, or remove it"

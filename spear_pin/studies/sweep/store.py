@@ -216,7 +216,7 @@ def _manifest(out: Path) -> dict[str, Any]:
         if not isinstance(found, dict) or not isinstance(found.get("request"), dict):
             raise ValueError
     except (BadFile, ValueError):
-        raise BadFile(path, "is not the manifest of a sweep") from None
+        raise BadFile(path, "is not the manifest of a sweep; give another path, or remove it") from None
     return found
 
 
@@ -224,7 +224,7 @@ def _attribute(out: Path) -> dict[str, Any]:
     try:
         return dict(parse_json(read(out).attrs["request"]))
     except (KeyError, ValueError, TypeError):
-        raise BadFile(out, "is not a sweep") from None
+        raise BadFile(out, "is not a sweep; expected a dataset that sweep wrote") from None
 
 
 def _same(path: Path, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:

@@ -124,7 +124,11 @@ def test_shown_and_written(found, tmp_path):
         ({"stiffness": (42.0, 60.0)}, {"vary": []}, "as many measures"),
         ({"stiffness": (42.0, 60.0)}, {"largest_multiplier": 0.0}, "a number > 0"),
         ({"stiffness": (42.0, 60.0)}, {"at_most": {"work": np.inf}}, "a finite number"),
-        ({"stiffness": (42.0, 60.0)}, {"at_most": {"work": 5.0}, "at_least": {"work": 6.0}}, "at most 5, as at_most has it"),
+        (
+            {"stiffness": (42.0, 60.0)},
+            {"at_most": {"work": 5.0}, "at_least": {"work": 6.0}},
+            "at most 5, as at_most has it",
+        ),
         ({"stiffness": (42.0, 60.0)}, {"at_most": {"flight_time": 0.1}}, "within the measure's own bounds"),
         ({"stiffness": (42.0, 60.0)}, {"assuming": ["stiffness"]}, "neither chosen nor solved for"),
         ({"stiffness": (42.0, 60.0)}, {"vary": ["stance_torque"] * 2}, "as many measures|each parameter once"),
