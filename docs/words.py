@@ -51,7 +51,7 @@ class Page:
 
     Attributes:
         path: of the page.
-        words: all that white space separates, code and tables included.
+        words: all between white space that has a letter or a digit, code and tables included.
         sentences: those outside code, tables and headings.
         forbidden: sentences with a word that the glossary forbids, and the word.
     """
@@ -154,7 +154,7 @@ def read(path: Path, forbidden: list[str]) -> Page:
         for word in forbidden
         if re.search(rf"\b{re.escape(word)}\b", sentence, re.IGNORECASE)
     ]
-    return Page(path, len(text.split()), found, used)
+    return Page(path, length(text), found, used)
 
 
 def complaints(read_pages: list[Page]) -> list[str]:
