@@ -7,6 +7,8 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parent / "_extensions"), str(Path(__file__).parents[1])]
 
+import kept  # noqa: E402
+
 import spear_pin  # noqa: E402
 
 project = "spear-pin"
@@ -25,6 +27,7 @@ extensions = [
     "links",
     "mathml",
     "modules",
+    "motors",
     "reference",
 ]
 exclude_patterns = ["_extensions", "_templates", "images"]
@@ -35,7 +38,8 @@ redirects = {old: os.path.relpath(f"{new}.html", os.path.dirname(old)) for old, 
 myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 3
 
-nb_execution_mode = "force"
+nb_execution_mode = "cache"  # of the same cells and the same sources
+nb_execution_cache_path = str(Path(__file__).parents[1] / "build" / "notebooks" / kept.everything()[:16])
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120  # s
 # kernels import what is documented, too

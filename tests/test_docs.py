@@ -3,6 +3,7 @@
 import argparse
 import ast
 import importlib
+import json
 import os
 import posixpath
 import re
@@ -15,6 +16,7 @@ import pytest
 
 import spear_pin
 from spear_pin import hopping, load, simulate
+from spear_pin.model.catalogue import GEARBOXES, MOTORS
 from spear_pin.viz.player import record
 from tests.viz.chromium import pixels
 
@@ -126,9 +128,25 @@ class TestGallery:
 
     def test_runs_again_when_the_program_changed(self, gallery, tmp_path):
         _, example = self.run(gallery, tmp_path, self.DRAWS)
+        os.utime(example.path, (2e9, 2e9))
+        assert example.up_to_date, "by its content"
+        example.path.write_text(f"{self.DRAWS}\n", encoding="utf-8")
+        assert not example.up_to_date
+
+    def test_runs_again_when_the_package_changed_where_it_was_read(self, gallery, tmp_path, monkeypatch):
+        _, example = self.run(gallery, tmp_path, f"import spear_pin.words\n{self.DRAWS}")
+        known = json.loads((example.folder / gallery.READ).read_text(encoding="utf-8"))
+        assert "spear_pin" in known["places"] and "spear_pin/studies" not in known["places"]
         assert example.up_to_date
-        after = (example.folder / gallery.PRINTED).stat().st_mtime + 1.0
-        os.utime(example.path, (after, after))
+        true = gallery.kept.digest
+        monkeypatch.setattr(
+            gallery.kept, "digest", lambda folder: "other" if folder.name == "spear_pin" else true(folder)
+        )
+        assert not example.up_to_date
+
+    def test_runs_again_with_other_libraries(self, gallery, tmp_path, monkeypatch):
+        _, example = self.run(gallery, tmp_path, self.DRAWS)
+        monkeypatch.setattr(gallery.kept, "LIBRARIES", ("numpy",))
         assert not example.up_to_date
 
     def test_names_a_program_that_fails(self, gallery, tmp_path):
@@ -267,3 +285,15 @@ class TestReference:
         rows = [(reference.code("work"), reference.inline("in `J`"))]
         made = reference.table(("Measure", "Unit"), rows, (50, 50))
         assert [entry.astext() for entry in made.findall(reference.nodes.entry)] == ["Measure", "Unit", "work", "in J"]
+
+
+@pytest.mark.extra("sphinx")
+def test_the_page_of_motors_has_every_number_of_the_catalogue(monkeypatch):
+    monkeypatch.syspath_prepend(str(DOCS / "_extensions"))
+    motors = importlib.import_module("motors")
+    assert motors.entries().keys() == {*MOTORS, *GEARBOXES}
+    for name, shown in motors.entries().items():
+        assert [row.quantity for row in shown] == [*{**MOTORS, **GEARBOXES}[name]]
+        for row in shown:
+            texts = ["".join(part.astext() for part in cell) for cell in motors.cells(row)]
+            assert texts == [row.quantity, f"{row.value:.4g}", row.unit, row.source, row.verification]

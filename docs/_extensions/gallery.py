@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import kept
 from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
@@ -28,8 +29,7 @@ from spear_pin.viz import chromium
 from spear_pin.viz.video import STYLE
 
 ROOT = Path(__file__).parents[2]
-SOURCES = ("spear_pin", "viz", "urdf")  # what an example depends on, besides itself
-PRINTED = "printed.txt"
+PRINTED, PROGRAM, READ = "printed.txt", "program.txt", "read.json"  # of an example: kept beside what it drew
 THUMBNAILS = "thumbnails"
 ROBOTS = ("hop", "bound", "biped", "your_own_urdf")  # whose figures look like each other, and whose robots do not
 SEEN = 0.05  # s: when they are seen, all on a foot
@@ -69,11 +69,14 @@ class Example:
 
     @property
     def up_to_date(self) -> bool:
-        """Whether it was run since it, or the package, changed."""
-        printed = self.folder / PRINTED
-        sources = [path for name in SOURCES for path in (ROOT / name).rglob("*") if path.suffix != ".pyc"]
-        files = [self.path, *(path for path in sources if path.is_file())]
-        return printed.is_file() and printed.stat().st_mtime > max(path.stat().st_mtime for path in files)
+        """Whether it, and all that it read of the package, is as it was when it was run."""
+        program = self.folder / PROGRAM
+        return (
+            (self.folder / PRINTED).is_file()
+            and program.is_file()
+            and program.read_bytes() == self.path.read_bytes()
+            and kept.still_holds(self.folder / READ)
+        )
 
 
 def examples(gallery: Path) -> list[Example]:
@@ -92,13 +95,18 @@ def run(example: Example) -> str | None:
     environment = os.environ | {"MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"}
     begin = time.monotonic()
     done = subprocess.run(
-        [sys.executable, example.path], cwd=example.folder, env=environment, capture_output=True, encoding="utf-8"
+        [sys.executable, kept.__file__, example.path, READ],
+        cwd=example.folder,
+        env=environment,
+        capture_output=True,
+        encoding="utf-8",
     )
     logger.info("example %s: %.0f s", example.name, time.monotonic() - begin)
     if done.returncode != 0:
         return f"{example.path.name} failed:\n{done.stderr}"
     if not example.pictures:
         return f"{example.path.name} drew no picture"
+    shutil.copyfile(example.path, example.folder / PROGRAM)
     (example.folder / PRINTED).write_text(done.stdout, encoding="utf-8")
     return None
 

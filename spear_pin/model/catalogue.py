@@ -125,6 +125,7 @@ def _assumed(base: str, power: float) -> Entry:
 _MAXON = "maxon catalogue, from memory"
 _FAULHABER = "Faulhaber data sheet of 2012"
 _MAXON_2006 = "maxon catalogue of April 2006, p. 197, as transcribed in a public repository"
+_OF_TWO = "agrees with 66.2 A at the start on that page; 0.343 Ω in another repository"
 _HOPPY = "simulator of HOPPY, arXiv 2010.14580"
 _MUPS = "repository of SurGE, arXiv 2606.21866, at the joint"
 _ODRI = "actuator of a public project for open legged robots"
@@ -132,7 +133,7 @@ _SAME_HEAT = "that of the 24 V winding: equal heat in equal copper"
 
 MOTORS: dict[str, Entry] = {
     "spear_ii_knee": {
-        **_given("source document", "K_v of (4.8)", torque_constant=0.115),
+        **_given("source document", "K_v of (4.8); fits the 48 V winding, not named there", torque_constant=0.115),
         **_given("source document", "Section 2.4: EC-60 Flat 100W", rated_power=100.0),
         **_given("computed", "Table 2.4: 0.027 kg·m² at the joint / 15²", rotor_inertia=0.027 / 15**2),
         **_given("assumption", "that of ec_60_flat_100w_48v", resistance=1.1, inductance=0.86e-3, nominal_torque=0.227),
@@ -159,7 +160,8 @@ MOTORS: dict[str, Entry] = {
         **_given("secondary source", "a public repository", rated_power=200.0),
     },
     "ec_90_flat_90w_24v": {
-        **_given("secondary source", _MAXON_2006, torque_constant=0.0705, resistance=0.363, inductance=0.264e-3),
+        **_given("secondary source", _MAXON_2006, torque_constant=0.0705, inductance=0.264e-3),
+        **_given("secondary source", f"{_MAXON_2006}; {_OF_TWO}", resistance=0.363),
         **_given(
             "secondary source", _MAXON_2006, rotor_inertia=3060 * G_CM2, nominal_torque=0.387, nominal_current=5.39
         ),
