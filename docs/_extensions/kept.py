@@ -46,7 +46,7 @@ def everything() -> str:
 
 
 def record(read: Iterable[str]) -> dict[str, object]:
-    """Say which folders of the package, and data of the examples, were read, each with its hash, and the environment."""
+    """Hash the folders of the package and the data of the examples that were read, and name the environment."""
     files = {path for path in map(Path, read) if path.is_relative_to(ROOT) and path.is_file()}
     folders = {path.parent for path in files if path.relative_to(ROOT).parts[0] in SOURCES}
     data = {path for path in files if path.parent == ROOT / "examples" and path.suffix != ".py"}
