@@ -21,25 +21,28 @@ if TYPE_CHECKING:
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(commands, "bound", run, "simulate a bounding gait of Q-SPEAR, write page, plots and samples")
-    parser.add_argument("--gait", metavar="NAME|PATH", help=f"a shipped gait, or a saved one (default: {BOUND})")
+    example = ("spear bound least_effort --open", "simulate a gait that ships, and open a page that plays it")
+    parser = add_command(commands, "bound", run, "find a quadruped's bounding gait and simulate it", example)
+    parser.add_argument(
+        "gait", nargs="?", default=argparse.SUPPRESS, metavar="GAIT", help=f"a gait by name or path (default: {BOUND})"
+    )
+    parser.add_argument("--gait", metavar="GAIT", help="the same gait, given as an option")
+    parser.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
     parser.add_argument(
         "--speed",
         type=float,
         metavar="M/S",
-        help="continue the gait to this mean speed, 1.5 to 3.5 m/s or little more (at most 1 m/s from a gait's own);"
-        f" takes {usual('bound', 'speed')}. Of another robot any, searched for; default: as fast as Q-SPEAR for its"
-        " size",
-    )
-    add_plane(parser, f"a bound of which is searched for (needs casadi; takes {usual('bound', 'robot')})")
-    parser.add_argument(
-        "--save",
-        action="store_true",
-        help="write bound.json too, with --space bound_in_space.json: the gait for --gait and Gait.load",
+        help="continue the gait to this mean speed, at most 1 m/s from its own; for another robot, search for a gait of"
+        f" this speed (default: Q-SPEAR's, scaled); takes {usual('bound', 'speed')}",
     )
     bound_in_space.add(parser)
-    add_simulation(parser, 5, "strides", "bound.html")
-    parser.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
+    add_plane(parser, f"its bound is searched for, which needs casadi and takes {usual('bound', 'robot')}")
+    parser.output.add_argument(
+        "--save",
+        action="store_true",
+        help="write the gait to bound.json too, or bound_in_space.json with --space, for GAIT and Gait.load",
+    )
+    add_simulation(parser, 5, "strides", "bound.html, bound.svg and bound.npz", "bound.html")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -25,13 +25,13 @@ HEADING = 30.0  # weight of the yaw, where the heading is to be kept
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare what goes with --space."""
-    group = parser.add_argument_group("in space; kept upright by feedback once a stride")
-    group.add_argument("--space", action="store_true", help="bound in three dimensions")
+    group = parser.add_argument_group("three dimensions", "feedback once a stride keeps the robot upright")
+    group.add_argument("--space", action="store_true", help="simulate the gait in 3-D")
     group.add_argument(
-        "--push", type=float, metavar="M/S", help="sideways, to the left, at the begin (default: 0); with --space"
+        "--push", type=float, metavar="M/S", help="lateral velocity added at the start, to the left (default: 0)"
     )
     group.add_argument(
-        "--keep-heading", action="store_true", help="turn back too, by ten inputs instead of one; with --space"
+        "--keep-heading", action="store_true", help="return to the heading too, with ten inputs instead of one"
     )
 
 

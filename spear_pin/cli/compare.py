@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.arguments import Commands, add_command, add_cycles, add_open, add_out, check_out
 from spear_pin.cli.legs import add_leg, one_leg
 from spear_pin.cli.output import aligned, joined, progress
 from spear_pin.errors import BadValue
@@ -21,28 +21,26 @@ CYCLES = 4
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    summary = "hold gaits, motions, springs or robots against the first of them: a table, and the page compare.html"
-    parser = add_command(commands, "compare", run, summary)
+    example = ("spear compare stiffness=40 stiffness=60 --open", "compare SPEAR-II's hop with two springs")
+    summary = "compare gaits, motions, springs or robots with a reference"
+    parser = add_command(commands, "compare", run, summary, example)
     parser.more = "items"
     parser.add_argument(
         "items",
         nargs="*",
         metavar="A B",
-        help="two to six: a gait that ships, a saved one (.json), a trajectory (.npz), a robot's name or file, or"
-        " numbers of a spring, such as stiffness=40 or stiffness=40,damping=1, with which SPEAR-II hops, or the leg of"
-        " --robot",
+        help="two to six, the first is the reference: a gait by name or path (.json), a motion (.npz), a robot by name"
+        " or path, or a spring, such as stiffness=40,damping=1",
     )
-    parser.add_argument("--names", nargs="+", default=[], metavar="NAME", help="what they are called, one for each")
-    parser.add_argument("--of", metavar="GAIT", help="another gait that springs are put into, by name or path")
+    parser.add_argument("--names", nargs="+", default=[], metavar="NAME", help="a name for each item")
+    parser.add_argument("--gait", "--of", dest="of", metavar="GAIT", help="put springs into this gait")
     parser.add_argument(
-        "--flight-time", type=float, metavar="S", help="of the hops that springs are put into (default: 0.2, scaled)"
+        "--flight-time", type=float, metavar="S", help="flight time of the hop that springs are put into (default: 0.2)"
     )
-    parser.add_argument(
-        "--cycles", type=int, default=CYCLES, metavar="N", help=f"of each gait to simulate (default: {CYCLES})"
-    )
-    add_leg(parser, "into whose leg's hop springs are put")
-    add_out(parser, "the page")
-    parser.add_argument("--open", action="store_true", help=f"open {PAGE} in the browser")
+    add_cycles(parser, CYCLES, "cycles")
+    add_leg(parser, "springs are put into the hop of one of its legs")
+    add_out(parser, PAGE)
+    add_open(parser, PAGE)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -60,7 +58,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     return {
         **as_json(found),
         "files": [str(page)],
-        "opened": page if arguments.open else None,
+        "opened": page,
         "text": text(found) + "\n\n" + aligned([("files", str(page))]),
     }
 
@@ -70,7 +68,7 @@ def _hop_or_gait(arguments: argparse.Namespace) -> Gait | None:
     leg, given = one_leg(arguments, ["boom_x"]), {"--robot": arguments.robot, "--flight-time": arguments.flight_time}
     for option, value in given.items():
         if value is not None and arguments.of is not None:
-            raise BadValue(option, value, "none beside --of, which has a robot and a flight")
+            raise BadValue(option, value, "none with --gait, which has a robot and a flight")
         if value is not None and not any("=" in item for item in arguments.items):
             raise BadValue(option, value, "to go with springs to compare, such as stiffness=40 stiffness=60")
     if arguments.of is not None:

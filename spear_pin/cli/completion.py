@@ -13,13 +13,15 @@ from spear_pin.errors import MissingExtra
 SHELLS = ("bash", "zsh", "fish")
 # metavars, or names of arguments without any, of what is a folder, a file, a robot's name or path, and a gait's
 FOLDERS, FILES = ("DIR",), ("FILE", "PATH")
-ROBOTS, GAITS = ("ROBOT", "NAME|URDF", "robot", "what"), ("NAME|PATH", "gait", "GAIT", "A B")
+ROBOTS, GAITS = ("ROBOT", "WHAT"), ("GAIT", "A B")
 
 
 def add(commands: Commands) -> None:
-    """Declare the command."""
-    parser = add_command(commands, "completion", run, "print what lets a shell complete commands by Tab")
-    parser.add_argument("shell", choices=SHELLS, help='eval "$(spear completion bash)" in ~/.bashrc')
+    """Declare the command and its arguments."""
+    example = ('eval "$(spear completion bash)"', "complete commands in this shell; put it into ~/.bashrc to keep it")
+    summary = "print a script that completes commands in your shell"
+    parser = add_command(commands, "completion", run, summary, example)
+    parser.add_argument("shell", choices=SHELLS, help="your shell")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -63,5 +65,5 @@ def named(kind: str, names: Iterable[str]) -> Mapping[str, Any]:
 
 
 def _commands(parser: argparse.ArgumentParser) -> list[argparse.ArgumentParser]:
-    groups = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
-    return [command for group in groups for command in group.choices.values()]
+    found = [action for action in parser._actions if isinstance(action, Commands)]
+    return [commands.choices[name] for commands in found for names in commands.groups.values() for name in names]

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import add_gait, named_gait
+from spear_pin.cli.gaits import VARY, add_gait, named_gait
 from spear_pin.cli.motors import add_motors, check_motors, motors
 from spear_pin.cli.output import aligned, listed, progress
 from spear_pin.cli.pairs import RANGE, names, once, ranges, values
@@ -16,31 +16,40 @@ STEM = "design"
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands,
-        "design",
-        run,
-        "the best robot and gait together: a measure made small over any numbers, within bounds",
+    example = (
+        "spear design hop --minimize work --keep flight_time=0.2 --over stiffness=46:56",
+        "find the stiffness with which the hop of 0.2 s of flight takes least work",
     )
+    parser = add_command(commands, "design", run, "minimise a measure over parameters", example)
     add_gait(parser)
+    parser.add_argument(
+        "--over",
+        type=ranges,
+        action="extend",
+        required=True,
+        metavar=RANGE,
+        help="parameters and their bounds, separated by commas",
+    )
     parser.add_argument(
         "--minimize", required=True, metavar="MEASURE", help="such as energy, electricity or cost_of_transport"
     )
-    parser.add_argument(
-        "--over", type=ranges, action="extend", required=True, metavar=RANGE, help="parameters, apart by commas"
-    )
+    parser.add_argument("--vary", type=names, action="extend", metavar="NAME", help=VARY)
     for option, text in (
-        ("--keep", "measures that are kept, the gait's own parameters being solved for it"),
+        ("--keep", "keep these measures at a value"),
         ("--at-most", "upper bounds of measures"),
-        ("--at-least", "lower bounds, such as margin_spring_switch=0.02"),
+        ("--at-least", "lower bounds of measures, such as margin_spring_switch=0.02"),
     ):
         parser.add_argument(
-            option, type=values, action="extend", default=[], metavar="MEASURE=VALUE", help=f"{text}, apart by commas"
+            option,
+            type=values,
+            action="extend",
+            default=[],
+            metavar="MEASURE=VALUE",
+            help=f"{text}, separated by commas",
         )
-    parser.add_argument("--vary", type=names, action="extend", metavar="NAME", help="a parameter that is solved for")
-    parser.add_argument("--largest-multiplier", type=float, metavar="X", help="upper bound of all moduli")
+    parser.add_argument("--largest-multiplier", type=float, metavar="X", help="upper bound of the multipliers' moduli")
+    parser.add_argument("--iterations", type=int, default=100, metavar="N", help="most iterations (default: 100)")
     add_motors(parser)
-    parser.add_argument("--iterations", type=int, default=100, metavar="N", help="at most (default: 100)")
     add_out(parser, f"{STEM}.json, {STEM}.svg and {STEM}_gait.json")
     add_open(parser, f"the picture, {STEM}.svg,")
 

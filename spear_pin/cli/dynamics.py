@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_loading, loading
+from spear_pin.cli.arguments import Commands, add_command, add_loading, add_robot, loading
 from spear_pin.cli.legs import add_cut, cut_out, rests_on
 from spear_pin.cli.output import joined
 from spear_pin.errors import SpearError
@@ -13,8 +13,12 @@ from spear_pin.errors import SpearError
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(commands, "dynamics", run, "print D, C, G, J and J̇v of a robot at a state")
-    parser.add_argument("robot", help="a robot's name, or the path of a URDF, an MJCF or a TOML file")
+    example = (
+        "spear dynamics spear_ii --q 0 0.5 0.5 1",
+        "print SPEAR-II's mass matrix and the rest with its knee bent",
+    )
+    parser = add_command(commands, "dynamics", run, "print the equations of motion of a robot at a state", example)
+    add_robot(parser)
     parser.add_argument("--q", type=float, nargs="+", metavar="RAD", help="configuration (default: zero)")
     parser.add_argument("--v", type=float, nargs="+", metavar="RAD/S", help="velocity (default: zero)")
     add_loading(parser)

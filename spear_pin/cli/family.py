@@ -6,8 +6,8 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import BOUND, WHAT, named_gait
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_rtol, check_out
+from spear_pin.cli.gaits import BOUND, add_gait, add_wanted, named_gait
 from spear_pin.cli.legs import add_leg, one_leg, rests_on
 from spear_pin.cli.output import aligned, listed, progress
 from spear_pin.cli.pairs import RANGE, one_range
@@ -22,25 +22,27 @@ STEM = "family"
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands, "family", run, "follow a branch of gaits over a parameter: folds, flips, borders, and why it ends"
+    example = (
+        "spear family hop --over stance_torque=6:10",
+        "follow the hop from 6 to 10 N·m, and list folds, flips and why the branch ends",
     )
-    parser.add_argument(
-        "what", metavar=WHAT, help=f"SPEAR-II's hop in place or another leg's, {BOUND}, or a gait by name or path"
-    )
+    parser = add_command(commands, "family", run, "follow a gait while one parameter changes", example)
+    add_gait(parser)
     parser.add_argument(
         "--over", type=one_range, required=True, metavar=RANGE, help="the parameter, or a measure such as mean_speed"
     )
-    parser.add_argument("--at", type=float, metavar="VALUE", help="of a hop: where to begin (default: its own value)")
-    kept = parser.add_mutually_exclusive_group()
-    kept.add_argument("--flight-time", type=float, metavar="S", help="of a hop: solve the stance torque for it")
-    kept.add_argument("--speed", type=float, metavar="M/S", help="of a bound: solve the posterior hip torque for it")
-    parser.add_argument("--step", type=float, default=0.05, help="longest, of the range (default: 0.05)")
-    parser.add_argument("--points", type=int, default=500, metavar="N", help="at most, each way (default: 500)")
-    parser.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance (default: 1e-9)")
+    parser.add_argument("--at", type=float, metavar="VALUE", help="begin a hop at this value (default: its own value)")
+    add_wanted(parser)
+    parser.add_argument(
+        "--step", type=float, default=0.05, metavar="X", help="longest step, as a fraction of the range (default: 0.05)"
+    )
+    parser.add_argument(
+        "--points", type=int, default=500, metavar="N", help="most points in each direction (default: 500)"
+    )
+    add_rtol(parser)
+    add_leg(parser, "one of its legs hops")
     add_out(parser, f"{STEM}.json and {STEM}.svg")
     add_open(parser, f"the picture, {STEM}.svg,")
-    add_leg(parser)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:

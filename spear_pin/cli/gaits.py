@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 BOUND = "long_stride"  # the one that is shown unless another is asked for
 WHAT = "hop|bound|GAIT"
+VARY = "solve for these parameters"
 SPEED_SUFFIX = r"_(\d+(?:\.\d+)?)$"  # of a gait's name: in m/s
 
 
@@ -57,15 +58,23 @@ def bounding_gait(name: str, speed: float | None) -> tuple[str, Gait]:
 
 def add_gait(parser: argparse.ArgumentParser) -> None:
     """Declare the gait, which `named_gait` finds."""
-    parser.add_argument("what", metavar=WHAT, help=f"SPEAR-II's hop in place, {BOUND}, or a gait by name or path")
+    parser.add_argument(
+        "what", metavar=WHAT, help=f"a leg's hop in place, the bound {BOUND}, or a gait by name or path"
+    )
+
+
+def add_wanted(parser: argparse.ArgumentParser) -> None:
+    """Declare --flight-time and --speed, of which one may be given."""
+    wanted = parser.add_mutually_exclusive_group()
+    wanted.add_argument(
+        "--flight-time", type=float, metavar="S", help="keep this flight time of a hop, by its stance torque"
+    )
+    wanted.add_argument("--speed", type=float, metavar="M/S", help="keep this mean speed of a bound, by its hip torque")
 
 
 def add_kept(parser: argparse.ArgumentParser) -> None:
     """Declare --vary and --keep: what is solved for, and the measures that stay as the gait has them."""
-    for option, metavar, text in (
-        ("--vary", "NAME", "a parameter that is solved for"),
-        ("--keep", "MEASURE", "the measure that it keeps"),
-    ):
+    for option, metavar, text in (("--vary", "NAME", VARY), ("--keep", "MEASURE", "keep these measures as they are")):
         parser.add_argument(option, type=names, action="extend", default=[], metavar=metavar, help=text)
 
 

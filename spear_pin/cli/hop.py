@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
+from spear_pin.cli.arguments import Commands, add_command, add_seed, add_simulation, check_simulation
 from spear_pin.cli.endings import ended, lost, notes_of
 from spear_pin.cli.legs import add_leg, called, doubted, one_leg, rests_on, stability
 from spear_pin.cli.output import aligned, iterations, listed, progress, shows
@@ -25,36 +25,53 @@ RIG = ("current_limit", "bandwidth", "noise", "losses", "seed")  # options of --
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(commands, "hop", run, "solve a leg's hop in place, simulate it, write page, plots, samples")
+    example = (
+        "spear hop --stiffness 55 --open",
+        "find SPEAR-II's hop with a stiffer spring, and open a page that plays it",
+    )
+    parser = add_command(commands, "hop", run, "find a leg's hop in place and simulate it", example)
     wanted = parser.add_mutually_exclusive_group()
-    wanted.add_argument("--flight-time", type=float, metavar="S", help="solve the stance torque for it (default: 0.2)")
-    wanted.add_argument("--stance-torque", type=float, metavar="N·m", help="given; solve the fixed point only")
+    wanted.add_argument(
+        "--flight-time",
+        type=float,
+        metavar="S",
+        help="flight time for which the stance torque is solved (default: 0.2)",
+    )
+    wanted.add_argument(
+        "--stance-torque", type=float, metavar="N·m", help="knee torque in stance, instead of solving it"
+    )
     parser.add_argument("--knee", type=float, default=1.0, metavar="RAD", help="commanded knee angle (default: 1.0)")
-    parser.add_argument("--frequency", type=float, metavar="HZ", help="of the square wave (default: 2.56)")
-    parser.add_argument("--stiffness", type=float, metavar="N·m/RAD", help="of the knee spring (default: 48.84)")
-    parser.add_argument("--damping", type=float, metavar="N·m·S/RAD", help="of the knee, in stance (default: 1.3)")
-    parser.add_argument("--hardening", type=float, metavar="N·m/RAD³", help="of the knee spring (default: 0)")
-    parser.add_argument("--preload", type=float, metavar="N·m", help="of the knee spring (default: 0)")
-    parser.add_argument("--friction", type=float, metavar="MU", help="of the ground (default: 0.8, an assumption)")
     parser.add_argument(
-        "--slope", type=float, default=0.0, metavar="RAD", help="of the ground, uphill in +x (default: 0)"
+        "--frequency", type=float, metavar="HZ", help="frequency of the torque in stance (default: 2.56)"
+    )
+    parser.add_argument("--stiffness", type=float, metavar="N·m/RAD", help="stiffness of the spring (default: 48.84)")
+    parser.add_argument("--damping", type=float, metavar="N·m·S/RAD", help="knee damping in stance (default: 1.3)")
+    parser.add_argument("--hardening", type=float, metavar="N·m/RAD³", help="hardening of the spring (default: 0)")
+    parser.add_argument("--preload", type=float, metavar="N·m", help="preload of the spring (default: 0)")
+    parser.add_argument(
+        "--friction", type=float, metavar="MU", help="friction of the ground (default: 0.8, an assumption)"
     )
     parser.add_argument(
-        "--free-x", action="store_true", help="let the boom slide along x too; solve the hip angle for no drift"
+        "--slope", type=float, default=0.0, metavar="RAD", help="slope of the ground, uphill in +x (default: 0)"
     )
-    parser.add_argument("--foot-placement", type=float, default=0.0, metavar="RAD·S/M", help="gain, with --free-x")
-    hardware = parser.add_argument_group("hardware, assumed where the source does not say")
+    parser.add_argument(
+        "--free-x", action="store_true", help="let the boom slide along x, and solve the hip angle for no drift"
+    )
+    parser.add_argument(
+        "--foot-placement", type=float, default=0.0, metavar="RAD·S/M", help="gain of foot placement; needs --free-x"
+    )
+    hardware = parser.add_argument_group("hardware", "numbers that the thesis does not print are assumptions")
+    hardware.add_argument("--hardware", action="store_true", help="simulate motors, gears and batteries")
+    hardware.add_argument("--current-limit", type=float, metavar="A", help="limit of the amplifiers (default: 10)")
     hardware.add_argument(
-        "--hardware", action="store_true", help="motors, gears and batteries instead of ideal torques"
+        "--bandwidth", type=float, metavar="HZ", help="bandwidth of the current loops (default: none)"
     )
-    hardware.add_argument("--current-limit", type=float, metavar="A", help="of the amplifiers (default: 10)")
-    hardware.add_argument("--bandwidth", type=float, metavar="HZ", help="of the current loops (default: at once)")
-    hardware.add_argument("--noise", type=float, metavar="RAD", help="of the angles that the law reads (default: 0)")
+    hardware.add_argument("--noise", type=float, metavar="RAD", help="noise of the measured angles (default: 0)")
     hardware.add_argument("--losses", type=float, metavar="1/S", help="commands lost, for 5 ms each (default: 0)")
-    hardware.add_argument("--seed", type=int, metavar="N", help="of noise and losses (default: 0)")
-    add_leg(parser)
-    parser.add_argument("--save", action="store_true", help="write hop.json too, the gait for Gait.load")
-    add_simulation(parser, 11, "hops", "hop.html")
+    add_seed(hardware, "noise and losses", None)
+    add_leg(parser, "one of its legs hops")
+    parser.output.add_argument("--save", action="store_true", help="write the gait to hop.json too, for Gait.load")
+    add_simulation(parser, 11, "hops", "hop.html, hop.svg and hop.npz", "hop.html")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.output import joined, progress
+from spear_pin.cli.pairs import names
 from spear_pin.cli.push_test import add_leg, leg
 from spear_pin.errors import BadValue
 
@@ -20,45 +21,54 @@ KNOWN = ("stiffness", "damping", "coulomb", "rest_angle", "rotor_inertia")
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands, "identify", run, "estimate the knee's parameters from records of releases, write identify.svg"
+    example = (
+        "spear identify lab.csv --volts-per-rad 1.06 --offset 0.4",
+        "estimate stiffness, damping and rest angle from lab.csv, which `spear push-test --write-csv lab` writes",
     )
+    parser = add_command(commands, "identify", run, "estimate a knee's parameters from recorded releases", example)
     parser.add_argument("files", nargs="+", metavar="FILE", help="CSV or .mat: time, and voltage or angle of the knee")
-    data = parser.add_argument_group("the records")
+    data = parser.add_argument_group("records")
     data.add_argument(
         "--volts-per-rad", type=float, metavar="V/RAD", help="slope of the potentiometer, or counts per radian"
     )
-    data.add_argument("--offset", type=float, metavar="V", help="its voltage at the straight leg (default: 0)")
+    data.add_argument("--offset", type=float, metavar="V", help="voltage at the straight leg (default: 0)")
     data.add_argument(
         "--unit", metavar="UNIT", help="V, mV, counts, rad, mrad, deg or turns (default: as the column's name says)"
     )
     data.add_argument("--time-unit", metavar="UNIT", help="s, ms, us, ns, min or h (default: as its name says, or s)")
-    data.add_argument("--column", metavar="NAME", help="of the voltage or angle")
-    data.add_argument("--time-column", metavar="NAME", help="of the time")
-    data.add_argument("--before", type=float, default=0.5, metavar="S", help="of each hold to use (default: 0.5)")
-    data.add_argument("--after", type=float, default=1.5, metavar="S", help="of each motion to use (default: 1.5)")
-    smoothing = parser.add_argument_group("smoothing, of data and model alike")
+    data.add_argument("--column", metavar="NAME", help="column of the voltage or angle")
+    data.add_argument("--time-column", metavar="NAME", help="column of the time")
+    data.add_argument(
+        "--before", type=float, default=0.5, metavar="S", help="time used before a release (default: 0.5)"
+    )
+    data.add_argument("--after", type=float, default=1.5, metavar="S", help="time used after a release (default: 1.5)")
+    smoothing = parser.add_argument_group("smoothing", "data and model are smoothed alike")
     smoothing.add_argument("--window", type=int, metavar="N", help="samples of a moving average (default: none)")
     smoothing.add_argument("--filter", metavar="KIND", help="centred or causal (default: centred)")
-    smoothing.add_argument("--smoothed-already", action="store_true", help="the records are smoothed already")
+    smoothing.add_argument("--smoothed-already", action="store_true", help="take the records as smoothed already")
     smoothing.add_argument("--model-as-is", action="store_true", help="do not smooth the model: estimates are biased")
-    model = parser.add_argument_group("the model")
+    model = parser.add_argument_group("model")
     add_leg(model)
     model.add_argument(
         "--vary",
         nargs="+",
-        default=["stiffness", "damping", "rest_angle"],
+        type=names,
+        default=[["stiffness", "damping", "rest_angle"]],
         metavar="NAME",
-        help=f"of {', '.join(KNOWN)} (default: stiffness damping rest_angle)",
+        help=f"estimate these of {', '.join(KNOWN)} (default: stiffness damping rest_angle)",
     )
-    model.add_argument("--per-release", nargs="+", default=[], metavar="NAME", help="of which each release has its own")
+    model.add_argument(
+        "--per-release", nargs="+", type=names, default=[], metavar="NAME", help="estimate these for each release"
+    )
     for name in KNOWN:
-        option = f"--{name.replace('_', '-')}"
-        model.add_argument(option, type=float, metavar="VALUE", help="where it is not varied; else where to begin")
-    model.add_argument("--static-rest", action="store_true", help="the rest angle is where the leg rests")
-    model.add_argument("--unilateral", action="store_true", help="the spring only pulls")
-    model.add_argument("--loss", default="linear", metavar="NAME", help="linear, soft_l1, huber or cauchy")
-    model.add_argument("--together", action="store_true", help="one estimate from all files")
+        option, text = f"--{name.replace('_', '-')}", "value, or initial guess where it is estimated"
+        model.add_argument(option, type=float, metavar="VALUE", help=f"{name.replace('_', ' ')}: {text}")
+    model.add_argument(
+        "--static-rest", action="store_true", help="take the rest angle for where the leg rests under gravity"
+    )
+    model.add_argument("--unilateral", action="store_true", help="let the spring pull only")
+    model.add_argument("--loss", default="linear", metavar="NAME", help="loss: linear, soft_l1, huber or cauchy")
+    model.add_argument("--together", action="store_true", help="make one estimate from all files")
     add_out(parser, "identify.svg")
     add_open(parser, "identify.svg")
 
@@ -70,6 +80,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.viz.plots.identification import fit_summary
 
     check_out(arguments)
+    for option in ("vary", "per_release"):
+        setattr(arguments, option, [name for part in getattr(arguments, option) for name in part])
     if arguments.window is None and (arguments.smoothed_already or arguments.model_as_is):
         raise BadValue("--window", None, "the number of samples that the records were smoothed over")
     if arguments.window is None and arguments.filter is not None:

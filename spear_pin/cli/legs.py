@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
+from spear_pin.cli.arguments import ROBOT, add_repair
 from spear_pin.errors import BadValue, UnknownName, require
 
 if TYPE_CHECKING:
@@ -16,48 +17,48 @@ if TYPE_CHECKING:
 NAMES = {"spear_ii": "SPEAR-II", "q_spear": "Q-SPEAR", "q_spear_full": "Q-SPEAR", "hoppy": "HOPPY"}
 OPTIONS = ("leg", "side", "body", "repair")
 SEEN = 1e-3  # modulus of a multiplier, below which it is counted, not written
-ROBOT = "name of a robot, or path of a URDF, MJCF or TOML file"
-SIDE = "1 forward, where the file does not tell"
-BODY = "mass on the slider (default: the leg's share)"
+SIDE = "needed where the file does not say it"
+SIDES = "1 if posterior and anterior knees point forward, -1 if backward"
+BODY = "mass on the leg's slider (default: its share of the trunk)"
 
 
-def add_leg(parser: Any, what: str = "of which one leg hops") -> None:
-    """Declare --robot, --leg, --side, --body and --repair; `one_leg` reads them. None is said by default.
+def add_leg(parser: Any, what: str) -> None:
+    """Declare --robot, --leg, --side, --body and --repair; `one_leg` reads them. None unless they are given.
 
     Args:
         parser: of the command.
         what: the command does with it, in words.
     """
-    group = parser.add_argument_group(f"another robot, {what}; what it rests on is printed")
+    group = parser.add_argument_group("another robot", f"{what}; the output says what it assumes")
     group.add_argument("--robot", metavar="ROBOT", help=ROBOT)
-    group.add_argument("--leg", metavar="NAME", help="which of its legs (default: the first)")
-    group.add_argument("--side", type=int, metavar="±1", help=f"where its knee points, {SIDE}")
+    group.add_argument("--leg", metavar="NAME", help="name of the leg (default: the robot's first)")
+    group.add_argument("--side", type=int, metavar="±1", help=f"1 if its knee points forward, -1 if backward; {SIDE}")
     group.add_argument("--body", type=float, metavar="KG", help=BODY)
-    group.add_argument("--repair", action="store_true", default=None, help="mend inertias that are not possible")
+    add_repair(group)
 
 
 def add_plane(parser: Any, what: str) -> None:
-    """Declare --robot, --side and --repair; `in_the_plane` reads them. None is said by default.
+    """Declare --robot, --side and --repair; `in_the_plane` reads them. None unless they are given.
 
     Args:
         parser: of the command.
         what: the command does with it, in words.
     """
-    group = parser.add_argument_group(f"another quadruped, {what} in its sagittal plane")
+    group = parser.add_argument_group("another quadruped in its sagittal plane", what)
     group.add_argument("--robot", metavar="ROBOT", help=ROBOT)
-    group.add_argument(
-        "--side", type=int, nargs=2, metavar="±1", help=f"where posterior and anterior knees point, {SIDE}"
-    )
-    group.add_argument("--repair", action="store_true", default=None, help="mend inertias that are not possible")
+    group.add_argument("--side", type=int, nargs=2, metavar="±1", help=f"{SIDES}; {SIDE}")
+    add_repair(group)
 
 
 def add_cut(parser: Any) -> None:
-    """Declare --leg, --plane, --side and --body; `cut_out` reads them. None is said by default."""
-    group = parser.add_argument_group("a part that is cut out of it, with coordinates and signs of SPEAR-II or Q-SPEAR")
+    """Declare --leg, --plane, --side and --body; `cut_out` reads them. None unless they are given."""
+    group = parser.add_argument_group("part of the robot", "it has the coordinates and signs of SPEAR-II or Q-SPEAR")
     part = group.add_mutually_exclusive_group()
-    part.add_argument("--leg", metavar="NAME", help="one leg on a slider")
-    part.add_argument("--plane", action="store_true", default=None, help="a quadruped in its sagittal plane")
-    group.add_argument("--side", type=int, nargs="+", metavar="±1", help=f"where knees point, {SIDE}")
+    part.add_argument("--leg", metavar="NAME", help="take this leg, on a slider")
+    part.add_argument("--plane", action="store_true", default=None, help="take a quadruped in its sagittal plane")
+    group.add_argument(
+        "--side", type=int, nargs="+", metavar="±1", help=f"1 if a knee points forward, -1 if backward; {SIDE}"
+    )
     group.add_argument("--body", type=float, metavar="KG", help=BODY)
 
 

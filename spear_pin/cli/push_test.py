@@ -8,7 +8,7 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_seed, check_out
 from spear_pin.cli.legs import add_leg as add_another
 from spear_pin.cli.legs import called, one_leg, rests_on
 from spear_pin.cli.output import aligned, joined, shows
@@ -28,51 +28,57 @@ NONE = "none"  # what --ratios calls the belt taken off
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands, "push-test", run, "release the pushed-down leg: simulate it, write page, plots, samples"
-    )
-    parser.add_argument("--depth", type=float, metavar="M", help=f"of the push (default: {DEPTH:.2f})")
+    example = ("spear push-test --ratios none 15 30 66", "compare the release of SPEAR-II's leg with four gear ratios")
+    summary = "simulate a leg that is pushed down and released"
+    parser = add_command(commands, "push-test", run, summary, example)
+    parser.add_argument("--depth", type=float, metavar="M", help=f"depth of the push (default: {DEPTH:.2f})")
     add_leg(parser)
     parser.add_argument(
-        "--stiffness", type=float, metavar="N·m/RAD", help="of the spring (default: 48.25, or 47.12 without motor)"
+        "--stiffness",
+        type=float,
+        metavar="N·m/RAD",
+        help="stiffness of the spring (default: 48.25, or 47.12 without motor)",
     )
     parser.add_argument(
-        "--damping", type=float, metavar="N·m·S/RAD", help="of the knee (default: 1.03, or 0.80 without motor)"
+        "--damping", type=float, metavar="N·m·S/RAD", help="knee damping (default: 1.03, or 0.80 without motor)"
     )
     parser.add_argument("--coulomb", type=float, default=0.0, metavar="N·m", help="dry friction (default: 0)")
-    parser.add_argument("--rest-angle", type=float, default=1.0, metavar="RAD", help="RA of Table 4.1 (default: 1.0)")
     parser.add_argument(
-        "--static-rest", action="store_true", help="RA is where the leg rests, not the zero of its spring"
+        "--rest-angle", type=float, default=1.0, metavar="RAD", help="rest angle of Table 4.1 (default: 1.0)"
     )
-    parser.add_argument("--unilateral", action="store_true", help="the spring only pulls")
-    parser.add_argument("--duration", type=float, metavar="S", help="of the motion (default: 1.5)")
     parser.add_argument(
-        "--ratios", nargs="+", type=_ratio, metavar="N", help=f"compare gear ratios, for instance: {NONE} 15 30 66"
+        "--static-rest", action="store_true", help="take the rest angle for where the leg rests under gravity"
     )
-    records = parser.add_argument_group("synthetic records")
+    parser.add_argument("--unilateral", action="store_true", help="let the spring pull only")
+    parser.add_argument("--duration", type=float, metavar="S", help=f"duration of the motion (default: {DURATION:g})")
+    parser.add_argument(
+        "--ratios", nargs="+", type=_ratio, metavar="N", help=f"compare these gear ratios; {NONE} is without motor"
+    )
+    records = parser.add_argument_group("synthetic record")
     records.add_argument(
-        "--write-csv",
-        type=_csv,
-        metavar="NAME",
-        help="write a synthetic record of several releases instead, to identify from",
+        "--write-csv", type=_csv, metavar="NAME", help="write a synthetic record of releases, for `spear identify`"
     )
-    records.add_argument("--repeats", type=int, metavar="N", help="releases in it (default: 5)")
-    records.add_argument("--noise", type=float, metavar="V", help="standard deviation (default: 0.005)")
+    records.add_argument("--repeats", type=int, metavar="N", help="number of releases in it (default: 5)")
+    records.add_argument("--noise", type=float, metavar="V", help="standard deviation of the noise (default: 0.005)")
     records.add_argument("--quantum", type=float, metavar="V", help="step of the converter (default: 5/4096)")
-    records.add_argument("--drift", type=float, metavar="V/S", help="of the voltage (default: 0)")
-    records.add_argument("--volts-per-rad", type=float, metavar="V/RAD", help="of the potentiometer (default: 1.06)")
-    records.add_argument("--offset", type=float, metavar="V", help="at the straight leg (default: 0.4)")
-    records.add_argument("--seed", type=int, metavar="N", help="of the noise (default: 0)")
-    add_another(parser, "of which one leg is pushed down")
-    add_out(parser, "the files")
-    add_open(parser, "push_test.html, or with --ratios gear_ratios.svg,")
+    records.add_argument("--drift", type=float, metavar="V/S", help="drift of the voltage (default: 0)")
+    records.add_argument(
+        "--volts-per-rad", type=float, metavar="V/RAD", help="slope of the potentiometer (default: 1.06)"
+    )
+    records.add_argument("--offset", type=float, metavar="V", help="voltage at the straight leg (default: 0.4)")
+    add_seed(records, "noise", None)
+    add_another(parser, "one of its legs is pushed down")
+    add_out(parser, "push_test.html, push_test.svg and push_test.npz")
+    add_open(parser, "push_test.html, or gear_ratios.svg with --ratios,")
 
 
 def add_leg(parser: argparse._ActionsContainer) -> None:
     """Declare --ratio and --no-motor; `leg` reads them."""
     drive = parser.add_mutually_exclusive_group()
-    drive.add_argument("--ratio", type=float, metavar="N", help="of the knee's gearbox (default: 15)")
-    drive.add_argument("--no-motor", action="store_true", help="the belt taken off: no rotor at the knee")
+    drive.add_argument("--ratio", type=float, metavar="N", help="ratio of the knee's gearbox (default: 15)")
+    drive.add_argument(
+        "--no-motor", action="store_true", help="take the belt off, so that no rotor turns with the knee"
+    )
 
 
 def leg(arguments: argparse.Namespace) -> PinnedLeg:

@@ -6,7 +6,7 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.arguments import Commands, add_command, add_out, add_seed, check_out
 from spear_pin.cli.legs import doubted, rests_on, stability
 from spear_pin.cli.output import aligned, progress
 from spear_pin.cli.request import GAIT, add_request, requested
@@ -21,16 +21,16 @@ SAME = 1e-5  # between fixed points that are one
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands,
-        "search",
-        run,
-        "search a bounding gait of Q-SPEAR, or another quadruped, from cold, write gait.json (needs casadi)",
-    )
+    example = ("spear search long_stride --speed 2.6", "find a gait with the constraints of long_stride at 2.6 m/s")
+    summary = "optimise a bounding gait from a random initial guess"
+    parser = add_command(commands, "search", run, summary, example)
     add_request(parser)
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the initial guess (default: 0)")
+    add_seed(parser, "initial guess")
     parser.add_argument(
-        "--feedback", choices=("none", "regulated", "speed"), default="none", help="that stabilises it (default: none)"
+        "--feedback",
+        choices=("none", "regulated", "speed"),
+        default="none",
+        help="feedback that stabilises the gait (default: none)",
     )
     add_out(parser, "gait.json")
 

@@ -17,16 +17,19 @@ OVER = ("stiffness", "damping", "knee_ratio", "hip_ratio", "friction")
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands, "sensitivity", run, "what a change of any number does to a gait: its measures and its multipliers"
+    example = (
+        "spear sensitivity hop --over stiffness,knee_mass",
+        "print how spring and shank change the hop's energy, speed, multipliers and other measures",
     )
+    summary = "differentiate a gait's measures with respect to parameters"
+    parser = add_command(commands, "sensitivity", run, summary, example)
     add_gait(parser)
     parser.add_argument(
         "--over",
         type=names,
         action="extend",
         metavar="NAME",
-        help="parameters, apart by commas (default: those of springs, gears and ground)",
+        help="parameters, separated by commas (default: those of springs, gears and ground)",
     )
     add_kept(parser)
     add_motors(parser)

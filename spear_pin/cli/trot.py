@@ -23,20 +23,24 @@ DRAWN = 4  # strides
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    summary = "simulate a trot, a pace or a pronk in space, held by feedback, write page, plots and samples"
-    parser = add_command(commands, "trot", run, summary)
+    example = ("spear trot pace --push 0.2", "stabilise the pace that ships, and push it sideways by 0.2 m/s")
+    summary = "stabilise a trot, a pace or a pronk in 3-D and simulate it"
+    parser = add_command(commands, "trot", run, summary, example)
     parser.add_argument(
         "gait",
         nargs="?",
         default=TROT,
         metavar="GAIT",
-        help=f"{TROT}, {PACE} or {PRONK}, which ship, or a saved one (default: {TROT}); one with feedback, such as "
-        "trot_steady.json, is played as it is",
+        help=f"{TROT}, {PACE}, {PRONK} or a saved gait (default: {TROT}); one with feedback is simulated as it is",
     )
     parser.add_argument(
-        "--push", type=float, default=0.0, metavar="M/S", help="sideways, to the left, at the begin (default: 0)"
+        "--push",
+        type=float,
+        default=0.0,
+        metavar="M/S",
+        help="lateral velocity added at the start, to the left (default: 0)",
     )
-    add_simulation(parser, 10, "strides", "trot.html")
+    add_simulation(parser, 10, "strides", "trot.html, trot.svg, trot.npz and trot_steady.json", "trot.html")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:

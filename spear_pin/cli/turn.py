@@ -26,23 +26,25 @@ DRAWN = 4  # strides
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    summary = "lead a bound of Q-SPEAR into a turn, find the gait that turns, write page, plots and samples"
-    parser = add_command(commands, "turn", run, summary)
+    example = ("spear turn turn_9 --open", "simulate a turn of 9° a stride that ships, and open a page that plays it")
+    parser = add_command(commands, "turn", run, "find a bounding gait that turns in 3-D and simulate it", example)
     parser.add_argument(
         "gait",
         nargs="?",
         metavar="GAIT",
-        help=f"a bounding gait that ships, or a saved one (default: {BOUND}); a turn.json is played as it is, "
-        "and so is turn_9, 9° a stride, of those that ship",
+        help=f"a bounding gait by name or path (default: {BOUND}); one that turns already is simulated as it is",
     )
     by = parser.add_mutually_exclusive_group()
     by.add_argument(
-        "--rate", type=float, metavar="DEG_PER_S", help="to the left, about: by the period of the straight gait"
+        "--rate", type=float, metavar="DEG_PER_S", help="yaw rate to the left, by the period of the straight gait"
     )
     by.add_argument(
-        "--angle", type=float, metavar="DEG", help=f"to the left in a stride, exactly (default: {ANGLE:g}); < 0: right"
+        "--angle",
+        type=float,
+        metavar="DEG",
+        help=f"angle by which a stride turns to the left (default: {ANGLE:g}); negative: right",
     )
-    add_simulation(parser, 20, "strides", "turn.html")
+    add_simulation(parser, 20, "strides", "turn.html, turn.svg, turn.npz and turn.json", "turn.html")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_seed, check_out
 from spear_pin.cli.gaits import add_gait, add_kept, named_gait
 from spear_pin.cli.motors import add_motors, check_motors, motors
 from spear_pin.cli.output import aligned, listed, progress
@@ -22,9 +22,12 @@ STEM = "uncertainty"
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands, "uncertainty", run, "how far a gait is known with numbers that are not, and which to measure better"
+    example = (
+        "spear uncertainty hop --sigma stiffness=1%,damping=0.05",
+        "print the standard deviation of each measure, and which parameter to measure better",
     )
+    summary = "propagate uncertain parameters to a gait's measures"
+    parser = add_command(commands, "uncertainty", run, summary, example)
     add_gait(parser)
     parser.add_argument(
         "--sigma",
@@ -32,7 +35,7 @@ def add(commands: Commands) -> None:
         required=True,
         type=words,
         metavar="NAME=VALUE",
-        help="standard deviations of parameters, in their units or in %% of their values, apart by commas",
+        help="standard deviations of parameters, in their units or in %%, separated by commas",
     )
     parser.add_argument(
         "--correlation",
@@ -45,10 +48,10 @@ def add(commands: Commands) -> None:
     add_kept(parser)
     add_motors(parser)
     parser.add_argument(
-        "--monte-carlo", type=int, metavar="N", help="find the gait anew for N samples, and say where first order fails"
+        "--monte-carlo", type=int, metavar="N", help="find the gait for N samples too, and compare with first order"
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the samples (default: 0)")
-    add_out(parser, f"{STEM}.json and {STEM}.svg, and monte_carlo.svg")
+    add_seed(parser, "samples")
+    add_out(parser, f"{STEM}.json, {STEM}.svg and monte_carlo.svg")
     add_open(parser, f"the picture, {STEM}.svg,")
 
 
