@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_seed, add_simulation, check_simulation
-from spear_pin.cli.endings import ended, lost, notes_of
-from spear_pin.cli.legs import add_leg, called, doubted, one_leg, rests_on, stability
-from spear_pin.cli.output import aligned, iterations, listed, progress, shows
+from spear_pin.cli.legs import add_leg, called, one_leg, rests_on, stability, write_leg
+from spear_pin.cli.output import iterations, progress
+from spear_pin.cli.python_lines import Code, Program
+from spear_pin.cli.writing import Rows, play, write_motion
 from spear_pin.errors import BadValue, NoGait, SpearError
 
 if TYPE_CHECKING:
@@ -78,19 +77,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Solve the hop, simulate it and write its files."""
     from dataclasses import replace
 
-    from spear_pin import Ground, HoppingLaw, Spring, hopping, load, simulate
+    from spear_pin import load
     from spear_pin.cli import hop_round
-    from spear_pin.cli.hop_led import led
     from spear_pin.hybrid.parameters import with_hardware
     from spear_pin.model.loading import sidecar_of
-    from spear_pin.model.scale import scale_of
     from spear_pin.studies.hop import summarize
-    from spear_pin.studies.hop_led import FLIGHT_TIME
-    from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
-    from spear_pin.studies.joint_limits import plausibility
-    from spear_pin.viz.playback.trajectory import read_times
-    from spear_pin.viz.player import record, shortened
-    from spear_pin.viz.plots import hop_summary, save_figure
+    from spear_pin.studies.hop_of_another import scaled_hopping
+    from spear_pin.viz.plots import hop_summary
 
     check_simulation(arguments)
     if arguments.robot is not None and sidecar_of(arguments.robot).post is not None:
@@ -98,86 +91,135 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     locked = [] if arguments.free_x else ["boom_x"]
     other = one_leg(arguments, locked)
     robot = other or load("spear_ii", locked=locked)
-    law, spring, scale = HoppingLaw(), Spring(), 1.0
-    if other is not None:
-        usual, scale = scaled_hopping(robot), scale_of(robot).time
-        law, spring = usual.law, usual.spring
-    given = {name: value for name in ("stance_torque", "frequency") if (value := getattr(arguments, name)) is not None}
-    lean = robot.legs[0].lean(arguments.knee) if arguments.free_x or other is not None else None
-    law = replace(
-        law, knee_touchdown=arguments.knee, hip_touchdown=lean, foot_placement=arguments.foot_placement, **given
-    )
-    spring = replace(spring, **{name: value for name in SPRING if (value := getattr(arguments, name)) is not None})
-    friction = {} if arguments.friction is None else {"friction": arguments.friction}
     rig = _rig(arguments, other)
     if rig is not None and arguments.save:
         raise BadValue("--save", True, "to go without --hardware, which a saved gait does not keep")
-    driven = None if rig is None else rig.on(robot)
+    usual = None if other is None else scaled_hopping(other)
+    system = _system(arguments, robot, usual, rig)
+    program = Program()
+    named = _write_system(program, write_leg(program, arguments, robot, locked), system, usual)
+    driven = None
+    if rig is not None:  # solved with what has no memory, and without noise
+        ideal = replace(rig, bandwidth=None, sensing=None)
+        system = with_hardware(system, ideal.on(robot))
+        written = program.let("rig", rig)
+        on_robot = program.method(program.change(written, rig, ideal), "on", Code("robot"))
+        named = program.let("system", program.call(with_hardware, named, on_robot))
+        driven = program.call(with_hardware, Code("gait.system"), program.method(written, "on", Code("robot")))
+    gait, notes = _found(arguments, program, named, system, other, rig)
+    trajectory, end = play(
+        arguments,
+        program,
+        gait,
+        "hop",
+        system=None if rig is None or driven is None else (with_hardware(gait.system, rig.on(robot)), driven),
+    )
+    figures = summarize(gait, trajectory)
+    if trajectory.electrical is not None:
+        figures["electrical"] = {flow: trajectory.electrical[flow].mean() for flow in trajectory.electrical.flows}
+        figures["peak_current"] = dict(zip(trajectory.actuated, abs(trajectory.current).max(axis=0), strict=True))
+    return write_motion(
+        arguments,
+        "hop",
+        gait,
+        trajectory,
+        end,
+        figures,
+        _rows,
+        title=f"{called(robot)} hopping in place",
+        program=program,
+        told=[*notes, *rests_on(robot)],
+        plot=lambda motion: hop_summary(motion, gait),
+        saved=[gait.save(arguments.out / "hop.json")] if arguments.save else [],
+    )
+
+
+def _system(arguments: argparse.Namespace, robot: Robot, usual: HybridSystem | None, rig: Rig | None) -> HybridSystem:
+    """The hop that the options ask for, without hardware."""
+    from dataclasses import replace
+
+    from spear_pin import Ground, HoppingLaw, Spring, hopping
+
+    law, spring = (HoppingLaw(), Spring()) if usual is None else (usual.law, usual.spring)
+    given = {name: value for name in ("stance_torque", "frequency") if (value := getattr(arguments, name)) is not None}
+    lean = robot.legs[0].lean(arguments.knee) if arguments.free_x or usual is not None else None
+    law = replace(
+        law, knee_touchdown=arguments.knee, hip_touchdown=lean, foot_placement=arguments.foot_placement, **given
+    )
     if rig is not None and arguments.stance_torque is None:  # what the gears lose is asked for as well
         law = replace(law, stance_torque=law.stance_torque / rig.knee_efficiency)
-    system = hopping(robot, law, spring, ground=Ground(slope=arguments.slope, **friction))
-    if rig is not None:  # solved with what has no memory, and without noise
-        system = with_hardware(system, replace(rig, bandwidth=None, sensing=None).on(robot))
+    spring = replace(spring, **{name: value for name in SPRING if (value := getattr(arguments, name)) is not None})
+    friction = {} if arguments.friction is None else {"friction": arguments.friction}
+    return hopping(robot, law, spring, ground=Ground(slope=arguments.slope, **friction))
+
+
+def _write_system(program: Program, robot: Code, system: HybridSystem, usual: HybridSystem | None) -> Code:
+    """Write how a hop is made: from the law and the spring that it has by default, what differs."""
+    from spear_pin import Ground, hopping
+    from spear_pin.studies.hop_of_another import scaled_hopping
+
+    law, spring, ground = system.law, system.spring, system.ground
+    named: dict[str, object] = {} if ground == Ground() else {"ground": ground}
+    if usual is None:
+        named = {name: value for name, value in (("law", law), ("spring", spring)) if value != type(value)()} | named
+        return program.let("system", program.call(hopping, robot, **named))
+    own = program.let("usual", program.call(scaled_hopping, robot))
+    if (law, spring) == (usual.law, usual.spring) and not named:
+        return own
+    changed = [
+        program.change(Code(f"{own}.law"), usual.law, law),
+        program.change(Code(f"{own}.spring"), usual.spring, spring),
+    ]
+    return program.let("system", program.call(hopping, robot, *changed, **named))
+
+
+def _found(
+    arguments: argparse.Namespace,
+    program: Program,
+    named: Code,
+    system: HybridSystem,
+    other: Robot | None,
+    rig: Rig | None,
+) -> tuple[Gait, list[tuple[str, str]]]:
+    """Find the hop, and say how, in words and in Python."""
+    from spear_pin import find_gait
+    from spear_pin.cli.hop_led import led
+    from spear_pin.model.scale import scale_of
+    from spear_pin.studies.hop_led import FLIGHT_TIME, lead_hop
+    from spear_pin.studies.hop_of_another import hop_of
+
     notes: list[tuple[str, str]] = []
     try:
         if other is not None and arguments.flight_time is None and arguments.stance_torque is None:
+            wanted = scale_of(other).time * FLIGHT_TIME
             with progress() as show:
-                show(f"looking for a hop of {called(robot)}")
+                show(f"looking for a hop of {called(other)}")
                 gait = hop_of(
                     system,
-                    scale * FLIGHT_TIME,
+                    wanted,
                     within_limits=True,
                     on_attempt=lambda time, why: notes.append((f"in the air {time:.3g} s", why)),
                 )
-        else:
-            wanted = FLIGHT_TIME if arguments.stance_torque is None else None
-            gait = _solved(system, wanted if arguments.flight_time is None else arguments.flight_time, arguments.free_x)
+            program.let("gait", program.call(hop_of, named, wanted, within_limits=True))
+            return gait, notes
+        flight_time = FLIGHT_TIME if arguments.flight_time is None else arguments.flight_time
+        solved = {"stance_torque": ("flight_time", flight_time)} if arguments.stance_torque is None else {}
+        solved |= {"hip_touchdown": ("mean_speed", 0.0)} if arguments.free_x else {}
+        target: Any = dict(solved.values())
+        with iterations() as tell:
+            gait = find_gait(system, list(solved), target, on_iteration=tell)
+        program.let("gait", program.call(find_gait, named, vary=list(solved), target=target or None))
+        return gait, notes
     except NoGait as failure:
         if other is None or rig is not None or arguments.free_x:
             raise _helped(failure) from None
         with progress() as show:
             show("leading from a hop that there is")
             gait = led(arguments, system, failure)
-        notes.append(("found", "by leading from a hop with SPEAR-II's numbers, scaled: a search alone finds none"))
-    trajectory = simulate(
-        with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step
-    )
-    end = lost(trajectory, "hop")
-    samples = trajectory.save(arguments.out / "hop.npz")
-    saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
-    summary = {"lost": end, **summarize(gait, trajectory), **plausibility(gait, trajectory)}
-    if robot.cut is not None:
-        summary["cut"] = str(robot.cut)
-    if trajectory.electrical is not None:
-        summary["electrical"] = {flow: trajectory.electrical[flow].mean() for flow in trajectory.electrical.flows}
-        summary["peak_current"] = dict(zip(trajectory.actuated, abs(trajectory.current).max(axis=0), strict=True))
-    shown = shortened(robot, trajectory)
-    page, plots = arguments.out / "hop.html", arguments.out / "hop.svg"
-    title = f"{called(robot)} hopping in place"
-    pictures: dict[Path, Callable[[Path], object]] = {
-        page: lambda path: record(robot, shown, path, title=title, notes=notes_of(summary)),
-        plots: lambda path: save_figure(hop_summary(trajectory, gait), path),
-    }
-    told = [*notes, *rests_on(robot), *doubted(summary["implausible"])]
-    files = [page, samples, plots, *saved]
-    return summary | {
-        "shown": read_times(shown)[[0, -1]],
-        "files": [*map(str, files)],
-        "pictures": pictures,
-        "opened": page,
-        "text": _text(summary, [*told, *shows(shown), *listed(arguments.out, "hop", files)]),
-    }
-
-
-def _solved(system: HybridSystem, flight_time: float | None, free: bool) -> Gait:
-    """The hop with a flight time, or of None with the stance torque as it is."""
-    from spear_pin import find_gait
-
-    drift = {"hip_touchdown": ("mean_speed", 0.0)} if free else {}
-    solved = drift if flight_time is None else {"stance_torque": ("flight_time", flight_time), **drift}
-    target: Any = dict(solved.values())
-    with iterations() as tell:
-        return find_gait(system, list(solved), target, on_iteration=tell)
+    kept = {name: value for name in ("flight_time", "stance_torque") if (value := getattr(arguments, name)) is not None}
+    program.let("gait", Code(f"{program.call(lead_hop, named, kept)}.gait"))
+    notes.append(("found", "by leading from a hop with SPEAR-II's numbers, scaled: a search alone finds none"))
+    return gait, notes
 
 
 def _helped(failure: NoGait) -> SpearError:
@@ -214,9 +256,8 @@ def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
     return Rig(**given, sensing=sensing)
 
 
-def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
-    rows = [
-        *ended(summary["lost"]),
+def _rows(summary: dict[str, Any]) -> Rows:
+    return [
         ("stance torque", f"{summary['stance_torque']:.4f} N·m"),
         ("commanded hip, knee", f"{summary['hip_touchdown']:.4f}, {summary['knee_touchdown']:.4f} rad"),
         ("flight, stance", f"{summary['flight_time']:.4f} s, {summary['stance_time']:.4f} s"),
@@ -230,9 +271,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         *_motors(summary),
         *_electrical(summary),
         ("simulated", f"{summary['cycles']} hops ({summary['reason']}){_touches(summary)}"),
-        *files,
     ]
-    return aligned(rows)
 
 
 def _touches(summary: dict[str, Any]) -> str:

@@ -6,6 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import ROBOT, add_repair
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue, UnknownName, require
 
 if TYPE_CHECKING:
@@ -122,6 +123,55 @@ def cut_out(source: str, arguments: argparse.Namespace, options: dict[str, Any])
     if arguments.leg is None:
         return _plane(robot, sides or None)
     return _leg(robot, arguments.leg, sides[0] if sides else None, arguments.body, [])
+
+
+def write_leg(program: Program, arguments: argparse.Namespace, robot: Robot, locked: list[str]) -> Code:
+    """Write the Python of `one_leg`, or that of SPEAR-II if no robot is named.
+
+    Args:
+        program: to which lines are added.
+        arguments: those of `add_leg`.
+        robot: what `one_leg` returned, or SPEAR-II.
+        locked: joints of it that are locked.
+
+    Returns:
+        What the robot is called.
+    """
+    from dataclasses import replace
+
+    from spear_pin import load, monopod
+
+    if arguments.robot is None or robot.cut is None:
+        return program.let("robot", program.call(load, "spear_ii", locked=locked))
+    whole, leg, body = _write_load(program, arguments, "fixed"), robot.cut.legs[0][0], arguments.body
+    mass = {} if body is None else {"body": body}
+    if arguments.side is None:
+        return program.let("robot", program.call(monopod, whole, leg.name, **mass, locked=locked))
+    whole = program.let("whole", whole)
+    named = Code(f"next(leg for leg in whole.legs if leg.name == {program.source(leg.name)})")
+    sided = program.let("leg", program.call(replace, named, side=leg.side))
+    return program.let("robot", program.call(monopod, whole, sided, **mass, locked=locked))
+
+
+def write_plane(program: Program, arguments: argparse.Namespace) -> Code:
+    """Write the Python of `in_the_plane`, where a robot is named, and return what the robot is called."""
+    from dataclasses import replace
+
+    from spear_pin import sagittal
+
+    whole = _write_load(program, arguments, "free")
+    if arguments.side is None:
+        return program.let("robot", program.call(sagittal, whole))
+    whole, side = program.let("whole", whole), f"{program.name(replace)}(leg, side=side * leg.knee_sign)"
+    pairs = f"zip({program.name(sagittal)}(whole).cut.legs, {list(arguments.side)}, strict=True)"
+    sided = program.let("pairs", Code(f"[[{side} for leg in pair] for pair, side in {pairs}]"))
+    return program.let("robot", program.call(sagittal, whole, sided))
+
+
+def _write_load(program: Program, arguments: argparse.Namespace, base: str) -> Code:
+    from spear_pin import load
+
+    return program.call(load, arguments.robot, **_unsaid(arguments.robot, base), repair=bool(arguments.repair))
 
 
 def _plane(robot: Robot, sides: Sequence[int] | None) -> Robot:
