@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_cycles, add_open, add_out, check_out
-from spear_pin.cli.legs import add_leg, one_leg
+from spear_pin.cli.legs import add_leg, one_leg, write_leg
 from spear_pin.cli.output import aligned, joined, progress
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -52,19 +53,24 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     with progress() as show:
         show("comparing")
-        of = _hop_or_gait(arguments)
+        program = Program()
+        of, written = _hop_or_gait(arguments, program)
         found = compare(*arguments.items, names=arguments.names, cycles=arguments.cycles, of=of)
+    options = {"names": arguments.names, "cycles": arguments.cycles, "of": written}
+    program.let("comparison", program.call(compare, *arguments.items, **options))
+    program.do(program.method(Code("comparison"), "save", PAGE))
     page: Path = found.save(arguments.out / PAGE)
     return {
         **as_json(found),
         "files": [str(page)],
         "opened": page,
         "text": text(found) + "\n\n" + aligned([("files", str(page))]),
+        "python": str(program),
     }
 
 
-def _hop_or_gait(arguments: argparse.Namespace) -> Gait | None:
-    """What springs are put into, if options say it: a gait, or the hop of a leg for a time in the air."""
+def _hop_or_gait(arguments: argparse.Namespace, program: Program) -> tuple[Gait | None, Code | None]:
+    """Find the gait into which springs are put, if options name it, and write the Python for it."""
     leg, given = one_leg(arguments, ["boom_x"]), {"--robot": arguments.robot, "--flight-time": arguments.flight_time}
     for option, value in given.items():
         if value is not None and arguments.of is not None:
@@ -74,12 +80,14 @@ def _hop_or_gait(arguments: argparse.Namespace) -> Gait | None:
     if arguments.of is not None:
         from spear_pin.gaits.gait import Gait
 
-        return Gait.load(arguments.of)
+        return Gait.load(arguments.of), program.let("gait", program.call(Gait.load, arguments.of))
     if leg is None and arguments.flight_time is None:
-        return None
+        return None, None
     from spear_pin.studies.comparison.sides import usual_hop
 
-    return usual_hop(leg, arguments.flight_time)
+    named = None if leg is None else write_leg(program, arguments, leg, ["boom_x"])
+    hop = program.let("hop", program.call(usual_hop, leg=named, flight_time=arguments.flight_time))
+    return usual_hop(leg, arguments.flight_time), hop
 
 
 def as_json(found: Comparison) -> dict[str, Any]:

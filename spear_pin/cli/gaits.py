@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from spear_pin.cli.pairs import names
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadFile, BadValue
 
 if TYPE_CHECKING:
@@ -94,6 +95,17 @@ def named_gait(what: str) -> Gait:
         system = hopping(load("spear_ii", locked=["boom_x"]))
         return find_gait(system, vary=["stance_torque"], target={"flight_time": 0.2})
     return Gait.load(BOUND if what == "bound" else what)
+
+
+def write_gait(program: Program, what: str) -> Code:
+    """Write the Python of `named_gait`, and return what the gait is called."""
+    from spear_pin import Gait, find_gait, hopping, load
+
+    if what != "hop":
+        return program.let("gait", program.call(Gait.load, BOUND if what == "bound" else what))
+    robot = program.let("robot", program.call(load, "spear_ii", locked=["boom_x"]))
+    hop = program.call(hopping, robot)
+    return program.let("gait", program.call(find_gait, hop, vary=["stance_torque"], target={"flight_time": 0.2}))
 
 
 def _base(name: str) -> str:

@@ -98,22 +98,18 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     system = _system(arguments, robot, usual, rig)
     program = Program()
     named = _write_system(program, write_leg(program, arguments, robot, locked), system, usual)
-    driven = None
+    driven = None if rig is None else rig.on(robot)
+    played = None
     if rig is not None:  # solved with what has no memory, and without noise
         ideal = replace(rig, bandwidth=None, sensing=None)
         system = with_hardware(system, ideal.on(robot))
         written = program.let("rig", rig)
         on_robot = program.method(program.change(written, rig, ideal), "on", Code("robot"))
         named = program.let("system", program.call(with_hardware, named, on_robot))
-        driven = program.call(with_hardware, Code("gait.system"), program.method(written, "on", Code("robot")))
+        played = program.call(with_hardware, Code("gait.system"), program.method(written, "on", Code("robot")))
     gait, notes = _found(arguments, program, named, system, other, rig)
-    trajectory, end = play(
-        arguments,
-        program,
-        gait,
-        "hop",
-        system=None if rig is None or driven is None else (with_hardware(gait.system, rig.on(robot)), driven),
-    )
+    real = None if played is None else (with_hardware(gait.system, driven), played)
+    trajectory, end = play(arguments, program, gait, "hop", system=real)
     figures = summarize(gait, trajectory)
     if trajectory.electrical is not None:
         figures["electrical"] = {flow: trajectory.electrical[flow].mean() for flow in trajectory.electrical.flows}

@@ -9,11 +9,12 @@ from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, ch
 from spear_pin.cli.output import joined, progress
 from spear_pin.cli.pairs import names
 from spear_pin.cli.push_test import add_leg, leg
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
     from spear_pin.model.pinned import PinnedLeg
-    from spear_pin.studies.identification import Estimate, MovingAverage, Trial
+    from spear_pin.studies.identification import Calibration, Estimate, MovingAverage, Trial
 
 GUESSED = ("stiffness", "damping", "rest_angle")  # from the data, where they are neither given nor varied
 KNOWN = ("stiffness", "damping", "coulomb", "rest_angle", "rotor_inertia")
@@ -88,7 +89,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         raise BadValue("--filter", arguments.filter, "to go with --window")
     kind: Any = "centred" if arguments.filter is None else arguments.filter
     smoothing = None if arguments.window is None else MovingAverage(arguments.window, kind)
-    pinned = leg(arguments)
+    program = Program()
+    pinned = leg(arguments, program)
     guessed = [name for name in GUESSED if name not in arguments.vary and getattr(arguments, name) is None]
     for path in arguments.files:
         if arguments.files.count(path) > 1:
@@ -105,6 +107,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.together:
         by_file = {" + ".join(by_file): [trial for trials in by_file.values() for trial in trials]}
     estimates = {name: _estimated(arguments, name, pinned, trials) for name, trials in by_file.items()}
+    _write(arguments, program, smoothing)
     picture = save_figure(fit_summary(estimates), arguments.out / "identify.svg")
     return {
         "estimates": [{"file": name, **_figures(estimate)} for name, estimate in estimates.items()],
@@ -112,17 +115,61 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "files": [str(picture)],
         "opened": picture,
         "text": joined([*_lines(estimates), *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]),
+        "python": str(program),
     }
+
+
+def _write(arguments: argparse.Namespace, program: Program, smoothing: MovingAverage | None) -> None:
+    """Write the Python of an estimate from the first file, or from all of them together."""
+    from dataclasses import replace
+
+    from spear_pin.studies.identification import cut, identify, read_record, smoothed
+
+    given = {"column": arguments.column, "time_column": arguments.time_column, "calibration": _calibration(arguments)}
+    units = {"unit": arguments.unit, "time_unit": arguments.time_unit}
+    trials = Code("[]")
+    for path in arguments.files if arguments.together else arguments.files[:1]:
+        record = program.call(read_record, path, **given, **units)
+        made = program.call(cut, record, before=arguments.before, after=arguments.after)
+        trials = program.let("trials", Code(f"{made}[0]" if trials == "[]" else f"{trials} + {made}[0]"))
+    if smoothing is not None:
+        by = program.let("smoothing", smoothing)
+        one = program.call(replace, Code("trial"), smoothing=by)
+        one = one if arguments.smoothed_already else program.call(smoothed, Code("trial"), by)
+        trials = program.let("trials", Code(f"[{one} for trial in trials]"))
+    estimate = program.call(identify, Code("leg"), trials, vary=arguments.vary, **_options(arguments))
+    program.show(program.let("estimate", estimate))
+    if len(arguments.files) > 1 and not arguments.together:
+        program.say("and so for each of the other files")
+
+
+def _options(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Options of `identify`."""
+    return {
+        "per_trial": arguments.per_release,
+        "static_rest": arguments.static_rest,
+        "known": {each: value for each in KNOWN if (value := getattr(arguments, each)) is not None} or None,
+        "unilateral": arguments.unilateral,
+        "loss": arguments.loss,
+        "smooth_model": not arguments.model_as_is,
+    }
+
+
+def _calibration(arguments: argparse.Namespace) -> Calibration | None:
+    """The potentiometer that options describe."""
+    from spear_pin.studies.identification import Calibration
+
+    slope = arguments.volts_per_rad
+    return None if slope is None else Calibration(slope, arguments.offset or 0.0)
 
 
 def _trials(arguments: argparse.Namespace, path: str, smoothing: MovingAverage | None) -> tuple[list[Trial], list[str]]:
     from dataclasses import replace
 
-    from spear_pin.studies.identification import Calibration, cut, read_record, smoothed
+    from spear_pin.studies.identification import cut, read_record, smoothed
 
-    calibration, notes = None, list[str]()
+    calibration, notes = _calibration(arguments), list[str]()
     if arguments.volts_per_rad is not None:
-        calibration = Calibration(arguments.volts_per_rad, arguments.offset or 0.0)
         if arguments.offset is None:
             notes.append("--offset is not given: the voltage of the straight leg is taken as 0")
     elif arguments.offset is not None:
@@ -151,12 +198,7 @@ def _estimated(arguments: argparse.Namespace, name: str, pinned: PinnedLeg, tria
             pinned,
             trials,
             arguments.vary,
-            per_trial=arguments.per_release,
-            static_rest=arguments.static_rest,
-            known={each: value for each in KNOWN if (value := getattr(arguments, each)) is not None},
-            unilateral=arguments.unilateral,
-            loss=arguments.loss,
-            smooth_model=not arguments.model_as_is,
+            **_options(arguments),
             on_iteration=lambda n, rms: show(f"{name}: evaluation {n}, residual {1e3 * rms:.3f} mrad"),
         )
 

@@ -137,35 +137,74 @@ def write_leg(program: Program, arguments: argparse.Namespace, robot: Robot, loc
     Returns:
         What the robot is called.
     """
-    from dataclasses import replace
-
-    from spear_pin import load, monopod
+    from spear_pin import load
 
     if arguments.robot is None or robot.cut is None:
         return program.let("robot", program.call(load, "spear_ii", locked=locked))
-    whole, leg, body = _write_load(program, arguments, "fixed"), robot.cut.legs[0][0], arguments.body
-    mass = {} if body is None else {"body": body}
+    return _write_leg(program, _write_load(program, arguments, "fixed"), arguments, robot, locked)
+
+
+def _write_leg(program: Program, whole: Code, arguments: argparse.Namespace, robot: Robot, locked: list[str]) -> Code:
+    from dataclasses import replace
+
+    from spear_pin import monopod
+
+    assert robot.cut is not None
+    leg, options = robot.cut.legs[0][0], {"locked": locked}
+    options |= {} if arguments.body is None else {"body": arguments.body}
     if arguments.side is None:
-        return program.let("robot", program.call(monopod, whole, leg.name, **mass, locked=locked))
+        return program.let("robot", program.call(monopod, whole, leg.name, **options))
     whole = program.let("whole", whole)
     named = Code(f"next(leg for leg in whole.legs if leg.name == {program.source(leg.name)})")
     sided = program.let("leg", program.call(replace, named, side=leg.side))
-    return program.let("robot", program.call(monopod, whole, sided, **mass, locked=locked))
+    return program.let("robot", program.call(monopod, whole, sided, **options))
 
 
 def write_plane(program: Program, arguments: argparse.Namespace) -> Code:
     """Write the Python of `in_the_plane`, where a robot is named, and return what the robot is called."""
+    return _write_plane(program, _write_load(program, arguments, "free"), arguments.side)
+
+
+def _write_plane(program: Program, whole: Code, sides: Sequence[int] | None) -> Code:
     from dataclasses import replace
 
     from spear_pin import sagittal
 
-    whole = _write_load(program, arguments, "free")
-    if arguments.side is None:
+    if sides is None:
         return program.let("robot", program.call(sagittal, whole))
     whole, side = program.let("whole", whole), f"{program.name(replace)}(leg, side=side * leg.knee_sign)"
-    pairs = f"zip({program.name(sagittal)}(whole).cut.legs, {list(arguments.side)}, strict=True)"
+    pairs = f"zip({program.name(sagittal)}(whole).cut.legs, {list(sides)}, strict=True)"
     sided = program.let("pairs", Code(f"[[{side} for leg in pair] for pair, side in {pairs}]"))
     return program.let("robot", program.call(sagittal, whole, sided))
+
+
+def write_cut(
+    program: Program, source: str, arguments: argparse.Namespace, options: dict[str, Any], robot: Robot
+) -> Code:
+    """Write the Python of `cut_out`, and return what the robot is called.
+
+    Args:
+        program: to which lines are added.
+        source: name of the robot, or path of its file.
+        arguments: those of `add_cut`.
+        options: of `load`.
+        robot: what `cut_out` returned.
+    """
+    from spear_pin import load
+
+    given = argparse.Namespace(**vars(arguments) | {"robot": source})
+    if arguments.leg is not None or arguments.plane is not None:
+        base = "fixed" if arguments.plane is None else "free"
+        options = {
+            **options,
+            **{name: each for name, each in _unsaid(source, base).items() if options.get(name) is None},
+        }
+        whole = program.call(load, source, **options)
+        if arguments.plane is not None:
+            return _write_plane(program, whole, arguments.side)
+        given.side = (arguments.side or [None])[0]
+        return _write_leg(program, whole, given, robot, [])
+    return program.let("robot", program.call(load, source, **options))
 
 
 def _write_load(program: Program, arguments: argparse.Namespace, base: str) -> Code:

@@ -20,9 +20,10 @@ from spear_pin.cli.arguments import (
     add_workers,
     check_out,
 )
-from spear_pin.cli.legs import BODY, SIDE, called, in_the_plane, one_leg, rests_on
+from spear_pin.cli.legs import BODY, SIDE, called, in_the_plane, one_leg, rests_on, write_leg, write_plane
 from spear_pin.cli.motors import EFFICIENCY
 from spear_pin.cli.output import aligned, progress
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue, SpearError, UnknownName, require
 from spear_pin.words import number
 
@@ -88,6 +89,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         raise BadValue("--workers", arguments.workers, "a whole number, at least 1")
     drives = given_drives(arguments)
 
+    from spear_pin import load
     from spear_pin.files import write_text
     from spear_pin.studies.payoff import answer, rests_of
     from spear_pin.viz.payoff import as_json, render
@@ -96,15 +98,25 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     hop = arguments.leg is not None or arguments.robot == LEG
     robot, study_of, speeds = (_hops if hop else _bounds)(arguments)
+    program = Program()
+    given = {"speeds": speeds, "stiffnesses": arguments.stiffnesses, "drives": drives or None, "bus": arguments.bus}
+    own = {name: value for name, value in given.items() if value is not None} | {
+        "n_jobs": arguments.workers or os.cpu_count()
+    }
+    if hop:
+        named = write_leg(program, arguments, robot, ["boom_x"])
+    elif robot.cut is None:
+        named = program.let("robot", program.call(load, arguments.robot))
+    else:
+        named = write_plane(program, arguments)
+    store = program.call(Path, arguments.out / "payoff.jsonl")
+    program.let("study", program.call(study_of, named, store, **own))
+    program.show(Code(f"{program.call(answer, Code('study'))}.sentence"))
     with progress() as show:
         study = study_of(
             robot,
             arguments.out / "payoff.jsonl",
-            speeds=speeds,
-            stiffnesses=arguments.stiffnesses,
-            drives=drives,
-            bus=arguments.bus,
-            n_jobs=arguments.workers or os.cpu_count(),
+            **{"drives": {}} | own,
             tell=show,
         )
     found = answer(study)
@@ -135,6 +147,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "pictures": pictures,
         "opened": files["page"],
         "text": _text(study, found, rests, listed),
+        "python": str(program),
     }
 
 

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_seed, check_out
 from spear_pin.cli.legs import add_leg as add_another
-from spear_pin.cli.legs import called, one_leg, rests_on
+from spear_pin.cli.legs import called, one_leg, rests_on, write_leg
 from spear_pin.cli.output import aligned, joined, shows
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
 from spear_pin.words import number
 
@@ -81,15 +82,15 @@ def add_leg(parser: argparse._ActionsContainer) -> None:
     )
 
 
-def leg(arguments: argparse.Namespace) -> PinnedLeg:
-    """SPEAR-II as --ratio and --no-motor say."""
+def leg(arguments: argparse.Namespace, program: Program) -> PinnedLeg:
+    """Load SPEAR-II as --ratio and --no-motor say, and write the Python for it, which calls it "leg"."""
     from spear_pin.studies.push_test import spear_ii
 
-    if arguments.no_motor:
-        return spear_ii(None)
     if arguments.ratio is not None and not 0 < arguments.ratio < math.inf:
         raise BadValue("--ratio", arguments.ratio, "a number > 0")
-    return spear_ii(15.0 if arguments.ratio is None else arguments.ratio)
+    ratio = None if arguments.no_motor else 15.0 if arguments.ratio is None else arguments.ratio
+    program.let("leg", program.call(spear_ii, ratio=ratio))
+    return spear_ii(ratio)
 
 
 def _limited(robot: Robot) -> bool:
@@ -97,8 +98,8 @@ def _limited(robot: Robot) -> bool:
     return max(map(abs, robot.limits["knee"].position)) < 2.0 * math.pi
 
 
-def _geared(robot: Robot, arguments: argparse.Namespace) -> Robot:
-    """Another robot's leg as --ratio and --no-motor say.
+def _geared(robot: Robot, arguments: argparse.Namespace, program: Program, named: Code) -> Robot:
+    """Change another robot's leg as --ratio and --no-motor say, and write the Python for it.
 
     Raises:
         BadValue: its rotors have no inertia, so that no ratio changes anything.
@@ -106,11 +107,13 @@ def _geared(robot: Robot, arguments: argparse.Namespace) -> Robot:
     from spear_pin.model.variants import vary
 
     if arguments.no_motor:
+        program.let(named, program.call(vary, named, knee_rotor=0.0))
         return vary(robot, knee_rotor=0.0)
     if arguments.ratio is None:
         return robot
     if not robot.model.armature[robot.index("knee")]:
         raise BadValue("--ratio", arguments.ratio, f"none: the knee of {called(robot)} has a rotor without inertia")
+    program.let(named, program.call(vary, named, knee_ratio=arguments.ratio))
     return vary(robot, knee_ratio=arguments.ratio)
 
 
@@ -142,17 +145,20 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     check_out(arguments)
     _check_mode(arguments)
-    other = one_leg(arguments, ["boom_x"])
+    other, program = one_leg(arguments, ["boom_x"]), Program()
     scale = 1.0 if other is None else scale_of(other).length
     arguments.depth = scale * DEPTH if arguments.depth is None else arguments.depth
     if arguments.ratios is not None:
         return _compared(arguments)
     usual = WITHOUT_MOTOR if arguments.no_motor else WITH_MOTOR
     if other is None:
-        pinned = leg(arguments)
+        pinned = leg(arguments, program)
     else:
-        geared, spring = _geared(other, arguments), scaled_hopping(other).spring
-        pinned = pin_toe(geared, span=None if _limited(geared) else FLEXION)
+        named = write_leg(program, arguments, other, ["boom_x"])
+        geared, spring = _geared(other, arguments, program, named), scaled_hopping(other).spring
+        span = None if _limited(geared) else FLEXION
+        pinned = pin_toe(geared, span=span)
+        program.let("leg", program.call(pin_toe, named, span=span))
         usual = replace(usual, stiffness=spring.stiffness, damping=spring.damping)
         if spring.stiffness == 0 and arguments.stiffness is None:
             raise BadValue("--stiffness", None, "one, for the push test knows linear springs only")
@@ -165,9 +171,10 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     )
     if arguments.static_rest:
         knee = resting_at(pinned, knee, arguments.rest_angle)
+    program.let("knee", knee)
     if arguments.write_csv is not None:
-        return _recorded(arguments, pinned, knee)
-    return _released(arguments, pinned, knee)
+        return _recorded(arguments, pinned, knee, program)
+    return _released(arguments, pinned, knee, program)
 
 
 def _check_mode(arguments: argparse.Namespace) -> None:
@@ -189,7 +196,7 @@ def _check_mode(arguments: argparse.Namespace) -> None:
             raise BadValue(option, "given", f"to be left out: it has no effect with {mode}")
 
 
-def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee) -> dict[str, Any]:
+def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee, program: Program) -> dict[str, Any]:
     from spear_pin.studies.push_test import release, simulated, swing
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record
@@ -199,6 +206,8 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
 
     duration = DURATION if arguments.duration is None else arguments.duration
     result = release(pinned, knee, arguments.depth, duration)
+    options = {"depth": arguments.depth, "duration": duration}
+    program.let("result", program.call(release, Code("leg"), Code("knee"), **options))
     samples = simulated(pinned, knee, float(result.angle[0]), duration).save(arguments.out / "push_test.npz")
     small = swing(pinned, knee)
     title = f"{called(pinned.robot)} released from {100 * arguments.depth:.4g} cm" + (
@@ -241,7 +250,7 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
         *shows(shown),
         ("files", f"{page}, {samples}, {picture}"),
     ]
-    return figures | {"text": aligned(rows)}
+    return figures | {"text": aligned(rows), "python": str(program)}
 
 
 def _motion(result: Release) -> dict[str, Any]:
@@ -266,14 +275,16 @@ def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
         name: value for name in ("stiffness", "damping") if (value := getattr(arguments, name)) is not None
     }
     changes |= {"coulomb": arguments.coulomb, "zero": arguments.rest_angle, "unilateral": arguments.unilateral}
-    rows = gear_study(
-        arguments.ratios,
-        arguments.depth,
-        arguments.static_rest,
-        DURATION if arguments.duration is None else arguments.duration,
-        replace(WITH_MOTOR, **changes),
-        replace(WITHOUT_MOTOR, **changes),
-    )
+    options: dict[str, Any] = {
+        "depth": arguments.depth,
+        "static_rest": arguments.static_rest,
+        "duration": DURATION if arguments.duration is None else arguments.duration,
+        "engaged": replace(WITH_MOTOR, **changes),
+        "disengaged": replace(WITHOUT_MOTOR, **changes),
+    }
+    rows = gear_study(arguments.ratios, **options)
+    program = Program()
+    program.let("rows", program.call(gear_study, arguments.ratios, **options))
     picture = arguments.out / "gear_ratios.svg"
     lines = ["ratio   rotor, kg·m²  share   frequency  damping ratio  first extremum        least force"]
     for row in rows:
@@ -290,6 +301,7 @@ def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
         "pictures": {picture: lambda path: save_figure(gear_comparison(rows), path)},
         "opened": picture,
         "text": joined([*lines, str(picture)]),
+        "python": str(program),
     }
 
 
@@ -305,7 +317,7 @@ def _row(row: GearRow) -> dict[str, Any]:
     }
 
 
-def _recorded(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee) -> dict[str, Any]:
+def _recorded(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee, program: Program) -> dict[str, Any]:
     from dataclasses import replace
 
     from spear_pin.studies.identification import Calibration
@@ -322,8 +334,11 @@ def _recorded(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
     if seed < 0:
         raise BadValue("--seed", seed, "a whole number >= 0")
     instrument = replace(default, calibration=calibration, **given)
-    made = synthesize(pinned, knee, arguments.depth, repeats=repeats, instrument=instrument, seed=seed)
+    asked: dict[str, Any] = {"depth": arguments.depth, "repeats": repeats, "instrument": instrument, "seed": seed}
+    made = synthesize(pinned, knee, **asked)
     path = write_csv(made, arguments.out / arguments.write_csv)
+    record = program.let("record", program.call(synthesize, Code("leg"), Code("knee"), **asked))
+    program.do(program.call(write_csv, record, path))
     options = f"--volts-per-rad {calibration.volts_per_rad:g} --offset {calibration.offset:g}"
     options += " --no-motor" if arguments.no_motor else ""
     options += "" if arguments.ratio is None else f" --ratio {arguments.ratio:g}"
@@ -337,4 +352,4 @@ def _recorded(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
     ]
     truth = {"stiffness": knee.stiffness, "damping": knee.damping, "coulomb": knee.coulomb, "spring_zero": knee.zero}
     figures = {"synthetic": True, "truth": truth, "releases": made.let_go, "samples": made.t.size, "files": [str(path)]}
-    return figures | {"text": aligned(rows)}
+    return figures | {"text": aligned(rows), "python": str(program)}

@@ -47,6 +47,10 @@ class Program:
         """Add a line of a call whose result is not kept."""
         self._add("", value)
 
+    def show(self, value: object) -> None:
+        """Add a line that prints a value."""
+        self._add("", _call("print", [self.source(value)]))
+
     def say(self, text: str) -> None:
         """Add a comment."""
         self._lines.append(f"# {' '.join(text.split())}")
@@ -56,8 +60,8 @@ class Program:
         return _call(self.name(function), [*map(self.source, arguments), *self._options(function, options)])
 
     def method(self, of: Code, name: str, *arguments: object, **options: object) -> Code:
-        """Write a call of a method of a value."""
-        given = [f"{option}={self.source(value)}" for option, value in options.items()]
+        """Write a call of a method of a value; options that are None or empty are left out."""
+        given = [f"{option}={self.source(value)}" for option, value in options.items() if not _is_nothing(value)]
         return _call(f"{of}.{name}", [*map(self.source, arguments), *given])
 
     def change(self, base: Code, own: Any, value: Any) -> Code:
@@ -79,8 +83,12 @@ class Program:
         first, parts = name.partition(".")[0], function.__module__.split(".")
         homes = (".".join(parts[: i + 1]) for i in range(len(parts)))
         found = next(home for home in homes if _is_home(home, first, function))
-        self._imports.setdefault(found, set()).add(first)
+        self.take(found, first)
         return name
+
+    def take(self, module: str, name: str) -> None:
+        """Import a constant."""
+        self._imports.setdefault(module, set()).add(name)
 
     def source(self, value: Any) -> str:
         """Write a value as Python does; a dataclass by what it has not by default.
@@ -145,8 +153,12 @@ def _is_own(value: Any, field: Field[Any]) -> bool:
     return field.init and not _is_same(getattr(value, field.name), usual)
 
 
+def _is_nothing(value: object) -> bool:
+    return value is None or (isinstance(value, Sized) and not len(value))
+
+
 def _is_same(value: object, usual: object) -> bool:
-    if isinstance(value, Sized) and isinstance(usual, Sized) and not value and not usual:
+    if _is_nothing(value) and _is_nothing(usual):
         return True
     return type(value) is type(usual) and bool(value == usual)
 

@@ -7,8 +7,9 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import FREE, Parser, number_or_free
-from spear_pin.cli.legs import add_plane, in_the_plane
+from spear_pin.cli.legs import add_plane, in_the_plane, write_plane
 from spear_pin.cli.motors import EFFICIENCY
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -62,11 +63,12 @@ def add_request(parser: Parser) -> None:
     add_plane(parser, "Q-SPEAR's constraints are scaled to it, and the limits of its joints are kept")
 
 
-def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
+def requested(arguments: argparse.Namespace, program: Program) -> tuple[Robot, Request]:
     """The robot, and a shipped gait's request, or another robot's, with the options in the place of its own.
 
     Args:
         arguments: those of `add_request`.
+        program: to which the lines are added that make both, called "robot" and "request".
 
     Returns:
         The robot, varied if options say so, and the request; torques and stiffnesses are those of a pair of legs.
@@ -78,6 +80,7 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
     from dataclasses import replace
 
     from spear_pin.errors import UnknownName
+    from spear_pin.gaits import library
     from spear_pin.gaits.library import REQUESTS
     from spear_pin.gaits.request import FLEXED, OBJECTIVES, Request
     from spear_pin.model.loading import load
@@ -109,18 +112,26 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
     }
     other = in_the_plane(arguments)
     robot = load("q_spear") if other is None else other
-    if arguments.hip_distance is not None:
-        robot = vary(robot, hip_distance=arguments.hip_distance)
+    named = program.let("robot", program.call(load, "q_spear")) if other is None else write_plane(program, arguments)
+    changed = {} if arguments.hip_distance is None else {"hip_distance": arguments.hip_distance}
     drive = _knee_drive(arguments)
     if drive is not None:
         rotor = drive.motor.known("rotor_inertia")
-        robot = vary(robot, knee_ratio=drive.gearbox.ratio, knee_rotor=rotor)
+        changed |= {"knee_ratio": drive.gearbox.ratio, "knee_rotor": rotor}
         given["knee_drive"] = drive
     elif arguments.objective in ("electrical", "violation"):
         raise BadValue("--knee-motor", None, f"a motor, for the objective {arguments.objective!r}")
-    base = REQUESTS[shipped] if other is None else Request.scaled(robot, **springs_of(robot))
+    if changed:
+        robot, named = vary(robot, **changed), program.let("robot", program.call(vary, named, **changed))
+    if other is None:
+        base, written = REQUESTS[shipped], Code(f"REQUESTS[{program.source(shipped)}]")
+        program.take(library.__name__, "REQUESTS")
+    else:
+        base = Request.scaled(robot, **springs_of(robot))
+        written = program.call(Request.scaled, named, **springs_of(robot))
     request = replace(base, **given)
     request.check(scale_of(robot))
+    program.let("request", program.change(written, base, request))
     return robot, request
 
 

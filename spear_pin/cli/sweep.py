@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_rtol, add_seed, add_workers, check_folder
 from spear_pin.cli.gaits import BOUND, add_gait, add_wanted, bounding_gait
-from spear_pin.cli.legs import add_leg, one_leg, rests_on
+from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
 from spear_pin.cli.output import aligned
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
 from spear_pin.words import number
 
@@ -81,7 +82,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         if number is None
         else sample({k: (v[0], v[1]) for k, v in axes.items()}, number, method, arguments.seed)
     )
-    system, vary, target = _asked(arguments, set(axes))
+    program = Program()
+    system, vary, target = _asked(arguments, set(axes), program)
     _check_names(system, axes)
     check_wanted(system, {**target, **{name: axes[name] for name in axes if name in system.measures}})
     store.require()  # its extra has the engine's too
@@ -98,6 +100,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             rtol=arguments.rtol, chunk=arguments.chunk, n_jobs=arguments.workers, resume=arguments.resume,
             on_points=tell,
         )  # fmt: skip
+    _write(arguments, program, axes, vary, target)
     why = reasons(dataset).tolist()
     counts = {reason: why.count(reason) for reason in sorted(set(why), key=lambda each: -why.count(each))}
     opened, files, found = None, [str(arguments.out)], counts.get("converged", 0)
@@ -108,7 +111,28 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if system.robot.cut is not None:
         summary["cut"] = str(system.robot.cut)
     told = [*rests_on(system.robot), ("files", ", ".join(files))]
-    return summary | {"vary": vary, "files": files, "opened": opened, "text": _text(summary, vary, told, dataset)}
+    text = _text(summary, vary, told, dataset)
+    return summary | {"vary": vary, "files": files, "opened": opened, "text": text, "python": str(program)}
+
+
+def _write(
+    arguments: argparse.Namespace, program: Program, axes: Axes, vary: list[str], target: dict[str, float]
+) -> None:
+    """Write the Python of a sweep of the system that is called "system"."""
+    from numpy import linspace
+
+    from spear_pin.studies.sweep import grid, sample, sweep
+
+    number, method = (arguments.latin, "latin") if arguments.latin else (arguments.sobol, "sobol")
+    if number is None:
+        spread = {word.partition("=")[0] for word in arguments.over if ":" in word}
+        lines = {name: program.call(linspace, v[0], v[-1], len(v)) if name in spread else v for name, v in axes.items()}
+        points = program.let("points", program.call(grid, lines))
+    else:
+        points = program.let("points", program.call(sample, axes, number, method=method, seed=arguments.seed))
+    options = {"rtol": arguments.rtol, "chunk": arguments.chunk, "n_jobs": arguments.workers}
+    solved = {"vary": vary, "target": target or None}
+    program.let("dataset", program.call(sweep, Code("system"), points, arguments.out, **solved, **options))
 
 
 def _check(arguments: argparse.Namespace) -> None:
@@ -176,9 +200,11 @@ def _axis(word: str, sampled: bool) -> tuple[str, tuple[float, ...]]:
     return name, tuple(first + (last - first) * i / steps for i in range(steps + 1))
 
 
-def _asked(arguments: argparse.Namespace, names: set[str]) -> tuple[HybridSystem, list[str], dict[str, float]]:
+def _asked(
+    arguments: argparse.Namespace, names: set[str], program: Program
+) -> tuple[HybridSystem, list[str], dict[str, float]]:
     """The system, what to solve for, and the target."""
-    from spear_pin import hopping, load
+    from spear_pin import Gait, hopping, load
     from spear_pin.gaits.bounding import SPEED_BY
     from spear_pin.studies.hop_of_another import scaled_hopping
 
@@ -190,8 +216,12 @@ def _asked(arguments: argparse.Namespace, names: set[str]) -> tuple[HybridSystem
             arguments.flight_time,
             "stance_torque",
         )
+        robot = write_leg(program, arguments, system.robot, ["boom_x"])
+        program.let("system", program.call(hopping if leg is None else scaled_hopping, robot))
     else:
-        system = bounding_gait(BOUND if arguments.gait is None else arguments.gait, None)[1].system
+        name, gait = bounding_gait(BOUND if arguments.gait is None else arguments.gait, None)
+        system = gait.system
+        program.let("system", Code(f"{program.call(Gait.load, name)}.system"))
         measure, value, solved = "mean_speed", arguments.speed, SPEED_BY
     if value is not None and measure in names:
         raise BadValue("--over", measure, f"another name, or no --{measure.replace('_', '-')}")
