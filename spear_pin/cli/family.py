@@ -7,7 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_rtol, check_out
-from spear_pin.cli.gaits import BOUND, add_gait, add_wanted, named_gait, write_gait
+from spear_pin.cli.gaits import add_gait, add_wanted, named_gait, write_gait
 from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
 from spear_pin.cli.output import aligned, progress
 from spear_pin.cli.pairs import RANGE, one_range
@@ -115,9 +115,8 @@ def _check(arguments: argparse.Namespace) -> None:
 def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[str], dict[str, float]]:
     """The gait to begin with, what is solved for, and the target."""
     from spear_pin.gaits.bounding import SPEED_BY
-    from spear_pin.gaits.gait import Gait
 
-    gait = None if arguments.what == "hop" else Gait.load(BOUND if arguments.what == "bound" else arguments.what)
+    gait = None if arguments.what == "hop" else named_gait(arguments.what)
     if gait is not None and arguments.speed is not None and gait.system.kind != "bounding":
         raise BadValue("--speed", arguments.speed, f"to go with a bound; this is of the kind {gait.system.kind!r}")
     bounds = gait is not None and gait.system.kind == "bounding"

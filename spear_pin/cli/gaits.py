@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from spear_pin.cli.pairs import names
 from spear_pin.cli.python_lines import Code, Program
-from spear_pin.errors import BadFile, BadValue
+from spear_pin.errors import BadFile, BadValue, UnknownName
 
 if TYPE_CHECKING:
     from spear_pin.gaits.gait import Gait
@@ -79,6 +81,15 @@ def add_kept(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(option, type=names, action="extend", default=[], metavar=metavar, help=text)
 
 
+@contextmanager
+def offering(*words: str) -> Iterator[None]:
+    """Offer words besides the names of gaits that are valid, where a gait is not known."""
+    try:
+        yield
+    except UnknownName as error:
+        raise UnknownName(error.kind, error.value, (*words, *error.valid), error.also) from None
+
+
 def named_gait(what: str) -> Gait:
     """SPEAR-II's hop in place with a flight of 0.2 s ("hop"), the bound that is shown ("bound"), or a gait by name.
 
@@ -94,7 +105,8 @@ def named_gait(what: str) -> Gait:
     if what == "hop":
         system = hopping(load("spear_ii", locked=["boom_x"]))
         return find_gait(system, vary=["stance_torque"], target={"flight_time": 0.2})
-    return Gait.load(BOUND if what == "bound" else what)
+    with offering("hop", "bound"):
+        return Gait.load(BOUND if what == "bound" else what)
 
 
 def write_gait(program: Program, what: str) -> Code:

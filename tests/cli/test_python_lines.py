@@ -91,11 +91,11 @@ SHORT = ("--cycles", 1, "--rtol", 1e-7)
 HOPS = (
     ("--stiffness", 55, "--slope", 0.05, "--friction", 0.7, "--flight-time", 0.21),
     slow(("--stance-torque", 8.2, "--knee", 0.95, "--frequency", 2.6, "--hardening", 30, "--preload", 2)),
-    slow(("--free-x", "--foot-placement", 0.15, "--damping", 1.2, "--max-step", 0.01)),
+    slow(("--free-x", "--foot-placement", 0.15, "--max-step", 0.01)),
     slow(("--hardware", "--noise", 0.005, "--losses", 5, "--seed", 3, "--bandwidth", 500, "--current-limit", 8)),
     slow(("--robot", "hoppy", "--friction", 0.8)),
     slow(("--robot", "q_spear_full", "--leg", "anterior_left", "--body", 9)),
-    slow(("--robot", "q_spear_full", "--side", 1, "--stiffness", 60)),
+    slow(("--robot", "q_spear_full", "--side", 1, "--stiffness", 76)),
 )
 
 
