@@ -13,7 +13,7 @@ from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.cli.legs import add_plane, called, in_the_plane, rests_on, stability, write_plane
 from spear_pin.cli.output import iterations, joined, progress
 from spear_pin.cli.python_lines import Program
-from spear_pin.cli.writing import Rows, closing, play, write_motion
+from spear_pin.cli.writing import Rows, list_checks, play, write_motion
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -177,5 +177,5 @@ def _rows(summary: dict[str, Any]) -> Rows:
         ("cost of transport", f"{summary['cost_of_transport']:.3f} (absolute work of the motors)"),
         ("multipliers", stability(summary["multipliers"], summary["implausible"])),
         ("fixed point", f"residual {summary['residual']:.1e}"),
-        *closing(summary, "stride"),
+        *list_checks(summary, "stride"),
     ]

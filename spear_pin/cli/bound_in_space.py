@@ -93,7 +93,7 @@ def run(
         program,
         gait,
         "stride",
-        state=pushed(gait, push, program),
+        state=push_state(gait, push, program),
         in_space=True,
         remedy="a smaller --push" if push else "",
     )
@@ -177,7 +177,7 @@ def _inputs(gait: Gait) -> list[str]:
     return [name for name, row in zip(INPUTS, gait.system.law.feedback, strict=True) if any(row)]
 
 
-def pushed(gait: Gait, speed: float, program: Program) -> tuple[State, Code] | None:
+def push_state(gait: Gait, speed: float, program: Program) -> tuple[State, Code] | None:
     """Move the state of a gait to the left besides, by a speed in m/s; with its Python. Of no speed it is None."""
     if not speed:
         return None
@@ -204,7 +204,7 @@ def sections(summary: dict[str, Any], by: str = "") -> list[tuple[str, str]]:
     return [*rows, *held]
 
 
-def after_push(summary: dict[str, Any]) -> Rows:
+def list_push(summary: dict[str, Any]) -> Rows:
     """Rows with a push, and what is left of it at the end."""
     return [
         ("push", f"{summary['push']:g} m/s to the left"),
@@ -213,7 +213,7 @@ def after_push(summary: dict[str, Any]) -> Rows:
     ]
 
 
-def closing_in_space(summary: dict[str, Any], by: str = "a stride") -> Rows:
+def list_checks_in_space(summary: dict[str, Any], by: str = "a stride") -> Rows:
     """Rows with friction, joints and energies of a motion in space; `by` is a cycle of the automaton."""
     return [
         ("friction used", f"{summary['friction_used']:.2f}, across {summary['friction_used_across']:.2f}"),
@@ -234,6 +234,6 @@ def _rows(summary: dict[str, Any]) -> Rows:
         ("left and right", f"differ by {summary['asymmetry']:.1e}"),
         *sections(summary),
         ("feedback", f"once a stride to {by}"),
-        *after_push(summary),
-        *closing_in_space(summary),
+        *list_push(summary),
+        *list_checks_in_space(summary),
     ]

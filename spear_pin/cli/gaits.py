@@ -82,7 +82,7 @@ def add_kept(parser: argparse.ArgumentParser) -> None:
 
 
 @contextmanager
-def offering(*words: str) -> Iterator[None]:
+def offer_words(*words: str) -> Iterator[None]:
     """Offer words besides the names of gaits that are valid, where a gait is not known."""
     try:
         yield
@@ -105,7 +105,7 @@ def named_gait(what: str) -> Gait:
     if what == "hop":
         system = hopping(load("spear_ii", locked=["boom_x"]))
         return find_gait(system, vary=["stance_torque"], target={"flight_time": 0.2})
-    with offering("hop", "bound"):
+    with offer_words("hop", "bound"):
         return Gait.load(BOUND if what == "bound" else what)
 
 

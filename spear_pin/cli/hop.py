@@ -179,7 +179,7 @@ def _found(
 ) -> tuple[Gait, list[tuple[str, str]]]:
     """Find the hop, and say how, in words and in Python."""
     from spear_pin import find_gait
-    from spear_pin.cli.hop_led import led
+    from spear_pin.cli.hop_led import continue_hop
     from spear_pin.model.scale import scale_of
     from spear_pin.studies.hop_led import FLIGHT_TIME, lead_hop
     from spear_pin.studies.hop_of_another import hop_of
@@ -210,11 +210,11 @@ def _found(
         if other is None or rig is not None or arguments.free_x:
             raise _helped(failure) from None
         with progress() as show:
-            show("leading from a hop that there is")
-            gait = led(arguments, system, failure)
+            show("continuing from a hop with other numbers")
+            gait = continue_hop(arguments, system, failure)
     kept = {name: value for name in ("flight_time", "stance_torque") if (value := getattr(arguments, name)) is not None}
     program.let("gait", Code(f"{program.call(lead_hop, named, kept)}.gait"))
-    notes.append(("found", "by leading from a hop with SPEAR-II's numbers, scaled: a search alone finds none"))
+    notes.append(("found", "by continuation from a hop with SPEAR-II's numbers, scaled: a search alone finds none"))
     return gait, notes
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from spear_pin.cli.legs import called, stability
 from spear_pin.cli.output import iterations
 from spear_pin.cli.python_lines import Code, Program
-from spear_pin.cli.writing import Rows, closing, play, write_motion
+from spear_pin.cli.writing import Rows, list_checks, play, write_motion
 from spear_pin.errors import BadValue
 
 # what `hop` declares of another law, with what it has where nothing is said
@@ -97,5 +97,5 @@ def _rows(summary: dict[str, Any]) -> Rows:
         ("multipliers", ", ".join(f"{value:.4f}" for value in summary["multipliers"])),
         ("", stability(summary["multipliers"], summary["implausible"])),
         ("fixed point", f"residual {summary['residual']:.1e}"),
-        *closing(summary, "hop"),
+        *list_checks(summary, "hop"),
     ]

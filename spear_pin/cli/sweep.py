@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_rtol, add_seed, add_workers, check_folder
-from spear_pin.cli.gaits import BOUND, add_gait, add_wanted, bounding_gait, offering
+from spear_pin.cli.gaits import BOUND, add_gait, add_wanted, bounding_gait, offer_words
 from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
 from spear_pin.cli.output import aligned
 from spear_pin.cli.python_lines import Code, Program
@@ -219,7 +219,7 @@ def _asked(
         robot = write_leg(program, arguments, system.robot, ["boom_x"])
         program.let("system", program.call(hopping if leg is None else scaled_hopping, robot))
     else:
-        with offering("hop", "bound"):
+        with offer_words("hop", "bound"):
             name, gait = bounding_gait(BOUND if arguments.gait is None else arguments.gait, None)
         system = gait.system
         program.let("system", Code(f"{program.call(Gait.load, name)}.system"))

@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
-from spear_pin.cli.bound_in_space import after_push, check_push, closing_in_space, pushed, sections
+from spear_pin.cli.bound_in_space import check_push, list_checks_in_space, list_push, push_state, sections
 from spear_pin.cli.legs import called
 from spear_pin.cli.output import progress
 from spear_pin.cli.python_lines import Code, Program
@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         gait,
         "stride",
         of=in_a_stride,
-        state=pushed(gait, arguments.push, program),
+        state=push_state(gait, arguments.push, program),
         in_space=True,
         remedy="a smaller --push" if arguments.push else "",
     )
@@ -122,6 +122,6 @@ def _rows(summary: dict[str, Any]) -> Rows:
         ("speed", f"{summary['speed']:.4f} m/s, a stride in {summary['stride_time']:.4f} s"),
         ("fixed point", f"residual {summary['residual']:.1e}, by {by}"),
         *sections(summary, by),
-        *after_push(summary),
-        *closing_in_space(summary, by),
+        *list_push(summary),
+        *list_checks_in_space(summary, by),
     ]

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
-from spear_pin.cli.bound_in_space import closing_in_space
+from spear_pin.cli.bound_in_space import list_checks_in_space
 from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.cli.legs import called, of_the_section
 from spear_pin.cli.output import progress
@@ -156,5 +156,5 @@ def _rows(summary: dict[str, Any]) -> Rows:
         ("drift", f"{drift:.2f}° from the heading to the way, to the left"),
         ("fixed point", f"residual {summary['residual']:.1e}"),
         *of_the_section(name, values, [None] * len(values), summary["implausible"]),
-        *closing_in_space(summary),
+        *list_checks_in_space(summary),
     ]

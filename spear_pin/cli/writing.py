@@ -171,7 +171,7 @@ def write_study(
     }
 
 
-def closing(summary: dict[str, Any], cycle: str) -> Rows:
+def list_checks(summary: dict[str, Any], cycle: str) -> Rows:
     """Rows that say how exact a motion is, and how long it is, in these cycles."""
     return [
         ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a {cycle}"),
