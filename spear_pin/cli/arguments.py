@@ -132,6 +132,11 @@ class Parser(argparse.ArgumentParser):
         complain(message.removesuffix("\n")) if file is sys.stderr else emit(message)
 
 
+def commands_of(parser: argparse.ArgumentParser) -> Commands:
+    """Find the commands of `spear`, in their groups, for completion and docs."""
+    return next(action for action in parser._actions if isinstance(action, Commands))
+
+
 def add_command(
     commands: Commands,
     name: str,

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from spear_pin.cli.arguments import Commands, add_command
+from spear_pin.cli.arguments import Commands, add_command, commands_of
 from spear_pin.cli.gaits import WHAT
 from spear_pin.errors import MissingExtra
 
@@ -40,8 +40,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         **dict.fromkeys(GAITS, named("gait", library.names())),
         WHAT: named("family", ("hop", "bound", *library.names())),
     }
-    for parser in _commands(arguments.every):
-        for action in parser._actions:  # argparse has no other way to them
+    commands = commands_of(arguments.every)
+    for name in (name for names in commands.groups.values() for name in names):
+        for action in commands.choices[name]._actions:  # argparse has no other way to them
             if action.nargs != 0 and not action.choices:
                 kind = kinds.get(str(action.metavar or action.dest))
                 if kind is not None:
@@ -62,8 +63,3 @@ def named(kind: str, names: Iterable[str]) -> Mapping[str, Any]:
             "fish": f"function {function}; printf '%s\\n' {words}; __fish_complete_path (commandline -ct); end",
         },
     }
-
-
-def _commands(parser: argparse.ArgumentParser) -> list[argparse.ArgumentParser]:
-    found = [action for action in parser._actions if isinstance(action, Commands)]
-    return [commands.choices[name] for commands in found for names in commands.groups.values() for name in names]

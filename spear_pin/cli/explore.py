@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from spear_pin.cli.arguments import Commands, add_command, add_open
 from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.cli.legs import OPTIONS, add_leg, called, one_leg
+from spear_pin.cli.python_lines import Program
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -53,7 +54,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
                 signal.signal(number, end)
             text = f"{server.url}  ({engine.name} engine; Ctrl-C ends it)"
             told = {"url": server.url, "port": server.port, "engine": engine.name, "motion": arguments.motion}
-            print_result(told | {"text": text}, arguments.json)
+            program = Program()
+            program.say_functions(Explorer, Server)
+            print_result(told | {"text": text, "python": str(program)}, arguments.json)
             if arguments.open:
                 webbrowser.open(server.url)
             server.serve_forever()

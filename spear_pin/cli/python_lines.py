@@ -55,6 +55,11 @@ class Program:
         """Add a comment."""
         self._lines.append(f"# {' '.join(text.split())}")
 
+    def say_functions(self, *functions: Callable[..., Any]) -> None:
+        """Add a comment that names the functions that a command calls, where no few lines do the same."""
+        names = (f"{function.__module__}.{function.__qualname__}" for function in functions)
+        self.say(f"this command calls {', '.join(names)}")
+
     def call(self, function: Callable[..., Any], *arguments: object, **options: object) -> Code:
         """Write a call of a function or class of this package; options that it has by default are left out."""
         return _call(self.name(function), [*map(self.source, arguments), *self._options(function, options)])
@@ -82,7 +87,7 @@ class Program:
         name: str = function.__qualname__
         first, parts = name.partition(".")[0], function.__module__.split(".")
         homes = (".".join(parts[: i + 1]) for i in range(len(parts)))
-        found = next(home for home in homes if _is_home(home, first, function))
+        found = next((home for home in homes if _is_home(home, first, function)), function.__module__)
         self.take(found, first)
         return name
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.output import aligned, joined
+from spear_pin.cli.python_lines import Program
 from spear_pin.errors import BadFile
 
 if TYPE_CHECKING:
@@ -75,6 +76,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         *((f"failed: {name}", reason) for name, reason in failed.items()),
         ("files", f"{page}" + (f", {len(files) - 1} in {arguments.out / FIGURES}" if arguments.figures else "")),
     ]
+    program = Program()
+    program.say_functions(select, make, render)
     return {
         "failed": bool(failed),
         "counts": counts,
@@ -84,6 +87,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "files": files,
         "opened": page,
         "text": aligned(rows),
+        "python": str(program),
     }
 
 

@@ -6,7 +6,7 @@ import shlex
 import pytest
 
 from spear_pin.cli import COMMANDS, _parser
-from spear_pin.cli.arguments import Commands
+from spear_pin.cli.arguments import commands_of
 from tests.cli.calls import run
 
 GROUPS = {
@@ -26,7 +26,7 @@ OTHER = {
 
 
 def commands():
-    return next(each for each in _parser()._actions if isinstance(each, Commands))
+    return commands_of(_parser())
 
 
 def options(name):

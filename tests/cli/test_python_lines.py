@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, Ground, HoppingLaw, Spring, Trajectory, find_gait, load
+from spear_pin.cli import _parser
 from spear_pin.cli.output import IN_PYTHON
 from spear_pin.cli.python_lines import Code, Program
+from spear_pin.cli.request import requested
 from spear_pin.model.catalogue import motor
 from tests.cli.calls import printed, run
 
@@ -78,6 +80,11 @@ class TestProgram:
         Pair.__module__, Pair.__qualname__ = HoppingLaw.__module__, "HoppingLaw"
         assert Program().source(replace(Pair(1), second=3.0)) == "HoppingLaw(first=1, second=3.0)"
 
+    def test_functions_where_no_few_lines_do(self):
+        program = Program()
+        program.say_functions(load)
+        assert str(program) == "# this command calls spear_pin.model.loading.load"
+
 
 def lines_of(capsys, *words):
     """What a command prints as JSON, and the variables that its lines of Python leave."""
@@ -129,6 +136,33 @@ def test_a_push(capsys, tmp_path):
     _, space = lines_of(capsys, "trot", path, "--push", 0.1, *SHORT, "--out", tmp_path)
     np.testing.assert_array_equal(space["trajectory"].v, Trajectory.load(tmp_path / "trot.npz").v)
     np.testing.assert_array_equal(space["gait"].state, Gait.load(path).state)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        (
+            "long_stride",
+            "--speed",
+            "2.6",
+            "--hip-distance",
+            "0.75",
+            "--stiffness-per-leg",
+            "free",
+            "--hip-torque",
+            "50",
+        ),
+        ("--knee-motor", "ec_90_flat_260w", "--bus", "40", "--minimize", "electrical"),
+        ("--robot", "q_spear_full", "--side", "-1", "-1", "--clearance", "0.02"),
+    ],
+    ids=joined,
+)
+def test_a_request(options):
+    program, space = Program(), {}
+    robot, request = requested(_parser().parse_args(["search", *options]), program)
+    exec(str(program), space)
+    assert space["request"] == request
+    assert space["robot"].varied == robot.varied and str(space["robot"]) == str(robot)
 
 
 def mass(space):
