@@ -7,6 +7,7 @@ import math
 import re
 import sys
 import tempfile
+import textwrap
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias
@@ -19,6 +20,7 @@ from spear_pin.words import number, whole
 MOST_CYCLES = 10_000  # of a command; some thousand exhaust the evaluations that a run may take
 FREE = math.inf  # what an option says for "free": the search chooses
 ROBOT = "name of a robot (`spear robots` lists them), or path of a URDF, MJCF or TOML file"
+WRAP: Any = {"break_on_hyphens": False, "break_long_words": False}  # options are not torn apart
 MARGIN = 15  # columns of a command's name in the help
 
 if TYPE_CHECKING:
@@ -70,8 +72,12 @@ class HelpFormatter(argparse.HelpFormatter):
         return super()._format_usage(usage, needed, [], prefix)
 
     def _fill_text(self, text: str, width: int, indent: str) -> str:
-        fill = super()._fill_text
-        return "\n".join(line if line.startswith(" ") else fill(line, width, indent) for line in text.splitlines())
+        """Fill each line by itself; what is indented stays as it is."""
+        lines = text.splitlines()
+        return "\n".join(each if each.startswith(" ") else textwrap.fill(each, width, **WRAP) for each in lines)
+
+    def _split_lines(self, text: str, width: int) -> list[str]:
+        return textwrap.wrap(" ".join(text.split()), width, **WRAP)
 
 
 class Parser(argparse.ArgumentParser):

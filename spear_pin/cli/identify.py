@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from spear_pin.studies.identification import Calibration, Estimate, MovingAverage, Trial
 
 GUESSED = ("stiffness", "damping", "rest_angle")  # from the data, where they are neither given nor varied
+WORDS = {"coulomb": "dry friction", "rest_angle": "rest angle", "rotor_inertia": "rotor inertia"}
 KNOWN = ("stiffness", "damping", "coulomb", "rest_angle", "rotor_inertia")
 
 
@@ -63,7 +64,7 @@ def add(commands: Commands) -> None:
     )
     for name in KNOWN:
         option, text = f"--{name.replace('_', '-')}", "value, or initial guess where it is estimated"
-        model.add_argument(option, type=float, metavar="VALUE", help=f"{name.replace('_', ' ')}: {text}")
+        model.add_argument(option, type=float, metavar="VALUE", help=f"{WORDS.get(name, name)}: {text}")
     model.add_argument(
         "--static-rest", action="store_true", help="take the rest angle for where the leg rests under gravity"
     )
