@@ -1,7 +1,6 @@
 """Calls of the command line, and what each prints."""
 
 import json
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -37,7 +36,7 @@ def printed(capsys, *arguments):
 def rows(out):
     """Rows of the text of a command, by what they begin with; the Python that follows is left out."""
     lines = out.partition(f"\n\n{IN_PYTHON}\n")[0].splitlines()
-    return {parts[0]: parts[1] for parts in (re.split(r" {2,}", line, maxsplit=1) for line in lines)}
+    return {line[:21].rstrip(): line[21:] for line in lines}
 
 
 def refused(capsys, *arguments):
