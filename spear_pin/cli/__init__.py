@@ -33,7 +33,7 @@ from spear_pin.cli import (
     turn,
     uncertainty,
 )
-from spear_pin.cli.arguments import Commands, Parser
+from spear_pin.cli.arguments import Commands, Parser, commands_of
 from spear_pin.cli.durations import expected
 from spear_pin.cli.output import complain, draw, foretold, open_page, print_result, tell
 from spear_pin.errors import RobotWarning, SpearError, one_line
@@ -111,7 +111,7 @@ def _parser() -> Parser:
     parser = Parser(prog="spear", description=f"{about}\n`spear COMMAND --help` explains a command with an example.")
     parser.add_argument("--version", action="version", version=f"spear {__version__}", help="show the version and exit")
     parser.set_defaults(run=None, refuse=parser.refuse_unknown, every=parser)
-    commands = parser.add_subparsers(
+    parser.add_subparsers(
         action=Commands,
         title=argparse.SUPPRESS,
         prog=parser.prog,
@@ -119,6 +119,7 @@ def _parser() -> Parser:
         metavar="COMMAND",
         parser_class=Parser,
     )
+    commands = commands_of(parser)
     for heading, declarations in COMMANDS.items():
         commands.begin(heading)
         for declare in declarations:

@@ -14,6 +14,8 @@ from spear_pin.cli.request import GAIT, add_request, requested
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from spear_pin.gaits.gait import Gait
     from spear_pin.gaits.request import Request
 
@@ -66,7 +68,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         gait, solution = search(robot, request, seed=arguments.seed, contact=ground, on_iteration=tell)
         if arguments.feedback != "none":
             show(f"designing feedback: {arguments.feedback}")
-            stabilise = regulated if arguments.feedback == "regulated" else speed_regulated
+            stabilise: Callable[[Gait], Gait] = regulated if arguments.feedback == "regulated" else speed_regulated
             gait = stabilise(gait)
         trajectory = simulate(gait.system, gait.state, progress=False)
         figures = summarize(gait, trajectory)

@@ -117,7 +117,8 @@ def write_motion(
         page: lambda path: record(robot, shown, path, title=title, notes=notes_of(summary))
     }
     if plot is not None:
-        pictures[plots] = lambda path: save_figure(plot(trajectory), path)
+        draw = plot
+        pictures[plots] = lambda path: save_figure(draw(trajectory), path)
     files = [page, samples, *list(pictures)[1:], *saved]
     last = [*told, *doubted(summary["implausible"]), *shows(shown), *listed(arguments.out, stem, files)]
     return summary | {
