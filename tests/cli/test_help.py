@@ -106,3 +106,17 @@ def test_an_option_takes_the_same_in_all_commands():
 def test_a_gait_is_an_argument_or_an_option():
     both = [_parser().parse_args(words).gait for words in (["bound", "slow"], ["bound", "--gait", "slow"], ["bound"])]
     assert both == ["slow", "slow", None]
+
+
+@pytest.mark.parametrize(
+    ("name", "new", "old"), [("compare", "--gait", "--of"), ("search", "--minimize", "--objective")]
+)
+def test_an_option_keeps_the_name_that_it_had(name, new, old):
+    calls = [_parser().parse_args([name, option, "hip"]) for option in (new, old)]
+    assert [(call.of if name == "compare" else call.objective) for call in calls] == ["hip", "hip"]
+
+
+def test_names_stand_apart_or_between_commas():
+    apart, between = (["a", "b"], ["a,b"])
+    calls = [_parser().parse_args(["identify", "lab.csv", "--vary", *words]) for words in (apart, between)]
+    assert [sum(call.vary, []) for call in calls] == [["a", "b"]] * 2
