@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import argparse
 import logging
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from spear_pin import __version__
@@ -32,20 +33,22 @@ from spear_pin.cli import (
     turn,
     uncertainty,
 )
-from spear_pin.cli.arguments import Parser
+from spear_pin.cli.arguments import Commands, Parser, commands_of
 from spear_pin.cli.durations import expected
 from spear_pin.cli.output import complain, draw, foretold, open_page, print_result, tell
 from spear_pin.errors import RobotWarning, SpearError, one_line
 from spear_pin.files import check_target, together
 
-# as the help lists them
-COMMANDS = (
-    *(robots.add, dynamics.add, hop.add, explore.add, push_test.add, identify.add),
-    *(bound.add, turn.add, trot.add, search.add, payoff.add, sweep.add, family.add),
-    *(sensitivity.add, uncertainty.add, design.add),
-    *(compare.add, report.add, export.add, doctor.add, completion.add),
-)
-
+# the commands, by the heading of their group, as help, completion and docs list them
+COMMANDS: dict[str, tuple[Callable[[Commands], None], ...]] = {
+    "robot: what you can load": (robots.add, dynamics.add, export.add),
+    "gait: find a gait and simulate it": (hop.add, bound.add, trot.add, turn.add, search.add),
+    "study: vary, optimise and compare gaits": (
+        *(compare.add, sweep.add, family.add, sensitivity.add, uncertainty.add, design.add, payoff.add),
+    ),
+    "lab: measure a real leg": (push_test.add, identify.add),
+    "look: see results, check the installation": (explore.add, report.add, doctor.add, completion.add),
+}
 
 NOISE = (
     "mkdir -p failed",
@@ -80,7 +83,7 @@ def _run(argv: Sequence[str] | None) -> int:
     parser = _parser()
     arguments, unknown = parser.parse_known_args(argv)
     if unknown:
-        arguments.refuse(f"unknown arguments: {' '.join(unknown)}")
+        arguments.refuse(unknown)
     if arguments.run is None:
         parser.print_help(sys.stderr)
         return 2
@@ -104,12 +107,21 @@ def _run(argv: Sequence[str] | None) -> int:
 
 
 def _parser() -> Parser:
-    parser = Parser(
-        prog="spear", description="Switchable parallel elastic legs: dynamics and gaits of SPEAR-II and Q-SPEAR."
+    about = "Simulate robots with switchable springs in their legs."
+    parser = Parser(prog="spear", description=f"{about}\n`spear COMMAND --help` explains a command with an example.")
+    parser.add_argument("--version", action="version", version=f"spear {__version__}", help="show the version and exit")
+    parser.set_defaults(run=None, refuse=parser.refuse_unknown, every=parser)
+    parser.add_subparsers(
+        action=Commands,
+        title=argparse.SUPPRESS,
+        prog=parser.prog,
+        dest="command",
+        metavar="COMMAND",
+        parser_class=Parser,
     )
-    parser.add_argument("--version", action="version", version=f"spear {__version__}")
-    parser.set_defaults(run=None, refuse=parser.error, every=parser)
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
-    for add in COMMANDS:
-        add(commands)
+    commands = commands_of(parser)
+    for heading, declarations in COMMANDS.items():
+        commands.begin(heading)
+        for declare in declarations:
+            declare(commands)
     return parser

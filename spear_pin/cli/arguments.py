@@ -7,19 +7,77 @@ import math
 import re
 import sys
 import tempfile
-from collections.abc import Callable
+import textwrap
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NoReturn, TypeAlias
+from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias
 
 from spear_pin.cli.durations import LASTING
 from spear_pin.cli.output import complain, emit
-from spear_pin.errors import BadValue, UnknownName, one_line
+from spear_pin.errors import BadValue, UnknownName, nearest, one_line
 from spear_pin.words import number, whole
-
-Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
 
 MOST_CYCLES = 10_000  # of a command; some thousand exhaust the evaluations that a run may take
 FREE = math.inf  # what an option says for "free": the search chooses
+ROBOT = "name of a robot (`spear robots` lists them), or path of a URDF, MJCF or TOML file"
+WRAP: Any = {"break_on_hyphens": False, "break_long_words": False}  # options are not torn apart
+MARGIN = 15  # columns of a command's name in the help
+
+if TYPE_CHECKING:
+    Subparsers: TypeAlias = argparse._SubParsersAction["Parser"]
+else:
+    Subparsers = argparse._SubParsersAction
+
+
+class Commands(Subparsers):
+    """Holds the commands of `spear`, in groups.
+
+    Attributes:
+        groups: names of commands by the heading of their group, as the help lists them.
+    """
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self.groups: dict[str, list[str]] = {}
+
+    def begin(self, heading: str) -> None:
+        """Begin a group, to which the commands belong that are declared next."""
+        self.groups[heading] = []
+
+    def add_parser(self, name: str, **options: Any) -> Parser:
+        """Declare a command in the last group."""
+        next(reversed(self.groups.values())).append(name)
+        return super().add_parser(name, **options)
+
+
+class HelpFormatter(argparse.HelpFormatter):
+    """Lists commands in groups, keeps lines of descriptions apart, and writes usage in one line."""
+
+    def _format_action(self, action: argparse.Action) -> str:
+        if not isinstance(action, Commands):
+            return super()._format_action(action)
+        said = {each.dest: each.help or "" for each in action._get_subactions()}
+        groups = (
+            "\n".join([heading, *(f"  {name:<{MARGIN - 2}}{said[name]}" for name in names)])
+            for heading, names in action.groups.items()
+        )
+        return "\n\n".join(groups) + "\n"
+
+    def _format_usage(self, usage: Any, actions: Any, groups: Any, prefix: Any) -> str:
+        """Write the usage of a command with what is required; the list of its options follows anyway."""
+        if any(isinstance(each, Commands) for each in actions):
+            return super()._format_usage(usage, actions, groups, prefix)
+        self._prog += " [options]"
+        needed = [each for each in actions if each.required or not each.option_strings]
+        return super()._format_usage(usage, needed, [], prefix)
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        """Fill each line by itself; what is indented stays as it is."""
+        lines = text.splitlines()
+        return "\n".join(each if each.startswith(" ") else textwrap.fill(each, width, **WRAP) for each in lines)
+
+    def _split_lines(self, text: str, width: int) -> list[str]:
+        return textwrap.wrap(" ".join(text.split()), width, **WRAP)
 
 
 class Parser(argparse.ArgumentParser):
@@ -27,29 +85,48 @@ class Parser(argparse.ArgumentParser):
 
     Attributes:
         more: name of the argument that words between and after options go to as well; None: they are refused.
+        output: its group of options that say where and how results are written, the last one of its help.
     """
 
     more: str | None = None
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
-        super().__init__(*arguments, **options)
+        super().__init__(*arguments, **{"formatter_class": HelpFormatter} | options)
         self.register("type", float, number)
         self.register("type", int, whole)
         # argparse's own, which some releases have without an exponent, -.5 or -inf
         self._negative_number_matcher = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
+        self.output: argparse._ArgumentGroup = self.add_argument_group("output")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
-        """The arguments, and those that are not known."""
+        """Parse the arguments, and return those that are not known besides."""
         found, unknown = super().parse_known_args(args, namespace)
         if self.more is None or any(word.startswith("-") for word in unknown):
             return found, unknown
         getattr(found, self.more).extend(unknown)
         return found, []
 
+    def format_help(self) -> str:
+        """Write the help, which ends with the options of the output, or those of `spear` itself."""
+        last = (self._optionals if self._subparsers else None, self.output)
+        self._action_groups.sort(key=lambda group: group in last)
+        return super().format_help()
+
+    def refuse_unknown(self, words: Sequence[str]) -> NoReturn:
+        """Exit with status 2 for arguments that are not known, and name the options nearest to the first of them."""
+        said = f"unknown arguments: {' '.join(words)}"
+        option = next((word.partition("=")[0] for word in words if word.startswith("--")), None)
+        if option is not None:
+            names = [name for name in self._option_string_actions if name.startswith("--")]
+            near = nearest(option, names)
+            said = f"{one_line(said, 400)}; nearest options: {', '.join(near)}"
+        self.error(said)
+
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse a word that is none of an argument's choices, as other unknown names are refused."""
         if action.choices is not None and value not in action.choices:
-            raise argparse.ArgumentError(action, str(UnknownName("choice", value, map(str, action.choices))))
+            kind = "command" if isinstance(action, Commands) else "choice"
+            raise argparse.ArgumentError(action, str(UnknownName(kind, value, map(str, action.choices))))
 
     def error(self, message: str) -> NoReturn:
         """Exit with status 2."""
@@ -61,42 +138,60 @@ class Parser(argparse.ArgumentParser):
         complain(message.removesuffix("\n")) if file is sys.stderr else emit(message)
 
 
+def commands_of(parser: argparse.ArgumentParser) -> Commands:
+    """Find the commands of `spear`, in their groups, for completion and docs."""
+    return next(action for action in parser._actions if isinstance(action, Commands))
+
+
 def add_command(
-    commands: Commands, name: str, run: Callable[[argparse.Namespace], dict[str, Any]], summary: str
+    commands: Commands,
+    name: str,
+    run: Callable[[argparse.Namespace], dict[str, Any]],
+    summary: str,
+    example: tuple[str, str],
 ) -> Parser:
     """Declare a command.
 
     Args:
         commands: those of `spear`.
         name: the word that calls it.
-        run: does it, and returns what is printed: the figures by name, and how they read under "text". With a true
-            "failed" among them `spear` ends with status 2, with a sentence under "lost" with 1. What takes long to draw
-            goes under "pictures", files and how each is written, for after that; under "opened" what --open then shows.
-        summary: its line in the help.
+        run: does it, and returns what is printed: the figures by name, how they read under "text", and Python that does
+            the same under "python". With a true "failed" among them `spear` ends with status 2, with a sentence under
+            "lost" with 1. What takes long to draw goes under "pictures", files and how each is written, for after that;
+            under "opened" what --open then shows.
+        summary: a sentence that begins with a verb, without capital and full stop: its line in the help.
+        example: a call, and what it does, written alike.
 
     Returns:
         The parser of its arguments; it has --json.
     """
-    takes = next((f"; takes {each.takes}" for each in LASTING if (each.command, each.option) == (name, "")), "")
-    parser = commands.add_parser(name, help=summary, description=summary + takes)
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.set_defaults(run=run, refuse=parser.error)
+    takes = next((f" It takes {each.takes}." for each in LASTING if (each.command, each.option) == (name, "")), "")
+    call, does = example
+    description = f"{summary[0].upper()}{summary[1:]}.{takes}\n\nExample: {does}.\n  {call}"
+    parser = commands.add_parser(name, help=summary, description=description)
+    parser.output.add_argument("--json", action="store_true", help="print one JSON object instead of text")
+    parser.set_defaults(run=run, refuse=parser.refuse_unknown)
     return parser
 
 
+def add_repair(parser: Any) -> None:
+    """Declare --repair; None unless it is given."""
+    parser.add_argument("--repair", action="store_true", default=None, help="mend inertias that no body can have")
+
+
 def add_loading(parser: Any) -> None:
-    """Declare --lock, --toes, --base, --motors and --repair; `loading` reads them. None is said by default."""
-    parser.add_argument("--lock", nargs="+", metavar="JOINT", help="joints held at zero")
-    parser.add_argument("--toes", nargs="+", metavar="FRAME", help="toe frames of a file")
+    """Declare --lock, --toes, --base, --motors and --repair; `loading` reads them. None unless they are given."""
+    parser.add_argument("--lock", nargs="+", metavar="JOINT", help="hold these joints at zero")
+    parser.add_argument("--toes", nargs="+", metavar="FRAME", help="let these frames of the file touch the ground")
     parser.add_argument(
         "--base",
         choices=("free", "chain", "fixed"),
-        help="let the root of the robot float, on a chain of joints, or not",
+        help="let the robot's root float, let it float on a chain of six joints, or fix it (default: as the file says)",
     )
     parser.add_argument(
-        "--motors", nargs="+", metavar="JOINT", help="joints with a motor, or all (default: the file's)"
+        "--motors", nargs="+", metavar="JOINT", help="give these joints, or all, a motor (default: as the file says)"
     )
-    parser.add_argument("--repair", action="store_true", default=None, help="mend inertias that are not possible")
+    add_repair(parser)
 
 
 def loading(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -106,9 +201,10 @@ def loading(arguments: argparse.Namespace) -> dict[str, Any]:
     return {"toes": arguments.toes, "base": arguments.base, "motors": motors, **options}
 
 
-def add_out(parser: argparse.ArgumentParser, files: str) -> None:
+def add_out(parser: Parser, files: str) -> None:
     """Declare --out, the folder for these files; `check_out` goes with it."""
-    parser.add_argument("--out", type=folder, default=Path(), metavar="DIR", help=f"folder for {files} (default: here)")
+    text = f"write {files} into this folder (default: the current one)"
+    parser.output.add_argument("--out", type=folder, default=Path(), metavar="DIR", help=text)
 
 
 def folder(word: str) -> Path:
@@ -118,9 +214,38 @@ def folder(word: str) -> Path:
     return Path(word)
 
 
-def add_open(parser: argparse.ArgumentParser, file: str) -> None:
+def add_open(parser: Parser, file: str) -> None:
     """Declare --open, which shows this file, that under "opened" of what the command returns."""
-    parser.add_argument("--open", action="store_true", help=f"open {file} in the browser")
+    parser.output.add_argument("--open", action="store_true", help=f"open {file} in the browser")
+
+
+def add_seed(parser: Any, numbers: str, default: int | None = 0) -> None:
+    """Declare --seed of random numbers.
+
+    Args:
+        parser: of the command, or a group of its options.
+        numbers: what is random, in words.
+        default: unless it is given; None is taken for 0, and tells that it was not given.
+    """
+    text = f"seed of the random {numbers} (default: 0)"
+    parser.add_argument("--seed", type=int, default=default, metavar="N", help=text)
+
+
+def add_rtol(parser: Any) -> None:
+    """Declare --rtol."""
+    text = "relative tolerance of the integrator (default: 1e-9)"
+    parser.add_argument("--rtol", type=float, default=1e-9, metavar="TOL", help=text)
+
+
+def add_workers(parser: Any, workers: int | None, said: str) -> None:
+    """Declare --workers, with what it is by default, and how the help says that."""
+    text = f"number of processes (default: {said})"
+    parser.add_argument("--workers", type=int, default=workers, metavar="N", help=text)
+
+
+def add_robot(parser: Any) -> None:
+    """Declare a robot, which has to be given."""
+    parser.add_argument("robot", metavar="ROBOT", help=ROBOT)
 
 
 def check_out(arguments: argparse.Namespace) -> None:
@@ -144,24 +269,28 @@ def check_folder(folder: Path, given: str, expected: str) -> None:
         raise BadValue("--out", given, f"{expected}, in which files can be written") from None
 
 
-def add_simulation(parser: argparse.ArgumentParser, cycles: int, called: str, page: str) -> None:
+def add_simulation(parser: Parser, cycles: int, called: str, files: str, page: str) -> None:
     """Declare --cycles, --rtol, --max-step, --out and --open; `check_simulation` goes with them.
 
     Args:
         parser: of the command.
         cycles: how many, unless it is said.
         called: what cycles are to this command.
+        files: what is written, in words.
         page: name of the file that --open shows.
     """
-    parser.add_argument(
-        "--cycles", type=int, default=cycles, metavar="N", help=f"{called} to simulate (default: {cycles})"
-    )
-    parser.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance (default: 1e-9)")
-    parser.add_argument(
-        "--max-step", type=float, metavar="SECONDS", help="longest step of the integrator (default: as it finds fit)"
-    )
-    add_out(parser, "the files")
+    group = parser.add_argument_group("simulation")
+    add_cycles(group, cycles, called)
+    add_rtol(group)
+    group.add_argument("--max-step", type=float, metavar="S", help="longest step of the integrator (default: no limit)")
+    add_out(parser, files)
     add_open(parser, page)
+
+
+def add_cycles(parser: Any, cycles: int, called: str) -> None:
+    """Declare --cycles."""
+    text = f"number of {called} to simulate (default: {cycles})"
+    parser.add_argument("--cycles", type=int, default=cycles, metavar="N", help=text)
 
 
 def check_simulation(arguments: argparse.Namespace) -> None:

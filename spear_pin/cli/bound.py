@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 from spear_pin.cli import bound_in_space
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
 from spear_pin.cli.durations import usual
-from spear_pin.cli.endings import ended, lost, notes_of
 from spear_pin.cli.gaits import BOUND, bounding_gait
-from spear_pin.cli.legs import add_plane, called, doubted, in_the_plane, rests_on, stability
-from spear_pin.cli.output import aligned, iterations, joined, listed, progress, shows
+from spear_pin.cli.legs import add_plane, called, in_the_plane, rests_on, stability, write_plane
+from spear_pin.cli.output import iterations, joined, progress
+from spear_pin.cli.python_lines import Program
+from spear_pin.cli.writing import Rows, list_checks, play, write_motion
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -21,25 +22,28 @@ if TYPE_CHECKING:
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(commands, "bound", run, "simulate a bounding gait of Q-SPEAR, write page, plots and samples")
-    parser.add_argument("--gait", metavar="NAME|PATH", help=f"a shipped gait, or a saved one (default: {BOUND})")
+    example = ("spear bound least_effort --open", "simulate a gait that ships, and open a page that plays it")
+    parser = add_command(commands, "bound", run, "find a quadruped's bounding gait and simulate it", example)
+    parser.add_argument(
+        "gait", nargs="?", default=argparse.SUPPRESS, metavar="GAIT", help=f"a gait by name or path (default: {BOUND})"
+    )
+    parser.add_argument("--gait", metavar="GAIT", help="the same gait, given as an option")
+    parser.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
     parser.add_argument(
         "--speed",
         type=float,
         metavar="M/S",
-        help="continue the gait to this mean speed, 1.5 to 3.5 m/s or little more (at most 1 m/s from a gait's own);"
-        f" takes {usual('bound', 'speed')}. Of another robot any, searched for; default: as fast as Q-SPEAR for its"
-        " size",
-    )
-    add_plane(parser, f"a bound of which is searched for (needs casadi; takes {usual('bound', 'robot')})")
-    parser.add_argument(
-        "--save",
-        action="store_true",
-        help="write bound.json too, with --space bound_in_space.json: the gait for --gait and Gait.load",
+        help="continue the gait to this mean speed, at most 1 m/s from its own; for another robot, search for a gait of"
+        f" this speed (default: Q-SPEAR's, scaled); takes {usual('bound', 'speed')}",
     )
     bound_in_space.add(parser)
-    add_simulation(parser, 5, "strides", "bound.html")
-    parser.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
+    add_plane(parser, f"its bound is searched for, which needs casadi and takes {usual('bound', 'robot')}")
+    parser.output.add_argument(
+        "--save",
+        action="store_true",
+        help="write the gait to bound.json too, or bound_in_space.json with --space, for GAIT and Gait.load",
+    )
+    add_simulation(parser, 5, "strides", "bound.html, bound.svg and bound.npz", "bound.html")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -50,54 +54,48 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.space:
         check_simulation(arguments)
         return bound_in_space.run(arguments, _gait)
-    from spear_pin import simulate
     from spear_pin.studies.bound import summarize
-    from spear_pin.studies.joint_limits import plausibility
-    from spear_pin.viz.playback.trajectory import read_times
-    from spear_pin.viz.player import record, shortened
-    from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.bound import bound_summary
 
     if arguments.speed is not None and not 0 < arguments.speed < math.inf:
         raise BadValue("--speed", arguments.speed, "a number > 0, in m/s")
     check_simulation(arguments)
-    name, gait, notes = _gait(arguments)
-    trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step)
-    end = lost(trajectory, "stride")
-    samples = trajectory.save(arguments.out / "bound.npz")
-    saved = [gait.save(arguments.out / "bound.json")] if arguments.save else []
+    program = Program()
+    name, gait, notes = _gait(arguments, program)
+    trajectory, end = play(arguments, program, gait, "stride")
     robot = gait.system.robot
-    summary = {"gait": name, "lost": end, **summarize(gait, trajectory), **plausibility(gait, trajectory)}
+    figures = {"gait": name, **summarize(gait, trajectory)}
     if robot.cut is not None:
-        summary |= {"cut": str(robot.cut), **_searched(gait, summary["friction_used"])}
-    title = f"{called(robot)} bounding at {summary['speed']:.2f} m/s"
-    shown = shortened(robot, trajectory)
-    page, plots = arguments.out / "bound.html", arguments.out / "bound.svg"
-    pictures = {
-        page: lambda path: record(robot, shown, path, title=title, notes=notes_of(summary)),
-        plots: lambda path: save_figure(bound_summary(trajectory, gait), path),
-    }
-    files = [page, samples, plots, *saved]
-    told = [*notes, *_of_the_search(summary), *rests_on(robot), *doubted(summary["implausible"])]
-    return summary | {
-        "shown": read_times(shown)[[0, -1]],
-        "files": [*map(str, files)],
-        "pictures": pictures,
-        "opened": page,
-        "text": _text(summary, [*told, *shows(shown), *listed(arguments.out, "bound", files)]),
-    }
+        figures |= _searched(gait, figures["friction_used"])
+    return write_motion(
+        arguments,
+        "bound",
+        gait,
+        trajectory,
+        end,
+        figures,
+        _rows,
+        title=f"{called(robot)} bounding at {figures['speed']:.2f} m/s",
+        program=program,
+        told=[*notes, *_of_the_search(figures), *rests_on(robot)],
+        plot=lambda motion: bound_summary(motion, gait),
+        saved=[gait.save(arguments.out / "bound.json")] if arguments.save else [],
+    )
 
 
-def _gait(arguments: argparse.Namespace) -> tuple[str, Gait, list[tuple[str, str]]]:
+def _gait(arguments: argparse.Namespace, program: Program) -> tuple[str, Gait, list[tuple[str, str]]]:
     """A gait that is named or searched for, what it is called, and what there is to say of the search."""
+    from spear_pin.gaits.gait import Gait
     from spear_pin.studies.bound import at_speed, bound_of
 
     robot = in_the_plane(arguments)
     if robot is None:
         name, gait = bounding_gait(BOUND if arguments.gait is None else arguments.gait, arguments.speed)
+        named = program.let("gait", program.call(Gait.load, name))
         if arguments.speed is not None:
             with iterations() as tell:
                 gait = at_speed(gait, arguments.speed, on_iteration=tell)
+            program.let("gait", program.call(at_speed, named, arguments.speed))
         return name, gait, []
     if arguments.gait is not None:
         raise BadValue("--gait", arguments.gait, "to be left out with --robot: a bound of that robot is searched")
@@ -107,6 +105,7 @@ def _gait(arguments: argparse.Namespace) -> tuple[str, Gait, list[tuple[str, str
         gait = bound_of(
             robot, arguments.speed, on_attempt=lambda speed, why: notes.append((f"at {speed:.2f} m/s", why))
         )
+    program.let("gait", program.call(bound_of, write_plane(program, arguments), speed=arguments.speed))
     return called(robot), gait, notes
 
 
@@ -150,8 +149,7 @@ def _shipped() -> dict[str, Any]:
     return {"gaits": rows, "text": joined(lines)}
 
 
-def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
-
+def _rows(summary: dict[str, Any]) -> Rows:
     def legs(key: str, form: str, unit: str) -> str:
         return ", ".join(format(summary[key][leg], form) for leg in ("posterior", "anterior")) + unit
 
@@ -162,8 +160,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         "knee": f"when the knee is back at {math.degrees(summary['knee_rest']):.0f}°",
         "force": "when the normal force is zero",
     }[summary["lift_off"]]
-    rows = [
-        *ended(summary["lost"]),
+    return [
         ("gait", summary["gait"]),
         ("speed", f"{summary['speed']:.4f} m/s"),
         ("stride", f"{summary['stride']:.4f} m in {summary['period']:.4f} s"),
@@ -180,8 +177,5 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         ("cost of transport", f"{summary['cost_of_transport']:.3f} (absolute work of the motors)"),
         ("multipliers", stability(summary["multipliers"], summary["implausible"])),
         ("fixed point", f"residual {summary['residual']:.1e}"),
-        ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a stride"),
-        ("simulated", f"{summary['cycles']} strides ({summary['reason']})"),
-        *files,
+        *list_checks(summary, "stride"),
     ]
-    return aligned(rows)

@@ -7,9 +7,10 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.endings import ended, lost, notes_of, patience
-from spear_pin.cli.legs import called, doubted, of_the_section, rests_on
-from spear_pin.cli.output import aligned, listed, progress, shows
+from spear_pin.cli.legs import called, of_the_section, rests_on
+from spear_pin.cli.output import progress
+from spear_pin.cli.python_lines import Code, Program
+from spear_pin.cli.writing import Rows, play, write_motion
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -25,13 +26,13 @@ HEADING = 30.0  # weight of the yaw, where the heading is to be kept
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare what goes with --space."""
-    group = parser.add_argument_group("in space; kept upright by feedback once a stride")
-    group.add_argument("--space", action="store_true", help="bound in three dimensions")
+    group = parser.add_argument_group("three dimensions", "feedback once a stride keeps the robot upright")
+    group.add_argument("--space", action="store_true", help="simulate the gait in 3-D")
     group.add_argument(
-        "--push", type=float, metavar="M/S", help="sideways, to the left, at the begin (default: 0); with --space"
+        "--push", type=float, metavar="M/S", help="lateral velocity added at the start, to the left (default: 0)"
     )
     group.add_argument(
-        "--keep-heading", action="store_true", help="turn back too, by ten inputs instead of one; with --space"
+        "--keep-heading", action="store_true", help="return to the heading too, with ten inputs instead of one"
     )
 
 
@@ -62,64 +63,62 @@ def check_push(push: float | None) -> None:
 
 
 def run(
-    arguments: argparse.Namespace, find: Callable[[argparse.Namespace], tuple[str, Gait, list[tuple[str, str]]]]
+    arguments: argparse.Namespace,
+    find: Callable[[argparse.Namespace, Program], tuple[str, Gait, list[tuple[str, str]]]],
 ) -> dict[str, Any]:
     """Simulate a gait of the plane in space, or a saved one in space, and write its files.
 
     Args:
         arguments: of the command.
-        find: the gait of the plane, what it is called, and what there is to say of it.
+        find: the gait of the plane, what it is called, and what there is to say of it; it writes the Python for it.
     """
-    from spear_pin import simulate
+    from spear_pin.gaits.gait import Gait
     from spear_pin.hybrid.symmetry import asymmetry
     from spear_pin.studies.bound.in_space import multipliers_of, summarize_in_space
-    from spear_pin.studies.joint_limits import plausibility
-    from spear_pin.viz.playback.trajectory import read_times
-    from spear_pin.viz.player import record, shortened
-    from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.space import space_summary
 
     name, gait, found, told = str(arguments.gait), _saved(arguments), None, list[tuple[str, str]]()
+    program = Program()
     if gait is None:
-        name, plane, notes = find(arguments)
-        gait, told = _straight(plane), [*notes, *rests_on(plane.system.robot)]
+        name, plane, notes = find(arguments, program)
+        gait, told = _straight(plane, program), [*notes, *rests_on(plane.system.robot)]
+    else:
+        program.let("gait", program.call(Gait.load, name))
     if not gait.system.law.feedback:
-        found = _held(gait, arguments.keep_heading)
+        found = _held(gait, arguments.keep_heading, program)
         gait = found.gait
     push = arguments.push or 0.0
-    cycles, most = arguments.cycles, patience(arguments.cycles)
-    trajectory = simulate(
-        gait.system, pushed(gait, push), cycles, arguments.rtol, max_step=arguments.max_step, max_evaluations=most
+    trajectory, end = play(
+        arguments,
+        program,
+        gait,
+        "stride",
+        state=push_state(gait, push, program),
+        in_space=True,
+        remedy="a smaller --push" if push else "",
     )
-    end = lost(trajectory, "stride", remedy="a smaller --push" if push else "")
-    samples = trajectory.save(arguments.out / f"{STEM}.npz")
-    saved = [gait.save(arguments.out / f"{STEM}.json")] if arguments.save else []
-    robot = gait.system.robot
-    summary = {
+    figures = {
         "gait": name,
         "push": push,
-        "lost": end,
-        "asymmetry": asymmetry(robot, gait.state),
+        "asymmetry": asymmetry(gait.system.robot, gait.state),
         "inputs": _inputs(gait),
         **summarize_in_space(gait, trajectory),
         **multipliers_of(gait, found),
-        **plausibility(gait, trajectory),
     }
-    shown = shortened(robot, trajectory)
-    page, plots = arguments.out / f"{STEM}.html", arguments.out / f"{STEM}.svg"
-    title = f"{called(robot)} bounding in space at {summary['speed']:.2f} m/s"
-    files = [page, samples, plots, *saved]
-    told += [*doubted(summary["implausible"]), *shows(shown), *listed(arguments.out, STEM, files)]
-    return summary | {
-        "shown": read_times(shown)[[0, -1]],
-        "files": [*map(str, files)],
-        "pictures": {
-            page: lambda path: record(robot, shown, path, title=title, notes=notes_of(summary)),
-            plots: lambda path: save_figure(space_summary(trajectory), path),
-        },
-        "opened": page,
-        "text": _text(summary, told),
-    }
+    return write_motion(
+        arguments,
+        STEM,
+        gait,
+        trajectory,
+        end,
+        figures,
+        _rows,
+        title=f"{called(gait.system.robot)} bounding in space at {figures['speed']:.2f} m/s",
+        program=program,
+        told=told,
+        plot=space_summary,
+        saved=[gait.save(arguments.out / f"{STEM}.json")] if arguments.save else [],
+    )
 
 
 def _saved(arguments: argparse.Namespace) -> Gait | None:
@@ -140,8 +139,8 @@ def _saved(arguments: argparse.Namespace) -> Gait | None:
     return gait
 
 
-def _straight(plane: Gait) -> Gait:
-    """A gait of the plane in space; the multipliers of Q-SPEAR's are left to what finds feedback for it."""
+def _straight(plane: Gait, program: Program) -> Gait:
+    """Put a gait of the plane into space; the multipliers of Q-SPEAR's are left to what finds feedback for it."""
     import numpy as np
 
     from spear_pin import in_space
@@ -149,6 +148,7 @@ def _straight(plane: Gait) -> Gait:
     from spear_pin.gaits.orbits.embedding import embedded
     from spear_pin.hybrid.periodic import residual, return_map
 
+    program.let("gait", program.call(in_space, Code("gait")))
     if plane.system.robot.cut is not None:
         with progress() as show:
             show("finding the gait in space, which takes some minutes")
@@ -158,14 +158,16 @@ def _straight(plane: Gait) -> Gait:
     return Gait(system, state, {}, residual(system, state), np.ones(1, complex), durations)
 
 
-def _held(gait: Gait, heading: bool) -> Balance:
-    """A gait with feedback that keeps it upright, and on its heading if that is asked for."""
+def _held(gait: Gait, heading: bool, program: Program) -> Balance:
+    """Find feedback that keeps a gait upright, and on its heading if that is asked for."""
     from spear_pin.gaits.orbits.balance import balance
     from spear_pin.gaits.spatial.law import ACROSS
 
+    inputs, weight = (ACROSS, HEADING) if heading else (("posterior_adduction",), 0.0)
+    program.let("gait", Code(f"{program.call(balance, Code('gait'), inputs, heading=weight)}.gait"))
     with progress() as show:
         show("finding feedback, and how it falls sideways without")
-        return balance(gait, ACROSS if heading else ("posterior_adduction",), heading=HEADING if heading else 0.0)
+        return balance(gait, inputs, heading=weight)
 
 
 def _inputs(gait: Gait) -> list[str]:
@@ -175,11 +177,15 @@ def _inputs(gait: Gait) -> list[str]:
     return [name for name, row in zip(INPUTS, gait.system.law.feedback, strict=True) if any(row)]
 
 
-def pushed(gait: Gait, speed: float) -> State:
-    """The state of a gait, moving to the left besides, by a speed in m/s."""
+def push_state(gait: Gait, speed: float, program: Program) -> tuple[State, Code] | None:
+    """Move the state of a gait to the left besides, by a speed in m/s; with its Python. Of no speed it is None."""
+    if not speed:
+        return None
     q, v = (part.copy() for part in gait.state)
     v[1] += speed
-    return q, v
+    program.let("q, v", Code("(part.copy() for part in gait.state)"))
+    program.do(Code(f"v[1] += {speed!r}"))
+    return (q, v), Code("(q, v)")
 
 
 def joint_in_words(of: dict[str, float]) -> str:
@@ -198,25 +204,36 @@ def sections(summary: dict[str, Any], by: str = "") -> list[tuple[str, str]]:
     return [*rows, *held]
 
 
-def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
+def list_push(summary: dict[str, Any]) -> Rows:
+    """Rows with a push, and what is left of it at the end."""
+    return [
+        ("push", f"{summary['push']:g} m/s to the left"),
+        ("at the end", f"{summary['aside']:.3f} m aside, heading {math.degrees(summary['heading']):.2f}°"),
+        ("largest roll", f"{math.degrees(summary['largest_roll']):.2f}°"),
+    ]
+
+
+def list_checks_in_space(summary: dict[str, Any], by: str = "a stride") -> Rows:
+    """Rows with friction, joints and energies of a motion in space; `by` is a cycle of the automaton."""
+    return [
+        ("friction used", f"{summary['friction_used']:.2f}, across {summary['friction_used_across']:.2f}"),
+        ("slips", f"{summary['slips']}"),
+        *((part, joint_in_words(summary["joints"][part])) for part in ("adduction", "hip", "knee")),
+        ("energy ledger", f"closes to {summary['energy_residual']:.1e} J {by}"),
+        ("simulated", f"{summary['cycles']} strides ({summary['reason']})"),
+    ]
+
+
+def _rows(summary: dict[str, Any]) -> Rows:
     inputs = summary["inputs"]
     by = inputs[0].replace("_", " ") if len(inputs) == 1 else f"{len(inputs)} inputs"
-    rows = [
-        *ended(summary["lost"]),
+    return [
         ("gait", f"{summary['gait']}, in space"),
         ("speed", f"{summary['speed']:.4f} m/s"),
         ("fixed point", f"residual {summary['residual']:.1e}"),
         ("left and right", f"differ by {summary['asymmetry']:.1e}"),
         *sections(summary),
         ("feedback", f"once a stride to {by}"),
-        ("push", f"{summary['push']:g} m/s to the left"),
-        ("at the end", f"{summary['aside']:.3f} m aside, heading {math.degrees(summary['heading']):.2f}°"),
-        ("largest roll", f"{math.degrees(summary['largest_roll']):.2f}°"),
-        ("friction used", f"{summary['friction_used']:.2f}, across {summary['friction_used_across']:.2f}"),
-        ("slips", f"{summary['slips']}"),
-        *((part, joint_in_words(summary["joints"][part])) for part in ("adduction", "hip", "knee")),
-        ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a stride"),
-        ("simulated", f"{summary['cycles']} strides ({summary['reason']})"),
-        *files,
+        *list_push(summary),
+        *list_checks_in_space(summary),
     ]
-    return aligned(rows)

@@ -6,9 +6,10 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
-from spear_pin.cli.legs import add_leg, one_leg
+from spear_pin.cli.arguments import Commands, add_command, add_cycles, add_open, add_out, check_out
+from spear_pin.cli.legs import add_leg, one_leg, write_leg
 from spear_pin.cli.output import aligned, joined, progress
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -21,28 +22,26 @@ CYCLES = 4
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    summary = "hold gaits, motions, springs or robots against the first of them: a table, and the page compare.html"
-    parser = add_command(commands, "compare", run, summary)
+    example = ("spear compare stiffness=40 stiffness=60 --open", "compare SPEAR-II's hop with two springs")
+    summary = "compare gaits, motions, springs or robots with a reference"
+    parser = add_command(commands, "compare", run, summary, example)
     parser.more = "items"
     parser.add_argument(
         "items",
         nargs="*",
         metavar="A B",
-        help="two to six: a gait that ships, a saved one (.json), a trajectory (.npz), a robot's name or file, or"
-        " numbers of a spring, such as stiffness=40 or stiffness=40,damping=1, with which SPEAR-II hops, or the leg of"
-        " --robot",
+        help="two to six, the first is the reference: a gait by name or path (.json), a motion (.npz), a robot by name"
+        " or path, or a spring, such as stiffness=40,damping=1",
     )
-    parser.add_argument("--names", nargs="+", default=[], metavar="NAME", help="what they are called, one for each")
-    parser.add_argument("--of", metavar="GAIT", help="another gait that springs are put into, by name or path")
+    parser.add_argument("--names", nargs="+", default=[], metavar="NAME", help="a name for each item")
+    parser.add_argument("--gait", "--of", dest="of", metavar="GAIT", help="put springs into this gait")
     parser.add_argument(
-        "--flight-time", type=float, metavar="S", help="of the hops that springs are put into (default: 0.2, scaled)"
+        "--flight-time", type=float, metavar="S", help="flight time of the hop that springs are put into (default: 0.2)"
     )
-    parser.add_argument(
-        "--cycles", type=int, default=CYCLES, metavar="N", help=f"of each gait to simulate (default: {CYCLES})"
-    )
-    add_leg(parser, "into whose leg's hop springs are put")
-    add_out(parser, "the page")
-    parser.add_argument("--open", action="store_true", help=f"open {PAGE} in the browser")
+    add_cycles(parser, CYCLES, "cycles")
+    add_leg(parser, "springs are put into the hop of one of its legs")
+    add_out(parser, PAGE)
+    add_open(parser, PAGE)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -54,34 +53,41 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     with progress() as show:
         show("comparing")
-        of = _hop_or_gait(arguments)
+        program = Program()
+        of, written = _hop_or_gait(arguments, program)
         found = compare(*arguments.items, names=arguments.names, cycles=arguments.cycles, of=of)
+    options = {"names": arguments.names, "cycles": arguments.cycles, "of": written}
+    program.let("comparison", program.call(compare, *arguments.items, **options))
+    program.do(program.method(Code("comparison"), "save", PAGE))
     page: Path = found.save(arguments.out / PAGE)
     return {
         **as_json(found),
         "files": [str(page)],
-        "opened": page if arguments.open else None,
+        "opened": page,
         "text": text(found) + "\n\n" + aligned([("files", str(page))]),
+        "python": str(program),
     }
 
 
-def _hop_or_gait(arguments: argparse.Namespace) -> Gait | None:
-    """What springs are put into, if options say it: a gait, or the hop of a leg for a time in the air."""
+def _hop_or_gait(arguments: argparse.Namespace, program: Program) -> tuple[Gait | None, Code | None]:
+    """Find the gait into which springs are put, if options name it, and write the Python for it."""
     leg, given = one_leg(arguments, ["boom_x"]), {"--robot": arguments.robot, "--flight-time": arguments.flight_time}
     for option, value in given.items():
         if value is not None and arguments.of is not None:
-            raise BadValue(option, value, "to be left out with --of, which already has a robot and a flight time")
+            raise BadValue(option, value, "to be left out with --gait, which already has a robot and a flight time")
         if value is not None and not any("=" in item for item in arguments.items):
             raise BadValue(option, value, "to go with springs to compare, such as stiffness=40 stiffness=60")
     if arguments.of is not None:
         from spear_pin.gaits.gait import Gait
 
-        return Gait.load(arguments.of)
+        return Gait.load(arguments.of), program.let("gait", program.call(Gait.load, arguments.of))
     if leg is None and arguments.flight_time is None:
-        return None
+        return None, None
     from spear_pin.studies.comparison.sides import usual_hop
 
-    return usual_hop(leg, arguments.flight_time)
+    named = None if leg is None else write_leg(program, arguments, leg, ["boom_x"])
+    hop = program.let("hop", program.call(usual_hop, leg=named, flight_time=arguments.flight_time))
+    return usual_hop(leg, arguments.flight_time), hop
 
 
 def as_json(found: Comparison) -> dict[str, Any]:

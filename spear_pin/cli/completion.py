@@ -6,20 +6,22 @@ import argparse
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from spear_pin.cli.arguments import Commands, add_command
+from spear_pin.cli.arguments import Commands, add_command, commands_of
 from spear_pin.cli.gaits import WHAT
 from spear_pin.errors import MissingExtra
 
 SHELLS = ("bash", "zsh", "fish")
 # metavars, or names of arguments without any, of what is a folder, a file, a robot's name or path, and a gait's
 FOLDERS, FILES = ("DIR",), ("FILE", "PATH")
-ROBOTS, GAITS = ("ROBOT", "NAME|URDF", "robot", "what"), ("NAME|PATH", "gait", "GAIT", "A B")
+ROBOTS, GAITS = ("ROBOT", "WHAT"), ("GAIT", "A B")
 
 
 def add(commands: Commands) -> None:
-    """Declare the command."""
-    parser = add_command(commands, "completion", run, "print what lets a shell complete commands by Tab")
-    parser.add_argument("shell", choices=SHELLS, help='eval "$(spear completion bash)" in ~/.bashrc')
+    """Declare the command and its arguments."""
+    example = ('eval "$(spear completion bash)"', "complete commands in this shell; put it into ~/.bashrc to keep it")
+    summary = "print a script that completes commands in your shell"
+    parser = add_command(commands, "completion", run, summary, example)
+    parser.add_argument("shell", choices=SHELLS, help="your shell")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -38,8 +40,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         **dict.fromkeys(GAITS, named("gait", library.names())),
         WHAT: named("family", ("hop", "bound", *library.names())),
     }
-    for parser in _commands(arguments.every):
-        for action in parser._actions:  # argparse has no other way to them
+    commands = commands_of(arguments.every)
+    for name in (name for names in commands.groups.values() for name in names):
+        for action in commands.choices[name]._actions:  # argparse has no other way to them
             if action.nargs != 0 and not action.choices:
                 kind = kinds.get(str(action.metavar or action.dest))
                 if kind is not None:
@@ -60,8 +63,3 @@ def named(kind: str, names: Iterable[str]) -> Mapping[str, Any]:
             "fish": f"function {function}; printf '%s\\n' {words}; __fish_complete_path (commandline -ct); end",
         },
     }
-
-
-def _commands(parser: argparse.ArgumentParser) -> list[argparse.ArgumentParser]:
-    groups = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
-    return [command for group in groups for command in group.choices.values()]

@@ -6,41 +6,52 @@ import argparse
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import add_gait, named_gait
+from spear_pin.cli.gaits import VARY, add_gait, named_gait, write_gait
 from spear_pin.cli.motors import add_motors, check_motors, motors
-from spear_pin.cli.output import aligned, listed, progress
+from spear_pin.cli.output import progress
 from spear_pin.cli.pairs import RANGE, names, once, ranges, values
+from spear_pin.cli.python_lines import Code, Program
+from spear_pin.cli.writing import write_study
 
 STEM = "design"
 
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands,
-        "design",
-        run,
-        "the best robot and gait together: a measure made small over any numbers, within bounds",
+    example = (
+        "spear design hop --minimize work --keep flight_time=0.2 --over stiffness=46:56",
+        "find the stiffness with which the hop of 0.2 s of flight takes least work",
     )
+    parser = add_command(commands, "design", run, "minimise a measure over parameters", example)
     add_gait(parser)
+    parser.add_argument(
+        "--over",
+        type=ranges,
+        action="extend",
+        required=True,
+        metavar=RANGE,
+        help="parameters and their bounds, separated by commas",
+    )
     parser.add_argument(
         "--minimize", required=True, metavar="MEASURE", help="such as energy, electricity or cost_of_transport"
     )
-    parser.add_argument(
-        "--over", type=ranges, action="extend", required=True, metavar=RANGE, help="parameters, apart by commas"
-    )
+    parser.add_argument("--vary", type=names, action="extend", metavar="NAME", help=VARY)
     for option, text in (
-        ("--keep", "measures that are kept, the gait's own parameters being solved for it"),
+        ("--keep", "keep these measures at a value"),
         ("--at-most", "upper bounds of measures"),
-        ("--at-least", "lower bounds, such as margin_spring_switch=0.02"),
+        ("--at-least", "lower bounds of measures, such as margin_spring_switch=0.02"),
     ):
         parser.add_argument(
-            option, type=values, action="extend", default=[], metavar="MEASURE=VALUE", help=f"{text}, apart by commas"
+            option,
+            type=values,
+            action="extend",
+            default=[],
+            metavar="MEASURE=VALUE",
+            help=f"{text}, separated by commas",
         )
-    parser.add_argument("--vary", type=names, action="extend", metavar="NAME", help="a parameter that is solved for")
-    parser.add_argument("--largest-multiplier", type=float, metavar="X", help="upper bound of all moduli")
+    parser.add_argument("--largest-multiplier", type=float, metavar="X", help="upper bound of the multipliers' moduli")
+    parser.add_argument("--iterations", type=int, default=100, metavar="N", help="most iterations (default: 100)")
     add_motors(parser)
-    parser.add_argument("--iterations", type=int, default=100, metavar="N", help="at most (default: 100)")
     add_out(parser, f"{STEM}.json, {STEM}.svg and {STEM}_gait.json")
     add_open(parser, f"the picture, {STEM}.svg,")
 
@@ -49,35 +60,36 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Optimise the design, write and draw it."""
     check_out(arguments)
     check_motors(arguments)
-    from spear_pin.files import write_text
     from spear_pin.gaits.codesign.optimize_design import optimize_design
-    from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.design_by_gradient import optimised
 
     with progress() as show:
         show("looking for the gait to begin with")
         gait = named_gait(arguments.what)
+        options: dict[str, Any] = {
+            "vary": arguments.vary,
+            "at_most": once(arguments.at_most, "--at-most"),
+            "at_least": once(arguments.at_least, "--at-least"),
+            "largest_multiplier": arguments.largest_multiplier,
+            "motors": motors(arguments, gait.system.robot),
+            "iterations": arguments.iterations,
+        }
+        over, keep = once(arguments.over, "--over"), once(arguments.keep, "--keep")
         found = optimize_design(
             gait,
             arguments.minimize,
-            once(arguments.over, "--over"),
-            once(arguments.keep, "--keep"),
-            vary=arguments.vary,
-            at_most=once(arguments.at_most, "--at-most"),
-            at_least=once(arguments.at_least, "--at-least"),
-            largest_multiplier=arguments.largest_multiplier,
-            motors=motors(arguments, gait.system.robot),
-            iterations=arguments.iterations,
+            over,
+            keep,
+            **options,
             on_iteration=lambda n, value, missed: show(
                 f"iteration {n}: {arguments.minimize} {value:.6g}, bounds missed by {missed:.2g}"
             ),
         )
-    files = [arguments.out / name for name in (f"{STEM}.json", f"{STEM}.svg", f"{STEM}_gait.json")]
-    write_text(files[0], found.to_json() + "\n")
-    save_figure(optimised(found), files[1])
-    found.gait.save(files[2])
-    told = listed(arguments.out, STEM, files)
-    return {
+    program = Program()
+    named = write_gait(program, arguments.what)
+    program.let("design", program.call(optimize_design, named, arguments.minimize, over=over, keep=keep, **options))
+    program.show(Code("design"))
+    figures = {
         "minimize": found.minimize,
         "start": found.start,
         "objective": found.objective,
@@ -91,7 +103,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "missed": found.missed,
         "converged": found.converged,
         "reason": found.reason,
-        "files": [str(path) for path in files],
-        "opened": files[1],
-        "text": f"{found}\n\n{aligned(told)}",
     }
+    saved = [found.gait.save(arguments.out / f"{STEM}_gait.json")]
+    texts = [str(found)]
+    return write_study(arguments, STEM, found.to_json(), optimised(found), figures, texts, program=program, saved=saved)

@@ -37,7 +37,8 @@ OPTIONAL = (
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    add_command(commands, "doctor", run, "show what is installed, and whether it works")
+    example = ("spear doctor", "list packages and programs, and try a hop and a bound")
+    add_command(commands, "doctor", run, "check the installation", example)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -21,20 +21,20 @@ class Lasting(NamedTuple):
 
 
 LASTING = (
-    Lasting("bound", "robot", "15 s to a minute, in space some minutes"),
+    Lasting("bound", "robot", "15 s to a minute, and in 3-D some minutes"),
     Lasting("bound", "space", "15 to 30 s"),
-    Lasting("bound", "speed", "15 s to minutes, the further from a gait's own speed"),
-    Lasting("turn", "", "two to five minutes; of a turn.json, seconds"),
-    Lasting("trot", "", "half a minute to a minute; of a trot_steady.json, seconds"),
+    Lasting("bound", "speed", "15 s to minutes, longer far from the gait's own speed"),
+    Lasting("turn", "", "two to five minutes, or seconds for a gait that turns already"),
+    Lasting("trot", "", "half a minute to a minute, or seconds for a gait with feedback"),
     Lasting("search", "", "half a minute"),
     Lasting("payoff", "", "some 40 searches of 15 s to a minute each, shared by the processors"),
-    Lasting("family", "", "some seconds to a minute of a hop, minutes of a bound"),
-    Lasting("sensitivity", "", "some seconds, of a bound half a minute"),
-    Lasting("design", "", "some seconds, of a bound a minute"),
-    Lasting("uncertainty", "monte_carlo", "some seconds, and of a hop half a minute to a minute for 10000 samples"),
-    Lasting("uncertainty", "", "some seconds, of a bound half a minute"),
-    Lasting("report", "", "about a minute, less once its results are kept"),
-    Lasting("export", "mp4", "half a second a frame"),
+    Lasting("family", "", "some seconds to a minute for a hop, and minutes for a bound"),
+    Lasting("sensitivity", "", "some seconds, and half a minute for a bound"),
+    Lasting("design", "", "some seconds, and a minute for a bound"),
+    Lasting("uncertainty", "monte_carlo", "some seconds, and for 10000 samples of a hop half a minute to a minute"),
+    Lasting("uncertainty", "", "some seconds, and half a minute for a bound"),
+    Lasting("report", "", "about a minute, and less once its results are stored"),
+    Lasting("export", "mp4", "half a second for each frame"),
 )
 """The first that fits is told."""
 

@@ -5,16 +5,21 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_loading, loading
-from spear_pin.cli.legs import add_cut, cut_out, rests_on
+from spear_pin.cli.arguments import Commands, add_command, add_loading, add_robot, loading
+from spear_pin.cli.legs import add_cut, cut_out, rests_on, write_cut
 from spear_pin.cli.output import joined
+from spear_pin.cli.python_lines import Program
 from spear_pin.errors import SpearError, listed
 
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(commands, "dynamics", run, "print D, C, G, J and J̇v of a robot at a state")
-    parser.add_argument("robot", help="a robot's name, or the path of a URDF, an MJCF or a TOML file")
+    example = (
+        "spear dynamics spear_ii --q 0 0.5 0.5 1",
+        "print SPEAR-II's mass matrix and the rest with its knee bent",
+    )
+    parser = add_command(commands, "dynamics", run, "print the equations of motion of a robot at a state", example)
+    add_robot(parser)
     parser.add_argument("--q", type=float, nargs="+", metavar="RAD", help="configuration (default: zero)")
     parser.add_argument("--v", type=float, nargs="+", metavar="RAD/S", help="velocity (default: zero)")
     add_loading(parser)
@@ -27,6 +32,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     import pinocchio as pin
 
     robot = cut_out(arguments.robot, arguments, loading(arguments))
+    program = Program()
+    named = write_cut(program, arguments.robot, arguments, loading(arguments), robot)
     for option, names in (("q", robot.configuration), ("v", robot.coordinates)):
         given = getattr(arguments, option)
         if given is not None and len(given) != len(names):
@@ -59,4 +66,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
                     [f"{key}{label} =", *str(array).split("\n")] if array.ndim == 2 else [f"{key}{label} = {array}"]
                 )
     lines += [f"{name}: {said}" if name else said for name, said in rests_on(robot)]
-    return result | {"text": joined(lines)}
+    place, speed = program.let("q", q.tolist()), program.let("v", v.tolist())
+    for name, given in (("mass_matrix", [place]), ("coriolis_matrix", [place, speed]), ("gravity", [place])):
+        program.show(program.method(named, name, *given))
+    return result | {"text": joined(lines), "python": str(program)}

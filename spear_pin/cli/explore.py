@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command
+from spear_pin.cli.arguments import Commands, add_command, add_open
 from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.cli.legs import OPTIONS, add_leg, called, one_leg
+from spear_pin.cli.python_lines import Program
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -16,17 +17,15 @@ if TYPE_CHECKING:
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    what = "turn the numbers of a hop or a bound on a page of this machine, and watch it"
-    parser = add_command(commands, "explore", run, what)
+    example = ("spear explore --open", "change SPEAR-II's spring and gains, and watch it hop")
+    parser = add_command(commands, "explore", run, "change parameters with sliders in a local web page", example)
     parser.add_argument(
-        "motion", nargs="?", choices=("hop", "bound"), default="hop", help="what is turned (default: hop)"
+        "motion", nargs="?", choices=("hop", "bound"), default="hop", help="motion to change (default: hop)"
     )
-    parser.add_argument(
-        "gait", nargs="?", metavar="GAIT", help=f"a bound that ships, or a saved one (default: {BOUND})"
-    )
-    parser.add_argument("--port", type=int, default=0, metavar="N", help="of the page (default: any that is free)")
-    parser.add_argument("--open", action="store_true", help="open the page in the browser")
-    add_leg(parser, "of which one leg hops, with sliders of its size")
+    parser.add_argument("gait", nargs="?", metavar="GAIT", help=f"a bound by name or path (default: {BOUND})")
+    parser.add_argument("--port", type=int, default=0, metavar="N", help="port of the page (default: any free one)")
+    add_leg(parser, "one of its legs hops, and sliders change its size")
+    add_open(parser, "the page")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -55,7 +54,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
                 signal.signal(number, end)
             text = f"{server.url}  ({engine.name} engine; Ctrl-C ends it)"
             told = {"url": server.url, "port": server.port, "engine": engine.name, "motion": arguments.motion}
-            print_result(told | {"text": text}, arguments.json)
+            program = Program()
+            program.say_functions(Explorer, Server)
+            print_result(told | {"text": text, "python": str(program)}, arguments.json)
             if arguments.open:
                 webbrowser.open(server.url)
             server.serve_forever()

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from spear_pin.cli.arguments import ROBOT as ROBOT_HELP
 from spear_pin.cli.arguments import Commands, add_command, add_loading, add_open, add_out, check_out, loading
 from spear_pin.cli.gaits import BOUND
 from spear_pin.cli.legs import add_cut, cut_out
@@ -37,29 +38,32 @@ NEEDS = {
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    summary = "write a robot for other programs, or a trajectory as a table, a log, a picture or a film"
-    parser = add_command(commands, "export", run, summary)
+    example = ("spear export hop.npz --mp4 --speed 0.25", "write a film of a saved motion in slow motion")
+    summary = "write a robot or a motion for other programs, or as a film"
+    parser = add_command(commands, "export", run, summary, example)
     parser.add_argument(
-        "what", help="a robot's name, the path of its file, or a gait (.json) or trajectory (.npz) that was saved"
+        "what", metavar="WHAT", help="a robot by name or path, or a saved gait (.json) or motion (.npz)"
     )
-    add_out(parser, "the files")
-    add_open(parser, "the film or the picture")
-    robot = parser.add_argument_group("of a robot")
-    robot.add_argument("--mjcf", action="store_true", help="MuJoCo's format, with rotors, motors, toes and ground")
-    robot.add_argument("--srdf", action="store_true", help="legs, postures and rotors, to go with the URDF")
+    robot = parser.add_argument_group("robot")
+    robot.add_argument(
+        "--mjcf", action="store_true", help="write MuJoCo's format, with rotors, motors, toes and ground"
+    )
+    robot.add_argument("--srdf", action="store_true", help="write legs, postures and rotors, to go with the URDF")
     add_loading(robot)
     add_cut(parser)
-    trajectory = parser.add_argument_group("of a trajectory")
-    trajectory.add_argument("--csv", action="store_true", help="its samples as a table")
-    trajectory.add_argument("--mat", action="store_true", help="samples, events and ledger for MATLAB")
-    trajectory.add_argument("--mcap", action="store_true", help="a log with robot, forces and events, for Foxglove")
-    trajectory.add_argument("--png", action="store_true", help="a picture, drawn by Chromium")
-    trajectory.add_argument("--mp4", action="store_true", help="a film, drawn by Chromium, encoded by ffmpeg")
-    trajectory.add_argument("--time", type=float, metavar="S", help="of the picture (default: the beginning)")
-    trajectory.add_argument("--size", metavar="WxH", help="of picture and film, in pixels (default: 1280x720)")
-    trajectory.add_argument("--fps", type=float, metavar="HZ", help="frames a second of the film (default: 30)")
-    trajectory.add_argument("--speed", type=float, metavar="FACTOR", help="less than 1 is slow motion (default: 1)")
-    trajectory.add_argument("--robot", metavar="NAME|URDF", help="whose it is, where the file's own is not found")
+    motion = parser.add_argument_group("motion")
+    motion.add_argument("--csv", action="store_true", help="write its samples as a table")
+    motion.add_argument("--mat", action="store_true", help="write samples, events and energies for MATLAB")
+    motion.add_argument("--mcap", action="store_true", help="write a log with robot, forces and events for Foxglove")
+    motion.add_argument("--png", action="store_true", help="write a picture; needs Chromium")
+    motion.add_argument("--mp4", action="store_true", help="write a film; needs Chromium and ffmpeg")
+    motion.add_argument("--time", type=float, metavar="S", help="time of the picture (default: the start)")
+    motion.add_argument("--size", metavar="WxH", help="size of picture and film, in pixels (default: 1280x720)")
+    motion.add_argument("--fps", type=float, metavar="HZ", help="frames per second of the film (default: 30)")
+    motion.add_argument("--speed", type=float, metavar="FACTOR", help="speed of the film: 0.25 is slow (default: 1)")
+    motion.add_argument("--robot", metavar="ROBOT", help=f"{ROBOT_HELP}; needed where the motion's own is not found")
+    add_out(parser, "the files")
+    add_open(parser, "the film or the picture")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:

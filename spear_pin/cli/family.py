@@ -6,57 +6,64 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import BOUND, WHAT, named_gait
-from spear_pin.cli.legs import add_leg, one_leg, rests_on
-from spear_pin.cli.output import aligned, listed, progress
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_rtol, check_out
+from spear_pin.cli.gaits import add_gait, add_wanted, named_gait, write_gait
+from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
+from spear_pin.cli.output import aligned, progress
 from spear_pin.cli.pairs import RANGE, one_range
+from spear_pin.cli.python_lines import Code, Program
+from spear_pin.cli.writing import write_study
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from spear_pin.gaits.continuation import Branch
     from spear_pin.gaits.gait import Gait
+    from spear_pin.hybrid.automaton import HybridSystem
+    from spear_pin.model.robot import Robot
 
 STEM = "family"
 
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands, "family", run, "follow a branch of gaits over a parameter: folds, flips, borders, and why it ends"
+    example = (
+        "spear family hop --over stance_torque=6:10",
+        "follow the hop from 6 to 10 N·m, and list folds, flips and why the branch ends",
     )
-    parser.add_argument(
-        "what", metavar=WHAT, help=f"SPEAR-II's hop in place or another leg's, {BOUND}, or a gait by name or path"
-    )
+    parser = add_command(commands, "family", run, "follow a gait while one parameter changes", example)
+    add_gait(parser)
     parser.add_argument(
         "--over", type=one_range, required=True, metavar=RANGE, help="the parameter, or a measure such as mean_speed"
     )
-    parser.add_argument("--at", type=float, metavar="VALUE", help="of a hop: where to begin (default: its own value)")
-    kept = parser.add_mutually_exclusive_group()
-    kept.add_argument("--flight-time", type=float, metavar="S", help="of a hop: solve the stance torque for it")
-    kept.add_argument("--speed", type=float, metavar="M/S", help="of a bound: solve the posterior hip torque for it")
-    parser.add_argument("--step", type=float, default=0.05, help="longest, of the range (default: 0.05)")
-    parser.add_argument("--points", type=int, default=500, metavar="N", help="at most, each way (default: 500)")
-    parser.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance (default: 1e-9)")
+    parser.add_argument("--at", type=float, metavar="VALUE", help="begin a hop at this value (default: its own value)")
+    add_wanted(parser)
+    parser.add_argument(
+        "--step", type=float, default=0.05, metavar="X", help="longest step, as a fraction of the range (default: 0.05)"
+    )
+    parser.add_argument(
+        "--points", type=int, default=500, metavar="N", help="most points in each direction (default: 500)"
+    )
+    add_rtol(parser)
+    add_leg(parser, "one of its legs hops")
     add_out(parser, f"{STEM}.json and {STEM}.svg")
     add_open(parser, f"the picture, {STEM}.svg,")
-    add_leg(parser)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Follow the branch, write and draw it."""
     _check(arguments)
-    from spear_pin.files import write_text
     from spear_pin.gaits.continuation import continue_gait
     from spear_pin.hybrid.result import Options
-    from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.family import family
 
     Options(rtol=arguments.rtol)
     over, bounds = arguments.over
+    program = Program()
     with progress() as show:
         show("looking for the gait to begin with")
-        gait, vary, target = _begun(arguments)
+        gait, vary, target = _begun(arguments, program)
         count = 0
 
         def tell(value: float) -> None:
@@ -68,14 +75,22 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             gait, over, bounds, vary, target,
             step=arguments.step, points=arguments.points, rtol=arguments.rtol, on_point=tell,
         )  # fmt: skip
-    files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
-    write_text(files[0], branch.to_json() + "\n")
-    save_figure(family(branch), files[1])
+    options = {"step": arguments.step, "points": arguments.points, "rtol": arguments.rtol}
+    solved = {"vary": vary, "target": target or None}
+    program.let("branch", program.call(continue_gait, Code("gait"), over, bounds, **solved, **options))
+    program.show(Code("branch"))
     robot = branch.family.system.robot
     summary = _figures(branch) | ({"cut": str(robot.cut)} if robot.cut is not None else {})
-    told = [*rests_on(robot), *listed(arguments.out, STEM, files)]
-    text = "\n".join([aligned(_rows(branch)), "", str(branch), "", aligned(told)])
-    return summary | {"files": [str(path) for path in files], "opened": files[1], "text": text}
+    return write_study(
+        arguments,
+        STEM,
+        branch.to_json(),
+        family(branch),
+        summary,
+        [aligned(_rows(branch)), str(branch)],
+        program=program,
+        told=rests_on(robot),
+    )
 
 
 def _check(arguments: argparse.Namespace) -> None:
@@ -97,19 +112,21 @@ def _check(arguments: argparse.Namespace) -> None:
         raise BadValue("--speed", arguments.speed, "to go with a bound; a hop takes --flight-time")
 
 
-def _begun(arguments: argparse.Namespace) -> tuple[Gait, list[str], dict[str, float]]:
+def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[str], dict[str, float]]:
     """The gait to begin with, what is solved for, and the target."""
     from spear_pin.gaits.bounding import SPEED_BY
-    from spear_pin.gaits.gait import Gait
 
-    gait = None if arguments.what == "hop" else Gait.load(BOUND if arguments.what == "bound" else arguments.what)
+    gait = None if arguments.what == "hop" else named_gait(arguments.what)
     if gait is not None and arguments.speed is not None and gait.system.kind != "bounding":
         raise BadValue("--speed", arguments.speed, f"to go with a bound; this is of the kind {gait.system.kind!r}")
     bounds = gait is not None and gait.system.kind == "bounding"
     solved, measure = (SPEED_BY, "mean_speed") if bounds else ("stance_torque", "flight_time")
     value = arguments.speed if bounds else arguments.flight_time
     target = {} if value is None else {measure: value}
-    gait = gait or _hop(arguments, target)
+    if gait is None:
+        gait = _hop(arguments, target, program)
+    else:
+        write_gait(program, arguments.what)
     measured = arguments.over[0] in gait.system.measures
     if measured and target:
         raise BadValue(
@@ -118,8 +135,8 @@ def _begun(arguments: argparse.Namespace) -> tuple[Gait, list[str], dict[str, fl
     return gait, [solved] if measured or target else [], target
 
 
-def _hop(arguments: argparse.Namespace, target: dict[str, float]) -> Gait:
-    """The hop to begin with."""
+def _hop(arguments: argparse.Namespace, target: dict[str, float], program: Program) -> Gait:
+    """Find the hop to begin with, and write the Python for it."""
     from spear_pin import find_gait, hopping, load
     from spear_pin.hybrid.parameters import with_parameters
     from spear_pin.model.variants import parameters_of, vary
@@ -127,15 +144,24 @@ def _hop(arguments: argparse.Namespace, target: dict[str, float]) -> Gait:
 
     leg, over = one_leg(arguments, ["boom_x"]), arguments.over[0]
     robot = load("spear_ii", locked=["boom_x"]) if leg is None else leg
+    make: Callable[[Robot], HybridSystem] = hopping if leg is None else scaled_hopping
     at = {} if arguments.at is None else {over: arguments.at}
+    if leg is None and not at and not target and over not in make(robot).measures:
+        write_gait(program, "hop")
+        return named_gait("hop")
+    named = write_leg(program, arguments, robot, ["boom_x"])
     if at and over in parameters_of(robot):
+        named = program.let("robot", program.call(vary, named, **at))
         robot, at = vary(robot, **at), {}
-    system = hopping(robot) if leg is None else scaled_hopping(robot)
+    system = make(robot)
     if over in system.measures:
         target, at = {**target, **at}, {}
-    elif leg is None and arguments.at is None and not target:
-        return named_gait("hop")
-    return find_gait(with_parameters(system, at), ["stance_torque"] if target else [], dict[Any, float](target))
+    written = program.let("system", program.call(make, named))
+    if at:
+        written = program.let("system", program.call(with_parameters, written, at))
+    solved: dict[str, Any] = {"vary": ["stance_torque"] if target else [], "target": dict[Any, float](target) or None}
+    program.let("gait", program.call(find_gait, written, **solved))
+    return find_gait(with_parameters(system, at), **solved)
 
 
 def _figures(branch: Branch) -> dict[str, Any]:

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from spear_pin.cli.pairs import names
-from spear_pin.errors import BadFile, BadValue
+from spear_pin.cli.python_lines import Code, Program
+from spear_pin.errors import BadFile, BadValue, UnknownName
 
 if TYPE_CHECKING:
     from spear_pin.gaits.gait import Gait
 
 BOUND = "long_stride"  # the one that is shown unless another is asked for
 WHAT = "hop|bound|GAIT"
+VARY = "solve for these parameters"
 SPEED_SUFFIX = r"_(\d+(?:\.\d+)?)$"  # of a gait's name: in m/s
 
 
@@ -57,16 +61,33 @@ def bounding_gait(name: str, speed: float | None) -> tuple[str, Gait]:
 
 def add_gait(parser: argparse.ArgumentParser) -> None:
     """Declare the gait, which `named_gait` finds."""
-    parser.add_argument("what", metavar=WHAT, help=f"SPEAR-II's hop in place, {BOUND}, or a gait by name or path")
+    parser.add_argument(
+        "what", metavar=WHAT, help=f"a leg's hop in place, the bound {BOUND}, or a gait by name or path"
+    )
+
+
+def add_wanted(parser: argparse.ArgumentParser) -> None:
+    """Declare --flight-time and --speed, of which one may be given."""
+    wanted = parser.add_mutually_exclusive_group()
+    wanted.add_argument(
+        "--flight-time", type=float, metavar="S", help="keep this flight time of a hop, by its stance torque"
+    )
+    wanted.add_argument("--speed", type=float, metavar="M/S", help="keep this mean speed of a bound, by its hip torque")
 
 
 def add_kept(parser: argparse.ArgumentParser) -> None:
     """Declare --vary and --keep: what is solved for, and the measures that stay as the gait has them."""
-    for option, metavar, text in (
-        ("--vary", "NAME", "a parameter that is solved for"),
-        ("--keep", "MEASURE", "the measure that it keeps"),
-    ):
+    for option, metavar, text in (("--vary", "NAME", VARY), ("--keep", "MEASURE", "keep these measures as they are")):
         parser.add_argument(option, type=names, action="extend", default=[], metavar=metavar, help=text)
+
+
+@contextmanager
+def offer_words(*words: str) -> Iterator[None]:
+    """Offer words besides the names of gaits that are valid, where a gait is not known."""
+    try:
+        yield
+    except UnknownName as error:
+        raise UnknownName(error.kind, error.value, (*words, *error.valid), error.also) from None
 
 
 def named_gait(what: str) -> Gait:
@@ -84,7 +105,19 @@ def named_gait(what: str) -> Gait:
     if what == "hop":
         system = hopping(load("spear_ii", locked=["boom_x"]))
         return find_gait(system, vary=["stance_torque"], target={"flight_time": 0.2})
-    return Gait.load(BOUND if what == "bound" else what)
+    with offer_words("hop", "bound"):
+        return Gait.load(BOUND if what == "bound" else what)
+
+
+def write_gait(program: Program, what: str) -> Code:
+    """Write the Python of `named_gait`, and return what the gait is called."""
+    from spear_pin import Gait, find_gait, hopping, load
+
+    if what != "hop":
+        return program.let("gait", program.call(Gait.load, BOUND if what == "bound" else what))
+    robot = program.let("robot", program.call(load, "spear_ii", locked=["boom_x"]))
+    hop = program.call(hopping, robot)
+    return program.let("gait", program.call(find_gait, hop, vary=["stance_torque"], target={"flight_time": 0.2}))
 
 
 def _base(name: str) -> str:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
-from spear_pin.cli.endings import ended, lost, notes_of
-from spear_pin.cli.legs import add_leg, called, doubted, one_leg, rests_on, stability
-from spear_pin.cli.output import aligned, iterations, listed, progress, shows
+from spear_pin.cli.arguments import Commands, add_command, add_seed, add_simulation, check_simulation
+from spear_pin.cli.legs import add_leg, called, one_leg, rests_on, stability, write_leg
+from spear_pin.cli.output import iterations, progress
+from spear_pin.cli.python_lines import Code, Program
+from spear_pin.cli.writing import Rows, play, write_motion
 from spear_pin.errors import BadValue, NoGait, SpearError
 
 if TYPE_CHECKING:
@@ -25,55 +24,66 @@ RIG = ("current_limit", "bandwidth", "noise", "losses", "seed")  # options of --
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(commands, "hop", run, "solve a leg's hop in place, simulate it, write page, plots, samples")
+    example = (
+        "spear hop --stiffness 55 --open",
+        "find SPEAR-II's hop with a stiffer spring, and open a page that plays it",
+    )
+    parser = add_command(commands, "hop", run, "find a leg's hop in place and simulate it", example)
     wanted = parser.add_mutually_exclusive_group()
-    wanted.add_argument("--flight-time", type=float, metavar="S", help="solve the stance torque for it (default: 0.2)")
-    wanted.add_argument("--stance-torque", type=float, metavar="N·m", help="given; solve the fixed point only")
+    wanted.add_argument(
+        "--flight-time",
+        type=float,
+        metavar="S",
+        help="flight time for which the stance torque is solved (default: 0.2)",
+    )
+    wanted.add_argument(
+        "--stance-torque", type=float, metavar="N·m", help="knee torque in stance, instead of solving it"
+    )
     parser.add_argument("--knee", type=float, default=1.0, metavar="RAD", help="commanded knee angle (default: 1.0)")
-    parser.add_argument("--frequency", type=float, metavar="HZ", help="of the square wave (default: 2.56)")
-    parser.add_argument("--stiffness", type=float, metavar="N·m/RAD", help="of the knee spring (default: 48.84)")
-    parser.add_argument("--damping", type=float, metavar="N·m·S/RAD", help="of the knee, in stance (default: 1.3)")
-    parser.add_argument("--hardening", type=float, metavar="N·m/RAD³", help="of the knee spring (default: 0)")
-    parser.add_argument("--preload", type=float, metavar="N·m", help="of the knee spring (default: 0)")
-    parser.add_argument("--friction", type=float, metavar="MU", help="of the ground (default: 0.8, an assumption)")
     parser.add_argument(
-        "--slope", type=float, default=0.0, metavar="RAD", help="of the ground, uphill in +x (default: 0)"
+        "--frequency", type=float, metavar="HZ", help="frequency of the torque in stance (default: 2.56)"
+    )
+    parser.add_argument("--stiffness", type=float, metavar="N·m/RAD", help="stiffness of the spring (default: 48.84)")
+    parser.add_argument("--damping", type=float, metavar="N·m·S/RAD", help="knee damping in stance (default: 1.3)")
+    parser.add_argument("--hardening", type=float, metavar="N·m/RAD³", help="hardening of the spring (default: 0)")
+    parser.add_argument("--preload", type=float, metavar="N·m", help="preload of the spring (default: 0)")
+    parser.add_argument(
+        "--friction", type=float, metavar="MU", help="friction of the ground (default: 0.8, an assumption)"
     )
     parser.add_argument(
-        "--free-x", action="store_true", help="let the boom slide along x too; solve the hip angle for no drift"
+        "--slope", type=float, default=0.0, metavar="RAD", help="slope of the ground, uphill in +x (default: 0)"
     )
-    parser.add_argument("--foot-placement", type=float, default=0.0, metavar="RAD·S/M", help="gain, with --free-x")
-    hardware = parser.add_argument_group("hardware, assumed where the source does not say")
+    parser.add_argument(
+        "--free-x", action="store_true", help="let the boom slide along x, and solve the hip angle for no drift"
+    )
+    parser.add_argument(
+        "--foot-placement", type=float, default=0.0, metavar="RAD·S/M", help="gain of foot placement; needs --free-x"
+    )
+    hardware = parser.add_argument_group("hardware", "numbers that the thesis does not print are assumptions")
+    hardware.add_argument("--hardware", action="store_true", help="simulate motors, gears and batteries")
+    hardware.add_argument("--current-limit", type=float, metavar="A", help="limit of the amplifiers (default: 10)")
     hardware.add_argument(
-        "--hardware", action="store_true", help="motors, gears and batteries instead of ideal torques"
+        "--bandwidth", type=float, metavar="HZ", help="bandwidth of the current loops (default: none)"
     )
-    hardware.add_argument("--current-limit", type=float, metavar="A", help="of the amplifiers (default: 10)")
-    hardware.add_argument("--bandwidth", type=float, metavar="HZ", help="of the current loops (default: at once)")
-    hardware.add_argument("--noise", type=float, metavar="RAD", help="of the angles that the law reads (default: 0)")
+    hardware.add_argument("--noise", type=float, metavar="RAD", help="noise of the measured angles (default: 0)")
     hardware.add_argument("--losses", type=float, metavar="1/S", help="commands lost, for 5 ms each (default: 0)")
-    hardware.add_argument("--seed", type=int, metavar="N", help="of noise and losses (default: 0)")
-    add_leg(parser)
-    parser.add_argument("--save", action="store_true", help="write hop.json too, the gait for Gait.load")
-    add_simulation(parser, 11, "hops", "hop.html")
+    add_seed(hardware, "noise and losses", None)
+    add_leg(parser, "one of its legs hops")
+    parser.output.add_argument("--save", action="store_true", help="write the gait to hop.json too, for Gait.load")
+    add_simulation(parser, 11, "hops", "hop.html, hop.svg and hop.npz", "hop.html")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Solve the hop, simulate it and write its files."""
     from dataclasses import replace
 
-    from spear_pin import Ground, HoppingLaw, Spring, hopping, load, simulate
+    from spear_pin import load
     from spear_pin.cli import hop_round
-    from spear_pin.cli.hop_led import led
     from spear_pin.hybrid.parameters import with_hardware
     from spear_pin.model.loading import sidecar_of
-    from spear_pin.model.scale import scale_of
     from spear_pin.studies.hop import summarize
-    from spear_pin.studies.hop_led import FLIGHT_TIME
-    from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
-    from spear_pin.studies.joint_limits import plausibility
-    from spear_pin.viz.playback.trajectory import read_times
-    from spear_pin.viz.player import record, shortened
-    from spear_pin.viz.plots import hop_summary, save_figure
+    from spear_pin.studies.hop_of_another import scaled_hopping
+    from spear_pin.viz.plots import hop_summary
 
     check_simulation(arguments)
     if arguments.robot is not None and sidecar_of(arguments.robot).post is not None:
@@ -81,86 +91,131 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     locked = [] if arguments.free_x else ["boom_x"]
     other = one_leg(arguments, locked)
     robot = other or load("spear_ii", locked=locked)
-    law, spring, scale = HoppingLaw(), Spring(), 1.0
-    if other is not None:
-        usual, scale = scaled_hopping(robot), scale_of(robot).time
-        law, spring = usual.law, usual.spring
-    given = {name: value for name in ("stance_torque", "frequency") if (value := getattr(arguments, name)) is not None}
-    lean = robot.legs[0].lean(arguments.knee) if arguments.free_x or other is not None else None
-    law = replace(
-        law, knee_touchdown=arguments.knee, hip_touchdown=lean, foot_placement=arguments.foot_placement, **given
-    )
-    spring = replace(spring, **{name: value for name in SPRING if (value := getattr(arguments, name)) is not None})
-    friction = {} if arguments.friction is None else {"friction": arguments.friction}
     rig = _rig(arguments, other)
     if rig is not None and arguments.save:
         raise BadValue("--save", True, "to go without --hardware, which a saved gait does not keep")
+    usual = None if other is None else scaled_hopping(other)
+    system = _system(arguments, robot, usual, rig)
+    program = Program()
+    named = _write_system(program, write_leg(program, arguments, robot, locked), system, usual)
     driven = None if rig is None else rig.on(robot)
+    played = None
+    if rig is not None:  # solved with what has no memory, and without noise
+        ideal = replace(rig, bandwidth=None, sensing=None)
+        system = with_hardware(system, ideal.on(robot))
+        written = program.let("rig", rig)
+        on_robot = program.method(program.change(written, rig, ideal), "on", Code("robot"))
+        named = program.let("system", program.call(with_hardware, named, on_robot))
+        played = program.call(with_hardware, Code("gait.system"), program.method(written, "on", Code("robot")))
+    gait, notes = _found(arguments, program, named, system, other, rig)
+    real = None if played is None else (with_hardware(gait.system, driven), played)
+    trajectory, end = play(arguments, program, gait, "hop", system=real)
+    figures = summarize(gait, trajectory)
+    if trajectory.electrical is not None:
+        figures["electrical"] = {flow: trajectory.electrical[flow].mean() for flow in trajectory.electrical.flows}
+        figures["peak_current"] = dict(zip(trajectory.actuated, abs(trajectory.current).max(axis=0), strict=True))
+    return write_motion(
+        arguments,
+        "hop",
+        gait,
+        trajectory,
+        end,
+        figures,
+        _rows,
+        title=f"{called(robot)} hopping in place",
+        program=program,
+        told=[*notes, *rests_on(robot)],
+        plot=lambda motion: hop_summary(motion, gait),
+        saved=[gait.save(arguments.out / "hop.json")] if arguments.save else [],
+    )
+
+
+def _system(arguments: argparse.Namespace, robot: Robot, usual: HybridSystem | None, rig: Rig | None) -> HybridSystem:
+    """The hop that the options ask for, without hardware."""
+    from dataclasses import replace
+
+    from spear_pin import Ground, HoppingLaw, Spring, hopping
+
+    law, spring = (HoppingLaw(), Spring()) if usual is None else (usual.law, usual.spring)
+    given = {name: value for name in ("stance_torque", "frequency") if (value := getattr(arguments, name)) is not None}
+    lean = robot.legs[0].lean(arguments.knee) if arguments.free_x or usual is not None else None
+    law = replace(
+        law, knee_touchdown=arguments.knee, hip_touchdown=lean, foot_placement=arguments.foot_placement, **given
+    )
     if rig is not None and arguments.stance_torque is None:  # what the gears lose is asked for as well
         law = replace(law, stance_torque=law.stance_torque / rig.knee_efficiency)
-    system = hopping(robot, law, spring, ground=Ground(slope=arguments.slope, **friction))
-    if rig is not None:  # solved with what has no memory, and without noise
-        system = with_hardware(system, replace(rig, bandwidth=None, sensing=None).on(robot))
+    spring = replace(spring, **{name: value for name in SPRING if (value := getattr(arguments, name)) is not None})
+    friction = {} if arguments.friction is None else {"friction": arguments.friction}
+    return hopping(robot, law, spring, ground=Ground(slope=arguments.slope, **friction))
+
+
+def _write_system(program: Program, robot: Code, system: HybridSystem, usual: HybridSystem | None) -> Code:
+    """Write how a hop is made: from the law and the spring that it has by default, what differs."""
+    from spear_pin import Ground, hopping
+    from spear_pin.studies.hop_of_another import scaled_hopping
+
+    law, spring, ground = system.law, system.spring, system.ground
+    named: dict[str, object] = {} if ground == Ground() else {"ground": ground}
+    if usual is None:
+        named = {name: value for name, value in (("law", law), ("spring", spring)) if value != type(value)()} | named
+        return program.let("system", program.call(hopping, robot, **named))
+    own = program.let("usual", program.call(scaled_hopping, robot))
+    if (law, spring) == (usual.law, usual.spring) and not named:
+        return own
+    changed = [
+        program.change(Code(f"{own}.law"), usual.law, law),
+        program.change(Code(f"{own}.spring"), usual.spring, spring),
+    ]
+    return program.let("system", program.call(hopping, robot, *changed, **named))
+
+
+def _found(
+    arguments: argparse.Namespace,
+    program: Program,
+    named: Code,
+    system: HybridSystem,
+    other: Robot | None,
+    rig: Rig | None,
+) -> tuple[Gait, list[tuple[str, str]]]:
+    """Find the hop, and say how, in words and in Python."""
+    from spear_pin import find_gait
+    from spear_pin.cli.hop_led import continue_hop
+    from spear_pin.model.scale import scale_of
+    from spear_pin.studies.hop_led import FLIGHT_TIME, lead_hop
+    from spear_pin.studies.hop_of_another import hop_of
+
     notes: list[tuple[str, str]] = []
     try:
         if other is not None and arguments.flight_time is None and arguments.stance_torque is None:
+            wanted = scale_of(other).time * FLIGHT_TIME
             with progress() as show:
-                show(f"looking for a hop of {called(robot)}")
+                show(f"looking for a hop of {called(other)}")
                 gait = hop_of(
                     system,
-                    scale * FLIGHT_TIME,
+                    wanted,
                     within_limits=True,
                     on_attempt=lambda time, why: notes.append((f"in the air {time:.3g} s", why)),
                 )
-        else:
-            wanted = FLIGHT_TIME if arguments.stance_torque is None else None
-            gait = _solved(system, wanted if arguments.flight_time is None else arguments.flight_time, arguments.free_x)
+            program.let("gait", program.call(hop_of, named, wanted, within_limits=True))
+            return gait, notes
+        flight_time = FLIGHT_TIME if arguments.flight_time is None else arguments.flight_time
+        solved = {"stance_torque": ("flight_time", flight_time)} if arguments.stance_torque is None else {}
+        solved |= {"hip_touchdown": ("mean_speed", 0.0)} if arguments.free_x else {}
+        target: Any = dict(solved.values())
+        with iterations() as tell:
+            gait = find_gait(system, list(solved), target, on_iteration=tell)
+        program.let("gait", program.call(find_gait, named, vary=list(solved), target=target or None))
+        return gait, notes
     except NoGait as failure:
         if other is None or rig is not None or arguments.free_x:
             raise _helped(failure) from None
         with progress() as show:
-            show("leading from a hop that there is")
-            gait = led(arguments, system, failure)
-        notes.append(("found", "by leading from a hop with SPEAR-II's numbers, scaled: a search alone finds none"))
-    trajectory = simulate(
-        with_hardware(gait.system, driven), gait.state, arguments.cycles, arguments.rtol, max_step=arguments.max_step
-    )
-    end = lost(trajectory, "hop")
-    samples = trajectory.save(arguments.out / "hop.npz")
-    saved = [gait.save(arguments.out / "hop.json")] if arguments.save else []
-    summary = {"lost": end, **summarize(gait, trajectory), **plausibility(gait, trajectory)}
-    if robot.cut is not None:
-        summary["cut"] = str(robot.cut)
-    if trajectory.electrical is not None:
-        summary["electrical"] = {flow: trajectory.electrical[flow].mean() for flow in trajectory.electrical.flows}
-        summary["peak_current"] = dict(zip(trajectory.actuated, abs(trajectory.current).max(axis=0), strict=True))
-    shown = shortened(robot, trajectory)
-    page, plots = arguments.out / "hop.html", arguments.out / "hop.svg"
-    title = f"{called(robot)} hopping in place"
-    pictures: dict[Path, Callable[[Path], object]] = {
-        page: lambda path: record(robot, shown, path, title=title, notes=notes_of(summary)),
-        plots: lambda path: save_figure(hop_summary(trajectory, gait), path),
-    }
-    told = [*notes, *rests_on(robot), *doubted(summary["implausible"])]
-    files = [page, samples, plots, *saved]
-    return summary | {
-        "shown": read_times(shown)[[0, -1]],
-        "files": [*map(str, files)],
-        "pictures": pictures,
-        "opened": page,
-        "text": _text(summary, [*told, *shows(shown), *listed(arguments.out, "hop", files)]),
-    }
-
-
-def _solved(system: HybridSystem, flight_time: float | None, free: bool) -> Gait:
-    """The hop with a flight time, or of None with the stance torque as it is."""
-    from spear_pin import find_gait
-
-    drift = {"hip_touchdown": ("mean_speed", 0.0)} if free else {}
-    solved = drift if flight_time is None else {"stance_torque": ("flight_time", flight_time), **drift}
-    target: Any = dict(solved.values())
-    with iterations() as tell:
-        return find_gait(system, list(solved), target, on_iteration=tell)
+            show("continuing from a hop with other numbers")
+            gait = continue_hop(arguments, system, failure)
+    kept = {name: value for name in ("flight_time", "stance_torque") if (value := getattr(arguments, name)) is not None}
+    program.let("gait", Code(f"{program.call(lead_hop, named, kept)}.gait"))
+    notes.append(("found", "by continuation from a hop with SPEAR-II's numbers, scaled: a search alone finds none"))
+    return gait, notes
 
 
 def _helped(failure: NoGait) -> SpearError:
@@ -199,9 +254,8 @@ def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
     return Rig(**given, sensing=sensing)
 
 
-def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
-    rows = [
-        *ended(summary["lost"]),
+def _rows(summary: dict[str, Any]) -> Rows:
+    return [
         ("stance torque", f"{summary['stance_torque']:.4f} N·m"),
         ("commanded hip, knee", f"{summary['hip_touchdown']:.4f}, {summary['knee_touchdown']:.4f} rad"),
         ("flight, stance", f"{summary['flight_time']:.4f} s, {summary['stance_time']:.4f} s"),
@@ -215,9 +269,7 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         *_motors(summary),
         *_electrical(summary),
         ("simulated", f"{summary['cycles']} hops ({summary['reason']}){_touches(summary)}"),
-        *files,
     ]
-    return aligned(rows)
 
 
 def _touches(summary: dict[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""What `spear hop --robot` does where it finds no hop: it leads one there, or tells how far that goes."""
+"""Continue a hop to the numbers of `spear hop --robot` where a search finds none, or say how far that goes."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ UNSAID = {"knee": 1.0, "slope": 0.0, "foot_placement": 0.0}  # what need not be 
 NOWHERE = "SPEAR-II's numbers, scaled to this leg, have no hop either from which one could be led there"
 
 
-def led(arguments: argparse.Namespace, system: HybridSystem, failure: NoGait) -> Gait:
-    """The hop that was asked for, led from one that there is.
+def continue_hop(arguments: argparse.Namespace, system: HybridSystem, failure: NoGait) -> Gait:
+    """Find the hop that was asked for by continuation from one with SPEAR-II's numbers, scaled.
 
     Args:
         arguments: of `spear hop`.
@@ -47,7 +47,7 @@ def led(arguments: argparse.Namespace, system: HybridSystem, failure: NoGait) ->
         failure: of the search for it.
 
     Raises:
-        NoGait: there is none, as far as one can be led; with how far it goes, what ends it, and what to type.
+        NoGait: there is none, as far as continuation goes; with how far it goes, what ends it, and what to type.
     """
     from spear_pin.studies.hop_led import lead_hop
 
@@ -60,19 +60,19 @@ def led(arguments: argparse.Namespace, system: HybridSystem, failure: NoGait) ->
         raise NoGait(failure.reason, failure.residual, failure.cause or NOWHERE, failure.remedy) from None
     if way.gait is not None:
         return way.gait
-    raise NoGait(failure.reason, failure.residual, told(way), command(arguments, way))
+    raise NoGait(failure.reason, failure.residual, describe_way(way), write_call(arguments, way))
 
 
-def told(way: Way) -> str:
-    """How far a way goes, and what ends it."""
+def describe_way(way: Way) -> str:
+    """Say how far a way goes, and what ends it."""
     option, unit = UNITS[way.number]
     name, value = option.replace("_", " "), f"{way.reached:.4g} {unit}".rstrip()
     flight = "" if way.number == "flight_time" else f" with {way.flight_time:.3g} s of flight"
     return f"from {name} {way.begun:.4g} hops go on to {value}{flight}: {way.why}"
 
 
-def command(arguments: argparse.Namespace, way: Way) -> str:
-    """The call that has the hop in which a way all but ends; empty where no option sets the number at which it does."""
+def write_call(arguments: argparse.Namespace, way: Way) -> str:
+    """Write the call for the hop shortly before a way ends; empty where no option sets the number at which it ends."""
     option, _ = UNITS[way.number]
     if option not in KEPT:
         return ""

@@ -7,58 +7,70 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.output import joined, progress
+from spear_pin.cli.pairs import names
 from spear_pin.cli.push_test import add_leg, leg
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
     from spear_pin.model.pinned import PinnedLeg
-    from spear_pin.studies.identification import Estimate, MovingAverage, Trial
+    from spear_pin.studies.identification import Calibration, Estimate, MovingAverage, Trial
 
 GUESSED = ("stiffness", "damping", "rest_angle")  # from the data, where they are neither given nor varied
+WORDS = {"coulomb": "dry friction", "rest_angle": "rest angle", "rotor_inertia": "rotor inertia"}
 KNOWN = ("stiffness", "damping", "coulomb", "rest_angle", "rotor_inertia")
 
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands, "identify", run, "estimate the knee's parameters from records of releases, write identify.svg"
+    example = (
+        "spear identify lab.csv --volts-per-rad 1.06 --offset 0.4",
+        "estimate stiffness, damping and rest angle from lab.csv, which `spear push-test --write-csv lab` writes",
     )
+    parser = add_command(commands, "identify", run, "estimate a knee's parameters from recorded releases", example)
     parser.add_argument("files", nargs="+", metavar="FILE", help="CSV or .mat: time, and voltage or angle of the knee")
-    data = parser.add_argument_group("the records")
+    data = parser.add_argument_group("records")
     data.add_argument(
         "--volts-per-rad", type=float, metavar="V/RAD", help="slope of the potentiometer, or counts per radian"
     )
-    data.add_argument("--offset", type=float, metavar="V", help="its voltage at the straight leg (default: 0)")
+    data.add_argument("--offset", type=float, metavar="V", help="voltage at the straight leg (default: 0)")
     data.add_argument(
         "--unit", metavar="UNIT", help="V, mV, counts, rad, mrad, deg or turns (default: as the column's name says)"
     )
     data.add_argument("--time-unit", metavar="UNIT", help="s, ms, us, ns, min or h (default: as its name says, or s)")
-    data.add_argument("--column", metavar="NAME", help="of the voltage or angle")
-    data.add_argument("--time-column", metavar="NAME", help="of the time")
-    data.add_argument("--before", type=float, default=0.5, metavar="S", help="of each hold to use (default: 0.5)")
-    data.add_argument("--after", type=float, default=1.5, metavar="S", help="of each motion to use (default: 1.5)")
-    smoothing = parser.add_argument_group("smoothing, of data and model alike")
+    data.add_argument("--column", metavar="NAME", help="column of the voltage or angle")
+    data.add_argument("--time-column", metavar="NAME", help="column of the time")
+    data.add_argument(
+        "--before", type=float, default=0.5, metavar="S", help="time used before a release (default: 0.5)"
+    )
+    data.add_argument("--after", type=float, default=1.5, metavar="S", help="time used after a release (default: 1.5)")
+    smoothing = parser.add_argument_group("smoothing", "data and model are smoothed alike")
     smoothing.add_argument("--window", type=int, metavar="N", help="samples of a moving average (default: none)")
     smoothing.add_argument("--filter", metavar="KIND", help="centred or causal (default: centred)")
-    smoothing.add_argument("--smoothed-already", action="store_true", help="the records are smoothed already")
+    smoothing.add_argument("--smoothed-already", action="store_true", help="take the records as smoothed already")
     smoothing.add_argument("--model-as-is", action="store_true", help="do not smooth the model: estimates are biased")
-    model = parser.add_argument_group("the model")
+    model = parser.add_argument_group("model")
     add_leg(model)
     model.add_argument(
         "--vary",
         nargs="+",
-        default=["stiffness", "damping", "rest_angle"],
+        type=names,
+        default=[["stiffness", "damping", "rest_angle"]],
         metavar="NAME",
-        help=f"of {', '.join(KNOWN)} (default: stiffness damping rest_angle)",
+        help=f"estimate these of {', '.join(KNOWN)} (default: stiffness damping rest_angle)",
     )
-    model.add_argument("--per-release", nargs="+", default=[], metavar="NAME", help="of which each release has its own")
+    model.add_argument(
+        "--per-release", nargs="+", type=names, default=[], metavar="NAME", help="estimate these for each release"
+    )
     for name in KNOWN:
-        option = f"--{name.replace('_', '-')}"
-        model.add_argument(option, type=float, metavar="VALUE", help="where it is not varied; else where to begin")
-    model.add_argument("--static-rest", action="store_true", help="the rest angle is where the leg rests")
-    model.add_argument("--unilateral", action="store_true", help="the spring only pulls")
-    model.add_argument("--loss", default="linear", metavar="NAME", help="linear, soft_l1, huber or cauchy")
-    model.add_argument("--together", action="store_true", help="one estimate from all files")
+        option, text = f"--{name.replace('_', '-')}", "value, or initial guess where it is estimated"
+        model.add_argument(option, type=float, metavar="VALUE", help=f"{WORDS.get(name, name)}: {text}")
+    model.add_argument(
+        "--static-rest", action="store_true", help="take the rest angle for where the leg rests under gravity"
+    )
+    model.add_argument("--unilateral", action="store_true", help="let the spring pull only")
+    model.add_argument("--loss", default="linear", metavar="NAME", help="loss: linear, soft_l1, huber or cauchy")
+    model.add_argument("--together", action="store_true", help="make one estimate from all files")
     add_out(parser, "identify.svg")
     add_open(parser, "identify.svg")
 
@@ -70,13 +82,16 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.viz.plots.identification import fit_summary
 
     check_out(arguments)
+    for option in ("vary", "per_release"):
+        setattr(arguments, option, [name for part in getattr(arguments, option) for name in part])
     if arguments.window is None and (arguments.smoothed_already or arguments.model_as_is):
         raise BadValue("--window", None, "the number of samples that the records were smoothed over")
     if arguments.window is None and arguments.filter is not None:
         raise BadValue("--filter", arguments.filter, "to go with --window")
     kind: Any = "centred" if arguments.filter is None else arguments.filter
     smoothing = None if arguments.window is None else MovingAverage(arguments.window, kind)
-    pinned = leg(arguments)
+    program = Program()
+    pinned = leg(arguments, program)
     guessed = [name for name in GUESSED if name not in arguments.vary and getattr(arguments, name) is None]
     for path in arguments.files:
         if arguments.files.count(path) > 1:
@@ -93,6 +108,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.together:
         by_file = {" + ".join(by_file): [trial for trials in by_file.values() for trial in trials]}
     estimates = {name: _estimated(arguments, name, pinned, trials) for name, trials in by_file.items()}
+    _write(arguments, program, smoothing)
     picture = save_figure(fit_summary(estimates), arguments.out / "identify.svg")
     return {
         "estimates": [{"file": name, **_figures(estimate)} for name, estimate in estimates.items()],
@@ -100,17 +116,61 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "files": [str(picture)],
         "opened": picture,
         "text": joined([*_lines(estimates), *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]),
+        "python": str(program),
     }
+
+
+def _write(arguments: argparse.Namespace, program: Program, smoothing: MovingAverage | None) -> None:
+    """Write the Python of an estimate from the first file, or from all of them together."""
+    from dataclasses import replace
+
+    from spear_pin.studies.identification import cut, identify, read_record, smoothed
+
+    given = {"column": arguments.column, "time_column": arguments.time_column, "calibration": _calibration(arguments)}
+    units = {"unit": arguments.unit, "time_unit": arguments.time_unit}
+    trials = Code("[]")
+    for path in arguments.files if arguments.together else arguments.files[:1]:
+        record = program.call(read_record, path, **given, **units)
+        made = program.call(cut, record, before=arguments.before, after=arguments.after)
+        trials = program.let("trials", Code(f"{made}[0]" if trials == "[]" else f"{trials} + {made}[0]"))
+    if smoothing is not None:
+        by = program.let("smoothing", smoothing)
+        one = program.call(replace, Code("trial"), smoothing=by)
+        one = one if arguments.smoothed_already else program.call(smoothed, Code("trial"), by)
+        trials = program.let("trials", Code(f"[{one} for trial in trials]"))
+    estimate = program.call(identify, Code("leg"), trials, vary=arguments.vary, **_options(arguments))
+    program.show(program.let("estimate", estimate))
+    if len(arguments.files) > 1 and not arguments.together:
+        program.say("and so for each of the other files")
+
+
+def _options(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Options of `identify`."""
+    return {
+        "per_trial": arguments.per_release,
+        "static_rest": arguments.static_rest,
+        "known": {each: value for each in KNOWN if (value := getattr(arguments, each)) is not None} or None,
+        "unilateral": arguments.unilateral,
+        "loss": arguments.loss,
+        "smooth_model": not arguments.model_as_is,
+    }
+
+
+def _calibration(arguments: argparse.Namespace) -> Calibration | None:
+    """The potentiometer that options describe."""
+    from spear_pin.studies.identification import Calibration
+
+    slope = arguments.volts_per_rad
+    return None if slope is None else Calibration(slope, arguments.offset or 0.0)
 
 
 def _trials(arguments: argparse.Namespace, path: str, smoothing: MovingAverage | None) -> tuple[list[Trial], list[str]]:
     from dataclasses import replace
 
-    from spear_pin.studies.identification import Calibration, cut, read_record, smoothed
+    from spear_pin.studies.identification import cut, read_record, smoothed
 
-    calibration, notes = None, list[str]()
+    calibration, notes = _calibration(arguments), list[str]()
     if arguments.volts_per_rad is not None:
-        calibration = Calibration(arguments.volts_per_rad, arguments.offset or 0.0)
         if arguments.offset is None:
             notes.append("--offset is not given: the voltage of the straight leg is taken as 0")
     elif arguments.offset is not None:
@@ -139,12 +199,7 @@ def _estimated(arguments: argparse.Namespace, name: str, pinned: PinnedLeg, tria
             pinned,
             trials,
             arguments.vary,
-            per_trial=arguments.per_release,
-            static_rest=arguments.static_rest,
-            known={each: value for each in KNOWN if (value := getattr(arguments, each)) is not None},
-            unilateral=arguments.unilateral,
-            loss=arguments.loss,
-            smooth_model=not arguments.model_as_is,
+            **_options(arguments),
             on_iteration=lambda n, rms: show(f"{name}: evaluation {n}, residual {1e3 * rms:.3f} mrad"),
         )
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
+from spear_pin.cli.arguments import ROBOT, add_repair
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue, UnknownName, require
 
 if TYPE_CHECKING:
@@ -16,48 +18,48 @@ if TYPE_CHECKING:
 NAMES = {"spear_ii": "SPEAR-II", "q_spear": "Q-SPEAR", "q_spear_full": "Q-SPEAR", "hoppy": "HOPPY"}
 OPTIONS = ("leg", "side", "body", "repair")
 SEEN = 1e-3  # modulus of a multiplier, below which it is counted, not written
-ROBOT = "name of a robot, or path of a URDF, MJCF or TOML file"
-SIDE = "1 forward, where the file does not tell"
-BODY = "mass on the slider (default: the leg's share)"
+SIDE = "needed where the file does not say it"
+SIDES = "1 if posterior and anterior knees point forward, -1 if backward"
+BODY = "mass on the leg's slider (default: its share of the trunk)"
 
 
-def add_leg(parser: Any, what: str = "of which one leg hops") -> None:
-    """Declare --robot, --leg, --side, --body and --repair; `one_leg` reads them. None is said by default.
+def add_leg(parser: Any, what: str) -> None:
+    """Declare --robot, --leg, --side, --body and --repair; `one_leg` reads them. None unless they are given.
 
     Args:
         parser: of the command.
         what: the command does with it, in words.
     """
-    group = parser.add_argument_group(f"another robot, {what}; what it rests on is printed")
+    group = parser.add_argument_group("another robot", f"{what}; the output says what it assumes")
     group.add_argument("--robot", metavar="ROBOT", help=ROBOT)
-    group.add_argument("--leg", metavar="NAME", help="which of its legs (default: the first)")
-    group.add_argument("--side", type=int, metavar="±1", help=f"where its knee points, {SIDE}")
+    group.add_argument("--leg", metavar="NAME", help="name of the leg (default: the robot's first)")
+    group.add_argument("--side", type=int, metavar="±1", help=f"1 if its knee points forward, -1 if backward; {SIDE}")
     group.add_argument("--body", type=float, metavar="KG", help=BODY)
-    group.add_argument("--repair", action="store_true", default=None, help="mend inertias that are not possible")
+    add_repair(group)
 
 
 def add_plane(parser: Any, what: str) -> None:
-    """Declare --robot, --side and --repair; `in_the_plane` reads them. None is said by default.
+    """Declare --robot, --side and --repair; `in_the_plane` reads them. None unless they are given.
 
     Args:
         parser: of the command.
         what: the command does with it, in words.
     """
-    group = parser.add_argument_group(f"another quadruped, {what} in its sagittal plane")
+    group = parser.add_argument_group("another quadruped in its sagittal plane", what)
     group.add_argument("--robot", metavar="ROBOT", help=ROBOT)
-    group.add_argument(
-        "--side", type=int, nargs=2, metavar="±1", help=f"where posterior and anterior knees point, {SIDE}"
-    )
-    group.add_argument("--repair", action="store_true", default=None, help="mend inertias that are not possible")
+    group.add_argument("--side", type=int, nargs=2, metavar="±1", help=f"{SIDES}; {SIDE}")
+    add_repair(group)
 
 
 def add_cut(parser: Any) -> None:
-    """Declare --leg, --plane, --side and --body; `cut_out` reads them. None is said by default."""
-    group = parser.add_argument_group("a part that is cut out of it, with coordinates and signs of SPEAR-II or Q-SPEAR")
+    """Declare --leg, --plane, --side and --body; `cut_out` reads them. None unless they are given."""
+    group = parser.add_argument_group("part of the robot", "it has the coordinates and signs of SPEAR-II or Q-SPEAR")
     part = group.add_mutually_exclusive_group()
-    part.add_argument("--leg", metavar="NAME", help="one leg on a slider")
-    part.add_argument("--plane", action="store_true", default=None, help="a quadruped in its sagittal plane")
-    group.add_argument("--side", type=int, nargs="+", metavar="±1", help=f"where knees point, {SIDE}")
+    part.add_argument("--leg", metavar="NAME", help="take this leg, on a slider")
+    part.add_argument("--plane", action="store_true", default=None, help="take a quadruped in its sagittal plane")
+    group.add_argument(
+        "--side", type=int, nargs="+", metavar="±1", help=f"1 if a knee points forward, -1 if backward; {SIDE}"
+    )
     group.add_argument("--body", type=float, metavar="KG", help=BODY)
 
 
@@ -121,6 +123,94 @@ def cut_out(source: str, arguments: argparse.Namespace, options: dict[str, Any])
     if arguments.leg is None:
         return _plane(robot, sides or None)
     return _leg(robot, arguments.leg, sides[0] if sides else None, arguments.body, [])
+
+
+def write_leg(program: Program, arguments: argparse.Namespace, robot: Robot, locked: list[str]) -> Code:
+    """Write the Python of `one_leg`, or that of SPEAR-II if no robot is named.
+
+    Args:
+        program: to which lines are added.
+        arguments: those of `add_leg`.
+        robot: what `one_leg` returned, or SPEAR-II.
+        locked: joints of it that are locked.
+
+    Returns:
+        What the robot is called.
+    """
+    from spear_pin import load
+
+    if arguments.robot is None or robot.cut is None:
+        return program.let("robot", program.call(load, "spear_ii", locked=locked))
+    return _write_leg(program, _write_load(program, arguments, "fixed"), arguments, robot, locked)
+
+
+def _write_leg(program: Program, whole: Code, arguments: argparse.Namespace, robot: Robot, locked: list[str]) -> Code:
+    from dataclasses import replace
+
+    from spear_pin import monopod
+
+    assert robot.cut is not None
+    leg, options = robot.cut.legs[0][0], {"locked": locked}
+    options |= {} if arguments.body is None else {"body": arguments.body}
+    if arguments.side is None:
+        return program.let("robot", program.call(monopod, whole, leg.name, **options))
+    whole = program.let("whole", whole)
+    named = Code(f"next(leg for leg in whole.legs if leg.name == {program.source(leg.name)})")
+    sided = program.let("leg", program.call(replace, named, side=leg.side))
+    return program.let("robot", program.call(monopod, whole, sided, **options))
+
+
+def write_plane(program: Program, arguments: argparse.Namespace) -> Code:
+    """Write the Python of `in_the_plane`, where a robot is named, and return what the robot is called."""
+    return _write_plane(program, _write_load(program, arguments, "free"), arguments.side)
+
+
+def _write_plane(program: Program, whole: Code, sides: Sequence[int] | None) -> Code:
+    from dataclasses import replace
+
+    from spear_pin import sagittal
+
+    if sides is None:
+        return program.let("robot", program.call(sagittal, whole))
+    whole, side = program.let("whole", whole), f"{program.name(replace)}(leg, side=side * leg.knee_sign)"
+    pairs = f"zip({program.name(sagittal)}(whole).cut.legs, {list(sides)}, strict=True)"
+    sided = program.let("pairs", Code(f"[[{side} for leg in pair] for pair, side in {pairs}]"))
+    return program.let("robot", program.call(sagittal, whole, sided))
+
+
+def write_cut(
+    program: Program, source: str, arguments: argparse.Namespace, options: dict[str, Any], robot: Robot
+) -> Code:
+    """Write the Python of `cut_out`, and return what the robot is called.
+
+    Args:
+        program: to which lines are added.
+        source: name of the robot, or path of its file.
+        arguments: those of `add_cut`.
+        options: of `load`.
+        robot: what `cut_out` returned.
+    """
+    from spear_pin import load
+
+    given = argparse.Namespace(**vars(arguments) | {"robot": source})
+    if arguments.leg is not None or arguments.plane is not None:
+        base = "fixed" if arguments.plane is None else "free"
+        options = {
+            **options,
+            **{name: each for name, each in _unsaid(source, base).items() if options.get(name) is None},
+        }
+        whole = program.call(load, source, **options)
+        if arguments.plane is not None:
+            return _write_plane(program, whole, arguments.side)
+        given.side = (arguments.side or [None])[0]
+        return _write_leg(program, whole, given, robot, [])
+    return program.let("robot", program.call(load, source, **options))
+
+
+def _write_load(program: Program, arguments: argparse.Namespace, base: str) -> Code:
+    from spear_pin import load
+
+    return program.call(load, arguments.robot, **_unsaid(arguments.robot, base), repair=bool(arguments.repair))
 
 
 def _plane(robot: Robot, sides: Sequence[int] | None) -> Robot:

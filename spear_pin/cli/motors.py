@@ -13,21 +13,22 @@ if TYPE_CHECKING:
 
 
 EFFICIENCY = 0.83  # of gears of which none is given: a two-stage GP 52 C's
-GEARS = f"of the gears of motors with --bus (default: {EFFICIENCY}, a two-stage GP 52 C's)"
+GEARS = f"efficiency of these motors' gears (default: {EFFICIENCY}, of a two-stage GP 52 C); needs --bus"
 
 
 def add_motors(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument(
+    group = parser.add_argument_group("motors")
+    group.add_argument(
         "--motor",
         type=words,
         action="extend",
         default=[],
         metavar="JOINT=MOTOR",
-        help="of the catalogue, for its heat; with --bus for its electricity, and what of its torque is left",
+        help="motors of the catalogue, for their heat, and with --bus for their electricity and torque reserve",
     )
-    parser.add_argument("--bus", type=float, metavar="V", help="of the supply of the motors, V")
-    parser.add_argument("--efficiency", type=float, metavar="X", help=GEARS)
+    group.add_argument("--bus", type=float, metavar="V", help="voltage of the motors' supply")
+    group.add_argument("--efficiency", type=float, metavar="X", help=GEARS)
 
 
 def check_motors(arguments: argparse.Namespace) -> None:

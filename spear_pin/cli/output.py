@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from spear_pin.viz.playback.trajectory import TrajectoryLike
 
 SUFFIXES = (".html", ".npz", ".svg", ".json", ".csv", ".mat", ".mcap", ".png", ".mp4")  # of what is written of a motion
+IN_PYTHON = "# the same in Python:"
 UNREAD = 128 + 13  # status where nobody reads what is printed: that of the signal SIGPIPE
 
 
@@ -26,8 +27,8 @@ def print_result(result: dict[str, Any], as_json: bool) -> None:
     """Print what a command returns.
 
     Args:
-        result: the figures by name, and how they read under "text".
-        as_json: print the figures as one JSON object, not the text.
+        result: the figures by name, how they read under "text", and Python that does the same under "python".
+        as_json: print the figures and the Python as one JSON object, not the text.
 
     Raises:
         SpearError: it cannot be printed.
@@ -37,7 +38,8 @@ def print_result(result: dict[str, Any], as_json: bool) -> None:
         result.pop("text", None)
         emit(json.dumps(plain(result), allow_nan=False).replace("\x7f", "\\u007f") + "\n")
     else:
-        emit(result["text"] + "\n")
+        python = f"\n\n{IN_PYTHON}\n{result['python']}" if "python" in result else ""
+        emit(f"{result['text']}{python}\n")
 
 
 def emit(text: str) -> None:

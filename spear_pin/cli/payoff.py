@@ -10,10 +10,20 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.legs import BODY, called, in_the_plane, one_leg, rests_on
+from spear_pin.cli.arguments import (
+    Commands,
+    add_command,
+    add_open,
+    add_out,
+    add_repair,
+    add_robot,
+    add_workers,
+    check_out,
+)
+from spear_pin.cli.legs import BODY, SIDE, called, in_the_plane, one_leg, rests_on, write_leg, write_plane
 from spear_pin.cli.motors import EFFICIENCY
 from spear_pin.cli.output import aligned, progress
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue, SpearError, UnknownName, require
 from spear_pin.words import number
 
@@ -30,47 +40,39 @@ QUADRUPED, LEG = "q_spear", "spear_ii"  # robots that are in the plane as they s
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands,
-        "payoff",
-        run,
-        "tell whether a switchable parallel spring in the knee would pay off, by bounds or hops optimised for each;"
-        " write page",
-    )
-    parser.add_argument("robot", metavar="ROBOT", help="name of a robot, or path of a URDF, MJCF or TOML file")
+    example = ("spear payoff solo12 --leg FL", "ask whether a spring in the knee saves energy when this leg hops")
+    summary = "decide whether a switchable knee spring saves energy in a robot"
+    parser = add_command(commands, "payoff", run, summary, example)
+    add_robot(parser)
+    parser.add_argument("--leg", metavar="NAME", help="let this leg hop in place (default: the whole robot bounds)")
     parser.add_argument(
-        "--side",
-        type=int,
-        nargs="+",
-        metavar="±1",
-        help="where the knee of the leg, or the posterior and the anterior knees, point, 1 forward, where the file does"
-        " not tell",
+        "--side", type=int, nargs="+", metavar="±1", help=f"1 if a knee points forward, -1 if backward; {SIDE}"
     )
-    parser.add_argument(
-        "--leg", metavar="NAME", help="one of its legs, which hops in place; without it all of it bounds"
-    )
-    parser.add_argument("--body", type=float, metavar="KG", help=f"{BODY}; with --leg")
-    parser.add_argument("--repair", action="store_true", default=None, help="mend inertias that are not possible")
+    parser.add_argument("--body", type=float, metavar="KG", help=f"{BODY}; needs --leg")
+    add_repair(parser)
     four = "(default: four, by the robot's size)"
-    parser.add_argument("--speeds", type=numbers, metavar="A,B,...", help=f"of bounds, m/s {four}")
-    parser.add_argument("--flight-times", type=numbers, metavar="A,B,...", help=f"of hops, s {four}")
+    parser.add_argument("--speeds", type=numbers, metavar="A,B,...", help=f"speeds of bounds, in m/s {four}")
+    parser.add_argument("--flight-times", type=numbers, metavar="A,B,...", help=f"flight times of hops, in s {four}")
     parser.add_argument(
         "--stiffnesses",
         type=numbers,
         metavar="A,B,...",
-        help="of a leg's spring, N·m/rad (default: five, about the one that the optimiser chooses)",
+        help="stiffnesses of a leg's spring, in N·m/rad (default: five around the optimum)",
     )
     motors = parser.add_argument_group(
-        "motors; what is left out is of the robot's TOML file, or assumed: a motor of the catalogue, scaled"
+        "motors", "by default those of the robot's TOML file, or of the catalogue, scaled"
     )
     for part in ("knee", "hip"):
-        motors.add_argument(f"--{part}-motor", metavar="NAME", help=f"of each {part}, by the catalogue")
-        motors.add_argument(f"--{part}-ratio", type=float, metavar="N", help="of its gearbox")
-    named = f"of the gearboxes of motors that are named (default: {EFFICIENCY})"
-    motors.add_argument("--efficiency", type=float, metavar="ETA", help=named)
-    motors.add_argument("--bus", type=float, metavar="V", help="of the supply (default: the motors' nominal voltage)")
-    parser.add_argument("--workers", type=int, metavar="N", help="processes (default: one for each processor)")
-    add_out(parser, "payoff.html, its pictures, the best gaits and payoff.jsonl, from which a study goes on")
+        motors.add_argument(f"--{part}-motor", metavar="NAME", help=f"motor of a {part}, from the catalogue")
+        motors.add_argument(f"--{part}-ratio", type=float, metavar="N", help=f"ratio of the {part}'s gearbox")
+    motors.add_argument(
+        "--efficiency", type=float, metavar="X", help=f"efficiency of these motors' gears (default: {EFFICIENCY})"
+    )
+    motors.add_argument(
+        "--bus", type=float, metavar="V", help="voltage of the motors' supply (default: their nominal voltage)"
+    )
+    add_workers(parser, None, "one for each processor")
+    add_out(parser, "payoff.html, its pictures and gaits, and payoff.jsonl, from which an interrupted study goes on,")
     add_open(parser, "payoff.html")
 
 
@@ -89,6 +91,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         raise BadValue("--workers", arguments.workers, "a whole number, at least 1")
     drives = given_drives(arguments)
 
+    from spear_pin import load
     from spear_pin.files import write_text
     from spear_pin.studies.payoff import answer, rests_of
     from spear_pin.viz.payoff import as_json, render
@@ -97,15 +100,25 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     hop = arguments.leg is not None or arguments.robot == LEG
     robot, study_of, speeds = (_hops if hop else _bounds)(arguments)
+    program = Program()
+    given = {"speeds": speeds, "stiffnesses": arguments.stiffnesses, "drives": drives or None, "bus": arguments.bus}
+    own = {name: value for name, value in given.items() if value is not None} | {
+        "n_jobs": arguments.workers or os.cpu_count()
+    }
+    if hop:
+        named = write_leg(program, arguments, robot, ["boom_x"])
+    elif robot.cut is None:
+        named = program.let("robot", program.call(load, arguments.robot))
+    else:
+        named = write_plane(program, arguments)
+    store = program.call(Path, arguments.out / "payoff.jsonl")
+    program.let("study", program.call(study_of, named, store, **own))
+    program.show(Code(f"{program.call(answer, Code('study'))}.sentence"))
     with progress() as show:
         study = study_of(
             robot,
             arguments.out / "payoff.jsonl",
-            speeds=speeds,
-            stiffnesses=arguments.stiffnesses,
-            drives=drives,
-            bus=arguments.bus,
-            n_jobs=arguments.workers or os.cpu_count(),
+            **{"drives": {}} | own,
             tell=show,
         )
     found = answer(study)
@@ -136,6 +149,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "pictures": pictures,
         "opened": files["page"],
         "text": _text(study, found, rests, listed),
+        "python": str(program),
     }
 
 

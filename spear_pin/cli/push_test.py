@@ -8,10 +8,11 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_seed, check_out
 from spear_pin.cli.legs import add_leg as add_another
-from spear_pin.cli.legs import called, one_leg, rests_on
+from spear_pin.cli.legs import called, one_leg, rests_on, write_leg
 from spear_pin.cli.output import aligned, joined, shows
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
 from spear_pin.words import number
 
@@ -28,62 +29,68 @@ NONE = "none"  # what --ratios calls the belt taken off
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands, "push-test", run, "release the pushed-down leg: simulate it, write page, plots, samples"
-    )
-    parser.add_argument("--depth", type=float, metavar="M", help=f"of the push (default: {DEPTH:.2f})")
+    example = ("spear push-test --ratios none 15 30 66", "compare the release of SPEAR-II's leg with four gear ratios")
+    summary = "simulate a leg that is pushed down and released"
+    parser = add_command(commands, "push-test", run, summary, example)
+    parser.add_argument("--depth", type=float, metavar="M", help=f"depth of the push (default: {DEPTH:.2f})")
     add_leg(parser)
     parser.add_argument(
-        "--stiffness", type=float, metavar="N·m/RAD", help="of the spring (default: 48.25, or 47.12 without motor)"
+        "--stiffness",
+        type=float,
+        metavar="N·m/RAD",
+        help="stiffness of the spring (default: 48.25, or 47.12 without motor)",
     )
     parser.add_argument(
-        "--damping", type=float, metavar="N·m·S/RAD", help="of the knee (default: 1.03, or 0.80 without motor)"
+        "--damping", type=float, metavar="N·m·S/RAD", help="knee damping (default: 1.03, or 0.80 without motor)"
     )
     parser.add_argument("--coulomb", type=float, default=0.0, metavar="N·m", help="dry friction (default: 0)")
-    parser.add_argument("--rest-angle", type=float, default=1.0, metavar="RAD", help="RA of Table 4.1 (default: 1.0)")
     parser.add_argument(
-        "--static-rest", action="store_true", help="RA is where the leg rests, not the zero of its spring"
+        "--rest-angle", type=float, default=1.0, metavar="RAD", help="rest angle of Table 4.1 (default: 1.0)"
     )
-    parser.add_argument("--unilateral", action="store_true", help="the spring only pulls")
-    parser.add_argument("--duration", type=float, metavar="S", help="of the motion (default: 1.5)")
     parser.add_argument(
-        "--ratios", nargs="+", type=_ratio, metavar="N", help=f"compare gear ratios, for instance: {NONE} 15 30 66"
+        "--static-rest", action="store_true", help="take the rest angle for where the leg rests under gravity"
     )
-    records = parser.add_argument_group("synthetic records")
+    parser.add_argument("--unilateral", action="store_true", help="let the spring pull only")
+    parser.add_argument("--duration", type=float, metavar="S", help=f"duration of the motion (default: {DURATION:g})")
+    parser.add_argument(
+        "--ratios", nargs="+", type=_ratio, metavar="N", help=f"compare these gear ratios; {NONE} is without motor"
+    )
+    records = parser.add_argument_group("synthetic record")
     records.add_argument(
-        "--write-csv",
-        type=_csv,
-        metavar="NAME",
-        help="write a synthetic record of several releases instead, to identify from",
+        "--write-csv", type=_csv, metavar="NAME", help="write a synthetic record of releases, for `spear identify`"
     )
-    records.add_argument("--repeats", type=int, metavar="N", help="releases in it (default: 5)")
-    records.add_argument("--noise", type=float, metavar="V", help="standard deviation (default: 0.005)")
+    records.add_argument("--repeats", type=int, metavar="N", help="number of releases in it (default: 5)")
+    records.add_argument("--noise", type=float, metavar="V", help="standard deviation of the noise (default: 0.005)")
     records.add_argument("--quantum", type=float, metavar="V", help="step of the converter (default: 5/4096)")
-    records.add_argument("--drift", type=float, metavar="V/S", help="of the voltage (default: 0)")
-    records.add_argument("--volts-per-rad", type=float, metavar="V/RAD", help="of the potentiometer (default: 1.06)")
-    records.add_argument("--offset", type=float, metavar="V", help="at the straight leg (default: 0.4)")
-    records.add_argument("--seed", type=int, metavar="N", help="of the noise (default: 0)")
-    add_another(parser, "of which one leg is pushed down")
-    add_out(parser, "the files")
-    add_open(parser, "push_test.html, or with --ratios gear_ratios.svg,")
+    records.add_argument("--drift", type=float, metavar="V/S", help="drift of the voltage (default: 0)")
+    records.add_argument(
+        "--volts-per-rad", type=float, metavar="V/RAD", help="slope of the potentiometer (default: 1.06)"
+    )
+    records.add_argument("--offset", type=float, metavar="V", help="voltage at the straight leg (default: 0.4)")
+    add_seed(records, "noise", None)
+    add_another(parser, "one of its legs is pushed down")
+    add_out(parser, "push_test.html, push_test.svg and push_test.npz")
+    add_open(parser, "push_test.html, or gear_ratios.svg with --ratios,")
 
 
 def add_leg(parser: argparse._ActionsContainer) -> None:
     """Declare --ratio and --no-motor; `leg` reads them."""
     drive = parser.add_mutually_exclusive_group()
-    drive.add_argument("--ratio", type=float, metavar="N", help="of the knee's gearbox (default: 15)")
-    drive.add_argument("--no-motor", action="store_true", help="the belt taken off: no rotor at the knee")
+    drive.add_argument("--ratio", type=float, metavar="N", help="ratio of the knee's gearbox (default: 15)")
+    drive.add_argument(
+        "--no-motor", action="store_true", help="take the belt off, so that no rotor turns with the knee"
+    )
 
 
-def leg(arguments: argparse.Namespace) -> PinnedLeg:
-    """SPEAR-II as --ratio and --no-motor say."""
+def leg(arguments: argparse.Namespace, program: Program) -> PinnedLeg:
+    """Load SPEAR-II as --ratio and --no-motor say, and write the Python for it, which calls it "leg"."""
     from spear_pin.studies.push_test import spear_ii
 
-    if arguments.no_motor:
-        return spear_ii(None)
     if arguments.ratio is not None and not 0 < arguments.ratio < math.inf:
         raise BadValue("--ratio", arguments.ratio, "a number > 0")
-    return spear_ii(15.0 if arguments.ratio is None else arguments.ratio)
+    ratio = None if arguments.no_motor else 15.0 if arguments.ratio is None else arguments.ratio
+    program.let("leg", program.call(spear_ii, ratio=ratio))
+    return spear_ii(ratio)
 
 
 def _limited(robot: Robot) -> bool:
@@ -91,8 +98,8 @@ def _limited(robot: Robot) -> bool:
     return max(map(abs, robot.limits["knee"].position)) < 2.0 * math.pi
 
 
-def _geared(robot: Robot, arguments: argparse.Namespace) -> Robot:
-    """Another robot's leg as --ratio and --no-motor say.
+def _geared(robot: Robot, arguments: argparse.Namespace, program: Program, named: Code) -> Robot:
+    """Change another robot's leg as --ratio and --no-motor say, and write the Python for it.
 
     Raises:
         BadValue: its rotors have no inertia, so that no ratio changes anything.
@@ -100,6 +107,7 @@ def _geared(robot: Robot, arguments: argparse.Namespace) -> Robot:
     from spear_pin.model.variants import vary
 
     if arguments.no_motor:
+        program.let(named, program.call(vary, named, knee_rotor=0.0))
         return vary(robot, knee_rotor=0.0)
     if arguments.ratio is None:
         return robot
@@ -107,6 +115,7 @@ def _geared(robot: Robot, arguments: argparse.Namespace) -> Robot:
         raise BadValue(
             "--ratio", arguments.ratio, f"to be left out: the knee of {called(robot)} has a rotor without inertia"
         )
+    program.let(named, program.call(vary, named, knee_ratio=arguments.ratio))
     return vary(robot, knee_ratio=arguments.ratio)
 
 
@@ -140,17 +149,20 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     check_out(arguments)
     _check_mode(arguments)
-    other = one_leg(arguments, ["boom_x"])
+    other, program = one_leg(arguments, ["boom_x"]), Program()
     scale = 1.0 if other is None else scale_of(other).length
     arguments.depth = scale * DEPTH if arguments.depth is None else arguments.depth
     if arguments.ratios is not None:
         return _compared(arguments)
     usual = WITHOUT_MOTOR if arguments.no_motor else WITH_MOTOR
     if other is None:
-        pinned = leg(arguments)
+        pinned = leg(arguments, program)
     else:
-        geared, spring = _geared(other, arguments), scaled_hopping(other).spring
-        pinned = pin_toe(geared, span=None if _limited(geared) else FLEXION)
+        named = write_leg(program, arguments, other, ["boom_x"])
+        geared, spring = _geared(other, arguments, program, named), scaled_hopping(other).spring
+        span = None if _limited(geared) else FLEXION
+        pinned = pin_toe(geared, span=span)
+        program.let("leg", program.call(pin_toe, named, span=span))
         usual = replace(usual, stiffness=spring.stiffness, damping=spring.damping)
         if spring.stiffness == 0 and arguments.stiffness is None:
             raise BadValue(
@@ -167,9 +179,10 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     )
     if arguments.static_rest:
         knee = resting_at(pinned, knee, arguments.rest_angle)
+    program.let("knee", knee)
     if arguments.write_csv is not None:
-        return _recorded(arguments, pinned, knee)
-    return _released(arguments, pinned, knee)
+        return _recorded(arguments, pinned, knee, program)
+    return _released(arguments, pinned, knee, program)
 
 
 def _check_mode(arguments: argparse.Namespace) -> None:
@@ -191,7 +204,7 @@ def _check_mode(arguments: argparse.Namespace) -> None:
             raise BadValue(option, "given", f"to be left out: it has no effect with {mode}")
 
 
-def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee) -> dict[str, Any]:
+def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee, program: Program) -> dict[str, Any]:
     from spear_pin.studies.push_test import release, simulated, swing
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record
@@ -201,6 +214,8 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
 
     duration = DURATION if arguments.duration is None else arguments.duration
     result = release(pinned, knee, arguments.depth, duration)
+    options = {"depth": arguments.depth, "duration": duration}
+    program.let("result", program.call(release, Code("leg"), Code("knee"), **options))
     samples = simulated(pinned, knee, float(result.angle[0]), duration).save(arguments.out / "push_test.npz")
     small = swing(pinned, knee)
     title = f"{called(pinned.robot)} released from {100 * arguments.depth:.4g} cm" + (
@@ -243,7 +258,7 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
         *shows(shown),
         ("files", f"{page}, {samples}, {picture}"),
     ]
-    return figures | {"text": aligned(rows)}
+    return figures | {"text": aligned(rows), "python": str(program)}
 
 
 def _motion(result: Release) -> dict[str, Any]:
@@ -268,14 +283,16 @@ def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
         name: value for name in ("stiffness", "damping") if (value := getattr(arguments, name)) is not None
     }
     changes |= {"coulomb": arguments.coulomb, "zero": arguments.rest_angle, "unilateral": arguments.unilateral}
-    rows = gear_study(
-        arguments.ratios,
-        arguments.depth,
-        arguments.static_rest,
-        DURATION if arguments.duration is None else arguments.duration,
-        replace(WITH_MOTOR, **changes),
-        replace(WITHOUT_MOTOR, **changes),
-    )
+    options: dict[str, Any] = {
+        "depth": arguments.depth,
+        "static_rest": arguments.static_rest,
+        "duration": DURATION if arguments.duration is None else arguments.duration,
+        "engaged": replace(WITH_MOTOR, **changes),
+        "disengaged": replace(WITHOUT_MOTOR, **changes),
+    }
+    rows = gear_study(arguments.ratios, **options)
+    program = Program()
+    program.let("rows", program.call(gear_study, arguments.ratios, **options))
     picture = arguments.out / "gear_ratios.svg"
     lines = ["ratio   rotor, kg·m²  share   frequency  damping ratio  first extremum        least force"]
     for row in rows:
@@ -292,6 +309,7 @@ def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
         "pictures": {picture: lambda path: save_figure(gear_comparison(rows), path)},
         "opened": picture,
         "text": joined([*lines, str(picture)]),
+        "python": str(program),
     }
 
 
@@ -307,7 +325,7 @@ def _row(row: GearRow) -> dict[str, Any]:
     }
 
 
-def _recorded(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee) -> dict[str, Any]:
+def _recorded(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee, program: Program) -> dict[str, Any]:
     from dataclasses import replace
 
     from spear_pin.studies.identification import Calibration
@@ -324,8 +342,11 @@ def _recorded(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
     if seed < 0:
         raise BadValue("--seed", seed, "a whole number >= 0")
     instrument = replace(default, calibration=calibration, **given)
-    made = synthesize(pinned, knee, arguments.depth, repeats=repeats, instrument=instrument, seed=seed)
+    asked: dict[str, Any] = {"depth": arguments.depth, "repeats": repeats, "instrument": instrument, "seed": seed}
+    made = synthesize(pinned, knee, **asked)
     path = write_csv(made, arguments.out / arguments.write_csv)
+    record = program.let("record", program.call(synthesize, Code("leg"), Code("knee"), **asked))
+    program.do(program.call(write_csv, record, path))
     options = f"--volts-per-rad {calibration.volts_per_rad:g} --offset {calibration.offset:g}"
     options += " --no-motor" if arguments.no_motor else ""
     options += "" if arguments.ratio is None else f" --ratio {arguments.ratio:g}"
@@ -339,4 +360,4 @@ def _recorded(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
     ]
     truth = {"stiffness": knee.stiffness, "damping": knee.damping, "coulomb": knee.coulomb, "spring_zero": knee.zero}
     figures = {"synthetic": True, "truth": truth, "releases": made.let_go, "samples": made.t.size, "files": [str(path)]}
-    return figures | {"text": aligned(rows)}
+    return figures | {"text": aligned(rows), "python": str(program)}

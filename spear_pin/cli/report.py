@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.output import aligned, joined
+from spear_pin.cli.python_lines import Program
 from spear_pin.errors import BadFile
 
 if TYPE_CHECKING:
@@ -18,19 +19,19 @@ FORMATS = ("svg", "pdf", "png")
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands, "report", run, "check what the source states and draw its figures: write report.html"
+    example = ("spear report --only 'fig-5.*' --open", "draw the figures of chapter 5, and open the page")
+    summary = "check the statements of the thesis and draw its figures"
+    parser = add_command(commands, "report", run, summary, example)
+    parser.add_argument(
+        "--only", nargs="+", default=[], metavar="ID", help="make these parts, such as 'fig-5.*' (default: all)"
     )
+    parser.add_argument("--list", action="store_true", help="list the ids of the parts, and do nothing else")
+    parser.add_argument("--no-cache", action="store_true", help="compute everything again, and store nothing")
     parser.add_argument(
         "--figures", choices=FORMATS, help=f"write the figures in this format too, into the folder {FIGURES}"
     )
-    parser.add_argument(
-        "--only", nargs="+", default=[], metavar="ID", help="parts of it, by id, such as 'fig-5.*' (default: all)"
-    )
-    parser.add_argument("--no-cache", action="store_true", help="make everything anew, and keep nothing")
-    add_out(parser, "the files")
+    add_out(parser, PAGE)
     add_open(parser, PAGE)
-    parser.add_argument("--list", action="store_true", help="list the ids, and do nothing else")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -75,6 +76,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         *((f"failed: {name}", reason) for name, reason in failed.items()),
         ("files", f"{page}" + (f", {len(files) - 1} in {arguments.out / FIGURES}" if arguments.figures else "")),
     ]
+    program = Program()
+    program.say_functions(select, make, render)
     return {
         "failed": bool(failed),
         "counts": counts,
@@ -84,6 +87,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "files": files,
         "opened": page,
         "text": aligned(rows),
+        "python": str(program),
     }
 
 

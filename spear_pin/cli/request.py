@@ -6,9 +6,10 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import FREE, number_or_free
-from spear_pin.cli.legs import add_plane, in_the_plane
+from spear_pin.cli.arguments import FREE, Parser, number_or_free
+from spear_pin.cli.legs import add_plane, in_the_plane, write_plane
 from spear_pin.cli.motors import EFFICIENCY
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -22,47 +23,52 @@ OF_SPRINGS, PER_LEG = ("stiffness", "hardening", "preload"), "_per_leg"
 RATIO, BUS = 15.0, 48.0  # of the knee's gearbox; in V
 
 
-def add_request(parser: argparse.ArgumentParser) -> None:
+def add_request(parser: Parser) -> None:
     """Declare the gait and the options that `requested` reads."""
     parser.add_argument(
-        "gait",
-        nargs="?",
-        help=f"a shipped gait: what was asked of it is asked again (default: {GAIT})",
+        "gait", nargs="?", metavar="GAIT", help=f"a gait that ships: keep its constraints (default: {GAIT})"
     )
     parser.allow_abbrev = False  # --stiffness would be taken for --stiffness-per-leg
     parser.add_argument("--speed", type=float, metavar="M/S", help="mean forward speed")
     parser.add_argument(
+        "--minimize",
         "--objective",
-        metavar="NAME",
-        help="what is minimised: effort_per_distance, hip, cost_of_transport, peak, electrical or violation",
+        dest="objective",
+        metavar="MEASURE",
+        help="effort_per_distance, hip, cost_of_transport, peak, electrical or violation",
     )
-    parser.add_argument("--lift-off", metavar="RULE", help="knee (back at 40°) or force (zero)")
     parser.add_argument(
-        "--friction", type=float, metavar="MU", help="that the gait may use; the ground has 0.8, or this if it is more"
+        "--lift-off", metavar="RULE", help="lift off when the knee is back at 40° (knee) or at zero force (force)"
     )
-    parser.add_argument("--clearance", type=float, metavar="M", help="of the other toe during a stance, at least")
+    parser.add_argument("--friction", type=float, metavar="MU", help="most friction that the gait uses")
+    parser.add_argument("--clearance", type=float, metavar="M", help="least height of the other toe during a stance")
     parser.add_argument("--minimum-stride", type=float, metavar="S", help="least duration of a stride")
-    parser.add_argument("--minimum-knee-torque", type=float, metavar="N·m", help="least |ū| of a motor")
+    parser.add_argument("--minimum-knee-torque", type=float, metavar="N·m", help="least torque |ū| of a knee motor")
     parser.add_argument("--hip-torque", type=float, metavar="N·m", help="largest torque of a hip motor")
-    of_a_leg = "of a leg's knee spring, half of the pair's"
-    parser.add_argument("--stiffness-per-leg", type=number_or_free, metavar="N·m/RAD", help=f"{of_a_leg}, or: free")
-    parser.add_argument("--hardening-per-leg", type=float, metavar="N·m/RAD³", help=of_a_leg)
-    parser.add_argument("--preload-per-leg", type=float, metavar="N·m", help=of_a_leg)
-    parser.add_argument("--knee-touchdown", type=number_or_free, metavar="DEG", help="of a landing knee, or: free")
+    of_a_leg = "of one leg's knee spring"
     parser.add_argument(
-        "--knee-motor", metavar="NAME", help="stay within this motor's envelope, its rotor in the knees"
+        "--stiffness-per-leg", type=number_or_free, metavar="N·m/RAD", help=f"stiffness {of_a_leg}, or free"
     )
-    parser.add_argument("--ratio", type=float, metavar="N", help=f"of its gearbox (default: {RATIO:g})")
-    parser.add_argument("--bus", type=float, metavar="V", help=f"of its supply (default: {BUS:g})")
-    parser.add_argument("--hip-distance", type=float, metavar="M", help="posterior to anterior hips (default: 0.7)")
-    add_plane(parser, "of which Q-SPEAR's request is asked, scaled, within the limits of its joints")
+    parser.add_argument("--hardening-per-leg", type=float, metavar="N·m/RAD³", help=f"hardening {of_a_leg}")
+    parser.add_argument("--preload-per-leg", type=float, metavar="N·m", help=f"preload {of_a_leg}")
+    parser.add_argument("--knee-touchdown", type=number_or_free, metavar="DEG", help="knee angle at touchdown, or free")
+    parser.add_argument(
+        "--knee-motor", metavar="NAME", help="stay within the envelope of this motor, whose rotor turns with the knee"
+    )
+    parser.add_argument("--ratio", type=float, metavar="N", help=f"ratio of the knee's gearbox (default: {RATIO:g})")
+    parser.add_argument("--bus", type=float, metavar="V", help=f"voltage of the motors' supply (default: {BUS:g})")
+    parser.add_argument(
+        "--hip-distance", type=float, metavar="M", help="distance of posterior and anterior hips (default: 0.7)"
+    )
+    add_plane(parser, "Q-SPEAR's constraints are scaled to it, and the limits of its joints are kept")
 
 
-def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
+def requested(arguments: argparse.Namespace, program: Program) -> tuple[Robot, Request]:
     """The robot, and a shipped gait's request, or another robot's, with the options in the place of its own.
 
     Args:
         arguments: those of `add_request`.
+        program: to which the lines are added that make both, called "robot" and "request".
 
     Returns:
         The robot, varied if options say so, and the request; torques and stiffnesses are those of a pair of legs.
@@ -74,6 +80,7 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
     from dataclasses import replace
 
     from spear_pin.errors import UnknownName
+    from spear_pin.gaits import library
     from spear_pin.gaits.library import REQUESTS
     from spear_pin.gaits.request import FLEXED, OBJECTIVES, Request
     from spear_pin.model.loading import load
@@ -107,18 +114,26 @@ def requested(arguments: argparse.Namespace) -> tuple[Robot, Request]:
     }
     other = in_the_plane(arguments)
     robot = load("q_spear") if other is None else other
-    if arguments.hip_distance is not None:
-        robot = vary(robot, hip_distance=arguments.hip_distance)
+    named = program.let("robot", program.call(load, "q_spear")) if other is None else write_plane(program, arguments)
+    changed = {} if arguments.hip_distance is None else {"hip_distance": arguments.hip_distance}
     drive = _knee_drive(arguments)
     if drive is not None:
         rotor = drive.motor.known("rotor_inertia")
-        robot = vary(robot, knee_ratio=drive.gearbox.ratio, knee_rotor=rotor)
+        changed |= {"knee_ratio": drive.gearbox.ratio, "knee_rotor": rotor}
         given["knee_drive"] = drive
     elif arguments.objective in ("electrical", "violation"):
         raise BadValue("--knee-motor", None, f"a motor, for the objective {arguments.objective!r}")
-    base = REQUESTS[shipped] if other is None else Request.scaled(robot, **springs_of(robot))
+    if changed:
+        robot, named = vary(robot, **changed), program.let("robot", program.call(vary, named, **changed))
+    if other is None:
+        base, written = REQUESTS[shipped], Code(f"REQUESTS[{program.source(shipped)}]")
+        program.take(library.__name__, "REQUESTS")
+    else:
+        base = Request.scaled(robot, **springs_of(robot))
+        written = program.call(Request.scaled, named, **springs_of(robot))
     request = replace(base, **given)
     request.check(scale_of(robot))
+    program.let("request", program.change(written, base, request))
     return robot, request
 
 

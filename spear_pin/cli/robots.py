@@ -11,7 +11,8 @@ from spear_pin.cli.output import joined
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    add_command(commands, "robots", run, "list the robots that ship, and those of example-robot-data")
+    example = ("spear robots", "list the robots of this package, and those of example-robot-data if that is installed")
+    add_command(commands, "robots", run, "list the robots that you can load by name", example)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:

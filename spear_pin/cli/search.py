@@ -6,13 +6,16 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_out, check_out
+from spear_pin.cli.arguments import Commands, add_command, add_out, add_seed, check_out
 from spear_pin.cli.legs import doubted, rests_on, stability
 from spear_pin.cli.output import aligned, progress
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.cli.request import GAIT, add_request, requested
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from spear_pin.gaits.gait import Gait
     from spear_pin.gaits.request import Request
 
@@ -21,16 +24,16 @@ SAME = 1e-5  # between fixed points that are one
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands,
-        "search",
-        run,
-        "search a bounding gait of Q-SPEAR, or another quadruped, from cold, write gait.json (needs casadi)",
-    )
+    example = ("spear search long_stride --speed 2.6", "find a gait with the constraints of long_stride at 2.6 m/s")
+    summary = "optimise a bounding gait from a random initial guess"
+    parser = add_command(commands, "search", run, summary, example)
     add_request(parser)
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the initial guess (default: 0)")
+    add_seed(parser, "initial guess")
     parser.add_argument(
-        "--feedback", choices=("none", "regulated", "speed"), default="none", help="that stabilises it (default: none)"
+        "--feedback",
+        choices=("none", "regulated", "speed"),
+        default="none",
+        help="feedback that stabilises the gait (default: none)",
     )
     add_out(parser, "gait.json")
 
@@ -53,7 +56,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     check_out(arguments)
     if arguments.seed < 0:
         raise BadValue("--seed", arguments.seed, "a whole number >= 0")
-    robot, request = requested(arguments)
+    program = Program()
+    robot, request = requested(arguments, program)
     casadi()
     ground = Contact(friction=max(Contact().friction, request.friction))
     with progress() as show:
@@ -64,9 +68,15 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         gait, solution = search(robot, request, seed=arguments.seed, contact=ground, on_iteration=tell)
         if arguments.feedback != "none":
             show(f"designing feedback: {arguments.feedback}")
-            gait = regulated(gait) if arguments.feedback == "regulated" else speed_regulated(gait)
+            stabilise: Callable[[Gait], Gait] = regulated if arguments.feedback == "regulated" else speed_regulated
+            gait = stabilise(gait)
         trajectory = simulate(gait.system, gait.state, progress=False)
         figures = summarize(gait, trajectory)
+    own = {} if ground == Contact() else {"contact": ground}
+    named = program.call(search, Code("robot"), Code("request"), seed=arguments.seed, **own)
+    program.let("gait, solution", named)
+    if arguments.feedback != "none":
+        program.let("gait", program.call(stabilise, Code("gait")))
     excess = [] if robot.cut is None else excesses(robot, trajectory)
     shipped = None if robot.varied or robot.cut is not None else _shipped_as(request)
     unit, meaning = OBJECTIVES[request.objective]
@@ -90,7 +100,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         summary["cut"] = str(robot.cut)
     told = [*rests_on(robot), *doubted(summary["implausible"])]
     path = gait.save(arguments.out / "gait.json")
-    return summary | {"files": [str(path)], "text": _text(summary, [*told, ("file", str(path))])}
+    text = _text(summary, [*told, ("file", str(path))])
+    return summary | {"files": [str(path)], "text": text, "python": str(program)}
 
 
 def _shipped_as(request: Request) -> str | None:

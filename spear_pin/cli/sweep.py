@@ -7,51 +7,59 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_open, check_folder
-from spear_pin.cli.gaits import BOUND, bounding_gait
-from spear_pin.cli.legs import add_leg, one_leg, rests_on
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_rtol, add_seed, add_workers, check_folder
+from spear_pin.cli.gaits import BOUND, add_gait, add_wanted, bounding_gait, offer_words
+from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
 from spear_pin.cli.output import aligned
+from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
 from spear_pin.words import number
 
 if TYPE_CHECKING:
     from spear_pin.hybrid.automaton import HybridSystem
 
-OUT = "NAME.zarr in an existing folder"
+NAME = "sweep.zarr"
+OUT = "an existing folder, or NAME.zarr in one"
 Axes = dict[str, tuple[float, ...]]
 MOST = 1_000_000  # values of a parameter
 
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands, "sweep", run, "find gaits and their multipliers over any parameters, write a dataset"
+    example = (
+        "spear sweep hop --over stiffness=46:52:21 --flight-time 0.2",
+        "find the hop and its multipliers for 21 stiffnesses, with the same flight time",
     )
-    parser.add_argument(
-        "what", choices=("hop", "bound"), help="SPEAR-II's hop in place or another leg's, or a bounding gait"
-    )
+    parser = add_command(commands, "sweep", run, "find gaits over a grid or a sample of parameters", example)
+    add_gait(parser)
     parser.add_argument(
         "--over",
         action="append",
         required=True,
         metavar="NAME=VALUES",
-        help="a parameter and its values, FIRST:LAST:NUMBER or A,B,...; with --sobol or --latin LEAST:MOST; repeatable",
+        help="a parameter and its values: LOW:HIGH:NUMBER, or A,B,..., or LOW:HIGH with --sobol or --latin; repeatable",
     )
-    solved = parser.add_mutually_exclusive_group()
-    solved.add_argument("--flight-time", type=float, metavar="S", help="of a hop: solve the stance torque for it")
-    solved.add_argument("--speed", type=float, metavar="M/S", help="of a bound: solve the posterior hip torque for it")
-    parser.add_argument("--gait", metavar="NAME|PATH", help=f"the bounding gait (default: {BOUND})")
+    add_wanted(parser)
+    parser.add_argument("--gait", metavar="GAIT", help=f"the gait of bound, by name or path (default: {BOUND})")
     sampled = parser.add_mutually_exclusive_group()
-    sampled.add_argument("--sobol", type=int, metavar="N", help="N points of a Sobol sequence instead of a grid")
-    sampled.add_argument("--latin", type=int, metavar="N", help="N points of a Latin hypercube instead of a grid")
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the points (default: 0)")
-    parser.add_argument("--out", type=Path, default=Path("sweep.zarr"), metavar="PATH", help="default: sweep.zarr")
+    sampled.add_argument("--sobol", type=int, metavar="N", help="take N points of a Sobol sequence instead of a grid")
+    sampled.add_argument("--latin", type=int, metavar="N", help="take N points of a Latin hypercube instead of a grid")
+    add_seed(parser, "points")
+    parser.add_argument(
+        "--chunk", type=int, default=512, metavar="N", help="number of points in a batch (default: 512)"
+    )
+    add_rtol(parser)
+    add_workers(parser, 1, "1")
+    parser.add_argument("--resume", action="store_true", help="continue a sweep that was interrupted")
+    add_leg(parser, "one of its legs hops")
+    parser.output.add_argument(
+        "--out",
+        type=Path,
+        default=Path(),
+        metavar="DIR",
+        help=f"write {NAME} and its map into this folder, or into files named NAME.zarr (default: the current one)",
+    )
     add_open(parser, "the map, sweep.svg,")
-    parser.add_argument("--workers", type=int, default=1, metavar="N", help="processes (default: 1)")
-    parser.add_argument("--chunk", type=int, default=512, metavar="N", help="points solved together (default: 512)")
-    parser.add_argument("--rtol", type=float, default=1e-9, help="relative tolerance (default: 1e-9)")
-    parser.add_argument("--resume", action="store_true", help="go on with a sweep that was broken off")
-    add_leg(parser, "of which one leg's hop is swept")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -74,7 +82,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         if number is None
         else sample({k: (v[0], v[1]) for k, v in axes.items()}, number, method, arguments.seed)
     )
-    system, vary, target = _asked(arguments, set(axes))
+    program = Program()
+    system, vary, target = _asked(arguments, set(axes), program)
     _check_names(system, axes)
     check_wanted(system, {**target, **{name: axes[name] for name in axes if name in system.measures}})
     store.require()  # its extra has the engine's too
@@ -91,6 +100,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             rtol=arguments.rtol, chunk=arguments.chunk, n_jobs=arguments.workers, resume=arguments.resume,
             on_points=tell,
         )  # fmt: skip
+    _write(arguments, program, axes, vary, target)
     why = reasons(dataset).tolist()
     counts = {reason: why.count(reason) for reason in sorted(set(why), key=lambda each: -why.count(each))}
     opened, files, found = None, [str(arguments.out)], counts.get("converged", 0)
@@ -101,11 +111,38 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if system.robot.cut is not None:
         summary["cut"] = str(system.robot.cut)
     told = [*rests_on(system.robot), ("files", ", ".join(files))]
-    return summary | {"vary": vary, "files": files, "opened": opened, "text": _text(summary, vary, told, dataset)}
+    text = _text(summary, vary, told, dataset)
+    return summary | {"vary": vary, "files": files, "opened": opened, "text": text, "python": str(program)}
+
+
+def _write(
+    arguments: argparse.Namespace, program: Program, axes: Axes, vary: list[str], target: dict[str, float]
+) -> None:
+    """Write the Python of a sweep of the system that is called "system"."""
+    from numpy import linspace
+
+    from spear_pin.studies.sweep import grid, sample, sweep
+
+    number, method = (arguments.latin, "latin") if arguments.latin else (arguments.sobol, "sobol")
+    if number is None:
+        spread = {word.partition("=")[0] for word in arguments.over if ":" in word}
+        lines = {name: program.call(linspace, v[0], v[-1], len(v)) if name in spread else v for name, v in axes.items()}
+        points = program.let("points", program.call(grid, lines))
+    else:
+        points = program.let("points", program.call(sample, axes, number, method=method, seed=arguments.seed))
+    options = {"rtol": arguments.rtol, "chunk": arguments.chunk, "n_jobs": arguments.workers}
+    solved = {"vary": vary, "target": target or None}
+    program.let("dataset", program.call(sweep, Code("system"), points, arguments.out, **solved, **options))
 
 
 def _check(arguments: argparse.Namespace) -> None:
     """Refuse what makes no sense, before anything is solved for."""
+    if arguments.what not in ("hop", "bound"):
+        if arguments.gait is not None:
+            raise BadValue("--gait", arguments.gait, f"none with {arguments.what}, which names a gait")
+        arguments.what, arguments.gait = "bound", arguments.what
+    if arguments.out.suffix != ".zarr" and arguments.out.is_dir():
+        arguments.out /= NAME
     if arguments.out.suffix != ".zarr":
         raise BadValue("--out", str(arguments.out), OUT)
     check_folder(arguments.out.parent, str(arguments.out), OUT)
@@ -150,7 +187,7 @@ def _axis(word: str, sampled: bool) -> tuple[str, tuple[float, ...]]:
         numbers = ()
     read = name and numbers and all(map(math.isfinite, numbers))
     if not read or colons > 2 or (sampled and colons != 1):
-        form = "NAME=LEAST:MOST" if sampled else "NAME=FIRST:LAST:NUMBER or NAME=A,B,..."
+        form = "NAME=LOW:HIGH" if sampled else "NAME=LOW:HIGH:NUMBER or NAME=A,B,..."
         raise BadValue("--over", word, form)
     if sampled or not colons:
         return name, numbers
@@ -158,14 +195,16 @@ def _axis(word: str, sampled: bool) -> tuple[str, tuple[float, ...]]:
         raise BadValue("--over", word, f"--sobol or --latin with a range, or the number of its values too: {word}:5")
     first, last, count = numbers
     if count % 1 or not 2 <= count <= MOST:
-        raise BadValue("--over", word, f"FIRST:LAST:NUMBER with a whole NUMBER of values, 2 to {MOST}")
+        raise BadValue("--over", word, f"LOW:HIGH:NUMBER with a whole NUMBER of values, 2 to {MOST}")
     steps = int(count) - 1
     return name, tuple(first + (last - first) * i / steps for i in range(steps + 1))
 
 
-def _asked(arguments: argparse.Namespace, names: set[str]) -> tuple[HybridSystem, list[str], dict[str, float]]:
+def _asked(
+    arguments: argparse.Namespace, names: set[str], program: Program
+) -> tuple[HybridSystem, list[str], dict[str, float]]:
     """The system, what to solve for, and the target."""
-    from spear_pin import hopping, load
+    from spear_pin import Gait, hopping, load
     from spear_pin.gaits.bounding import SPEED_BY
     from spear_pin.studies.hop_of_another import scaled_hopping
 
@@ -177,8 +216,13 @@ def _asked(arguments: argparse.Namespace, names: set[str]) -> tuple[HybridSystem
             arguments.flight_time,
             "stance_torque",
         )
+        robot = write_leg(program, arguments, system.robot, ["boom_x"])
+        program.let("system", program.call(hopping if leg is None else scaled_hopping, robot))
     else:
-        system = bounding_gait(BOUND if arguments.gait is None else arguments.gait, None)[1].system
+        with offer_words("hop", "bound"):
+            name, gait = bounding_gait(BOUND if arguments.gait is None else arguments.gait, None)
+        system = gait.system
+        program.let("system", Code(f"{program.call(Gait.load, name)}.system"))
         measure, value, solved = "mean_speed", arguments.speed, SPEED_BY
     if value is not None and measure in names:
         raise BadValue(

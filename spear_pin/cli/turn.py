@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
-from spear_pin.cli.bound_in_space import joint_in_words
-from spear_pin.cli.endings import ended, lost, notes_of, patience
+from spear_pin.cli.bound_in_space import list_checks_in_space
 from spear_pin.cli.gaits import BOUND, bounding_gait
-from spear_pin.cli.legs import called, doubted, of_the_section
-from spear_pin.cli.output import aligned, listed, progress, shows
+from spear_pin.cli.legs import called, of_the_section
+from spear_pin.cli.output import progress
+from spear_pin.cli.python_lines import Code, Program
+from spear_pin.cli.writing import Rows, play, write_motion
 from spear_pin.errors import BadValue
 from spear_pin.words import significant
 
@@ -26,23 +27,25 @@ DRAWN = 4  # strides
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    summary = "lead a bound of Q-SPEAR into a turn, find the gait that turns, write page, plots and samples"
-    parser = add_command(commands, "turn", run, summary)
+    example = ("spear turn turn_9 --open", "simulate a turn of 9° a stride that ships, and open a page that plays it")
+    parser = add_command(commands, "turn", run, "find a bounding gait that turns in 3-D and simulate it", example)
     parser.add_argument(
         "gait",
         nargs="?",
         metavar="GAIT",
-        help=f"a bounding gait that ships, or a saved one (default: {BOUND}); a turn.json is played as it is, "
-        "and so is turn_9, 9° a stride, of those that ship",
+        help=f"a bounding gait by name or path (default: {BOUND}); one that turns already is simulated as it is",
     )
     by = parser.add_mutually_exclusive_group()
     by.add_argument(
-        "--rate", type=float, metavar="DEG_PER_S", help="to the left, about: by the period of the straight gait"
+        "--rate", type=float, metavar="DEG_PER_S", help="yaw rate to the left, by the period of the straight gait"
     )
     by.add_argument(
-        "--angle", type=float, metavar="DEG", help=f"to the left in a stride, exactly (default: {ANGLE:g}); < 0: right"
+        "--angle",
+        type=float,
+        metavar="DEG",
+        help=f"angle by which a stride turns to the left (default: {ANGLE:g}); negative: right",
     )
-    add_simulation(parser, 20, "strides", "turn.html")
+    add_simulation(parser, 20, "strides", "turn.html, turn.svg, turn.npz and turn.json", "turn.html")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -52,43 +55,33 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         given = getattr(arguments, name)
         if given is not None and not (math.isfinite(given) and given):
             raise BadValue(f"--{name}", given, "a finite number other than 0, in °")
-    from spear_pin import simulate
+    from spear_pin.gaits.gait import Gait
     from spear_pin.studies.bound.turn import summarize_turn
-    from spear_pin.studies.joint_limits import plausibility
-    from spear_pin.viz.playback.trajectory import read_times
-    from spear_pin.viz.player import record, shortened
-    from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.space import space_summary
 
-    saved = _saved(arguments)
-    with progress() as show:
-        name, gait = (arguments.gait, saved) if saved is not None else _found(arguments, show)
-        show(f"simulating {arguments.cycles} strides")
-        most = patience(arguments.cycles)
-        options = {"max_step": arguments.max_step, "max_evaluations": most, "progress": False}
-        trajectory = simulate(gait.system, gait.state, arguments.cycles, arguments.rtol, **options)
-    end = lost(trajectory, "stride")
-    files = [] if saved is not None else [gait.save(arguments.out / "turn.json")]
-    samples = trajectory.save(arguments.out / "turn.npz")
-    summary = {"gait": name, "lost": end, **summarize_turn(gait, trajectory), **plausibility(gait, trajectory)}
-    robot = gait.system.robot
-    shown = shortened(robot, trajectory)
-    page, plots = arguments.out / "turn.html", arguments.out / "turn.svg"
-    side, rate = _side(summary), significant(math.degrees(abs(summary["rate"])))
-    title = f"{called(robot)} turning {side} by {rate}°/s at {summary['speed']:.2f} m/s"
-    files = [page, samples, plots, *files]
-    return summary | {
-        "shown": read_times(shown)[[0, -1]],
-        "files": [*map(str, files)],
-        "pictures": {
-            page: lambda path: record(robot, shown, path, title=title, notes=notes_of(summary)),
-            plots: lambda path: save_figure(space_summary(trajectory, DRAWN), path),
-        },
-        "opened": page,
-        "text": _text(
-            summary, [*doubted(summary["implausible"]), *shows(shown), *listed(arguments.out, "turn", files)]
-        ),
-    }
+    program, saved = Program(), _saved(arguments)
+    if saved is None:
+        with progress() as show:
+            name, gait = _found(arguments, program, show)
+    else:
+        name, gait = arguments.gait, saved
+        program.let("gait", program.call(Gait.load, name))
+    trajectory, end = play(arguments, program, gait, "stride", in_space=True)
+    figures = {"gait": name, **summarize_turn(gait, trajectory)}
+    side, rate = _side(figures), significant(math.degrees(abs(figures["rate"])))
+    return write_motion(
+        arguments,
+        "turn",
+        gait,
+        trajectory,
+        end,
+        figures,
+        _rows,
+        title=f"{called(gait.system.robot)} turning {side} by {rate}°/s at {figures['speed']:.2f} m/s",
+        program=program,
+        plot=lambda motion: space_summary(motion, DRAWN),
+        saved=[gait.save(arguments.out / "turn.json")] if saved is None else [],
+    )
 
 
 def _saved(arguments: argparse.Namespace) -> Gait | None:
@@ -109,11 +102,11 @@ def _saved(arguments: argparse.Namespace) -> Gait | None:
     return gait
 
 
-def _found(arguments: argparse.Namespace, show: Any) -> tuple[str, Gait]:
+def _found(arguments: argparse.Namespace, program: Program, show: Any) -> tuple[str, Gait]:
     """The name of a gait of the plane, and the gait in space that turns, with adductions that are free in stance."""
     import numpy as np
 
-    from spear_pin import SpatialLaw
+    from spear_pin import SpatialLaw, in_space
     from spear_pin.gaits.gait import Gait
     from spear_pin.gaits.orbits.embedding import embedded
     from spear_pin.gaits.orbits.turning import turning
@@ -129,6 +122,11 @@ def _found(arguments: argparse.Namespace, show: Any) -> tuple[str, Gait]:
     law = SpatialLaw(plane.system.law, adduction_stiffness=0.0, adduction_damping=0.0)
     system, state = embedded(plane, law)
     straight = Gait(system, state, {}, residual(system, state), np.ones(1, complex), {})
+    free = {"adduction_stiffness": law.adduction_stiffness, "adduction_damping": law.adduction_damping}
+    plane_code = program.let("plane", program.call(Gait.load, name))
+    law_code = program.let("law", program.call(SpatialLaw, Code(f"{plane_code}.system.law"), **free))
+    in_3d = program.let("straight", program.call(in_space, plane_code, law_code))
+    program.let("gait", program.call(turning, in_3d, math.radians(angle)))
     show("finding out what leads it into a turn")
 
     def tell(stride: int, change: float) -> None:
@@ -144,12 +142,11 @@ def _side(summary: dict[str, Any]) -> str:
     return "left" if summary["turn"] > 0 else "right"
 
 
-def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
+def _rows(summary: dict[str, Any]) -> Rows:
     turn, rate, roll, drift = (math.degrees(summary[name]) for name in ("turn", "rate", "mean_roll", "drift"))
     values = summary["multipliers"]
     name = "with feedback" if summary["feedback"] else "without feedback"
-    rows = [
-        *ended(summary["lost"]),
+    return [
         ("gait", f"{summary['gait']}, turning to the {_side(summary)}"),
         ("turn", f"{significant(abs(turn), 4)}° a stride, {significant(abs(rate), 4)}°/s"),
         ("speed", f"{summary['speed']:.4f} m/s, a stride in {summary['period']:.4f} s"),
@@ -159,11 +156,5 @@ def _text(summary: dict[str, Any], files: list[tuple[str, str]]) -> str:
         ("drift", f"{drift:.2f}° from the heading to the way, to the left"),
         ("fixed point", f"residual {summary['residual']:.1e}"),
         *of_the_section(name, values, [None] * len(values), summary["implausible"]),
-        *((part, joint_in_words(summary["joints"][part])) for part in ("adduction", "hip", "knee")),
-        ("friction used", f"{summary['friction_used']:.2f}, across {summary['friction_used_across']:.2f}"),
-        ("slips", f"{summary['slips']}"),
-        ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a stride"),
-        ("simulated", f"{summary['cycles']} strides ({summary['reason']})"),
-        *files,
+        *list_checks_in_space(summary),
     ]
-    return aligned(rows)

@@ -7,11 +7,13 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import add_gait, add_kept, named_gait
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_seed, check_out
+from spear_pin.cli.gaits import add_gait, add_kept, named_gait, write_gait
 from spear_pin.cli.motors import add_motors, check_motors, motors
-from spear_pin.cli.output import aligned, listed, progress
+from spear_pin.cli.output import progress
 from spear_pin.cli.pairs import once, one_pair, words
+from spear_pin.cli.python_lines import Code, Program
+from spear_pin.cli.writing import write_study
 
 if TYPE_CHECKING:
     from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
@@ -22,9 +24,12 @@ STEM = "uncertainty"
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    parser = add_command(
-        commands, "uncertainty", run, "how far a gait is known with numbers that are not, and which to measure better"
+    example = (
+        "spear uncertainty hop --sigma stiffness=1%,damping=0.05",
+        "print the standard deviation of each measure, and which parameter to measure better",
     )
+    summary = "propagate uncertain parameters to a gait's measures"
+    parser = add_command(commands, "uncertainty", run, summary, example)
     add_gait(parser)
     parser.add_argument(
         "--sigma",
@@ -32,7 +37,7 @@ def add(commands: Commands) -> None:
         required=True,
         type=words,
         metavar="NAME=VALUE",
-        help="standard deviations of parameters, in their units or in %% of their values, apart by commas",
+        help="standard deviations of parameters, in their units or in %%, separated by commas",
     )
     parser.add_argument(
         "--correlation",
@@ -45,17 +50,16 @@ def add(commands: Commands) -> None:
     add_kept(parser)
     add_motors(parser)
     parser.add_argument(
-        "--monte-carlo", type=int, metavar="N", help="find the gait anew for N samples, and say where first order fails"
+        "--monte-carlo", type=int, metavar="N", help="find the gait for N samples too, and compare with first order"
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of the samples (default: 0)")
-    add_out(parser, f"{STEM}.json and {STEM}.svg, and monte_carlo.svg")
+    add_seed(parser, "samples")
+    add_out(parser, f"{STEM}.json, {STEM}.svg and monte_carlo.svg")
     add_open(parser, f"the picture, {STEM}.svg,")
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Differentiate the gait, spread its numbers, write the tables and draw them."""
     from spear_pin.errors import BadValue
-    from spear_pin.files import write_text
     from spear_pin.gaits.sensitivity.uncertainty import MOST
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.uncertainty import drawable, monte_carlo, variance_shares
@@ -72,30 +76,46 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         show("looking for the gait")
         gait = named_gait(arguments.what)
         show("differentiating")
-        table = gait.sensitivity([*sigma], arguments.vary, arguments.keep, motors(arguments, gait.system.robot))
-        spread = _spread(table, sigma, arguments.correlation)
+        driven = motors(arguments, gait.system.robot)
+        table = gait.sensitivity([*sigma], arguments.vary, arguments.keep, driven)
+        program = Program()
+        options = {"vary": arguments.vary, "keep": arguments.keep, "motors": driven}
+        named = write_gait(program, arguments.what)
+        written = program.let("table", program.method(named, "sensitivity", [*sigma], **options))
+        spread = _spread(table, sigma, arguments.correlation, program, written)
+        program.show(Code("spread"))
         drawn = None
         if samples is not None:
             show(f"finding it {samples} times")
             drawn = spread.monte_carlo(samples, arguments.seed)
+            program.show(program.method(Code("spread"), "monte_carlo", samples, arguments.seed))
     figures = {"uncertainty": json.loads(spread.to_json())}
     figures |= {} if drawn is None else {"monte_carlo": drawn.plain()}
-    files = [arguments.out / f"{STEM}{suffix}" for suffix in (".json", ".svg")]
-    write_text(files[0], json.dumps(figures, indent=1, allow_nan=False) + "\n")
-    save_figure(variance_shares(spread), files[1])
-    if drawn is not None and drawable(drawn):
-        files.append(save_figure(monte_carlo(drawn), arguments.out / "monte_carlo.svg"))
-    texts = [str(spread), *([] if drawn is None else [str(drawn)]), aligned(listed(arguments.out, STEM, files))]
-    return {
-        **figures,
-        "files": [str(path) for path in files],
-        "opened": files[1],
-        "text": "\n\n".join(texts),
-    }
+    more = (
+        []
+        if drawn is None or not drawable(drawn)
+        else [save_figure(monte_carlo(drawn), arguments.out / "monte_carlo.svg")]
+    )
+    return write_study(
+        arguments,
+        STEM,
+        json.dumps(figures, indent=1, allow_nan=False),
+        variance_shares(spread),
+        figures,
+        [str(spread), *([] if drawn is None else [str(drawn)])],
+        program=program,
+        saved=more,
+    )
 
 
-def _spread(table: Sensitivity, sigma: Mapping[str, str], correlation: Sequence[tuple[str, str]]) -> Uncertainty:
-    """The uncertainty that is asked for."""
+def _spread(
+    table: Sensitivity,
+    sigma: Mapping[str, str],
+    correlation: Sequence[tuple[str, str]],
+    program: Program,
+    written: Code,
+) -> Uncertainty:
+    """Find the uncertainty that is asked for, and write the Python for it."""
     import numpy as np
 
     from spear_pin.errors import BadValue, UnknownName
@@ -105,6 +125,7 @@ def _spread(table: Sensitivity, sigma: Mapping[str, str], correlation: Sequence[
     if not spread.covariance.any():
         raise BadValue("--sigma", dict(sigma), "one or more that are not 0")
     if not correlation:
+        program.let("spread", program.method(written, "uncertainty", dict(sigma)))
         return spread
     matrix = np.eye(len(table.parameters))
     for pair, word in correlation:
@@ -123,4 +144,6 @@ def _spread(table: Sensitivity, sigma: Mapping[str, str], correlation: Sequence[
             raise BadValue("--correlation", pair, "each two parameters once")
         matrix[i, j] = matrix[j, i] = value
     deviations = spread.parameter_deviations
-    return table.uncertainty(matrix * np.outer(deviations, deviations))
+    covariance = matrix * np.outer(deviations, deviations)
+    program.let("spread", program.method(written, "uncertainty", covariance.tolist()))
+    return table.uncertainty(covariance)

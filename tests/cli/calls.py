@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from spear_pin.cli import main
+from spear_pin.cli.output import IN_PYTHON
 
 ROOT = Path(__file__).parents[2]
 
@@ -30,6 +31,12 @@ def printed(capsys, *arguments):
     assert status == 0, err
     assert out.count("\n") == 1
     return json.loads(out)
+
+
+def rows(out):
+    """Rows of the text of a command, by what they begin with; the Python that follows is left out."""
+    lines = out.partition(f"\n\n{IN_PYTHON}\n")[0].splitlines()
+    return {line[:21].rstrip(): line[21:] for line in lines}
 
 
 def refused(capsys, *arguments):

@@ -1,12 +1,15 @@
 """`spear completion`: the shells themselves are asked what they complete to."""
 
+import re
+import shlex
 import shutil
 import subprocess
 import sys
 
 import pytest
 
-from spear_pin.cli import main
+from spear_pin.cli import _parser, main
+from spear_pin.cli.arguments import commands_of
 from tests.cli.calls import printed, refused, run
 
 needs_shtab = pytest.mark.extra("shtab")
@@ -44,6 +47,8 @@ class TestBash:
             (["bound", "--robot", "spear_"], {"spear_ii", "spear_ii_series"}),
             (["hop", "--robot", "mine"], {"mine.urdf"}),
             (["compare", "long_stride_3.0"], {"long_stride_3.00"}),
+            (["bound", "long_stride_3.0"], {"long_stride_3.00"}),
+            (["sweep", "bou"], {"bound"}),
             (["explore", "bound", "long_stride_3.0"], {"long_stride_3.00"}),
             (["hop", "--out", "fo"], {"folder"}),
             (["report", "--figures", ""], {"svg", "pdf", "png"}),
@@ -60,6 +65,13 @@ class TestBash:
         done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         assert set(done.stdout.split()) == found
+
+
+@needs_shtab
+def test_commands_as_the_help_lists_them(scripts):
+    listed = re.search(r"^_shtab_spear_subparsers=\((.*)\)$", scripts["bash"].read_text(), re.M)
+    names = [name for group in commands_of(_parser()).groups.values() for name in group]
+    assert shlex.split(listed[1]) == names
 
 
 @needs_shtab

@@ -44,6 +44,8 @@ class TestPayoff:
         assert "<td>30.0 %</td>" in page and "<td>10.0 %</td>" in page  # in the table of speeds
         assert page.count("data-play=") == 2 and len(page) < 3_000_000
         assert all(unit in page for unit in ("Stiffness of a leg (N·m/rad)", "N·m for ever"))
+        exec(found["python"], {})
+        assert capsys.readouterr().out.strip() == said["sentence"]
 
     @pytest.mark.slow
     def test_a_second_call_searches_nothing(self, capsys, tmp_path, stub):

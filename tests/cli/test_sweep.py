@@ -112,6 +112,18 @@ class TestMistakes:
         text = refused(capsys, "sweep", "hop", *OVER, "--out", tmp_path / "a.zarr")
         assert "exists already: give another --out, delete it, or --resume" in text
 
+    def test_in_a_folder(self, capsys, tmp_path):
+        (tmp_path / "sweep.zarr").mkdir()
+        text = refused(capsys, "sweep", "hop", *OVER, "--out", tmp_path)
+        assert f"{tmp_path / 'sweep.zarr'}: exists already" in text
+
+    def test_of_a_gait_by_its_name(self, capsys, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        assert "none with trot" in refused(capsys, "sweep", "trot", *OVER, "--gait", "pace")
+        assert "expected a bounding gait" in refused(capsys, "sweep", "trot", *OVER)
+        assert "nearest of 24: bound," in refused(capsys, "sweep", "bounds", *OVER)
+        assert "to go with hop" in refused(capsys, "sweep", "long_stride", *OVER, "--flight-time", "0.2")
+
     def test_of_what_is_not_installed(self, capsys, tmp_path, monkeypatch):
         """One extra has everything, and a mistake needs none."""
         monkeypatch.setitem(sys.modules, "heyoka", None)

@@ -11,7 +11,7 @@ from spear_pin.cli.durations import usual
 from spear_pin.gaits.orbits import balance
 from spear_pin.gaits.orbits.parity import merged
 from spear_pin.gaits.spatial.trot_law import TROT_INPUTS
-from tests.cli.calls import printed, refused, run
+from tests.cli.calls import printed, refused, rows, run
 
 
 def held(gait, inputs=TROT_INPUTS):
@@ -47,11 +47,9 @@ def test_a_gait_with_feedback_is_played(capsys, tmp_path, steady):
 def test_feedback_is_found_and_kept(capsys, tmp_path, monkeypatch):
     monkeypatch.setattr(balance, "balance", unregulated)
     status, out, _ = run(capsys, "trot", "pace", "--push", 0.01, "--cycles", 1, "--out", tmp_path)
-    said = dict(line.split("  ", maxsplit=1) for line in out.splitlines())
-    assert status == 0 and said["gait"].strip() == "pace, a pace in space"
-    assert (
-        "unstable" in said["without feedback"] and "all: 1.5" in out and said["push"].strip() == "0.01 m/s to the left"
-    )
+    said = rows(out)
+    assert status == 0 and said["gait"] == "pace, a pace in space"
+    assert "unstable" in said["without feedback"] and "all: 1.5" in out and said["push"] == "0.01 m/s to the left"
     kept = Gait.load(tmp_path / "trot_steady.json")
     assert kept.system.law.feedback
     q, v = kept.state

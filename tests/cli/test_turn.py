@@ -9,7 +9,7 @@ from spear_pin import Trajectory
 from spear_pin.cli.durations import usual
 from spear_pin.errors import NoGait
 from spear_pin.gaits.orbits import turning
-from tests.cli.calls import printed, refused, run
+from tests.cli.calls import printed, refused, rows, run
 
 KEPT = Path(__file__).parents[2] / "examples" / "turn.json"
 
@@ -48,7 +48,7 @@ def test_limits_that_are_not_kept_are_told(capsys, tmp_path):
 @pytest.mark.slow
 def test_text(capsys, tmp_path):
     status, out, _ = run(capsys, "turn", KEPT, "--cycles", 1, "--out", tmp_path)
-    said = dict(line.split(maxsplit=1) for line in out.splitlines())
+    said = rows(out)
     assert "all: 1.0" in out and "unstable" in out  # and its moduli
     assert status == 0 and said["turn"].startswith("4.000° a stride, 11.3") and said["radius"].endswith(" m")
     assert "to the left" in said["gait"] and "W" in said["adduction"] and said["slips"] == "0"
