@@ -8,6 +8,8 @@ stride. Where both posterior legs land to the side, decided once a stride from t
 nothing in the world tells one heading from another. Without feedback the feet slip as it goes down, and after five
 strides the run ends in Painlevé's paradox.
 
+upright.json was found by `spear bound long_stride --space --save upright.json`, which takes a minute.
+
 Run: python examples/push_in_space.py [FOLDER]
 """
 
@@ -17,7 +19,6 @@ from pathlib import Path
 import numpy as np
 
 from spear_pin import Gait, SpatialLaw, simulate
-from spear_pin.gaits.orbits.balance import balance
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.studies.bound.in_space import summarize_in_space
 from spear_pin.viz.player import record
@@ -37,11 +38,8 @@ def main(folder: Path) -> None:
     plane = Gait.load("long_stride")
     system, state = embedded(plane, SpatialLaw(plane.system.law))
     straight = Gait(system, state, {}, 0.0, np.ones(1, complex), {})
-    found = balance(straight)
-    upright = found.gait
-    for kind in ("lateral", "along"):
-        largest = max(abs(value) for value, of in zip(found.held.values, found.held.kinds, strict=True) if of == kind)
-        print(f"largest multiplier {kind}, with feedback: {largest:.3f}")
+    upright = Gait.load(Path(__file__).parent / "upright.json")
+    print(f"largest multipliers with feedback: {np.sort(abs(upright.multipliers))[:-4:-1].round(3)}")
     for name, gait in (("with feedback", upright), ("without", straight)):
         motion = pushed(gait)
         figures = summarize_in_space(gait, motion)

@@ -40,6 +40,11 @@ def test_every_kept_file_has_a_recipe_or_a_test():
     assert {path.name for path in FOLDER.iterdir()} <= named | others
 
 
+def test_the_example_plays_the_kept_gait():
+    shipped = FOLDER.parents[1] / "examples" / "upright.json"
+    assert shipped.read_text(encoding="utf-8") == RECIPES["long_stride_upright"].path.read_text(encoding="utf-8")
+
+
 class TestFaults:
     """What would go unnoticed otherwise."""
 

@@ -279,7 +279,7 @@ def _touches(summary: dict[str, Any]) -> str:
 
 
 def _motors(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    work = {flow.removeprefix("motor_"): e for flow, e in summary["energy"].items() if flow.startswith("motor_")}
+    work = {flow.removeprefix("motor_"): e for flow, e in summary["energy_flows"].items() if flow.startswith("motor_")}
     parts = ", ".join(f"{joint} {energy:.2f} J" for joint, energy in work.items())
     return [
         ("energy ledger", f"closes to {summary['energy_residual']:.1e} J a hop"),

@@ -62,7 +62,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "effort": torques["effort"],
         "peak_compression": stance.peak(trajectory.q[:, knee]) - touchdown,
         "spring_share": spring_share(trajectory),
-        "energy": {name: float(ledger[name][0]) for name in ledger.flows} if whole else {},
+        "energy_flows": {name: float(ledger[name][0]) for name in ledger.flows} if whole else {},
         "energy_residual": float(np.abs(ledger.residual).max()) if whole else None,
         "cycles": trajectory.cycles,
         "retouches": sum(event.domain != CHATTER for event in trajectory.named(RETOUCH)),

@@ -55,7 +55,7 @@ def summarize_round(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "multipliers": gait.multipliers,
         "stable": gait.stable,
         "residual": gait.residual,
-        "energy": {name: float(ledger[name][0]) for name in ledger.flows} if trajectory.cycles else {},
+        "energy_flows": {name: float(ledger[name][0]) for name in ledger.flows} if trajectory.cycles else {},
         "energy_residual": float(np.abs(ledger.residual).max()) if trajectory.cycles else None,
         "cycles": trajectory.cycles,
         "reason": trajectory.reason,

@@ -40,7 +40,7 @@ class TestSummary:
         assert summary["peak_compression"] == pytest.approx(compression, rel=1e-3)
 
     def test_energy(self, summary, hops):
-        assert summary["energy"] == {flow: hops.ledger[flow][0] for flow in hops.ledger.flows}
+        assert summary["energy_flows"] == {flow: hops.ledger[flow][0] for flow in hops.ledger.flows}
         assert summary["energy_residual"] == np.abs(hops.ledger.residual).max()
 
     def test_of_the_run(self, summary, hops):
@@ -58,7 +58,7 @@ class TestSummary:
         stays = simulate(with_parameters(hop.system, {"stance_torque": 0.0}), hop.state, 2)
         found = summarize(hop, stays)
         assert stays.reason == "no_event" and found["cycles"] == found["retouches"] == 0
-        assert found["apex_height"] is found["energy_residual"] is None and found["energy"] == {}
+        assert found["apex_height"] is found["energy_residual"] is None and found["energy_flows"] == {}
         assert found["peak_force"] > 0.0
 
 

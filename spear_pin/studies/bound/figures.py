@@ -99,7 +99,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         **stride.ground(),
         **stride.motors(),
         **stride.sampled.works(),
-        "energy": flows,
+        "energy_flows": flows,
         "impact_loss": -flows["impact"],
         "released": flows["released"],
         "energy_balance": sum(flows.values()),

@@ -116,6 +116,5 @@ def _has_rotor(robot: Robot, part: str) -> bool:
 
 
 def _ratio(robot: Robot, joint: str) -> float | None:
-    """Gear ratio by the robot's file; None where it names none."""
-    ratio = float(robot.model.rotorGearRatio[robot.index(joint)])
-    return ratio if ratio > 1.0 else None
+    """Gear ratio by the robot's file, 1 for a direct drive that it names; None where it names none."""
+    return float(robot.model.rotorGearRatio[robot.index(joint)]) or None

@@ -124,7 +124,7 @@ class TestMotors:
 class TestEnergy:
     def test_balance(self, summary, strides):
         assert abs(summary["energy_balance"]) < 1e-6
-        flows = summary["energy"]
+        flows = summary["energy_flows"]
         assert flows == {name: strides.ledger[name][0] for name in strides.ledger.flows}
         assert summary["work"] == pytest.approx(summary["impact_loss"] - summary["released"] - flows["slip"], abs=1e-6)
         assert summary["impact_loss"] > 0 >= summary["released"]
@@ -135,7 +135,7 @@ class TestEnergy:
         weight = gait.system.robot.mass * 9.81 * summary["stride"]
         driving, whole = summary["cost_of_transport_positive"], summary["cost_of_transport"]
         assert weight * (2 * driving - whole) == pytest.approx(
-            sum(energy for flow, energy in summary["energy"].items() if flow.startswith("motor_")), rel=1e-6
+            sum(energy for flow, energy in summary["energy_flows"].items() if flow.startswith("motor_")), rel=1e-6
         )
         assert 0 < driving < whole
 

@@ -1,0 +1,15 @@
+"""Drives that payoff takes from a robot's file, or assumes."""
+
+import pytest
+
+from spear_pin import load, monopod
+from spear_pin.studies.payoff.motors import assumed
+from tests.model import small_leg
+
+
+@pytest.mark.parametrize("ratio", [9.0, 1.0, 0.5])
+def test_a_ratio_that_the_file_says_stays(ratio, tmp_path):
+    path = small_leg.write(tmp_path)
+    path.with_suffix(".toml").write_text(f"[motors.all]\nratio = {ratio}\nrotor_inertia = 3.3e-5\n", encoding="utf-8")
+    leg = monopod(load(path, base="fixed", motors="all"), "leg", locked=["boom_x"])
+    assert assumed(leg, "knee", 5.0, 15.0).gearbox.ratio == ratio
