@@ -1,8 +1,8 @@
 """Measures how feedback holds altered robots: `python -m benchmarks.robustness [--write]`.
 
 Feedback is found for `long_stride` on Q-SPEAR as it ships, for one input per stride and for ten with the heading kept.
-It then acts on robots with another roll inertia of the torso, hip spacing, or gains of the adductions in stance. The gait
-does not depend on these. For each robot it gives the largest lateral multiplier without feedback and with either, and
+It then acts on robots with another roll inertia of the torso, hip spacing, or gains of the adductions in stance. The
+gait does not depend on these. For each robot it gives the largest lateral multiplier without feedback and with either, and
 what ten inputs leave of a push in ten strides. With `--write` the table goes into docs/results/space.md.
 """
 

@@ -1,8 +1,8 @@
 """Measures the turns that ship, and what their adductions do: `python -m benchmarks.turns [--write]`.
 
 For each turn it gives the angle, the speed of the straight gait, rate, speed on the circle, radius, residual and
-largest multiplier. Then come range, speed, torque and power of adductions and knees, torque of the hips and friction used, over
-three strides. "Mirrored" is the residual of the mirror image, which turns to the right. With `--write` the table goes
+largest multiplier. Then come range, speed, torque and power of adductions and knees, torque of the hips and friction
+used, over three strides. "Mirrored" is the residual of the mirror image, which turns to the right. With `--write` the table goes
 into docs/results/space.md.
 """
 

@@ -130,7 +130,7 @@ STATEMENTS = (
         "N·m",
         criterion=below(1e-3),
         built="The motion and the total torque at the knee are the gait's, whatever the spring.",
-        remark="Gaits found anew with a stiffer spring have other hip torques, smaller ones here (docs/results/design.md).",
+        remark="Gaits found anew with a stiffer spring have smaller hip torques here (docs/results/design.md).",
         assumes=OWN,
         exhibit="fig-5.7",
     ),
