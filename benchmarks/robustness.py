@@ -2,8 +2,8 @@
 
 Feedback is found for `long_stride` on Q-SPEAR as it ships, for one input per stride and for ten with the heading kept.
 It then acts on robots with another roll inertia of the torso, hip spacing, or gains of the adductions in stance. The
-gait does not depend on these. For each robot it gives the largest lateral multiplier without feedback and with either, and
-what ten inputs leave of a push in ten strides. With `--write` the table goes into docs/results/space.md.
+gait does not depend on these. For each robot it gives the largest lateral multiplier without feedback and with either,
+and what ten inputs leave of a push in ten strides. With `--write` the table goes into docs/results/space.md.
 """
 
 from __future__ import annotations

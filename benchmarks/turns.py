@@ -2,8 +2,8 @@
 
 For each turn it gives the angle, the speed of the straight gait, rate, speed on the circle, radius, residual and
 largest multiplier. Then come range, speed, torque and power of adductions and knees, torque of the hips and friction
-used, over three strides. "Mirrored" is the residual of the mirror image, which turns to the right. With `--write` the table goes
-into docs/results/space.md.
+used, over three strides. "Mirrored" is the residual of the mirror image, which turns to the right. With `--write` the
+table goes into docs/results/space.md.
 """
 
 from __future__ import annotations
