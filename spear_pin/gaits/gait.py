@@ -180,7 +180,9 @@ class Gait(Shown):
             _check(data)
             kinds = KINDS if like is None else {like.kind: (like.build, type(like.law))}
             if data["kind"] not in kinds:
-                raise UnknownName("kind of gait", data["kind"], kinds)
+                valid = " or ".join(map(repr, kinds))
+                own = "; for a system of your own, Gait.load(path, like=SYSTEM)" if like is None else ""
+                raise BadValue("kind", data["kind"], valid + own)
             build, law = kinds[data["kind"]]
             robot = robot_of(data["robot"])
             contact = Ground if data["contact"].keys() & {"slope", "height"} else Contact

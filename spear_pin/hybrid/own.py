@@ -43,6 +43,15 @@ def has_no_value(error: BaseException | None) -> bool:
     return isinstance(error, ValueError) and str(error).startswith(OUTSIDE)
 
 
+def refuse_in_law(name: str) -> None:
+    """Refuse a law's question for a force that its own torques cause.
+
+    Raises:
+        TypeError: always.
+    """
+    raise TypeError(f"dyn.{name}() follows from the law's torques: only guards may ask; see dyn.normal_force(toe, u)")
+
+
 def mistake(what: str, function: Any, problem: Exception | str) -> BadFunction:
     """What to raise for a mistake.
 

@@ -135,6 +135,12 @@ MISTAKES: dict[str, Mistake] = {
     "a misspelt parameter": Mistake(
         law(lambda t, q, v, held, p, dyn, ops: (0.0, p.stance_torqe)), STANCE, "'stance_torqe'", AttributeError
     ),
+    "a force that its torques cause": Mistake(
+        law(lambda t, q, v, held, p, dyn, ops: (0.0, 0.1 * dyn.force("toe")[1])),
+        STANCE,
+        "dyn.force() follows from the law's torques",
+        TypeError,
+    ),
     "a misspelt query": Mistake(
         law(lambda t, q, v, held, p, dyn, ops: (0.0, dyn.mass_matrx[0][0])), STANCE, "'mass_matrx'", AttributeError
     ),

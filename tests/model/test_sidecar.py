@@ -273,7 +273,8 @@ WRONG = {
     "legs.FL = {hip = 'FR_pitch', knee = 'FL_bend', toe = 'FL_foot'}": "legs.FL: joints of FL is 'FR_pitch, FL_bend'",
     "legs.FL = {hip = 'FL_swing', knee = 'FL_bend', toe = 'FL_foot'}": "legs.FL: hip and knee of FL is 'FL_swing'",
     "legs.FL = {hip = 'FL_pitch', knee = 'FL_bend', toe = 'hoof'}": "toes: unknown frame 'hoof'",
-    "toes = ['FR_foot']\nlegs.FL = {hip = 'FL_pitch', knee = 'FL_bend', toe = 'FL_foot'}": "unknown toe 'FL_foot'; valid: FR_foot",
+    "toes = ['FR_foot']\n"
+    "legs.FL = {hip = 'FL_pitch', knee = 'FL_bend', toe = 'FL_foot'}": "unknown toe 'FL_foot'; valid: FR_foot",
     "legs.A = {hip = 'FL_pitch', knee = 'FL_bend', toe = 'FL_foot'}\n"
     "legs.B = {hip = 'FL_pitch', knee = 'FL_bend', toe = 'FL_foot'}": "expected each of one leg only",
     "pairs = ['FL', 'FR']": "pairs is ['FL', 'FR']; expected two pairs of legs, [[left, right], [left, right]]",

@@ -22,6 +22,7 @@ from spear_pin.hybrid.engines.own_functions import OwnFunctions
 from spear_pin.hybrid.engines.sliding import Grounded, Sliding, Ways
 from spear_pin.hybrid.flow_names import flow_names
 from spear_pin.hybrid.hardware import Driven, drive
+from spear_pin.hybrid.own import refuse_in_law
 from spear_pin.hybrid.rules.footing import Rubbing, along
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.directions import WORLD_ALIGNED
@@ -73,6 +74,7 @@ class Flow:
         self._ways: Ways = {}
         bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
         self._at_rest = [toe for toe in robot.toes if toe in bearing]  # as a controller sees them
+        self._in_law = False  # whether a law of one's own is being asked
         self._forces: dict[str, tuple[float, ...]] = dict.fromkeys(robot.toes, self._k * (0.0,))
         self._pivots = dict.fromkeys(robot.toes, math.nan)
         self._accelerate: Callable[[Array], Array] = (
@@ -174,7 +176,13 @@ class Flow:
     def _commanded(self, t: float, angles: Sequence[float], rates: Sequence[float]) -> Sequence[float]:
         """What the law asks for."""
         arguments = t, angles, rates, self.held, self._p, self, FLOATS
-        return self.own.torques(self.system.robot.actuated, arguments) if self.own.law else self._law(*arguments)
+        if not self.own.law:
+            return self._law(*arguments)
+        self._in_law = True
+        try:
+            return self.own.torques(self.system.robot.actuated, arguments)
+        finally:
+            self._in_law = False
 
     @property
     def tau(self) -> list[float]:
@@ -264,11 +272,15 @@ class Flow:
         return self._frame_ids[frame]
 
     def force(self, toe: str) -> tuple[float, ...]:
-        """Ground force on a toe in the last call, along the ground and normal to it, in N."""
+        """Ground force on a toe in the last call, along the ground and normal to it, in N; not for laws."""
+        if self._in_law:
+            refuse_in_law("force")
         return self._forces[toe]
 
     def pivot(self, toe: str) -> float:
-        """Effective inverse mass of the normal force of a slipping toe in the last call, in 1/kg."""
+        """Effective inverse mass of the normal force of a slipping toe in the last call, in 1/kg; not for laws."""
+        if self._in_law:
+            refuse_in_law("pivot")
         return self._pivots[toe]
 
     def normal_force(self, toe: str, u: Sequence[float]) -> float:

@@ -20,7 +20,7 @@ from spear_pin.hybrid.elimination import Matrix, factorize, solve, solve_sparse,
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.structure import Scalars, with_fields
 from spear_pin.hybrid.engines.trial import mistaken
-from spear_pin.hybrid.own import FOR_SYMBOLS, is_own, mistake, not_symbolic, scalar, torques
+from spear_pin.hybrid.own import FOR_SYMBOLS, is_own, mistake, not_symbolic, refuse_in_law, scalar, torques
 from spear_pin.model.planar import Feet, Planar
 from spear_pin.model.scalars import dot, negated, plus, times
 from spear_pin.model.spring import Spring
@@ -82,6 +82,7 @@ class Motion:
         self._taken = [toe for toe, _ in self._closed] if at_rest is None else list(at_rest)
         self._motors = [self._index[joint] for joint in robot.actuated]
         self._imposed: Imposed | None = None  # by the law, if it asks for that
+        self._in_law = False
 
     # what the domain asks for
 
@@ -95,7 +96,9 @@ class Motion:
         """Torques of the motors, and the motion that they impose if it was found together with them."""
         arguments = self.t, self.q, self.v, self.held, self.numbers.law, self, self.ops
         what, law = f"law of domain {self.domain.name!r}", self.domain.law
+        self._in_law = True
         answer = self._asked(what, law, law, arguments)
+        self._in_law = False
         u = torques(what, law, answer, self.system.robot.actuated) if is_own(law) else list(answer)
         imposed = self._imposed
         if imposed is None or {j for j, _ in imposed.torques} != set(range(len(u))):
@@ -184,11 +187,15 @@ class Motion:
         return self.numbers.ground.above(*self.planar.position(frame, self.q, self.ops), self.ops)
 
     def force(self, toe: str) -> tuple[Any, Any]:
-        """Ground force on a toe, along the ground and normal to it, in N."""
+        """Ground force on a toe, along the ground and normal to it, in N; not for laws."""
+        if self._in_law:
+            refuse_in_law("force")
         return self._solution[1].get(toe, (0.0, 0.0))
 
     def pivot(self, toe: str) -> Any:
-        """Effective inverse mass of the normal force of a slipping toe, in 1/kg."""
+        """Effective inverse mass of the normal force of a slipping toe, in 1/kg; not for laws."""
+        if self._in_law:
+            refuse_in_law("pivot")
         return self._solution[2][toe]
 
     def spring_torque(self, joint: str) -> Any:
