@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import re
+import shlex
 import sys
 import tempfile
 import textwrap
@@ -21,6 +22,7 @@ MOST_CYCLES = 10_000  # of a command; some thousand exhaust the evaluations that
 FREE = math.inf  # what an option says for "free": the search chooses
 ROBOT = "name of a robot (`spear robots` lists them), or path of a URDF, MJCF or TOML file"
 WRAP: Any = {"break_on_hyphens": False, "break_long_words": False}  # options are not torn apart
+MOST_LETTERS = 80  # of a folder's name that is repeated
 MARGIN = 15  # columns of a command's name in the help
 
 if TYPE_CHECKING:
@@ -85,6 +87,7 @@ class Parser(argparse.ArgumentParser):
 
     Attributes:
         more: name of the argument that words between and after options go to as well; None: they are refused.
+        instead: by an option that the command does not have, what to do instead, in words.
         output: its group of options that say where and how results are written, the last one of its help.
     """
 
@@ -96,6 +99,7 @@ class Parser(argparse.ArgumentParser):
         self.register("type", int, whole)
         # argparse's own, which some releases have without an exponent, -.5 or -inf
         self._negative_number_matcher = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
+        self.instead: dict[str, str] = {}
         self.output: argparse._ArgumentGroup = self.add_argument_group("output")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
@@ -113,10 +117,12 @@ class Parser(argparse.ArgumentParser):
         return super().format_help()
 
     def refuse_unknown(self, words: Sequence[str]) -> NoReturn:
-        """Exit with status 2 for arguments that are not known, and name the options nearest to the first of them."""
+        """Exit with status 2 for arguments that are not known; say what to do instead, or the nearest options."""
         said = f"unknown arguments: {' '.join(words)}"
         option = next((word.partition("=")[0] for word in words if word.startswith("--")), None)
-        if option is not None:
+        if option in self.instead:
+            said = f"{one_line(said, 400)}; {self.instead[option]}"
+        elif option is not None:
             names = [name for name in self._option_string_actions if name.startswith("--")]
             near = nearest(option, names)
             said = f"{one_line(said, 400)}; nearest options: {', '.join(near)}"
@@ -262,11 +268,21 @@ def check_folder(folder: Path, given: str, expected: str) -> None:
         expected: what it should be.
     """
     if not folder.is_dir():
-        raise BadValue("--out", given, expected)
+        command = "" if folder.exists() else _mkdir(folder)
+        raise BadValue("--out", given, expected + command)
     try:
         tempfile.TemporaryFile(dir=folder).close()  # permissions alone do not tell: /proc has them
     except OSError:
         raise BadValue("--out", given, f"{expected}, in which files can be written") from None
+
+
+def _mkdir(folder: Path) -> str:
+    """The command that makes a folder, as the end of a sentence; none for a name that is too long to be meant."""
+    name = str(folder)
+    if len(name) > MOST_LETTERS or not name.isprintable():
+        return ""
+    options = ("" if folder.parent.is_dir() else "-p ") + ("-- " if name.startswith("-") else "")
+    return f"; `mkdir {options}{shlex.quote(name)}` makes it"
 
 
 def add_simulation(parser: Parser, cycles: int, called: str, files: str, page: str) -> None:

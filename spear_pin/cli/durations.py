@@ -22,7 +22,7 @@ class Lasting(NamedTuple):
 
 LASTING = (
     Lasting("bound", "robot", "15 s to a minute, and in 3-D some minutes"),
-    Lasting("bound", "space", "15 to 30 s"),
+    Lasting("bound", "space", "one to two minutes, or half a minute for a gait with feedback"),
     Lasting("bound", "speed", "15 s to minutes, longer far from the gait's own speed"),
     Lasting("turn", "", "two to five minutes, or seconds for a gait that turns already"),
     Lasting("trot", "", "half a minute to a minute, or seconds for a gait with feedback"),

@@ -18,6 +18,12 @@ if TYPE_CHECKING:
 
 GUESSED = ("stiffness", "damping", "rest_angle")  # from the data, where they are neither given nor varied
 WORDS = {"coulomb": "dry friction", "rest_angle": "rest angle", "rotor_inertia": "rotor inertia"}
+LEG = "SPEAR-II, whose masses and inertias are assumed"
+ANOTHER = (
+    "the leg is SPEAR-II's; for another, call identify(leg, ...) in Python, with "
+    'leg = pin_toe(monopod(load(..., base="fixed"), "FL", locked=["boom_x"]), span=(-0.2, 2.5)); '
+    "`spear push-test --robot ROBOT` prints these lines for a robot"
+)
 KNOWN = ("stiffness", "damping", "coulomb", "rest_angle", "rotor_inertia")
 
 
@@ -49,7 +55,10 @@ def add(commands: Commands) -> None:
     smoothing.add_argument("--filter", metavar="KIND", help="centred or causal (default: centred)")
     smoothing.add_argument("--smoothed-already", action="store_true", help="take the records as smoothed already")
     smoothing.add_argument("--model-as-is", action="store_true", help="do not smooth the model: estimates are biased")
-    model = parser.add_argument_group("model")
+    parser.instead = dict.fromkeys(("--robot", "--leg"), ANOTHER)
+    model = parser.add_argument_group(
+        "model", "the leg is SPEAR-II, whose masses and inertias are assumed; Python takes other legs"
+    )
     add_leg(model)
     model.add_argument(
         "--vary",
@@ -112,10 +121,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     picture = save_figure(fit_summary(estimates), arguments.out / "identify.svg")
     return {
         "estimates": [{"file": name, **_figures(estimate)} for name, estimate in estimates.items()],
+        "leg": LEG,
         "remarks": remarks,
         "files": [str(picture)],
         "opened": picture,
-        "text": joined([*_lines(estimates), *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]),
+        "text": joined([*_lines(estimates), f"leg: {LEG}", *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]),
         "python": str(program),
     }
 

@@ -151,11 +151,12 @@ def pin_toe(robot: Robot, joint: str = "knee", span: tuple[float, float] | None 
     """
     row = robot.index(joint)
     if not robot.planar or robot.nv != 3 or robot.nq != 3 or len(robot.toes) != 1 or row == 0:
-        raise BadValue("robot", robot, "a planar leg with one toe, a height and two joints, as spear_ii, boom_x locked")
+        expected = 'a planar leg with one toe, a height and two joints; give locked=["boom_x"] to `load` or `monopod`'
+        raise BadValue("robot", robot, expected)
     if span is None:
         span = float(robot.model.lowerPositionLimit[row]), float(robot.model.upperPositionLimit[row])
     if not (np.isfinite(span).all() and span[0] < span[1] and max(np.abs(span)) < 2 * np.pi):
-        raise BadValue(f"limits of {joint}", span, "two angles, in rad")
+        raise BadValue(f"limits of {joint}", span, "two angles, in rad; give others by span=, such as span=(-0.2, 2.5)")
     if np.abs(robot.toe_jacobian(np.zeros(3), robot.toes[0])[:, 0] - (0.0, 1.0)).max() > PLACED:
         raise BadValue("robot", robot, "a leg whose first coordinate is the height")
     half, middle = 0.5 * (span[1] - span[0]), 0.5 * (span[0] + span[1])
@@ -166,7 +167,7 @@ def pin_toe(robot: Robot, joint: str = "knee", span: tuple[float, float] | None 
             needed = int(np.flatnonzero((np.abs(coefficients) > TAIL * largest[:, None]).any(axis=0))[-1]) + 1
             parts = np.split(coefficients[:, :needed], (3, 6, 7))
             return PinnedLeg(robot, joint, span, float(robot.model.armature[row]), *(Series(span, p) for p in parts))
-    raise BadValue(f"limits of {joint}", span, "angles at which the toe can be below the hip")
+    raise BadValue(f"limits of {joint}", span, "angles at which the toe can be below the hip; give others by span=")
 
 
 def _with_armature(robot: Robot, row: int, inertia: float) -> Robot:

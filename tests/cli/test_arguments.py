@@ -29,6 +29,29 @@ def test_a_folder_that_takes_no_files(capsys, tmp_path, monkeypatch, command):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("out", "said"),
+    [
+        ("k45", "`mkdir k45` makes it"),
+        ("my runs", "`mkdir 'my runs'` makes it"),
+        ("-1", "`mkdir -- -1` makes it"),
+        ("runs/k45", "`mkdir -p runs/k45` makes it"),
+        ("a_file", "expected an existing folder\n"),
+        ("k" * 100, "expected an existing folder\n"),
+    ],
+)
+def test_how_to_make_a_folder_is_said(capsys, tmp_path, monkeypatch, out, said):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a_file").touch()
+    assert said in f"{refused(capsys, 'report', '--out', out)}\n"
+
+
+def test_how_to_make_the_folder_of_a_sweep_is_said(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = refused(capsys, "sweep", "hop", "--over", "stiffness=47,48", "--out", "runs/a.zarr")
+    assert "`mkdir runs` makes it" in text
+
+
 @pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="no /proc here")
 def test_of_the_system(capsys):
     """Permissions alone would not tell."""

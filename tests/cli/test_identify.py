@@ -38,13 +38,15 @@ def test_truth_is_found(capsys, tmp_path, lab, smoothing):
         value, deviation = values(estimate)[name]
         assert abs(value - truth) < 3 * deviation < 0.01 * truth
     assert (tmp_path / "identify.svg").is_file()
+    assert shown["leg"].startswith("SPEAR-II")
 
 
 @pytest.mark.slow
 def test_table(capsys, tmp_path, lab):
     status, out, _ = run(capsys, "identify", lab, *CALIBRATION, "--out", tmp_path)
     assert status == 0
-    head, row, held, note = out.splitlines()[:4]
+    head, row, held, note, leg = out.splitlines()[:5]
+    assert leg == "leg: SPEAR-II, whose masses and inertias are assumed"
     assert "stiffness, N·m/rad" in head and "±" in row and "synthetic, not measured" in note
     assert held.endswith("held at coulomb 0, rotor_inertia 0.027")
 
@@ -140,6 +142,14 @@ def test_damaged_files(capsys, tmp_path, content, said):
 )
 def test_mistakes(capsys, tmp_path, lab, options, named):
     assert named in refused(capsys, "identify", lab, *options, "--out", tmp_path)
+
+
+@pytest.mark.parametrize("option", ["--robot=solo12", "--leg=FL"])
+def test_another_leg_is_for_python(capsys, tmp_path, lab, option):
+    line = refused(capsys, "identify", lab, option, "--out", tmp_path)
+    assert f"unknown arguments: {option}; the leg is SPEAR-II's" in line
+    assert 'pin_toe(monopod(load(..., base="fixed"), "FL", locked=["boom_x"]), span=(-0.2, 2.5))' in line
+    assert "spear push-test --robot" in line
 
 
 def test_missing_file(capsys, tmp_path):

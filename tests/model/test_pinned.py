@@ -265,7 +265,7 @@ class TestRefusals:
     )
     def test_not_a_leg(self, name, locked):
         robot = load(name, locked=locked)
-        with pytest.raises(BadValue, match="^robot is .* expected a planar leg with one toe"):
+        with pytest.raises(BadValue, match="^robot is .* expected a planar leg with one toe.*locked="):
             pin_toe(robot, next(c for c in robot.coordinates if c.endswith("knee")))
 
     def test_not_the_height(self):
@@ -288,7 +288,7 @@ class TestRefusals:
     def test_limits(self, write, limits):
         low, high = limits.split()
         robot = write(OWN.replace('lower="-2.4" upper="0.3"', f'lower="{low}" upper="{high}"'))
-        with pytest.raises(BadValue, match="^limits of lower is .* expected two angles") as caught:
+        with pytest.raises(BadValue, match="^limits of lower is .* expected two angles.*span=") as caught:
             pin_toe(robot, "lower")
         assert caught.value.value == (float(low), float(high))
 
