@@ -45,7 +45,8 @@ def check(arguments: argparse.Namespace) -> None:
     if not arguments.space:
         for name in ("push", "keep_heading"):
             if getattr(arguments, name):
-                raise BadValue(f"--{name.replace('_', '-')}", getattr(arguments, name), "to be left out, or --space added")
+                option = f"--{name.replace('_', '-')}"
+                raise BadValue(option, getattr(arguments, name), "to be left out, or --space added")
         return
     if arguments.speed and not arguments.robot:
         raise BadValue("--speed", arguments.speed, "to be left out with --space: name a gait of that speed by --gait")
