@@ -153,6 +153,8 @@ def _found(robot: Robot, source: Source) -> list[Pair]:
     if len(pairs) != 2 or len(matched) != 4 or len(limbs) != 4:
         names = ", ".join(leg.name for leg in limbs) or "none"
         expected = f"four legs (found: {names}), x forward and z up, whose hips mirror each other; or give pairs"
+        if len(limbs) == 1:
+            expected += f"; for a hop of this one leg type `--leg {names}`, in Python monopod(robot, {names!r})"
         raise BadValue("robot", robot, lacking_toe(robot) or expected)
     return _paired(source, pairs)
 

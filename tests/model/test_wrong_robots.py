@@ -207,7 +207,7 @@ CALLS = {
         lambda r: monopod(r.dog, "FL", locked=["boom"]),
         ("joint 'boom'", "valid: boom_x, boom_z, hip, knee"),
     ),
-    "a plane of a monopod": (lambda r: sagittal(load("spear_ii")), ("four legs", "found: leg")),
+    "a plane of a monopod": (lambda r: sagittal(load("spear_ii")), ("four legs", "found: leg", "`--leg leg`")),
     "one pair": (lambda r: sagittal(r.dog, FEET[:1]), ("pairs", "'FL', 'FR'", "two pairs")),
     "pairs that are texts": (lambda r: sagittal(r.dog, ["FL", "FR"]), ("pairs is ['FL', 'FR']", "two pairs")),
     "pairs across": (
