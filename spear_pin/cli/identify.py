@@ -125,7 +125,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "remarks": remarks,
         "files": [str(picture)],
         "opened": picture,
-        "text": joined([*_lines(estimates), f"leg: {LEG}", *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]),
+        "text": joined(
+            [*_lines(estimates), f"leg: {LEG}", *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]
+        ),
         "python": str(program),
     }
 
