@@ -76,7 +76,7 @@ def nominal(gait: Gait, hop: Trajectory) -> None:
     ):
         print(f"| {name} | {value} |")
     print("\n| flow | energy a hop [J] |\n| --- | --- |")
-    for flow, energy in summary["energy"].items():
+    for flow, energy in summary["energy_flows"].items():
         print(f"| {flow} | {energy:+.4f} |")
 
 

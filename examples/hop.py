@@ -32,7 +32,7 @@ def main(folder: Path) -> None:
     print(f"peak ground force  {summary['peak_force']:.1f} N")
     print(f"spring's share     {100 * summary['spring_share']:.1f} % of the push")
     print("multipliers        " + ", ".join(f"{value:.4f}" for value in gait.multipliers))
-    for flow, energy in summary["energy"].items():
+    for flow, energy in summary["energy_flows"].items():
         print(f"  {flow:<17}{energy:+10.4f} J a hop")
 
     # the same hop after a disturbance: at the apex the knee turns 1 rad/s faster than it should

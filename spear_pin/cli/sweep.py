@@ -139,7 +139,7 @@ def _check(arguments: argparse.Namespace) -> None:
     """Refuse what makes no sense, before anything is solved for."""
     if arguments.what not in ("hop", "bound"):
         if arguments.gait is not None:
-            raise BadValue("--gait", arguments.gait, f"none with {arguments.what}, which names a gait")
+            raise BadValue("--gait", arguments.gait, f"to be left out with {arguments.what}, which names a gait")
         arguments.what, arguments.gait = "bound", arguments.what
     if arguments.out.suffix != ".zarr" and arguments.out.is_dir():
         arguments.out /= NAME
